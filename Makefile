@@ -130,7 +130,7 @@ docs: $(DOCUMENTATION)  ## build the documentation with gallery and API, build/d
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
-		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.controls\.seeded'
+		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.controls\.(seeded|contact_test)'
 
 paper: $(RUNTIME)  ## article and supplement from results/, paper/build; needs latexmk
 	$(BIN)/study tables --out results

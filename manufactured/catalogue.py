@@ -29,6 +29,7 @@ NAMES = (
     "layered",
     "rotated",
     "corner",
+    "contact-at-clamp",
     "hexagon",
     "cube-disc",
     "cube-two-faces",
@@ -44,8 +45,12 @@ NAMES = (
     "junction",
     "softening",
     "double-well",
+    "closing-gap",
+    "parabolic-gap",
+    "cube-bowl",
 )
-"""Cases of Proposition 5.4 with simple contact zones first, then cases too rough for it, then laws that soften.
+"""Cases of Proposition 5.4 with simple contact zones first, then cases too rough for it, then laws that soften,
+then cases with an initial gap, which the paper does not have.
 
 The case NAME is made by the function ``case`` of ``manufactured/cases/NAME.py``, with ``_`` for ``-`` and ``.``.
 """

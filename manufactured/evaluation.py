@@ -57,7 +57,7 @@ def evaluate(of: Case | ExactSolution, x: ArrayLike, time: float) -> Evaluation:
     True
 
     Raises:
-        ValueError: the points do not have d coordinates.
+        ValueError: x has another shape, a point lies outside the body, or the time outside [0, T].
     """
     solution = of.solution if isinstance(of, Case) else of
     fields = solution.at(x)

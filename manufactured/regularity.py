@@ -29,6 +29,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+NATURAL_FRONT = (
+    "A pressure that ends like a square root, as Hertz's does (m = 1/2, gap with α = 3/2), comes from a singular "
+    "field, not from a lifting of gap and pressure: take the case natural-front of the catalogue, or build a case as "
+    "manufactured/cases/natural_front.py does, with a SingularFace, a SingularField from kolosov(κ, 1j, -0.5j, 1.5) "
+    "and the label Regularity(on_contact=1.5)"
+)
+
 
 @dataclass(frozen=True)
 class Regularity:
@@ -60,7 +67,9 @@ class Regularity:
 
     def __post_init__(self) -> None:
         if not (self.gap > 1.5 and self.pressure > 0.5):
-            raise ValueError(f"α = {self.gap}, m = {self.pressure}: H^(1+s) with s > 0 needs α > 3/2 and m > 1/2")
+            raise ValueError(
+                f"α = {self.gap}, m = {self.pressure}: H^(1+s) with s > 0 needs α > 3/2 and m > 1/2. {NATURAL_FRONT}"
+            )
         if not min(self.corner, self.on_contact) > 0:
             raise ValueError(f"λ = {min(self.corner, self.on_contact)}: H^(1+s) with s > 0 needs λ > 0")
 

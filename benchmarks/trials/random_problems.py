@@ -21,7 +21,7 @@ from manufactured.tensors import Array
 from study.bound.bounded import BoundedSolution
 from study.bound.problem import BoundError
 from study.bound.remainders import GUARANTEED
-from study.present.marks import markdown
+from study.present.pages import markdown
 
 COUNT, TIMES = 200, 3
 ROUNDING = 1e-6

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from study.ledger.files import write_text
-from study.present.marks import put
+from study.present.pages import put
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "results" / "trials"

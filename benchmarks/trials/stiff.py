@@ -20,7 +20,7 @@ from study.bound.bounded import bounded_solution
 from study.bound.trajectory import Refined
 from study.fem.mesh import Unstructured
 from study.ledger.text import up
-from study.present.marks import markdown
+from study.present.pages import markdown
 from study.solve.tableau import MIDPOINT
 
 LEVEL = 8

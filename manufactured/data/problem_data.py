@@ -16,7 +16,7 @@ from manufactured.exact import ExactSolution, ForceModes
 from manufactured.factor import x1, x2, x3
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.symbols import FormulaError, t
-from manufactured.tensors import Hyperplane, Points, Tensors, Vectors, mandel
+from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, mandel
 
 ForceInTime = Callable[[float], Vectors]
 Formulas = Sequence[sp.Expr | float]
@@ -61,6 +61,11 @@ class Data:
     fronts: Callable[[float], tuple[Hyperplane, ...]] = no_fronts
     force_modes: Callable[[Points], ForceModes] | None = None
 
+    @property
+    def has_initial_gap(self) -> bool:
+        """Whether an exact solution with an initial gap is behind the data; formulas have none."""
+        return isinstance(self.formulas_of, ExactSolution) and self.formulas_of.has_initial_gap
+
     @classmethod
     def of(cls, solution: ExactSolution) -> Data:
         """Return the data of an exact solution.
@@ -98,8 +103,9 @@ class Data:
         f2: Mapping[int, Formulas] | None = None,
         u0: Formulas | None = None,
         lines: tuple[Hyperplane, ...] = (),
+        **others: object,
     ) -> Data:
-        """Return data from formulas of x1, x2 (x3) and t.
+        """Return data from formulas of x1, x2 (x3) and t. There is no initial gap: Γ3 touches the foundation if u = 0.
 
         Args:
             body, law: the body and its material law.
@@ -107,11 +113,18 @@ class Data:
             f2: number of a part of ``body.parts`` ↦ the components of f_2 on it; parts of Γ2 left out carry no load.
             u0: the components of u_0; 0 if left out.
             lines: where the formulas have kinks.
+            others: refused, with what there is instead.
 
         Raises:
             LawError: body and law have different dimensions.
-            FormulaError: wrong components or symbols, or f_2 on a part that is not of Γ2.
+            FormulaError: wrong components or symbols, f_2 on a part that is not of Γ2, or another argument.
         """
+        if others:
+            raise FormulaError(
+                f"Data.formulas takes f0, f2, u0 and lines, got {', '.join(others)}; there is no initial gap in data, "
+                "as the undeformed body touches the foundation along Γ3; only an exact solution can have one, the "
+                "`initial_gap` of ContactFace.linear"
+            )
         dim, place = body.dim, (x1, x2, x3)[: body.dim]
         law.require_dimension(dim)
         force = compiled(f0, dim, "f0", (*place, t))
@@ -212,8 +225,18 @@ def _check_start(data: Data, inside: Points, rng: np.random.Generator) -> None:
         u = _finite("u_0", data.start(x), x, dim, "")
         if part.kind is Kind.CLAMPED and abs(u).max() > ROUNDING * size:
             raise LoadError(f"u_0 is {abs(u).max():.3g} on Γ1, where it has to vanish, (2.3); change u_0")
-        if part.kind is Kind.CONTACT and (part.normal @ u).max() > ROUNDING * size:
-            raise LoadError(f"u_0ν is {(part.normal @ u).max():.3g} > 0 on Γ3: u_0 has to lie in K, (3.5); change u_0")
+        beyond = part.normal @ u - _initial_gap(data, part, x)
+        if part.kind is Kind.CONTACT and beyond.max() > ROUNDING * size:
+            raise LoadError(f"u_0ν is {beyond.max():.3g} > 0 on Γ3: u_0 has to lie in K, (3.5); change u_0")
+
+
+def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
+    """Return g at points of a part; 0 off Γ3 and, as in the paper, for all data but those of solutions that have it."""
+    solution = data.formulas_of
+    if not (isinstance(solution, ExactSolution) and solution.has_initial_gap and part.kind is Kind.CONTACT):
+        return 0.0
+    (face,) = (face for face in solution.faces if face.part is part)
+    return solution.on(face, part.coordinates(x)[0]).initial_gap()
 
 
 def _inside(body: Body, rng: np.random.Generator) -> Points:

@@ -1,4 +1,4 @@
-"""f_0 of a linear law as sums of products of a field that time does not change and a function of place and time.
+"""The body force f_0 for a linear law, as a sum of products of a fixed field and a function of s and time.
 
 −Div(α C ε(u)) is linear in u, and the lifting of a contact face is linear in the derivatives along the face of w and of
 (q, r): each of these has a field of its own. Other contributions to u are taken at every point for itself.

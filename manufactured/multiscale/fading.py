@@ -80,6 +80,11 @@ class FadingFace:
     def __post_init__(self) -> None:
         refuse_kinks(self.gap, self.strain, self.pressure, self.level, self.depth)
 
+    @property
+    def initial_gap(self) -> sp.Expr:
+        """g = 0, as in the paper."""
+        return sp.Integer(0)
+
     @cached_property
     def gap_jet(self) -> Jet:
         return Jet(self.gap)

@@ -6,7 +6,7 @@ import numpy as np
 
 from manufactured.body import Part
 from manufactured.exact import ExactSolution
-from manufactured.self_proof.finding import ROUND_OFF, Finding, at_times, worst
+from manufactured.self_proof.finding import OPEN_IN_CONTACT, ROUND_OFF, Finding, at_times, worst
 from manufactured.tensors import Array
 
 JUMP = 0.05
@@ -35,10 +35,10 @@ def signs(solution: ExactSolution) -> list[Finding]:
         scale_w = np.maximum(abs(gap), TINY)
         scale_p = np.maximum(abs(pressure), 1e-6 * fields.stress_scale())
         checks = [
-            ("u_ν ≤ 0, u ∈ K", np.maximum(-gap, 0), scale_w),
+            ("u_ν ≤ g, u ∈ K", np.maximum(-gap, 0), scale_w),
             ("σ_ν ≤ 0", np.maximum(-pressure, 0), scale_p),
-            ("w = 0, so σ_ν u_ν = 0, on the stated zone ψ ≥ 0", np.where(contact, abs(gap), 0), scale_w),
-            ("p = 0, so σ_ν u_ν = 0, off the stated zone", np.where(contact, 0, abs(pressure)), scale_p),
+            (f"{OPEN_IN_CONTACT} ψ ≥ 0", np.where(contact, abs(gap), 0), scale_w),
+            ("p = 0, so σ_ν w = 0, off the stated zone", np.where(contact, 0, abs(pressure)), scale_p),
             (
                 "w > 0 off the stated zone",
                 np.where(~contact & (gap <= 0) & ~resting[:, None], abs(level), 0),

@@ -15,6 +15,15 @@ ROUND_OFF = 1e-9
 """Largest defect relative to the size of the terms that counts as round-off."""
 
 
+OPEN_IN_CONTACT = "w = 0, so σ_ν w = 0, on the stated zone"
+"""The condition that a gap violates which is positive where there is contact."""
+INITIAL_GAP_ADVICE = (
+    "`gap` is the distance that is left at the time t, 0 where there is contact. If your formula is the distance of "
+    "the undeformed body from the foundation, give it as `initial_gap` of ContactFace.linear, and give `gap` a formula "
+    "that vanishes in contact, such as pos(-zone, 4)"
+)
+
+
 @dataclass(frozen=True)
 class Finding:
     """The largest defect found in one condition.
@@ -52,9 +61,10 @@ class SelfProofError(ValueError):
     def __init__(self, name: str, findings: list[Finding]) -> None:
         self.findings = findings
         lines = "\n  ".join(str(finding) for finding in findings)
+        advice = f"\n  {INITIAL_GAP_ADVICE}" if any(OPEN_IN_CONTACT in one.condition for one in findings) else ""
         super().__init__(
             f"{name} does not prove itself an exact solution:\n  {lines}\n"
-            "  change the gap, the pressure, the zone or the law until it does"
+            f"  change the gap, the pressure, the zone or the law until it does{advice}"
         )
 
 

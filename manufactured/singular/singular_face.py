@@ -23,7 +23,7 @@ class SingularFace:
         part: the piece Γ3,i.
         gap: w(s, t).
         pressure: p(s, t), the pressure that the law gives for the field; the self-proof checks this.
-        level: ψ(s, t).
+        level: the level function ψ(s, t); the contact zone is {ψ ≥ 0}.
         field: the displacement.
         rough: coordinates s of the singular points that do not move.
 
@@ -40,6 +40,11 @@ class SingularFace:
 
     def __post_init__(self) -> None:
         refuse_kinks(self.gap, self.pressure, self.level)
+
+    @property
+    def initial_gap(self) -> sp.Expr:
+        """g = 0, as in the paper."""
+        return sp.Integer(0)
 
     @cached_property
     def gap_jet(self) -> Jet:

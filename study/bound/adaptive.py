@@ -1,9 +1,9 @@
-"""The command ``study bound --adapt``: refine meshes and time steps where the bound comes from, until it is small.
+"""The command ``study bound --adapt``: refine mesh and time steps until the error bound is below a tolerance.
 
-The bound is the one from u_h alone, and its shares (``study.bound.terms``) decide. Cells that together have half of the
-shares of all cells are refined (red, green and blue refinement after C. Carstensen, Constr. Approx. 20 (2004) 549–564,
-which leaves no hanging nodes and angles bounded from below). All time steps are halved if time has more than a quarter
-of the bound.
+The bound is computed from u_h alone. ``study.bound.terms`` divides it into shares of the cells and of time. The fewest
+cells that together have half of all shares of cells are refined (red, green and blue refinement after C. Carstensen,
+Constr. Approx. 20 (2004) 549–564, which leaves no hanging nodes and angles bounded from below). All time steps are
+halved if the share of time is more than a quarter of the bound.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from study.ledger.text import up
 from study.solve.evolution import Scheme
 
 PART = 0.5
-"""Part of the shares of all cells that the refined cells have together."""
+"""Fraction of the sum of all cell shares that the refined cells have together."""
 IN_TIME = 0.25
-"""Part of time in the bound above which steps are halved. If cells have no more than this part, the mesh stays."""
+"""Fraction of the bound due to time above which steps are halved; if cells have less, the mesh is not refined."""
 TOUCHING = 1e-9
 """Gap, relative to the largest displacement, up to which a vertex of Γ3 counts as in contact."""
 SHOWN = 4
@@ -46,7 +46,7 @@ SHOWN = 4
 
 @dataclass(frozen=True, eq=False)
 class Adapted:
-    """u_h on one mesh, the bound of its error and the shares of the bound."""
+    """The solution u_h on one mesh, the bound of its error and the shares of the bound."""
 
     mesh: Mesh
     computed: DiscreteSolution
@@ -56,7 +56,7 @@ class Adapted:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """The mesh, by its vertices (2, n) and cells (3, n), and the number of time steps of one bound."""
+    """A mesh, by its vertices (2, n) and cells (3, n), and a number of time steps."""
 
     p: Array
     t: Array
@@ -73,7 +73,7 @@ class Stage:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What a bound has to reach: a number, or a number of per cent of max ‖u(t)‖_V.
+    """The tolerance for the error bound: a number, or a percentage of max ‖u(t)‖_V.
 
     Raises:
         BoundError: the number is not positive.
@@ -95,10 +95,10 @@ class Tolerance:
 
 
 def tolerance_from(text: str) -> Tolerance:
-    """Return the tolerance that a text like ``0.2`` or ``5%`` states.
+    """Return the tolerance that is written as text, such as ``0.2`` or ``5%``.
 
     Raises:
-        BoundError: it states none.
+        BoundError: the text is not a tolerance.
     """
     percent = text.strip().endswith("%")
     try:
@@ -109,13 +109,13 @@ def tolerance_from(text: str) -> Tolerance:
 
 
 def check_cells(most: int) -> None:
-    """Raise BoundError if no cells are allowed."""
+    """Raise BoundError if the largest permitted number of cells is less than 1."""
     if most < 1:
         raise BoundError(f"--cells must be 1 or more, got {most}")
 
 
 def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adapted:
-    """Compute u_h and the bound of its error from u_h alone.
+    """Compute u_h on a mesh and the bound of its error from u_h alone.
 
     Raises:
         MeshError: the mesh does not fit the parts of the body.
@@ -132,7 +132,7 @@ def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adap
 
 
 def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
-    """Return the mesh and the number of steps that follow from the shares.
+    """Return the mesh and the number of steps after one refinement.
 
     Args:
         cells: shares of the cells, (cells,).
@@ -147,7 +147,7 @@ def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
 
 
 def marked(shares: Array, part: float) -> Array:
-    """Return the fewest cells that together have a part 0 < θ ≤ 1 of all shares, (n,).
+    """Return the numbers of the fewest cells whose shares add up to a fraction 0 < part ≤ 1 of all shares, (n,).
 
     Source: W. Dörfler, SIAM J. Numer. Anal. 33 (1996) 1106–1124.
     """
@@ -157,8 +157,11 @@ def marked(shares: Array, part: float) -> Array:
 
 
 def record(number: int, found: Adapted) -> dict[str, Any]:
-    """Return the record of a mesh: its ``row`` of ``adaptive.csv``, whether a known error lies ``inside``, and the
-    ``sentences`` on the evidence for the bound."""
+    """Return the results on one mesh as a dict.
+
+    Keys: ``row`` of ``adaptive.csv``; ``inside``, whether a known error lies in the enclosure; ``sentences`` on the
+    evidence for the bound.
+    """
     enclosure = found.enclosure
     row = {
         "mesh": number,
@@ -175,7 +178,10 @@ def record(number: int, found: Adapted) -> dict[str, Any]:
 
 
 def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Return ``adaptive.csv``: ``order`` is log(b/b')/log(N'/N), the order of the bound b in unknowns N."""
+    """Return the table ``adaptive.csv``, with one row for each mesh.
+
+    The column ``order`` is the order log(b/b')/log(N'/N) of the bound b in the number of unknowns N.
+    """
     found = pd.DataFrame(rows)
     unknowns, bounds = np.log(found["dofs"]).diff(), -np.log(found["bound"]).diff()
     found["bound"] = [float(up(bound, 9)) for bound in found["bound"]]
@@ -193,7 +199,11 @@ def text(
     sentences: Sequence[str],
     norm: str = MOVING,
 ) -> list[str]:
-    """Return the printed lines: whether the tolerance is reached, the evidence, and a line for each mesh."""
+    """Return the printed lines: whether the tolerance is reached, the evidence, and one line for each mesh.
+
+    Args:
+        stopped: why refinement ended before the tolerance was reached; empty if it was reached.
+    """
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
     bound, known = up(rows["bound"].iloc[-1], SHOWN), bool(rows["error"].notna().all())
     percent = _percent(rows["percent"].iloc[-1])
@@ -218,18 +228,18 @@ def _percent(percent: float) -> str:
 
 
 def stage_file(directory: Path, number: int) -> Path:
-    """Return the path of a mesh with its displacement and the shares of its cells."""
+    """Return the path of the file for one mesh, with its displacement and the shares of its cells."""
     return directory / f"adapted-{number}.npz"
 
 
 def write_stage(directory: Path, number: int, found: Adapted) -> Path:
-    """Write the displacement (``write_displacement``), shares (cells,) and in_time; return the path."""
+    """Write the displacement as ``write_displacement`` does, with the shares of cells and time; return the path."""
     shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
     return write_displacement(stage_file(directory, number), found.computed, **shares)
 
 
 def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, Array]:
-    """Return the ends (2, 2, n) of the edges of Γ3, and which edges are in contact at both ends, (n,).
+    """Return the end points (2, 2, n) of the edges of Γ3, and which edges are in contact at both ends, (n,).
 
     Args:
         displacement: at the vertices, (2, vertices).

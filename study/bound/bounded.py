@@ -1,4 +1,4 @@
-"""The command ``study bound``: a displacement with bounds of its error on each level, tables, text and files."""
+"""The command ``study bound``: compute a displacement and bounds of its error on each level; write tables and text."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.discretisation import Discretisation, refuse_solids
+from study.bound.discretisation import Discretisation, refuse_initial_gap, refuse_solids
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
 from study.bound.problem import BoundError, require_units
 from study.bound.static import compute_static, enclose_static
@@ -30,26 +30,29 @@ from study.solve.evolution import Scheme
 from study.solve.steps import rate_steps, require_steps
 
 LINES = 8
-"""Number of times in the printed table."""
+"""Number of times that the printed table shows."""
 DIGITS = 9
 """Decimals in files."""
 SHOWN, PERCENT = 4, 3
 """Significant digits of bounds, and of bounds in per cent, in the printed table."""
 MOVING, STATIC = "‖u(t) − u_h(t)‖_V", "‖u − u_h‖_G"
-"""The norm of an error that moves, and the energy norm of static elasticity, in the printed text."""
+"""The norms of the error in the printed text: of a problem in time, and the energy norm of static elasticity."""
 INSIDE = 1e-12
-"""Penetration, relative to the largest displacement, that counts as rounding."""
+"""Penetration, relative to the largest displacement, up to which it counts as round-off."""
 SMALLER = 0.95
-"""Largest ratio of two mesh sizes that have an order."""
+"""Largest ratio of two mesh sizes for which an order is computed."""
 ON_LINE = 1e-9
-"""Distance, relative to the body, up to which a side lies on a line."""
+"""Distance, relative to the size of the body, up to which a side counts as lying on a line."""
 
 
 @dataclass(frozen=True, eq=False)
 class BoundedSolution:
-    """u_h, the bound of its error from u_h alone, and the enclosure by a displacement closer to u.
+    """The solution u_h with two bounds of its error.
 
-    ``plain`` is None if u_h alone gives no bound; a sentence of ``remarks`` then says why.
+    Attributes:
+        computed: u_h.
+        plain: the bound from u_h alone; None if there is none, and a sentence of ``remarks`` then says why.
+        enclosure: the lower and upper bound from a displacement that is closer to u.
     """
 
     computed: Computed
@@ -59,7 +62,7 @@ class BoundedSolution:
 
     @property
     def relative(self) -> tuple[float, float]:
-        """An interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V, by the better of the two bounds."""
+        """Interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V, the intersection from both bounds."""
         both = [self.enclosure.relative, *([self.plain.relative] if self.plain else [])]
         return max(low for low, _ in both), min(high for _, high in both)
 
@@ -75,12 +78,12 @@ def steps_on(data: Data, level: int, wanted: int | None) -> int:
 
 
 def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: int | None, refined: Refined) -> None:
-    """Refuse problems and options for which no bound can be given, before time is spent.
+    """Refuse a problem or options for which no bound can be computed, before time is spent.
 
     Raises:
-        BoundError: levels, steps or refinements that make no sense, T, a body or a law of extreme size, a family that
-            does not serve the body, a body in 3D or a law without a usable monotonicity constant.
-        LoadError: data to which no solution can belong.
+        BoundError: invalid levels, steps or refinements; T, a body or a law of extreme size; a mesh family that cannot
+            mesh the body; a body in 3D; or a law without a usable monotonicity constant.
+        LoadError: no solution can exist for the data.
         MeshError: a mesh does not fit the parts of the body.
     """
     if not levels or min(levels) < 2 or any(b <= a for a, b in pairwise(levels)):
@@ -94,11 +97,11 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
 
 
 def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
-    """Refuse problems, steps and refinements for which no bound can be given on any mesh.
+    """Refuse a problem, steps or refinements for which no bound can be computed on any mesh.
 
     Raises:
-        BoundError: says which.
-        LoadError: data to which no solution can belong.
+        BoundError: names the reason.
+        LoadError: no solution can exist for the data.
     """
     if steps is not None:
         if steps < 1:
@@ -110,6 +113,7 @@ def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
             f"got {refined.refinements} and {refined.shorter}"
         )
     refuse_solids(data)
+    refuse_initial_gap(data)
     require_units(data)
     data.check()
 
@@ -124,7 +128,7 @@ def bounded_solution(
     refined: Refined,
     progress: Callable[[float], object] = lambda time: None,
 ) -> BoundedSolution:
-    """Compute u_h and both bounds; ``progress`` is called with the times of the enclosure that are done."""
+    """Compute u_h and both bounds; ``progress`` is called with each time up to which the enclosure is computed."""
     discretisation = Discretisation(data, family(data.body, level))
     if isinstance(data, Static):
         return bounded_static(discretisation, compute_static(discretisation), refined.refinements)
@@ -138,7 +142,7 @@ def bounded_solution(
 
 
 def bounded_static(coarse: Discretisation, computed: Computed, refinements: int) -> BoundedSolution:
-    """Return both bounds of the error of a static displacement; from u_h alone only if it lies in K."""
+    """Return both bounds of the error of a static displacement; the bound from u_h alone only if u_h lies in K."""
     V, u_h = coarse.displacements, computed.on(coarse)(0.0)
     penetrates = float((V.N @ u_h).max(initial=0.0)) > INSIDE * float(abs(u_h).max())
     plain = None if penetrates else enclose_static(coarse, computed, None)[0]
@@ -155,7 +159,7 @@ def series(level: int, found: BoundedSolution) -> pd.DataFrame:
     columns |= {"percent_low": 100 * enclosure.lower / size[1] if size[1] > 0 else 0.0}
     columns |= {"percent_high": 100 * enclosure.upper / size[0] if size[0] > 0 else math.inf}
     frame = pd.DataFrame({"level": level, "time": enclosure.times} | columns)
-    # Ends are rounded outward.
+    # Outward rounding: the printed interval must contain the computed one.
     below, above = ["lower", "percent_low"], ["upper", "bound", "plain", "percent_high"]
     frame[below] = np.floor(frame[below] * 10**DIGITS) / 10**DIGITS
     frame[above] = np.ceil(frame[above] * 10**DIGITS) / 10**DIGITS
@@ -163,10 +167,10 @@ def series(level: int, found: BoundedSolution) -> pd.DataFrame:
 
 
 def record(level: int, found: BoundedSolution) -> dict[str, Any]:
-    """Return the record of a level, from which tables and text are made.
+    """Return the results on one level as a dict, from which tables and text are made.
 
-    Keys: ``row`` of ``levels.csv`` without orders; ``series``, the level's part of ``enclosure.csv``; ``inside``,
-    whether a known error lies inside; ``sentences`` on the evidence for the bounds.
+    Keys: ``row`` of ``levels.csv`` without orders; ``series``, the level's rows of ``enclosure.csv``; ``inside``,
+    whether a known error lies in the enclosure; ``sentences`` on the evidence for the bounds.
     """
     enclosure = found.enclosure
     row = {
@@ -193,9 +197,10 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
 
 
 def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Return ``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of two observed orders.
+    """Return the table ``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of two observed orders.
 
-    ``order`` is the order since the first level, ``pair`` the order since the level before.
+    The order in the columns ``order_…`` is computed from the first level, the order in ``pair_…`` from the previous
+    level.
     """
     table = pd.DataFrame(rows)
     for name, earlier in (("order", [None] + [rows[0]] * (len(rows) - 1)), ("pair", [None, *rows[:-1]])):
@@ -205,7 +210,7 @@ def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
 
 
 def _order(coarse: dict[str, Any] | None, fine: dict[str, Any]) -> tuple[float, float]:
-    """The interval of the order between two levels; NaN without a coarser mesh before."""
+    """Return the interval of the order between two levels; NaN if there is no coarser mesh."""
     if coarse is None or not fine["h"] < SMALLER * coarse["h"]:
         return math.nan, math.nan
     before, after = ((one["lowest"], one["highest"]) for one in (coarse, fine))
@@ -213,9 +218,12 @@ def _order(coarse: dict[str, Any] | None, fine: dict[str, Any]) -> tuple[float, 
 
 
 def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Sequence[str], norm: str = MOVING) -> str:
-    """Return the printed text, from the tables of ``levels`` and ``series`` and the sentences on the evidence.
+    """Return the printed text.
 
     Args:
+        table: from ``levels``.
+        over_time: from ``series``, of all levels.
+        sentences: on the evidence for the bounds.
         norm: the norm of the error, ``MOVING`` or ``STATIC``.
     """
     known = bool(table["error"].notna().all())
@@ -228,13 +236,13 @@ def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Seq
         "",
     ]
     moving = norm != STATIC
-    # A static problem has one time, whose line is in the last table as well.
+    # A static problem has one time only, and the last table already shows its enclosure.
     over = [*_over_time(over_time, known), ""] if moving else []
     return "\n".join([*lines, *over, *_intervals(table, known, moving)])
 
 
 def _over_time(over_time: pd.DataFrame, known: bool) -> list[str]:
-    """Lines with the enclosure at some times on the finest level."""
+    """Return lines with the enclosure at up to ``LINES`` times on the finest level."""
     finest = over_time[over_time["level"] == over_time["level"].max()]
     places = np.unique(np.linspace(0, len(finest) - 1, LINES).round().astype(int))
     head = f"{'t':>7} {'lower':>9} {'error':>9} {'upper':>9} {'% of u':>15} {'upper/lower':>11}"
@@ -249,7 +257,7 @@ def _over_time(over_time: pd.DataFrame, known: bool) -> list[str]:
 
 
 def _intervals(table: pd.DataFrame, known: bool, moving: bool = True) -> list[str]:
-    """Lines with the intervals of the error on each level, and of the orders since the first and the previous level."""
+    """Return lines with the intervals of the error and of both orders on each level."""
     several, since = len(table) > 2, f"order since {table['level'].iloc[0]}"
     largest = "max error in" if moving else "error in"
     head = f"{'level':>5} {largest:>19} {'% of u':>15} {'error':>7} {'from u_h alone':>14} {since:>15}"
@@ -281,7 +289,7 @@ def _shown(low: float, high: float, columns: int) -> str:
 
 
 def contact_sentences(body: Body) -> list[str]:
-    """Return a sentence on the foundation if the sides of Γ3 do not lie on one line."""
+    """Return a sentence on the shape of the foundation if the sides of Γ3 do not lie on one line."""
     sides = body.of(Kind.CONTACT)
     first, reach = sides[0], ON_LINE * float(np.ptp(body.vertices, axis=1).max())
     if all(abs(first.coordinates(side.corners)[1]).max() <= reach for side in sides):
@@ -294,7 +302,7 @@ def contact_sentences(body: Body) -> list[str]:
 
 
 def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list[Path]:
-    """Write levels.csv and enclosure.csv and return their paths."""
+    """Write levels.csv and enclosure.csv; return their paths."""
     return [
         write_text(directory / "levels.csv", table.to_csv(index=False)),
         write_text(directory / "enclosure.csv", over_time.to_csv(index=False)),
@@ -302,18 +310,18 @@ def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list
 
 
 def trajectory_file(directory: Path, level: int) -> Path:
-    """Return the path of the displacement of a level."""
+    """Return the path of the file with the displacement of a level."""
     return directory / f"trajectory-{level}.npz"
 
 
 def write_trajectory(directory: Path, level: int, found: BoundedSolution) -> Path:
-    """Write the displacement of a level (``write_displacement``) and return the path."""
+    """Write the displacement of a level as ``write_displacement`` does; return the path."""
     assert isinstance(found.computed, DiscreteSolution)
     return write_displacement(trajectory_file(directory, level), found.computed)
 
 
 def write_displacement(path: Path, computed: DiscreteSolution, **more: Array) -> Path:
-    """Write the mesh, the times and the nodal values of u_h, and more arrays; return the path.
+    """Write the mesh, the times, the nodal values of u_h and further arrays; return the path.
 
     The arrays are p (2, vertices), t (3, cells), times (steps + 1,), u (steps + 1, 2, vertices).
     """

@@ -1,6 +1,6 @@
-"""The spaces of one mesh for the bound: displacements of degree 2, stresses of degree 3, and the data of the problem.
+"""The spaces on one mesh for the bound: displacements of degree 2, stresses of degree 3, and the data of the problem.
 
-Problems that cannot be bounded on the mesh are refused with the reason.
+Problems that cannot be bounded on the mesh are refused.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
 LEAST_TIMES, CACHED_NUMBERS = 40, 1 << 23
-"""The least number of times whose data are cached; if these take few numbers, more times up to this many numbers."""
+"""The data of at least ``LEAST_TIMES`` times are cached, and of more times up to ``CACHED_NUMBERS`` stored numbers."""
 DEGREE = 3
-"""Degree of stresses: P f_0 then has degree 2, rigid motions of the cells among them."""
+"""Degree of stresses. The projection P f_0 then has degree 2, so that it contains the rigid motions of the cells."""
 GRAM = interval_mass(2, DEGREE)
-"""∫_0^1 B_i B_j for displacements and stresses, (3, n)."""
+"""Integrals ∫_0^1 B_i B_j of Bernstein polynomials of displacements and of stresses, (3, n)."""
 ON_VERTEX = 1e-9
-"""Distance, relative to the cell, up to which a line on which the material changes counts as meeting a vertex."""
+"""Distance, relative to the cell, up to which a line of discontinuity of the material counts as meeting a vertex."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Discretisation:
     """Spaces and matrices on one mesh.
 
     Raises:
-        BoundError: the body is not plane, T, the body or the law has an extreme size, A or G jumps inside a cell, or
+        BoundError: the body is not plane; T, the body or the law has an extreme size; A or G jumps inside a cell; or
             the law has no usable monotonicity constant.
     """
 
@@ -52,13 +52,14 @@ class Discretisation:
 
     def __post_init__(self) -> None:
         refuse_solids(self.data)
+        refuse_initial_gap(self.data)
         require_units(self.data)
         refuse_jumps_in_cells(self.data, self.mesh)
         self.moduli  # noqa: B018
 
     @cached_property
     def moduli(self) -> Moduli:
-        """The moduli of G against A, which decide how the bound grows in time."""
+        """The moduli of G relative to A, which decide how the bound grows in time."""
         return moduli(self.data.law)
 
     @cached_property
@@ -73,12 +74,12 @@ class Discretisation:
 
     @cached_property
     def inverse_viscosity(self) -> Array:
-        """1/α of A at the points of the stresses, (cells, Q)."""
+        """The factor 1/α of A⁻¹ at the quadrature points of the stresses, (cells, Q)."""
         return 1 / self.data.law.A.factor(self.stresses.points)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
-        """Minimises over Σ^h what a step adds to the bound, in the norm of ``Moduli.compliance``."""
+        """The minimisation of the residual over Σ^h, in the norm of ``Moduli.compliance``."""
         compliance = self.moduli.compliance(self.data.body.T)
         if self.data.law.A.factor is not UNIFORM:
             compliance = np.multiply.outer(self.inverse_viscosity, compliance)
@@ -86,28 +87,28 @@ class Discretisation:
 
     @cached_property
     def snapshot(self) -> Callable[[float], Snapshot]:
-        """t ↦ the data; the data of the last times are cached, because loads and bounds ask for the same times."""
-        # A snapshot takes as many numbers as there are points.
+        """Function from a time to the data at that time, cached because loads and bounds use the same times."""
+        # One snapshot stores about as many numbers as there are quadrature points.
         times = max(LEAST_TIMES, CACHED_NUMBERS // self.stresses.weights.size)
         return lru_cache(maxsize=times)(ProjectedLoads(self.data, self.stresses).at)
 
     @cached_property
     def oscillation(self) -> Oscillation:
-        """Bounds f − P f cell by cell in the dual of V."""
+        """Bounds of f − P f on each cell in the dual norm."""
         A = self.data.law.A
         return Oscillation(self.stresses, np.linalg.inv(A.matrix), A.factor.low)
 
     @cached_property
     def sampling(self) -> Sampling:
-        """Whether the bound is guaranteed, and what samples of the data miss."""
+        """Decides whether the bound is guaranteed, and bounds how much the data can differ from their samples."""
         return Sampling(self.data, self.stresses)
 
     def load(self, time: float) -> Array:
-        """Return (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} at a time, (dofs,)."""
+        """Return the projected load (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} at a time for the basis functions v, (dofs,)."""
         return self.functional(self.snapshot(time).loads)
 
     def functional(self, loads: Loads) -> Array:
-        """Return (P f_0, v)_H + (P f_2, v)_{L²(Γ2)}, (dofs,)."""
+        """Return (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} for the basis functions v and given projected loads, (dofs,)."""
         space, V = self.stresses, self.displacements
         force = space.volumes[:, None, None] * (self._moments @ loads.force.reshape(space.cells, -1, 2))
         places, moments = [V.numbers.T.ravel()], [force.reshape(-1, 2)]
@@ -120,52 +121,53 @@ class Discretisation:
 
     @cached_property
     def _moments(self) -> Array:
-        """∫ B_β b_α/|T| for displacements B_β of a cell and the shapes b_α of P f_0, (6, 3 thirds · lower)."""
+        """Integrals ∫ B_β b_α/|T| of basis functions of displacements and of P f_0, (6, 3 thirds · lower)."""
         space = self.stresses
         thirds = np.kron(np.eye(3), space.force_shapes)
         return self.displacements.shapes(space.barycentric) * space.shares @ thirds.T
 
     @cached_property
     def M(self) -> sps.csc_array:
-        """The matrix of (·,·)_V."""
+        """The matrix of the inner product (·,·)_V."""
         return self.displacements.form(self.data.law.A.matrix, self.data.law.A.factor(self.displacements.points))
 
     def norm(self, v: Array) -> Any:
-        """‖v‖_V, (..., dofs) → (...)."""
+        """Return the norm ‖v‖_V, (..., dofs) → (...)."""
         return np.sqrt(np.maximum(np.einsum("...i,...i->...", v, (self.M @ v.T).T), 0.0))
 
     @cached_property
     def _strains(self) -> sps.csr_array:
-        """v ↦ ε(v) at the vertices of the cells, between which it is linear."""
+        """The matrix from v to ε(v) at the vertices of the cells; on a cell ε(v) is linear."""
         return self.displacements.strains(np.eye(3))
 
     def strain(self, v: Array) -> Tensors:
-        """Return ε(v) at the points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        """Return ε(v) at the quadrature points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
         corners = (self._strains @ v.T).reshape(3, self.stresses.cells, 3, *reversed(v.shape[:-1]))
         found: Tensors = np.ascontiguousarray(np.moveaxis(corners, (1, 2), (-2, -1))) @ self.stresses.barycentric
         return found
 
     @cached_property
     def _law(self) -> tuple[Callable[[Tensors], Tensors], Callable[[Tensors], Tensors]]:
-        """A and G at the points of the stresses."""
+        """The operators A and G at the quadrature points of the stresses."""
         law, points = self.data.law, self.stresses.points
         return law.A.at(points), law.G.at(points)
 
     def viscous(self, rate: Array) -> Tensors:
-        """Return Aε(rate) at the points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        """Return Aε(rate) at the quadrature points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
         return self._law[0](self.strain(rate))
 
     def elastic(self, u: Array) -> Tensors:
-        """Return Gε(u) at the points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        """Return Gε(u) at the quadrature points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
         return self._law[1](self.strain(u))
 
     def nearest_stress(self, loads: Loads, target: Tensors, u: Array) -> EquilibratedStress:
-        """Return σ̃ with the least ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν among the stresses that balance the loads.
+        """Return the stress σ̃ that minimises ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν among the stresses that balance the
+        loads.
 
-        ``Moduli.compliance`` defines the norm. The values of the result are σ̃ − target.
+        ``Moduli.compliance`` defines the norm. The ``values`` of the result are σ̃ − target.
 
         Args:
-            loads: one, or several.
+            loads: at one time or several times.
             target: Aε(ũ̇) + Gε(ũ), (3, ..., cells, Q).
             u: ũ ∈ K, (..., dofs).
         """
@@ -173,18 +175,18 @@ class Discretisation:
 
     @cached_property
     def cells_at_contact(self) -> Array:
-        """The cells at the edges of Γ3, (edges of Γ3,)."""
+        """The number of the cell at each edge of Γ3, (edges of Γ3,)."""
         edges = [edges for _, edges in self.stresses.on(Kind.CONTACT)]
         return np.asarray(self.stresses.mesh.f2t[0, np.concatenate(edges)])
 
     def normal_moments(self, v: Array) -> Array:
-        """Return ∫_e v_ν B_i on the edges of Γ3, (..., dofs) → (..., edges of Γ3, n)."""
+        """Return the integrals ∫_e v_ν B_i on the edges of Γ3, (..., dofs) → (..., edges of Γ3, n)."""
         found: Array = (self._normal_moments @ v.reshape(-1, v.shape[-1]).T).T
         return found.reshape(*v.shape[:-1], -1, DEGREE + 1)
 
     @cached_property
     def _normal_moments(self) -> sps.csr_array:
-        """v ↦ the same, edge by edge."""
+        """The matrix of ``normal_moments``, with the edges of Γ3 and then i as row index."""
         on = self.stresses.on(Kind.CONTACT)
         traces = self.displacements.normal_components(
             [(part, self.displacements.on_edges(edges).T.ravel()) for part, edges in on]
@@ -201,8 +203,17 @@ def refuse_solids(data: Data) -> None:
         )
 
 
+def refuse_initial_gap(data: Data) -> None:
+    """Raise BoundError unless the body touches the foundation from the start."""
+    if data.has_initial_gap:
+        raise BoundError(
+            "the bound rests on σ_ν u_ν = 0 on Γ3 and on u_ν ≤ 0, the problem has an initial gap; give a problem "
+            "without one"
+        )
+
+
 def refuse_jumps_in_cells(data: Data, mesh: Mesh) -> None:
-    """Raise BoundError unless A and G are smooth in every cell, as integrals of strains and stresses assume."""
+    """Raise BoundError if A or G jumps inside a cell, because integrals over cells assume smooth coefficients."""
     for direction, offset in data.law.steps:
         distance = (np.array(direction) @ mesh.p - offset)[mesh.t]
         near = ON_VERTEX * np.ptp(distance, axis=0)
@@ -214,7 +225,7 @@ def refuse_jumps_in_cells(data: Data, mesh: Mesh) -> None:
 
 
 def check_force(case: Case | None) -> None:
-    """Raise BoundError if f_0 ∉ L²(Ω)²: its oscillation is infinite, and no composite stress balances it."""
+    """Raise BoundError if f_0 ∉ L²(Ω)²: its oscillation is then infinite, and no composite stress balances it."""
     if case is not None and not case.regularity.force_in_L2:
         raise BoundError(
             f"case {case.name}: {case.regularity} has f_0 ∉ L²(Ω)², and the bound needs stresses with Div σ = −P f_0; "

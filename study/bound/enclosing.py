@@ -1,9 +1,9 @@
-"""‖u(t) − u_h(t)‖_V enclosed without u, by another displacement ũ and a bound y of ‖u(t) − ũ(t)‖_V:
+"""Lower and upper bound of ‖u(t) − u_h(t)‖_V without u, from another displacement ũ and a bound y of ‖u(t) − ũ(t)‖_V:
 
     d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t),     d = ‖ũ − u_h‖_V.
 
-If ũ is u_h smoothed in time, this is an upper bound. If ũ is closer to u, the lower end is positive as well
-(``study.bound.trajectory``).
+If ũ is u_h smoothed in time, this is an upper bound only. If ũ is closer to u than u_h is, the lower bound is positive
+as well (``study.bound.trajectory``).
 """
 
 from __future__ import annotations
@@ -26,30 +26,31 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.quadrature import Line, cell_rules
 
 POOR = 0.5
-"""Share of y above which the output says where the data are seen poorly."""
+"""Fraction of y due to remainders of data above which the output says where the samples are too coarse."""
 SAME_TIME = 1e-9
-"""Distance of two times, relative to a piece, up to which they are the same."""
+"""Difference of two times, relative to the length of a piece, up to which they count as equal."""
 RAISED = 4
-"""Added to the degree of the standard quadrature for a known error. On the coarse meshes of bounds the standard rule is
-off by 3 % (n = 2) to 0.1 % (n = 8), and bounds at small times are only some per cent apart."""
+"""Added to the degree of the standard quadrature for a known error. On coarse meshes the standard rule has a relative
+error
+of 3 % (n = 2) to 0.1 % (n = 8), and bounds at small times differ by a few per cent only."""
 INITIAL_DEGREE = 6
-"""Degree of the rule for ‖u_0 − ũ(0)‖_V."""
+"""Degree of the quadrature rule for ‖u_0 − ũ(0)‖_V."""
 
 
 @dataclass(frozen=True, eq=False)
 class Enclosure:
-    """The bounds of ‖u(t) − u_h(t)‖_V over [0, T].
+    """Lower and upper bounds of ‖u(t) − u_h(t)‖_V over [0, T].
 
     Attributes:
         h: mesh size of u_h.
         times: the knots of ũ after 0, (n,).
         distance: d at the times, (n,).
         bound: y at the times, (n,).
-        error: the true error where it is known, otherwise NaN, (n,).
+        error: the true error if the exact solution is known, otherwise NaN, (n,).
         intervals: the terms of y, one interval up to each time.
         start: bound of the error at t = 0.
-        initial: the squares of ‖u_0 − ũ(0)‖ on the cells of ũ as samples see them, (cells,).
-        between: bound of the error over the interval up to each time, (n,).
+        initial: ‖u_0 − ũ(0)‖² on the cells of ũ, from samples of u_0, (cells,).
+        between: bound of the error on the interval that ends at each time, (n,).
         evidence: whether the bounds are guaranteed or estimated, and why.
         norm: an interval that contains max_t ‖u(t)‖_V.
     """
@@ -67,7 +68,7 @@ class Enclosure:
     norm: tuple[float, float]
 
     def __post_init__(self) -> None:
-        """Raise BoundError unless all bounds are finite: maxima and minima would hide NaN."""
+        """Raise BoundError unless all bounds are finite; a NaN would be lost in maxima and minima."""
         names = "distance", "bound", "start", "between"
         require_finite({f"the {name} of the enclosure": getattr(self, name) for name in names})
         if not np.isnan(self.error).all():
@@ -75,17 +76,18 @@ class Enclosure:
 
     @property
     def highest(self) -> float:
-        """A bound of the error over all of [0, T], between the times as well."""
+        """A bound of the error over all of [0, T], including times between knots."""
         return max(self.start, float(self.between.max()))
 
     def bound_at(self, times: Array) -> Array:
-        """Return bounds at any times of (0, T], from the intervals in which the times lie, (m,)."""
+        """Return bounds of the error at times in (0, T], from the intervals that contain the times, (m,)."""
         return self.between[np.searchsorted(self.times[:-1], times)]
 
     def shares(self, moduli: Moduli) -> Shares:
-        """Return the shares of ``highest``: of all pieces up to the one in which it is reached, decayed until then.
+        """Return the shares of ``highest``: shares of all pieces up to its maximum, decayed until then.
 
-        What samples of u_0 miss is shared like what they see. What smoothing in time adds is the share of time.
+        The remainder of u_0 is divided like the sampled initial error. The increase due to smoothing in time belongs to
+        time.
         """
         last = int(self.between.argmax()) if self.highest > self.start else -1
         found = Shares(self.initial, 0.0).scaled_to(self.intervals[0].at_a)
@@ -95,12 +97,12 @@ class Enclosure:
 
     @property
     def lower(self) -> Array:
-        """max(d − y, 0), (n,)."""
+        """Lower bound max(d − y, 0) of the error at the times, (n,)."""
         return np.maximum(self.distance - self.bound, 0.0)
 
     @property
     def upper(self) -> Array:
-        """d + y, (n,)."""
+        """Upper bound d + y of the error at the times, (n,)."""
         return self.distance + self.bound
 
     @property
@@ -110,13 +112,13 @@ class Enclosure:
 
     @property
     def relative(self) -> tuple[float, float]:
-        """An interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V; its upper end is ∞ if u may be 0."""
+        """Interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V; the upper end is ∞ if u may be 0."""
         low, high = self.norm
         return (self.lowest / high if high > 0 else 0.0), (self.highest / low if low > 0 else math.inf)
 
     @property
     def contains(self) -> bool:
-        """Whether the known error lies inside at all times."""
+        """Whether the known error lies in the enclosure at all times."""
         return bool(((self.lower <= self.error) & (self.error <= self.upper)).all())
 
 
@@ -127,15 +129,15 @@ def enclose(
     error: Callable[[float, Array], float] | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> Enclosure:
-    """Return the bounds of the error of one computed displacement on the mesh of ``coarse``.
+    """Return lower and upper bounds of the error of a computed displacement on the mesh of ``coarse``.
 
     Args:
-        error: (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, where the exact solution is known.
-        progress: called with every time that is done.
+        error: function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if the exact solution is known.
+        progress: called with each knot after its bound is computed.
 
     Raises:
-        BoundError: the nodes of ũ are not equally spaced in time, its mesh is no refinement of the mesh of u_h, or
-            data are so large or so small that their squares overflow or underflow.
+        BoundError: the nodes of ũ are not equally spaced in time; its mesh is not a refinement of the mesh of u_h; or
+            the data are so large or so small that their squares overflow or underflow.
     """
     return enclose_several(coarse, [computed], trajectory, error, progress)[0]
 
@@ -151,7 +153,10 @@ def enclose_several(
 
     Args:
         computed: displacements on the mesh of ``coarse``. The first one decides the time steps of ũ.
-        error, progress: as in ``enclose``, which lists the errors raised as well.
+        error, progress: as in ``enclose``.
+
+    Raises:
+        BoundError: as in ``enclose``.
     """
     fine = trajectory.discretisation(coarse)
     fields, pieces = [u_h.on(fine) for u_h in computed], spline(trajectory.nodes(fine, computed[0]))
@@ -200,7 +205,7 @@ def enclose_several(
 
 
 def known_error(case: Case | None, computed: DiscreteSolution) -> Callable[[float, Array], float] | None:
-    """Return (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if there is an exact solution."""
+    """Return the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown."""
     if case is None:
         return None
     v_norm = ErrorNorm(case.solution, computed.space, raised=RAISED)
@@ -211,7 +216,7 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
     """Return a bound of ‖ũ(t) − u_h(t)‖_V on a piece: the largest norm of the Bernstein coefficients in time.
 
     Args:
-        nodes: the times between which u_h is linear; the parabola is cut there and in the middle of the piece.
+        nodes: times between which u_h is linear. The parabola is divided at these times and in the middle of the piece.
     """
     k, middle = piece.b - piece.a, (piece.a + piece.b) / 2
     low, high = np.searchsorted(nodes, [piece.a + SAME_TIME * k, piece.b - SAME_TIME * k])
@@ -223,7 +228,7 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
 
 
 def _initial_error(discretisation: Discretisation, start: Array) -> Array:
-    """‖u_0 − ũ(0)‖² on the cells, by quadrature that respects where u_0 is rough, (cells,)."""
+    """Return ‖u_0 − ũ(0)‖² on the cells, by quadrature that is graded where u_0 is not smooth, (cells,)."""
     data = discretisation.data
     return squared_distances(discretisation, data.initial, start, data.lines)
 
@@ -231,12 +236,12 @@ def _initial_error(discretisation: Discretisation, start: Array) -> Array:
 def squared_distances(
     discretisation: Discretisation, strain: Callable[[Points], Tensors], v: Array, rough: Sequence[Hyperplane]
 ) -> Array:
-    """Return ∫_T A(ε − ε(v))·(ε − ε(v)) on the cells, (cells,).
+    """Return the integrals ∫_T A(ε − ε(v))·(ε − ε(v)) over the cells, (cells,).
 
     Args:
-        strain: points ↦ ε, (2, ...) → (3, ...).
-        v: of degree 2, (dofs,).
-        rough: lines (direction, offset) across which ε is rough, for quadrature.
+        strain: function from points to ε, (2, ...) → (3, ...).
+        v: displacement of degree 2, (dofs,).
+        rough: lines (direction, offset) at which ε is not smooth, for graded quadrature.
     """
     data, V = discretisation.data, discretisation.displacements
     squares = np.zeros(discretisation.mesh.t.shape[1])
@@ -249,10 +254,10 @@ def squared_distances(
 
 
 def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio: float) -> tuple[float, float]:
-    """Return the interval of the order log(E/E')/ratio, with infinite ends where a lower bound is 0.
+    """Return the interval of the order log(E/E')/ratio; an end is infinite if a lower bound is 0.
 
     Args:
-        coarse, fine: intervals of E and E' ≥ 0 on two meshes of sizes h > h'.
+        coarse, fine: intervals that contain the errors E and E' ≥ 0 on meshes of sizes h > h'.
         ratio: log(h/h').
     """
     low = math.log(coarse[0] / fine[1]) / ratio if coarse[0] > 0 else -math.inf

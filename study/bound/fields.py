@@ -15,19 +15,19 @@ from manufactured.tensors import Array
 from study.bound.problem import BoundError
 
 ARRAYS = ("points", "triangles", "times", "u")
-"""The arrays of an .npz file."""
+"""Names of the arrays in an .npz file."""
 OURS = {"p": "points", "t": "triangles"}
-"""Names in the files that ``study bound`` writes, whose arrays are transposed."""
+"""Names of arrays in the files that ``study bound`` writes. There they are stored transposed."""
 DISPLACEMENT = ("u", "displacement", "displacements", "u_h", "uh", "disp")
-"""Names of displacements, in small letters."""
+"""Field names that count as displacements, in lower case."""
 CELLS = {"triangle": 3, "triangle6": 6}
 IGNORED = ("vertex", "line", "line3")
-"""Cells of boundaries, which files often have as well."""
+"""Cell types of lower dimension, which mesh files often contain as well."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """The arguments of ``study.bound.given.given`` that a file has; ``times`` is None for one field without a time."""
+    """A displacement from a file, as arguments of ``study.bound.given.given``; ``times`` may be None."""
 
     points: Array
     triangles: Array
@@ -41,10 +41,11 @@ def read(path: Path | str, name: str | None = None) -> Field:
     Args:
         path: .npz with ``points``, ``triangles``, ``times`` and ``u``, or as ``study bound`` writes it; .pvd; .xdmf
             with a time series; or one mesh, such as .vtu, for a static problem.
-        name: of the displacement in a mesh file; by default one of ``DISPLACEMENT``, or the only vector field.
+        name: name of the displacement field in a mesh file; by default a name in ``DISPLACEMENT``, or the only vector
+            field.
 
     Raises:
-        BoundError: the file cannot be read, or what it has is no displacement.
+        BoundError: the file cannot be read, or has no displacement.
     """
     path = Path(path)
     if not path.is_file():
@@ -84,13 +85,13 @@ def _meshio() -> Any:
 
 
 def _pvd(path: Path) -> Iterator[tuple[float | None, Any]]:
-    """The times and meshes that a ParaView collection lists."""
+    """Yield the times and meshes that a ParaView collection lists."""
     for entry in ET.parse(path).getroot().iter("DataSet"):
         yield float(entry.attrib["timestep"]), _meshio().read(path.parent / entry.attrib["file"])
 
 
 def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
-    """The times and meshes of a time series on one mesh; one mesh without a time if there is no series."""
+    """Yield the times and meshes of a time series on one mesh, or one mesh without a time if the file has no series."""
     meshio = _meshio()
     try:
         series = meshio.xdmf.TimeSeriesReader(path)
@@ -107,7 +108,7 @@ def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
 def _together(
     path: Path, meshes: Iterator[tuple[float | None, Any]] | list[tuple[None, Any]], name: str | None
 ) -> Field:
-    """One field from the meshes of all times, which have to be the same mesh."""
+    """Return one field from the meshes of all times; the mesh must be the same at all times."""
     first: Any = None
     times, values = [], []
     for time, mesh in meshes:
@@ -124,7 +125,7 @@ def _together(
 
 
 def _triangles(path: Path, mesh: Any) -> Array:
-    """The triangles of a mesh file; all of one degree."""
+    """Return the triangles of a mesh file, (cells, 3 or 6); all must have the same degree."""
     blocks = [block for block in mesh.cells if block.type not in IGNORED]
     kinds = sorted({block.type for block in blocks})
     if len(kinds) != 1 or kinds[0] not in CELLS:
@@ -136,7 +137,7 @@ def _triangles(path: Path, mesh: Any) -> Array:
 
 
 def _vector(path: Path, mesh: Any, name: str | None) -> Array:
-    """The displacements at the points."""
+    """Return the displacements at the points, (points, 2 or 3)."""
     vectors = {key: data for key, data in mesh.point_data.items() if np.ndim(data) == 2 and data.shape[1] in (2, 3)}
     known = [key for key in vectors if key.lower() in DISPLACEMENT]
     chosen = [name] if name is not None else known if len(known) == 1 else list(vectors)

@@ -1,8 +1,9 @@
-"""The error of a displacement that another program computed: from its mesh, its times and its nodal values.
+"""The error bound for a displacement of another program, given by its mesh, times and nodal values.
 
-The bound needs no relation between the displacement and the problem: with a better displacement ũ(t) ∈ K and the bound
-y of ‖u − ũ‖_V, the triangle inequality encloses the error of any u_h that vanishes on Γ1. u_h may penetrate the
-foundation, and it may belong to another problem. ũ lives on a refinement of the mesh of u_h and has its own time steps.
+The bound needs no relation between the displacement and the problem. With a more accurate displacement ũ(t) ∈ K and the
+bound y of ‖u − ũ‖_V, the triangle inequality encloses the error of any u_h that vanishes on Γ1. u_h may penetrate the
+foundation, and it may even be the solution of another problem. ũ lives on a refinement of the mesh of u_h and has time
+steps of equal length.
 """
 
 from __future__ import annotations
@@ -36,22 +37,22 @@ from study.ledger.text import interval
 from study.solve.steps import require_steps
 
 LEAST_STEPS = 16
-"""ũ takes its time steps from at least so many intervals of u_h."""
+"""The number of time steps of ũ is computed from at least this many intervals of u_h."""
 SINGLE = 1e-6
-"""Relative accuracy of numbers in files, which may have single precision."""
+"""Relative accuracy of numbers in files, which may be in single precision."""
 EQUAL = 1e-9
-"""Relative difference of time steps that count as equal."""
+"""Relative difference up to which time steps count as equal."""
 CLAMPED = 1e-9
-"""Size on Γ1, relative to the largest displacement, up to which u_h counts as 0 there."""
+"""Displacement on Γ1, relative to the largest displacement, up to which it counts as 0."""
 ROUNDING = 1e-12
-"""Distance, relative to the mesh, up to which a vertex lies where it did."""
+"""Distance, relative to the size of the mesh, up to which a vertex counts as unmoved."""
 FLAT = 1e-12
-"""Area of a cell, relative to the square of its diameter, below which it has none."""
+"""Area of a cell, relative to its squared diameter, below which the cell counts as degenerate."""
 
 
 @dataclass(frozen=True, eq=False)
 class GivenDisplacement:
-    """u_h on a triangulation of the body, linear between increasing times; see ``given`` for the checks.
+    """A displacement u_h on a triangulation of the body, linear between increasing times; ``given`` checks it.
 
     Attributes:
         mesh: the triangulation.
@@ -59,9 +60,9 @@ class GivenDisplacement:
         degree: 1, or 2 with nodes at the vertices and then at the midpoints of the edges of ``mesh``.
         times: from 0 to T, (k,).
         nodes: nodal values, node by node with two components each, (k, 2 · number of nodes).
-        steps: the number of intervals on which the number of time steps of ũ depends.
-        remarks: sentences on what was changed and on penetration.
-        offset: bound of |u_given − u_h|_V at all times if u_h is the nearest field that vanishes on Γ1, otherwise 0.
+        steps: the number of intervals from which the number of time steps of ũ is computed.
+        remarks: sentences on changes of the input and on penetration.
+        offset: bound of ‖u_file − u_h‖_V at all times if u_h is the nearest field that vanishes on Γ1, otherwise 0.
     """
 
     mesh: Mesh
@@ -90,7 +91,7 @@ class GivenDisplacement:
         return np.asarray((1 - share) * self.nodes[low] + share * self.nodes[low + 1])
 
     def on(self, fine: Discretisation) -> Callable[[float], Array]:
-        """Return t ↦ u_h(t) by coefficients of degree 2 on the same mesh or a refinement of it, (dofs,)."""
+        """Return the function t ↦ u_h(t) by coefficients of degree 2 on the mesh or a refinement of it, (dofs,)."""
         J = sps.csr_array(sps.kron(on_refinement(self.mesh, self.degree, fine.mesh), sps.eye_array(2)))
         J = sps.csr_array(J[fine.displacements.free])
         return lambda time: J @ self.at(time)
@@ -109,19 +110,19 @@ def bound_displacement(
     case: Case | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> BoundedSolution:
-    """Enclose ‖u(t) − u_h(t)‖_V for a displacement u_h that any program has computed.
+    """Enclose the error ‖u(t) − u_h(t)‖_V of a displacement u_h that any program has computed.
 
     Args:
-        data: the problem; for a ``Static`` one the norm is the energy norm of G.
+        data: the problem; for a ``Static`` problem the norm is the energy norm of G.
         points, triangles, times, u, steps, nearest: as in ``given``.
         refine: how often the mesh of u_h is refined for ũ.
         shorter: the number of steps of ũ in each of ``steps``.
-        case: the exact solution of the problem, if it is known; the true error is then reported as well.
-        progress: called with every time that is done.
+        case: the exact solution if it is known; the true error is then reported as well.
+        progress: called with each time up to which the enclosure is computed.
 
     Raises:
-        BoundError: the displacement does not fit the problem, or the problem has no bound.
-        LoadError: data to which no solution can belong.
+        BoundError: the displacement does not fit the problem, or the problem cannot be bounded.
+        LoadError: no solution can exist for the data.
     """
     refined = Refined(refine, shorter)
     check_problem(data, steps, refined)
@@ -151,7 +152,7 @@ def bounded_displacement(
 
 
 def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
-    """Return why u_h alone gives no bound; "" if it gives one."""
+    """Return the reason why u_h alone gives no bound, or an empty text if it gives one."""
     steps = np.diff(computed.times)
     if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
         return "its time steps are not equal"
@@ -164,7 +165,7 @@ def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
 def true_error(
     case: Case | None, coarse: Discretisation, computed: GivenDisplacement
 ) -> Callable[[float, Array], float] | None:
-    """Return (t, nodal values) ↦ ‖u(t) − u_h(t)‖_V if there is an exact solution."""
+    """Return the function (t, nodal values) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown."""
     if case is None:
         return None
     u_h, exact = computed.on(coarse), case.solution
@@ -176,7 +177,7 @@ def true_error(
     return error
 
 
-# Checks of what a file has.
+# Checks of the arrays in a file.
 
 
 def given(
@@ -190,8 +191,8 @@ def given(
 ) -> GivenDisplacement:
     """Check the displacement of another program and return it on its mesh.
 
-    Points that belong to no triangle are left out, points at the same place with the same displacement are joined, and
-    vertices that miss the boundary of the body by less than 1e-6 of its size are moved onto it.
+    Points that belong to no triangle are removed. Points at the same position with the same displacement are merged.
+    Vertices whose distance to the boundary of the body is less than 1e-6 of its size are moved onto the boundary.
 
     Args:
         data: the problem.
@@ -200,12 +201,12 @@ def given(
             midpoints of the sides 01, 12 and 20.
         times: increasing from 0 to T, (k,); None, or one time, for a ``Static`` problem.
         u: displacements of the points at the times, (k, n, 2), or (k, n, 3) with third component 0.
-        steps: the number of intervals on which the number of time steps of ũ depends; by default that of u_h, at
-            least ``LEAST_STEPS``.
-        nearest: if u does not vanish on Γ1, take the nearest field that does.
+        steps: the number of intervals from which the number of time steps of ũ is computed; by default the number of
+            intervals of u_h, but at least ``LEAST_STEPS``.
+        nearest: if u does not vanish on Γ1, use the nearest field that does.
 
     Raises:
-        BoundError: says what does not fit, where, and how to mend it.
+        BoundError: names the invalid input and its position, and says how to mend it.
     """
     given_times = np.zeros(1) if times is None else times
     points, triangles, times, u = _arrays(points, triangles, given_times, u)
@@ -230,7 +231,7 @@ def given(
 
 
 def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
-    """The arrays with the shapes (n, 2), (cells, 3 or 6), (k,) and (k, n, 2), all numbers finite."""
+    """Return the arrays with shapes (n, 2), (cells, 3 or 6), (k,) and (k, n, 2); raise BoundError for invalid input."""
     points, times, u = (np.asarray(array, dtype=float) for array in (points, np.atleast_1d(times), u))
     triangles = np.asarray(triangles)
     if triangles.ndim != 2 or triangles.shape[1] not in (3, 6) or not np.issubdtype(triangles.dtype, np.integer):
@@ -265,7 +266,7 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
 
 
 def _checked_times(times: Array, T: float) -> Array:
-    """The times from 0 to T; BoundError unless they increase and have these ends."""
+    """Return the times; raise BoundError unless they increase from 0 to T."""
     if times.ndim != 1 or (np.diff(times) <= 0).any():
         raise BoundError("times have to increase strictly")
     if abs(times[0]) > SINGLE * T:
@@ -278,12 +279,12 @@ def _checked_times(times: Array, T: float) -> Array:
     if abs(times[-1] - T) > SINGLE * T:
         raise BoundError(f"the last time is {times[-1]:.6g}, the problem ends at T = {T:g}: change T of its body")
     equal = np.linspace(0.0, T, len(times))
-    # Single precision makes equal steps differ.
+    # Rounding to single precision makes equal steps differ slightly.
     return equal if abs(times - equal).max() <= SINGLE * equal[1] else np.array([0.0, *times[1:-1], T])
 
 
 def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, Array, list[str]]:
-    """Leave out unused points and join points at the same place, as files of discontinuous fields repeat points."""
+    """Remove unused points and merge points at the same position, which files of discontinuous fields repeat."""
     size, remarks = float(np.ptp(points, axis=0).max()), []
     used, triangles = np.unique(triangles, return_inverse=True)
     points, u, triangles = points[used], u[:, used], triangles.reshape(-1, triangles.shape[-1])
@@ -305,7 +306,8 @@ def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, 
 
 
 def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, int]:
-    """The mesh, the points that are its nodes in the order of ``GivenDisplacement``, and the degree."""
+    """Return the mesh, the numbers of its nodes among the points, in the order of ``GivenDisplacement``, and the
+    degree."""
     corners, local = np.unique(triangles[:, :3], return_inverse=True)
     p = _on_boundary(body, points[corners].T)
     mesh = MeshTri(np.ascontiguousarray(p), np.ascontiguousarray(local.reshape(-1, 3).T))
@@ -332,7 +334,7 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
 
 
 def _on_boundary(body: Body, p: Points) -> Points:
-    """Vertices, those that miss a corner or a side of the body by rounding in single precision moved onto it."""
+    """Return the vertices, after moving vertices close to a corner or side of the body (single precision) onto it."""
     p, near = p.copy(), SINGLE * float(np.ptp(body.vertices, axis=1).max())
     for part in body.parts:
         along, off = part.coordinates(p)
@@ -344,7 +346,7 @@ def _on_boundary(body: Body, p: Points) -> Points:
 
 
 def _check_cells(mesh: Mesh) -> None:
-    """BoundError for cells without area and for sides of more than two cells."""
+    """Raise BoundError for cells without area and for sides that belong to more than two cells."""
     corners = mesh.p[:, mesh.t]
     diameters = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
     flat = np.flatnonzero(cell_volumes(mesh) <= FLAT * diameters**2)
@@ -360,7 +362,7 @@ def _check_cells(mesh: Mesh) -> None:
 
 
 def _check_fit(mesh: Mesh, body: Body) -> None:
-    """BoundError, which says where, unless the mesh covers the body and its edges follow the parts of the boundary."""
+    """Raise BoundError with a position unless the mesh covers the body and follows the parts of its boundary."""
     tolerance = 1e-8 * math.sqrt(body.measure)
     border = mesh.boundary_facets()
     ends, middle = mesh.p[:, mesh.facets[:, border]], mesh.p[:, mesh.facets[:, border]].mean(axis=1)
@@ -379,7 +381,7 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 
 
 def _penetration(found: GivenDisplacement) -> list[str]:
-    """A sentence on how far u_h enters the foundation, if it does."""
+    """Return a list with a sentence on how far u_h penetrates the foundation; the list is empty if it does not."""
     values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
     for part, edges in zip(found.body.parts, boundary_parts(found.mesh, found.body), strict=True):
         if part.kind is Kind.CONTACT:
@@ -413,7 +415,7 @@ class _Unclamped(Quadratic):
 
 
 def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDisplacement:
-    """The displacement, if it vanishes on Γ1; otherwise the nearest one that does, if it is wanted, or BoundError."""
+    """Return the displacement if it vanishes on Γ1, otherwise the nearest field that does, or raise BoundError."""
     mesh, size = found.mesh, float(abs(found.nodes).max())
     clamped = Quadratic(mesh, found.body)
     fixed = np.setdiff1d(np.arange(2 * clamped.count), clamped.free)
@@ -422,7 +424,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     largest = float(abs(coefficients[fixed]).max(initial=0.0))
     if largest <= CLAMPED * size:
         return found
-    # The matrix of (Aε(v), ε(w))_Q for all displacements of degree 2.
+    # The matrix of (Aε(v), ε(w))_Q for all displacements of degree 2, including those that do not vanish on Γ1.
     V = _Unclamped(mesh, found.body)
     M = V.form(data.law.A.matrix, data.law.A.factor(V.points))
     projected = np.zeros_like(coefficients)
@@ -442,7 +444,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
         f"u_h reaches {largest:.3g} on Γ1, so the bounds are those of the nearest field that vanishes there; it "
         f"differs from u_h by at most {share}"
     )
-    # From Bernstein coefficients back to values at the midpoints.
+    # Convert Bernstein coefficients back to nodal values at the midpoints.
     nodal = projected.T.reshape(len(found.times), -1, 2)
     vertices = mesh.p.shape[1]
     of_ends = nodal[:, mesh.facets].sum(axis=1)

@@ -1,20 +1,20 @@
-"""How the bound y of ‖e‖_V grows over one step [a, b] of length k, from means over the step and largest values in it.
+"""Growth of the bound y of ‖e‖_V, e = u − ũ, over one time step [a, b] of length k.
 
-With the moduli g_i of G against A (``study.bound.problem``), |τ|²_i the part of |τ|²_{A⁻¹} in the i-th direction, a
-modulus 0 ≤ θ ≤ min g_i, the norm ‖·‖ of A⁻¹ and the residual ρ = ρ_A + ρ_G in parts (1 − w_i) and w_i of every
-direction, 0 ≤ w_i ≤ 1,
+Let g_i be the moduli of G against A (``study.bound.problem``), |τ|²_i the part of |τ|²_{A⁻¹} in the i-th direction,
+0 ≤ θ ≤ min g_i a modulus, ‖·‖ the norm of A⁻¹, and ρ = ρ_A + ρ_G the residual, with the fractions 1 − w_i and w_i in
+each direction, 0 ≤ w_i ≤ 1. Then
 
     (ρ, ε(e))_Q ≤ ‖ρ_A‖ ‖e‖_V + q + Σ_i (g_i − θ) ‖ε(e)‖²_i,     q = ¼ Σ_i w_i² ‖ρ‖²_i / (g_i − θ),
 
-and the last sum plus θ ‖e‖_V² is at most (Gε(u) − Gε(ũ), ε(e))_Q. So the elasticity damps the error by θ. The rest of
-the elasticity takes up the part of the residual in directions in which G is stiff, as a nearly incompressible G is
-against changes of volume:
+and the last sum plus θ ‖e‖_V² is at most (Gε(u) − Gε(ũ), ε(e))_Q. So the elasticity damps the error with the rate θ. In
+directions in which G is stiff, such as volume changes of a nearly incompressible material, the rest of the elasticity
+compensates a part of the residual:
 
-    y(b) ≤ (e^{−2θk} y(a)² + 2 ∫ e^{−2θ(b−t)} (c + q))^{1/2} + ∫ e^{−θ(b−t)} (‖ρ_A‖ + η),
+    y(b) ≤ (e^{−2θk} y(a)² + 2 ∫ e^{−2θ(b−t)} (c + q))^{1/2} + ∫ e^{−θ(b−t)} (‖ρ_A‖ + η).
 
-and the least value over some θ and w counts. Each integral is at most the integral of its kernel times the largest
-value, which serves steps much longer than 1/θ. By the Cauchy–Schwarz inequality it is also at most a multiple of the
-mean value. If the least g_i is m < 0, then θ = 0 and the right side has the factor e^{|m|k}.
+The smallest value over several θ and w is used. Each integral is at most the integral of its kernel times the largest
+value of the other factor, which is sharp for steps much longer than 1/θ. By the Cauchy–Schwarz inequality it is also at
+most a multiple of the mean value. If the least g_i is m < 0, then θ = 0 and the right side has the factor e^{|m|k}.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from manufactured.tensors import Array
 ROUNDS = 4
 """Number of times that the weights w are improved."""
 SMALL = 2.0**-20
-"""k β of weights that are nearly 1."""
+"""Value of k β for which the weights are nearly 1."""
 LAGRANGE = np.array([[16.0, 15.0, 4.0], [15.0, 64.0, 15.0], [4.0, 15.0, 16.0]]) / 120
-"""∫_0^1 |L_i L_j| for Lagrange's polynomials of the nodes 0, 1/2 and 1."""
+"""Integrals ∫_0^1 |L_i L_j| of the Lagrange polynomials for the nodes 0, 1/2 and 1."""
 LEBESGUE = 1.25
-"""The largest Σ |L_i|."""
+"""The largest value of Σ |L_i| on [0, 1]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class Sizes:
         residual: |ρ|²_i on cells, (directions, cells).
         oscillation: η_T², (cells,).
         contact: c.
-        rest: the bound of what belongs to no cell.
+        rest: the bound of terms that are not computed for each cell.
     """
 
     residual: Array
@@ -53,18 +53,25 @@ class Sizes:
     rest: float
 
     def joined(self, share: Array) -> float:
-        """Return the root of Σ_T (‖ρ‖_T + η_T)², with a share of ρ in every direction, (directions,)."""
+        """Return the square root of Σ_T (‖ρ‖_T + η_T)², with a fraction of ρ in every direction, (directions,)."""
         residual = np.sqrt(np.tensordot(share**2, self.residual, axes=1))
         return float(np.linalg.norm(residual + np.sqrt(self.oscillation)))
 
     def squares(self, inverse: Array) -> float:
-        """Return 2 (c + q), from w_i²/(g_i − θ), (directions,)."""
+        """Return 2 (c + q).
+
+        Args:
+            inverse: w_i²/(g_i − θ), (directions,).
+        """
         return 2 * self.contact + float(inverse @ self.residual.sum(axis=1)) / 2
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One step: its length k, means of the terms over it (of η_T and |ρ|_i the mean squares), bounds at any time."""
+    """One time step: its length k, the means of the terms, and bounds of the terms at any time of the step.
+
+    Means of η_T and |ρ|_i are mean squares.
+    """
 
     k: float
     mean: Sizes
@@ -81,10 +88,10 @@ def grow(y: float, moduli: Array, step: Step) -> tuple[float, float]:
 
 
 def _bounds(y: float, moduli: Array, theta: float, step: Step) -> Iterator[tuple[float, float]]:
-    """The bounds for some weights w_i = g/(g + β), g = g_i − θ, from w = 0 and from nearly w = 1.
+    """Yield bounds for several weights w_i = g/(g + β), g = g_i − θ, starting from w = 0 and from w close to 1.
 
-    β, in turns with the weights, makes the bound stationary; any β ≥ 0 gives a valid bound. From w = 0 the weights do
-    not change if y = c = 0, and they move slowly towards w = 1, which is best there.
+    Each iteration computes β from the condition that the bound is stationary, then the weights from β. Any β ≥ 0 gives
+    a valid bound. If y = c = 0, the best weights are w = 1, but the iteration from w = 0 does not leave 0.
     """
     k, mean, largest = step.k, step.mean, step.largest
     g = np.maximum(moduli - theta, 0.0)
@@ -103,14 +110,14 @@ def _bounds(y: float, moduli: Array, theta: float, step: Step) -> Iterator[tuple
 
 
 def kernel(rate: float, k: float) -> float:
-    """Return ∫_a^b e^{−rate (b−t)} dt."""
+    """Return the integral ∫_a^b e^{−rate (b−t)} dt."""
     return float(-np.expm1(-rate * k) / rate) if rate > 0 else k
 
 
 def mean_square(*norms: Array) -> Array:
     """Return a bound of the mean of ‖f‖² for a parabola f in time, from ‖f‖ at both ends and in the middle.
 
-    ‖f‖ ≤ Σ |L_i| ‖f_i‖ with Lagrange's polynomials.
+    The bound follows from ‖f‖ ≤ Σ |L_i| ‖f_i‖ with the Lagrange polynomials L_i.
     """
     return np.einsum("ij,i...,j...->...", LAGRANGE, np.array(norms), np.array(norms))
 

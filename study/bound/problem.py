@@ -1,23 +1,24 @@
-"""Constants of the law and of the body on which a bound rests, and refusal of problems that cannot be bounded.
+"""Constants of the law and of the body for the error bound, and refusal of problems that cannot be bounded.
 
-**Moduli of the law.** Numbers g_i and directions v_i with (Gε₁ − Gε₂)·(ε₁ − ε₂) ≥ Σ_i g_i (Av_i·(ε₁ − ε₂))². The v_i
+**Moduli of the law** are numbers g_i and directions v_i with (Gε₁ − Gε₂)·(ε₁ − ε₂) ≥ Σ_i g_i (Av_i·(ε₁ − ε₂))². The v_i
 are orthonormal in A, so that A(ε)·ε = Σ_i (Av_i·ε)² and A⁻¹τ·τ = Σ_i (v_i·τ)². For linear G they are the eigenvectors
-of A⁻¹G; for other G all g_i are the monotonicity constant m.
+of A⁻¹G. For other G all g_i are the monotonicity constant m.
 
-**Constants of the body.** ∫_Ω g·v ≤ C_Ω ‖g‖_H ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖_{L²(Γ2)} ‖v‖_V for all v ∈ V. On a
+**Constants of the body** satisfy ∫_Ω g·v ≤ C_Ω ‖g‖_H ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖_{L²(Γ2)} ‖v‖_V for all v ∈ V. On a
 coarse mesh let P be the projection onto the polynomials of degree 1 on cells, or on the edges of Γ2. A composite stress
 τ with τν = 0 on Γ3 balances P g, so that ∫ P g·v = (τ, ε(v))_Q ≤ ‖τ‖_{A⁻¹} ‖v‖_V. The least ‖τ‖²_{A⁻¹} is at most
-λ ‖P g‖², λ an eigenvalue of a matrix of the size of the mesh. The rest g − P g is orthogonal to the polynomials of
-degree 1 on every cell or edge, where ``study.stresses.oscillation`` has constants C_T and C_e. Hence
+λ ‖P g‖², where λ is an eigenvalue of a matrix of the size of the mesh. The remainder g − P g is orthogonal to the
+polynomials of degree 1 on every cell or edge, for which ``study.stresses.oscillation`` has constants C_T and C_e. Hence
 
     C_Ω² ≤ λ + max_T C_T²,     C_Γ² ≤ λ_Γ + max_e C_e².
 
-No Korn inequality and no constant from the literature enters. The eigenvalues are computed in floating point numbers.
+Neither a Korn inequality nor a constant from the literature is used. The eigenvalues are computed in floating point.
 
-**Units.** A bound is made of roots of sums of squares, and squares overflow above 1e154 and vanish below 1e-162. If
-squares of data underflow, a bound of 0 would be stated for an error that is not 0. If they overflow, infinity or NaN
-would be compared with numbers. So the material, the body and the final time must have sizes between ``LEAST`` and
-``MOST``. Then squares of data and of residuals are normal numbers whenever the bound is ``SMALLEST`` or more.
+**Units.** A bound is computed from square roots of sums of squares, and squares overflow above 1e154 and underflow
+below 1e-162. If squares of data underflowed, a bound of 0 would be stated for an error that is not 0. If they
+overflowed, infinity or NaN would be compared with numbers. So the material, the body and the final time must have sizes
+between ``LEAST`` and ``MOST``. Then squares of data and of residuals are normal numbers whenever the bound is at least
+``SMALLEST``.
 """
 
 from __future__ import annotations
@@ -42,42 +43,45 @@ from study.stresses.stress_space import StressSpace
 
 LEAST, MOST = 1e-25, 1e25
 SMALLEST, LARGEST = 1e-50, 1e100
-"""Bounds of data that are not zero, and all quantities whose squares are summed, must lie between these numbers."""
+"""Nonzero bounds and all quantities whose squares are summed must lie between these numbers."""
 LEVEL = 2
-"""Level of the coarse mesh for C_Ω and C_Γ; on finer meshes C_Ω falls by a few per cent, C_Γ changes by as much."""
+"""Level of the coarse mesh for C_Ω and C_Γ. On finer meshes both constants change by a few per cent only."""
 DEGREE = 2
 """Degree of stresses that balance linear loads."""
 
 
 class BoundError(ValueError):
-    """No bound can be given for the data."""
+    """Raised if no bound can be computed for the data."""
 
 
 @dataclass(frozen=True, eq=False)
 class Moduli:
-    """The moduli g, (directions,), ascending, and the directions v_i as columns, (D, directions)."""
+    """The moduli g in ascending order, (directions,), and the directions v_i as columns, (D, directions)."""
 
     values: Array
     directions: Array
 
     def decay(self, k: float) -> float:
-        """Return e^{−mk} for the least modulus m: the factor by which a step of length k changes an error."""
+        """Return e^{−mk}, m the least modulus: the factor by which an error changes over a step of length k."""
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:
-        """Return time/(1 + 2 time g_i), the weight of the squared residual in every direction, (directions,).
+        """Return the weight of the squared residual in every direction, time/(1 + 2 time g_i), (directions,).
 
         To first order a step adds to y² twice ∫ (c + ¼ Σ_i |ρ|²_i/(g_i + β)), β ~ 1/(2T) (``study.bound.growth``).
         """
         return np.asarray(time / (1 + 2 * time * np.maximum(self.values, 0.0)))
 
     def compliance(self, time: float) -> Array:
-        """Return Σ_i w_i v_i v_iᵀ with these weights, Mandel (D, D): the norm in which residuals are minimised."""
+        """Return the matrix of the norm in which residuals are minimised, Mandel (D, D).
+
+        The matrix is Σ_i w_i v_i v_iᵀ with the weights w_i of ``weights``.
+        """
         return (self.directions * self.weights(time)) @ self.directions.T
 
 
 def moduli(law: KelvinVoigt) -> Moduli:
-    """Return the moduli of G against A.
+    """Return the moduli of G relative to A.
 
     Raises:
         BoundError: G has no finite monotonicity constant.
@@ -101,7 +105,7 @@ def moduli(law: KelvinVoigt) -> Moduli:
 
 @dataclass(frozen=True)
 class LoadConstants:
-    """C_Ω and C_Γ, 0 without Γ2."""
+    """The constants C_Ω and C_Γ; C_Γ is 0 if Γ2 is empty."""
 
     volume: float
     surface: float
@@ -109,12 +113,12 @@ class LoadConstants:
 
 @lru_cache(maxsize=16)
 def load_constants(body: Body, A: Linear) -> LoadConstants:
-    """Return C_Ω and C_Γ for a homogeneous A."""
+    """Return the constants C_Ω and C_Γ of a body for a homogeneous A."""
     family = next(family for family in FAMILIES if family.serves(body))
     space = StressSpace(family(body, LEVEL), body, DEGREE)
     compliance = np.linalg.inv(A.matrix)
     equilibrium, components = Equilibrium(space, compliance), np.eye(2)
-    # The functions λ_i e_d of the cells, by their values at the vertices of thirds.
+    # The basis of the linear force functions on cells, by their values at the vertices of thirds.
     hats = np.moveaxis(thirds(np.eye(3)), 2, 1)
     force = np.einsum("kc,itv,de->kidctve", np.eye(space.cells), hats, components).reshape(-1, space.cells, 3, 3, 2)
     surface = np.zeros((len(force), len(space.lengths), DEGREE + 1, 2))
@@ -125,7 +129,7 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
     sides = [constants for *_, constants in loaded_sides(space, compliance)]
     if not any(constants.size for constants in sides):
         return LoadConstants(float(np.sqrt(volume)), 0.0)
-    # The functions of the loaded edges that are 1 at one end and 0 at the other, in each direction.
+    # The basis of the linear functions on loaded edges: 1 at one end and 0 at the other, in each direction.
     edges, ends = np.concatenate([mine for _, mine in space.on(Kind.LOADED)]), np.array([[1, 0.5, 0], [0, 0.5, 1]])
     surface = np.einsum("ke,in,df->kidenf", np.eye(len(space.lengths))[edges], ends, components)
     surface = surface.reshape(-1, len(space.lengths), DEGREE + 1, 2)
@@ -136,7 +140,7 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
 
 
 def _largest_ratio(equilibrium: Equilibrium, loads: Loads, mass: Array) -> float:
-    """Return the largest λ = min ‖τ‖²_{A⁻¹}/‖load‖² over all combinations of some loads with a mass matrix."""
+    """Return the largest λ = min ‖τ‖²_{A⁻¹}/‖load‖² over all linear combinations of loads, with their mass matrix."""
     stresses = equilibrium.balance(loads).values
     weighted = np.einsum("IJ,Jncq,cq->Incq", equilibrium.compliance, stresses, equilibrium.space.weights, optimize=True)
     energy = np.einsum("Incq,Imcq->nm", weighted, stresses, optimize=True)
@@ -167,13 +171,13 @@ def require_units(data: Data) -> None:
 
 
 def require_finite(quantities: Mapping[str, Array | float]) -> None:
-    """Refuse results that are infinite, NaN, or so large that their squares overflow.
+    """Refuse quantities that are infinite, NaN, or so large that their squares overflow.
 
     Raises:
         BoundError: names the first such quantity.
     """
     for name, values in quantities.items():
-        # A comparison with NaN is false.
+        # The condition is negated because every comparison with NaN is false.
         if not (np.abs(values) <= LARGEST).all():
             raise BoundError(
                 f"{name} is not a finite number below {LARGEST:g}, so nothing can be bounded: large data overflow, and "
@@ -183,11 +187,11 @@ def require_finite(quantities: Mapping[str, Array | float]) -> None:
 
 
 def require_visible(data: Data, highest: float, sampled: bool) -> None:
-    """Refuse a bound so small that squares of data which are not zero may have vanished.
+    """Refuse a bound so small that squares of nonzero data may have underflowed to 0.
 
     Args:
         highest: the bound of the error at all times.
-        sampled: whether any sample of the data is not zero, for data that are not formulas.
+        sampled: whether any sample of the data is nonzero; used for data that are not formulas.
 
     Raises:
         BoundError: states the bound.

@@ -1,16 +1,16 @@
 """Ranges of the Taylor coefficients of a formula over boxes: interval arithmetic on truncated power series.
 
-For boxes X_1, …, X_N, variables z and an order m, a formula f has the ranges
+For boxes X_1, …, X_N and an order m, the ranges of a formula f are numbers with
 
-    {∂^α f(x)/α! : x ∈ X_n} ⊂ [low_αn, high_αn],   |α| ≤ m,
+    {∂^α f(x)/α! : x ∈ X_n} ⊂ [low_αn, high_αn],   |α| ≤ m.
 
-made from the ranges of its parts: sums and products of power series, and for g(u) the series Σ_j g^(j)(u)/j! δ^j with
-δ the series of u less its value (R. E. Moore, Methods and Applications of Interval Analysis, SIAM 1979, chapter 3).
-Ends are not rounded outward: ranges hold in exact arithmetic.
+They are computed from the ranges of the parts of f. Sums and products are sums and products of power series; g(u) is
+the series Σ_j g^(j)(u)/j! δ^j, where δ is the series of u without its constant term (R. E. Moore, Methods and
+Applications of Interval Analysis, SIAM 1979, chapter 3). Ends are not rounded outward, so the ranges hold up to
+round-off.
 
-Where a derivative does not exist, because pos(x, a) has its kink between the ends, its range is the whole line. The
-range of the derivative of order a covers both sides of the kink: Taylor's theorem needs no more of a function with
-Lipschitz derivatives.
+If the kink of pos(x, a) lies in a box, derivatives that do not exist at the kink have the range (−∞, ∞). The range of
+the derivative of order a covers both sides of the kink, which suffices for Taylor's theorem with Lipschitz derivatives.
 """
 
 from __future__ import annotations
@@ -29,31 +29,32 @@ from manufactured.symbols import Index, indices, pos
 from manufactured.tensors import Array
 
 Pair = tuple[Array, Array]
-"""The ends of ranges, (boxes,) each."""
+"""The lower and upper ends of ranges, (boxes,) each."""
 TINY, LARGEST = np.finfo(float).tiny, np.finfo(float).max
 REAL = 1e-9
-"""Imaginary part below which a root counts as real."""
+"""Imaginary part up to which a root counts as real."""
 
 
 class RangeError(ValueError):
-    """A formula with a function whose derivatives have no known ranges."""
+    """Raised for a formula with a function whose derivatives have no known ranges."""
 
 
 # ---- arithmetic of ranges
 
 
 def enclosed(low: Array, high: Array) -> Pair:
-    """Return the ends of a range; a number that overflowed lies between the largest number and infinity."""
+    """Return the ends of a range after overflow: an end that is infinite on the wrong side becomes the largest
+    number."""
     return np.minimum(low, LARGEST), np.maximum(high, -LARGEST)
 
 
 def times(a: Pair, b: Pair) -> Pair:
-    """Return the range of a product. Zero times the whole line is zero; a product that underflows lies around zero."""
+    """Return the range of a product. Zero times (−∞, ∞) is zero; a product that underflows gets a range around zero."""
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
         every = [x * y for x in a for y in b]
         low, high = reduce(np.minimum, every), reduce(np.maximum, every)
     if np.isnan(low).any():
-        # Minima and maxima of NaN are NaN: only then look for the product that was 0 · ∞.
+        # Minima and maxima of NaN are NaN, so the products 0 · ∞ need to be searched only here.
         every = [np.where(np.isnan(product), 0.0, product) for product in every]
         low, high = reduce(np.minimum, every), reduce(np.maximum, every)
     zero = (low == 0) & (high == 0)
@@ -73,19 +74,19 @@ def _monotone(u: Pair, function: Callable[[Array], Array]) -> Pair:
 
 
 def _or_line(where: Array, ends: Pair) -> Pair:
-    """The ends, and the whole line at some boxes."""
+    """Return the ends, replaced by (−∞, ∞) for the boxes where the condition holds."""
     return np.where(where, -np.inf, ends[0]), np.where(where, np.inf, ends[1])
 
 
-# ---- functions of one variable: ranges of g^(j)(u)/j! for all u between two ends and j ≤ order
+# ---- functions of one variable: ranges of g^(j)(u)/j! for u in an interval and j ≤ order
 
 
 def _power(u: Pair, q: float) -> Pair:
-    """The range of x^q."""
+    """Return the range of x^q."""
     low, high = u
 
     def monotone(u: Pair, q: float) -> Pair:
-        """The range between ends of one sign: away from 0 where u is, also if the power underflows."""
+        """Return the range for ends of one sign. If u is not 0, the range excludes 0 even if the power underflows."""
         bottom, top = enclosed(*_monotone(u, lambda x: x**q))
         zero = (bottom == 0) & (top == 0) & ((u[0] != 0) | (u[1] != 0))
         return np.where(zero, -TINY * (u[0] < 0), bottom), np.where(zero, TINY, top)
@@ -103,7 +104,7 @@ def _power(u: Pair, q: float) -> Pair:
 
 
 def _truncated(u: Pair, q: float) -> Pair:
-    """The range of x_+^q away from x = 0; the range of the step for q = 0."""
+    """Return the range of x_+^q away from x = 0; for q = 0 this is the range of the step function."""
     low, high = u
     if q == 0:
         return (low > 0).astype(float), (high > 0).astype(float)
@@ -115,12 +116,12 @@ def _truncated(u: Pair, q: float) -> Pair:
 
 
 def _of_power(u: Pair, q: float, order: int, truncated: bool = False) -> list[Pair]:
-    """x^q, or x_+^q, which has a kink at 0."""
+    """Return the Taylor coefficients of x^q, or of x_+^q, which has a kink at 0."""
     kink = (u[0] <= 0) & (u[1] >= 0)
     found, binomial = [], 1.0
     for j in range(order + 1):
         ends = _scaled(binomial, _truncated(u, q - j) if truncated else _power(u, q - j))
-        # Beyond the order of a whole power the derivative is 0 on both sides, and a measure at the kink.
+        # If q is an integer, the derivative of order q + 1 is 0 on both sides of the kink and a measure at the kink.
         found.append(_or_line(kink, ends) if truncated and q - j < 0 else ends)
         binomial *= (q - j) / (j + 1)
     return found
@@ -135,13 +136,13 @@ def _of_exp(u: Pair, order: int) -> list[Pair]:
 def _of_log(u: Pair, order: int) -> list[Pair]:
     with np.errstate(all="ignore"):
         ends = _monotone((np.maximum(u[0], 0.0), np.maximum(u[1], 0.0)), np.log)
-        # At 0 the logarithm is unbounded from below alone; negative numbers have none.
+        # Near 0 the logarithm is unbounded only from below; for negative numbers it is undefined.
         value = _or_line((u[0] < 0) | (u[1] <= 0), ends)
     return [value, *(_scaled((-1) ** (j - 1) / j, _power(u, -j)) for j in range(1, order + 1))]
 
 
 def _cosine(u: Pair) -> Pair:
-    """The range of cos: 1 and −1 where a multiple of π lies inside."""
+    """Return the range of cos, which includes ±1 if a maximum or minimum lies in the interval."""
     with np.errstate(invalid="ignore"):
         ends = _monotone(u, np.cos)
     tops = np.floor(u[1] / (2 * np.pi)) >= np.ceil(u[0] / (2 * np.pi))
@@ -150,13 +151,13 @@ def _cosine(u: Pair) -> Pair:
 
 
 def _of_cosine(u: Pair, order: int, shift: float = 0.0) -> list[Pair]:
-    """cos(x + shift); each derivative shifts by π/2."""
+    """Return the Taylor coefficients of cos(x + shift); each derivative shifts by π/2."""
     shifts = [shift + j * np.pi / 2 for j in range(order + 1)]
     return [_scaled(1 / math.factorial(j), _cosine((u[0] + c, u[1] + c))) for j, c in enumerate(shifts)]
 
 
 def _of_sinh(u: Pair, order: int, shift: int = 0) -> list[Pair]:
-    """sinh, or cosh for an odd shift; each is the derivative of the other."""
+    """Return the Taylor coefficients of sinh, or of cosh for an odd shift; each is the derivative of the other."""
     with np.errstate(over="ignore"):
         sinh, (low, high) = enclosed(*_monotone(u, np.sinh)), enclosed(*_monotone(u, np.cosh))
     cosh = np.where((u[0] <= 0) & (u[1] >= 0), 1.0, low), high
@@ -164,7 +165,7 @@ def _of_sinh(u: Pair, order: int, shift: int = 0) -> list[Pair]:
 
 
 def _of_polynomials(value: Pair, derivative: Polynomial, order: int) -> list[Pair]:
-    """A function f with f' = derivative(f): all its Taylor coefficients are polynomials of f.
+    """Return the Taylor coefficients of a function f with f' = derivative(f): all of them are polynomials of f.
 
     A polynomial takes its extrema at the ends of the range of f or where its derivative vanishes.
     """
@@ -184,14 +185,14 @@ def _of_tanh(u: Pair, order: int) -> list[Pair]:
 
 
 def _of_tan(u: Pair, order: int) -> list[Pair]:
-    # Between two poles tan increases.
+    # Between two poles tan is increasing.
     poles = np.floor(u[0] / np.pi + 0.5) != np.floor(u[1] / np.pi + 0.5)
     ends = np.tan(np.where(poles, 0.0, u[0])), np.tan(np.where(poles, 0.0, u[1]))
     return [_or_line(poles, range_) for range_ in _of_polynomials(ends, Polynomial([1.0, 0.0, 1.0]), order)]
 
 
 def _of_cot(u: Pair, order: int) -> list[Pair]:
-    """cot x = −tan(x − π/2)."""
+    """Return the Taylor coefficients of cot x = −tan(x − π/2)."""
     return [(-high, -low) for low, high in _of_tan((u[0] - np.pi / 2, u[1] - np.pi / 2), order)]
 
 
@@ -206,14 +207,14 @@ KNOWN: dict[type, Callable[[Pair, int], list[Pair]]] = {
     sp.tan: _of_tan,
     sp.cot: _of_cot,
 }
-"""Taylor coefficients of functions of one variable."""
+"""Functions of one variable and how to compute the ranges of their Taylor coefficients."""
 
 
-# ---- functions with kinks or jumps, which are written with ``pos`` first
+# ---- functions with kinks or jumps, which are first rewritten with ``pos``
 
 
 def _piecewise(*branches: tuple[sp.Expr, sp.Basic]) -> sp.Expr:
-    """Σ value · (1 where its condition holds and no earlier one does)."""
+    """Return a Piecewise function as a sum of its values times the indicators of its branches."""
     total, rest = sp.Integer(0), sp.Integer(1)
     for value, condition in branches:
         holds = _indicator(condition)
@@ -222,7 +223,7 @@ def _piecewise(*branches: tuple[sp.Expr, sp.Basic]) -> sp.Expr:
 
 
 def _indicator(condition: sp.Basic) -> sp.Expr:
-    """1 where a condition holds and 0 elsewhere, up to the points at which two sides are equal."""
+    """Return the indicator function of a condition, except at points where both sides of an inequality are equal."""
     if condition in (sp.true, sp.false):
         return sp.Integer(condition == sp.true)
     if isinstance(condition, sp.And):
@@ -246,13 +247,13 @@ REWRITTEN: dict[type, Callable[..., sp.Expr]] = {
     sp.Heaviside: lambda x, at_0=None: pos(x, 0),
     sp.Piecewise: _piecewise,
 }
-"""Functions written with ``pos``, which may change values where a jump is."""
+"""Functions that are rewritten with ``pos``; values at the jump itself may change."""
 SERVED: tuple[Any, ...] = (sp.Add, sp.Mul, sp.Pow, pos, *KNOWN, *REWRITTEN)
-"""What formulas are made of."""
+"""Types of expressions that a formula may contain."""
 
 
 def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
-    """Return the Taylor coefficients of the outermost function of a formula at the values u of its argument.
+    """Return the Taylor coefficients of the outermost function of a formula, for argument values in the range u.
 
     Raises:
         RangeError: the function is not known.
@@ -265,7 +266,7 @@ def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
 
 
 def require_known(formula: sp.Expr) -> None:
-    """Refuse a formula some part of which has no known ranges.
+    """Refuse a formula if a part of it has no known ranges.
 
     Raises:
         RangeError: names the part.
@@ -284,7 +285,7 @@ def require_known(formula: sp.Expr) -> None:
 
 
 def unknown(formula: sp.Expr) -> RangeError:
-    """Return the error for a formula without known ranges."""
+    """Return the error to raise for a formula without known ranges."""
     names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *REWRITTEN, pos)))
     return RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
 
@@ -294,14 +295,14 @@ def unknown(formula: sp.Expr) -> RangeError:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Ranges of the Taylor coefficients of one formula, (terms, boxes) each; terms as in ``indices``."""
+    """Ranges of the Taylor coefficients of one formula, (terms, boxes) each; ``indices`` lists the terms."""
 
     low: Array
     high: Array
 
     @cached_property
     def nonzero(self) -> Array:
-        """Which coefficients are not 0 on all boxes, (terms,)."""
+        """Which coefficients are not identically 0, (terms,)."""
         return np.asarray(self.low.any(axis=1) | self.high.any(axis=1))
 
     def __add__(self, other: Series) -> Series:
@@ -311,7 +312,7 @@ class Series:
 
 @lru_cache
 def _products(variables: int, order: int) -> tuple[Array, Array, Array]:
-    """All i, j and k with α_i + α_j = α_k, sorted by k, (pairs,) each."""
+    """Return all i, j and k with multi-indices α_i + α_j = α_k, sorted by k, (pairs,) each."""
     keys = indices(variables, order)
     place = {key: number for number, key in enumerate(keys)}
 
@@ -325,12 +326,12 @@ def _products(variables: int, order: int) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Boxes:
-    """Boxes and the variables in which formulas are expanded.
+    """Boxes in space and time, and the variables in which formulas are expanded.
 
     Attributes:
-        sides: symbol ↦ the ends of its sides, (boxes,) each.
+        sides: the ends of the sides of the boxes for each symbol, (boxes,) each.
         variables: the symbols of the expansion.
-        order: its order.
+        order: the order of the expansion.
     """
 
     sides: Mapping[sp.Symbol, Pair]
@@ -359,7 +360,7 @@ class Boxes:
 
     @cached_property
     def _known(self) -> dict[sp.Expr, Series]:
-        """The series of all formulas and of their parts, which formulas share."""
+        """Cache of the series of formulas and of their parts, which formulas share."""
         return {}
 
     def _expand(self, formula: sp.Expr) -> Series:
@@ -404,7 +405,7 @@ class Boxes:
         return Series(low, high)
 
     def _composed(self, inner: Series, outer: list[Pair]) -> Series:
-        """Σ_j g_j δ^j by Horner's rule."""
+        """Return the sum Σ_j g_j δ^j by Horner's rule."""
         low, high = inner.low.copy(), inner.high.copy()
         low[0] = high[0] = 0.0
         delta, found = Series(low, high), self._constant(outer[-1])

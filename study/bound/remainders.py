@@ -1,24 +1,24 @@
-"""What samples of the data do not see, and whether a bound is guaranteed.
+"""Bounds of the difference between the data and their samples, and the decision whether an error bound is guaranteed.
 
-*Guaranteed*: the bound holds for the data between all quadrature points and times, by ranges of the formulas. Rounding
-and the floating point eigenvalues of the constants are not enclosed. *Estimated*: some datum is known at sampled points
-only, and nothing is added for what lies between them.
+*Guaranteed*: the error bound holds for the data between all quadrature points and times, because ranges of the formulas
+are bounded. Rounding and the eigenvalues of the constants, computed in floating point, are not enclosed. *Estimated*:
+some datum is known at sample points only, and no remainder between the points is added.
 
-The terms of the bound know the data at quadrature points and at four times of each piece [a, b] of ũ, k = b − a. On a
+The terms of the bound use the data at quadrature points and at four times of each piece [a, b] of ũ, k = b − a. On a
 cell T with centre z and half widths r let F be the Taylor polynomial of f(·, t) at z of degree j − 1 ≤ 3. Then
 
-    |f − F| ≤ Σ_{|α| = j} r^α sup_{T×[a,b]} |∂^α f|/α!  =: e_T,    or  e_T = half the range of f for j = 0,
+    |f − F| ≤ Σ_{|α| = j} r^α sup_{T×[a,b]} |∂^α f|/α!  =: e_T,    or  e_T = half the range of f for j = 0.
 
-and the least of these counts; where f has kinks, it is one of low order. Every step of the computation is exact for F:
-the rules integrate products of degree 6, and their weights are positive. So for each norm of the samples a term
-|T|^{1/2} e_T makes up for the difference f − F. The remainder (f − F) − P(f − F) need not be orthogonal to rigid
-motions and is bounded by 2 C_Ω |T|^{1/2} e_T, with C_Ω of ``study.bound.problem``. In time
+The least of these over j is used; if f has kinks, a low j is best. Every step of the computation is exact for F: the
+rules integrate products of degree 6, and their weights are positive. So for each norm of the samples a term
+|T|^{1/2} e_T bounds the effect of the difference f − F. The remainder (f − F) − P(f − F) need not be orthogonal to
+rigid motions and is bounded by 2 C_Ω |T|^{1/2} e_T, with C_Ω of ``study.bound.problem``. In time
 
     |f − (parabola through a, a + k/2 and b)|       ≤ (1 + Λ₃) min_j (k/2)^j |∂_t^j f|/j! =: p_T,   j ≤ 3,
     |f − (cubic through a, a + k/4, a + k/2 and b)| ≤ (1 + Λ₄) min_j (k/2)^j |∂_t^j f|/j! =: q_T,   j ≤ 4,
 
-Λ the Lebesgue constants of these points, and half the range for j = 0. On edges of Γ2 the same holds with the arc
-length for x, on each of the parts of an edge that have their own quadrature rule.
+where Λ₃ and Λ₄ are the Lebesgue constants of these points; for j = 0 the derivative is replaced by half the range. On
+edges of Γ2 the same holds with arc length as the variable, on each subinterval of an edge with its own quadrature rule.
 """
 
 from __future__ import annotations
@@ -44,37 +44,40 @@ from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
 ORDER = 4
-"""One more than the degree of F."""
+"""Order of the Taylor expansions: one more than the degree of F."""
 ARC = sp.Symbol("arc", real=True)
-"""Arc length along a part."""
+"""Arc length along a boundary part."""
 CACHED = 64
-"""Number of pieces whose remainders are stored."""
+"""Number of pieces whose remainders are cached."""
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 
 
 def lebesgue(nodes: Array) -> float:
-    """Return the Lebesgue constant of nodes on [0, 1], from a fine grid and rounded up by more than the grid misses."""
+    """Return an upper bound of the Lebesgue constant of nodes on [0, 1].
+
+    The maximum on a fine grid is increased by a factor that exceeds the error of the grid.
+    """
     x = np.linspace(0, 1, 4001)
     basis = [np.prod([(x - b) / (a - b) for b in np.delete(nodes, i)], axis=0) for i, a in enumerate(nodes)]
     return float(abs(np.array(basis)).sum(axis=0).max()) * 1.001
 
 
 PARABOLA, CUBIC = (1 + lebesgue(np.array(nodes)) for nodes in ([0, 0.5, 1], [0, 0.25, 0.5, 1]))
-"""1 + Λ for the relative times of the samples of a piece."""
+"""The factors 1 + Λ for the relative times of the samples of a piece."""
 
 
 def proportional(squares: Array) -> Array:
-    """Return parts of the root of a sum of squares, in the proportions of the squares."""
+    """Divide the square root of a sum of squares in proportion to the squares."""
     return np.asarray(squares / max(np.sqrt(squares.sum()), np.finfo(float).tiny))
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """The evidence for a bound.
+    """Whether a bound is guaranteed or estimated, and why.
 
     Attributes:
-        reasons: why it is estimated; none if it is guaranteed.
-        poorly_seen: the datum, the place and the time where samples of the data may miss most, if that is much.
+        reasons: reasons why it is only estimated; empty if it is guaranteed.
+        poorly_seen: the datum, point and time with the largest remainder of the data, if the remainder is large.
     """
 
     reasons: tuple[str, ...]
@@ -82,12 +85,12 @@ class Evidence:
 
     @property
     def kind(self) -> str:
-        """``GUARANTEED`` or ``ESTIMATED``."""
+        """The word ``GUARANTEED`` or ``ESTIMATED``."""
         return ESTIMATED if self.reasons else GUARANTEED
 
     @property
     def sentences(self) -> list[str]:
-        """The meaning of the kind, and what to do."""
+        """Sentences that explain the kind and say how to improve the bound."""
         if self.reasons:
             found = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
         else:
@@ -99,17 +102,17 @@ class Evidence:
 
 @dataclass(frozen=True, eq=False)
 class Regions:
-    """Cells, or parts of edges: the sides of their boxes and the coordinates in which formulas are expanded."""
+    """Boxes around cells or around parts of edges: the ends of their sides for each coordinate."""
 
     sides: Mapping[sp.Symbol, Pair]
 
     @property
     def radii(self) -> Array:
-        """Half the widths, (variables, boxes)."""
+        """Half the widths of the boxes, (variables, boxes)."""
         return np.array([(high - low) / 2 for low, high in self.sides.values()])
 
     def in_space(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-        """Return e for a ≤ t ≤ b, (boxes,)."""
+        """Return the remainders e in space for a ≤ t ≤ b, (boxes,)."""
         boxes = self._boxes(a, b, tuple(self.sides))
         orders = np.array([sum(key) for key in boxes.keys])
         powers = np.array([np.prod(self.radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
@@ -122,7 +125,7 @@ class Regions:
         return _norm(boxes, formulas, least, np.zeros(boxes.count))
 
     def in_time(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-        """Return p and q, (2, boxes)."""
+        """Return the remainders p and q in time, (2, boxes)."""
         boxes, k = self._boxes(a, b, (t,)), b - a
         powers = (k / 2) ** np.arange(ORDER + 1)[:, None]
 
@@ -134,7 +137,7 @@ class Regions:
         return _norm(boxes, formulas, least, np.zeros((2, boxes.count)))
 
     def all(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-        """Return e, p and q, (3, boxes)."""
+        """Return the remainders e, p and q, (3, boxes)."""
         return np.array([self.in_space(formulas, a, b), *self.in_time(formulas, a, b)])
 
     def _boxes(self, a: float, b: float, variables: tuple[sp.Symbol, ...]) -> Boxes:
@@ -147,29 +150,29 @@ def _half_range(series: Series) -> Array:
 
 
 def _sizes(series: Series) -> Array:
-    """The largest absolute values of all coefficients, (terms, boxes)."""
+    """Return the largest absolute values of all coefficients, (terms, boxes)."""
     return np.maximum(abs(series.low), abs(series.high))
 
 
 def _norm(boxes: Boxes, formulas: Sequence[sp.Expr], bound: Callable[[Series], Array], zero: Array) -> Array:
-    """The Euclidean norm of the bounds of all components; formulas that are 0 cost nothing."""
+    """Return the Euclidean norm of the bounds of all components; formulas that are 0 are skipped."""
     return reduce(np.hypot, (bound(boxes(formula)) for formula in formulas if formula != 0), zero)
 
 
 def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
-    """Return ε(u_0) in Mandel's components."""
+    """Return the strain ε(u_0) in Mandel's components."""
     u = expressions.start
     return sp.diff(u[0], x1), sp.diff(u[1], x2), (sp.diff(u[0], x2) + sp.diff(u[1], x1)) / sp.sqrt(2)
 
 
 @dataclass(frozen=True, eq=False)
 class Missed:
-    """Bounds of what samples of the data of one piece of ũ miss.
+    """Bounds of the difference between the data and their samples on one piece of ũ.
 
     Attributes:
-        cells: to be added to η_T at every time, (cells,).
-        everywhere: bound of the rest in the dual of V at every time of the piece.
-        in_cells: parts of the rest that finer cells would lessen, (cells,).
+        cells: terms to be added to η_T at every time, (cells,).
+        everywhere: bound of the rest in the dual norm at every time of the piece.
+        in_cells: the part of the rest that finer cells would reduce, divided among the cells, (cells,).
     """
 
     cells: Array
@@ -186,7 +189,7 @@ class Sampling:
 
     @cached_property
     def reasons(self) -> tuple[str, ...]:
-        """Why the bound is estimated; none if it is guaranteed."""
+        """Reasons why the bound is only estimated; empty if it is guaranteed."""
         law, data, found = self.data.law, self.data, []
         if not isinstance(data.formulas_of, Expressions):
             found.append("f_0, f_2 and u_0 are known at points and times only, not as formulas")
@@ -209,12 +212,12 @@ class Sampling:
 
     @cached_property
     def constants(self) -> LoadConstants:
-        """C_Ω and C_Γ."""
+        """The constants C_Ω and C_Γ."""
         assert isinstance(self.data.law.A, Linear)
         return load_constants(self.data.body, self.data.law.A)
 
     def missed(self, oscillation: Oscillation, a: float, b: float) -> Missed:
-        """Return what samples miss of f_0 and f_2 for a ≤ t ≤ b; zeros where the bound is estimated."""
+        """Return bounds of f_0 and f_2 minus their samples for a ≤ t ≤ b; zeros if the bound is only estimated."""
         if self.reasons:
             return Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
         (e, p, q), (e_Γ, p_Γ, q_Γ) = self._remainders(a, b)
@@ -225,7 +228,7 @@ class Sampling:
         return Missed(oscillation(LeftOut(e + p, e + p, e_Γ + p_Γ)), float(rest), in_cells)
 
     def missed_at_start(self) -> float:
-        """Return a bound of what samples miss of ‖u_0 − ũ(0)‖_V."""
+        """Return a bound of the difference between ‖u_0 − ũ(0)‖_V and its value from samples."""
         if self.reasons:
             return 0.0
         e = self._cells.in_space(strain_of_start(self._expressions), 0.0, 0.0)
@@ -233,7 +236,7 @@ class Sampling:
         return 2 * float(np.sqrt(self.data.law.A.lipschitz) * np.linalg.norm(np.sqrt(self.space.volumes) * e))
 
     def worst(self, a: float, b: float) -> str:
-        """Return the datum and the place of which samples for a ≤ t ≤ b may miss most; empty where unknown."""
+        """Return a text with the datum and the point of the largest remainder for a ≤ t ≤ b; empty if it is unknown."""
         if self.reasons:
             return ""
         force, surface = (2 * e + q for e, _, q in self._remainders(a, b))
@@ -255,7 +258,7 @@ class Sampling:
 
     @cached_property
     def _loaded(self) -> list[tuple[Array, Regions, list[sp.Expr]]]:
-        """Edges of each loaded part, the parts of these edges that have their own rules, f_2 by the arc length."""
+        """For each loaded part: its edges, their subintervals with separate rules, and f_2 over arc length."""
         space, found, loads = self.space, [], dict(self._expressions.loads)
         for part, edges in space.on(Kind.LOADED):
             corners = space.mesh.p[:, space.mesh.facets[:, edges]]
@@ -272,8 +275,8 @@ class Sampling:
 
     @cached_property
     def _remainders(self) -> Callable[[float, float], tuple[Array, Array]]:
-        """(a, b) ↦ e, p, q of f_0 on cells, (3, cells), and of f_2 on edges, (3, edges), in L² norms."""
-        # Other trajectories and ``worst`` ask for the same pieces again; loads at rest are the same on all pieces.
+        """Function from (a, b) to e, p, q in L² norms, of f_0 on cells, (3, cells), and of f_2 on edges, (3, edges)."""
+        # Several callers use the same pieces; for loads that do not depend on time all pieces have the same remainders.
         at_rest = not any(formula.has(t) for formula in _loads(self._expressions))
         cached = lru_cache(maxsize=CACHED)(self._compute_remainders)
         return (lambda a, b: cached(0.0, 0.0)) if at_rest else cached
@@ -282,7 +285,7 @@ class Sampling:
         force = self._cells.all(self._expressions.force, a, b)
         surface = np.zeros((3, len(self.space.lengths)))
         for edges, regions, formulas in self._loaded:
-            # Means over the parts of an edge, to be multiplied by the root of its length.
+            # Root mean squares over the subintervals of an edge, to be multiplied by the root of its length.
             of_parts = regions.all(formulas, a, b).reshape(3, EDGE_PARTS, -1)
             surface[:, edges] = np.sqrt(np.mean(of_parts**2, axis=1))
         for name, (e, p, q) in (("f_0", force), ("f_2", surface)):
@@ -292,5 +295,5 @@ class Sampling:
 
 
 def _loads(expressions: Expressions) -> tuple[sp.Expr, ...]:
-    """The components of f_0 and f_2."""
+    """Return the components of f_0 and f_2."""
     return (*expressions.force, *(formula for _, load in expressions.loads for formula in load))

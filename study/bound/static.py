@@ -1,9 +1,9 @@
-"""Static linear elasticity: the error of u_h in the energy norm of G, from both sides.
+"""Static linear elasticity: lower and upper bound of the error of u_h in the energy norm of G.
 
 For ũ ∈ K and a stress σ̃ that balances the loads f̃ with σ̃_τ = 0 and σ̃_ν ≤ 0 on Γ3, testing as in
 ``study.bound.terms`` gives for e = u − ũ, with the norm ‖v‖² = (Gε(v), ε(v))_Q,
 
-    ‖e‖² ≤ R ‖e‖ + c,    R = (Σ_T (‖σ̃ − Gε(ũ)‖_{G⁻¹,T} + η_T)²)^½ + what samples of the data miss,   c = ∫_{Γ3} σ̃_ν ũ_ν,
+    ‖e‖² ≤ R ‖e‖ + c,    R = (Σ_T (‖σ̃ − Gε(ũ)‖_{G⁻¹,T} + η_T)²)^½ + remainder of the data,   c = ∫_{Γ3} σ̃_ν ũ_ν,
 
 so that ‖e‖ ≤ y = R/2 + (R²/4 + c)^½. This is the bound of Prager and Synge with contact. ũ = u_h gives the bound from
 u_h alone. ũ of degree 2 on a refined mesh gives d − y ≤ ‖u − u_h‖ ≤ d + y with d = ‖ũ − u_h‖.
@@ -35,7 +35,7 @@ from study.stresses.hybrid import Equilibrium
 
 
 class StaticDiscretisation(Discretisation):
-    """The spaces on one mesh; stresses are nearest in the norm of G⁻¹."""
+    """The spaces on one mesh for a static problem; the norm of stresses is the norm of G⁻¹."""
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
@@ -46,13 +46,13 @@ class StaticDiscretisation(Discretisation):
         return Equilibrium(self.stresses, compliance)
 
     def squares(self, stress: Array) -> Array:
-        """Return ‖τ‖²_{G⁻¹} on the cells, (3, cells, Q) → (cells,)."""
+        """Return the squared norm ‖τ‖²_{G⁻¹} on the cells, (3, cells, Q) → (cells,)."""
         strain = np.tensordot(np.linalg.inv(self.data.law.A.matrix), stress, axes=1) * self.inverse_viscosity
         return np.asarray(np.einsum("Icq,Icq,cq->c", stress, strain, self.stresses.weights))
 
 
 def compute_static(discretisation: Discretisation) -> DiscreteSolution:
-    """Return the P1 displacement in equilibrium, as a displacement that is constant in time."""
+    """Return the P1 solution of the static problem, as a displacement that is constant in time."""
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     load = prolongation(space, discretisation).T @ discretisation.load(0.0)
     u, _ = contact_solver(space)(form(space, data.law.A), space.N)(load)
@@ -82,7 +82,7 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     """Return the bounds of the error of u_h, as an enclosure at one time, and the shares of y.
 
     Args:
-        refinements: of the mesh of ũ, which has degree 2; None for ũ = u_h.
+        refinements: how often the mesh is refined for ũ of degree 2; None for ũ = u_h.
     """
     fine = StaticDiscretisation(coarse.data, coarse.mesh.refined(refinements or 0))
     u_h = computed.on(fine)(0.0)

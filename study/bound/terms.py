@@ -19,29 +19,29 @@ attribute      term                                                         comp
 residual       products of the coefficients in time of ρ, for r             ``Majorant._block``
 curvature      Gε(ũ) minus its parabola in time, 0 for linear G             ``Majorant._elastic``
 contact        products of the coefficients of σ̃_ν and ũ_ν, for c           ``Majorant._block``
-oscillation    η_T: f − P f on cells, plus what samples miss on cells       ``study.stresses.oscillation``
-bending        P f minus its parabola in time, in the dual of V             ``Majorant._bending``
-missed         what samples of f miss in the dual of V                      ``study.bound.remainders``
+oscillation    η_T: f − P f on cells, plus remainders of f on cells         ``study.stresses.oscillation``
+bending        P f minus its parabola in time, in the dual norm             ``Majorant._bending``
+missed         remainders of f in the dual norm                             ``study.bound.remainders``
 =============  ===========================================================  =========================================
 
-**Between the knots** everything is a parabola in t in Bernstein form. σ̃ is a parabola with σ̃_ν ≤ 0 in all three
+**Between the knots** every quantity is a parabola in t in Bernstein form. σ̃ is a parabola with σ̃_ν ≤ 0 in all three
 coefficients. It balances the parabola through P f at both ends and in the middle of the piece. For linear G, ρ is a
-parabola, too, and ∫ r ≤ (k ∫ ‖ρ‖²)^{1/2} is exact up to the last step. For other G, Lipschitz with L, Gε(ũ) differs
-from its linear interpolation by at most 2θ(1−θ) k L |ε̇|. It does not differ where the whole piece stays in the convex
-set of (3.3).
+parabola, too, and only the last step of ∫ r ≤ (k ∫ ‖ρ‖²)^{1/2} is not exact. For other G, Lipschitz with L, Gε(ũ)
+differs from its linear interpolation by at most 2θ(1−θ) k L |ε̇|. The difference is 0 if the whole piece stays in the
+convex set of (3.3).
 
-**Data.** f − P f is bounded cell by cell and added to ρ in the same cell. P f minus its parabola is sampled once in
-each piece and balanced by another stress. Integrals of the data are quadratures; ranges of the formulas bound what
-these samples miss, or the bound is estimated.
+**Data.** f − P f is bounded on each cell and added to ρ in the same cell. P f minus its parabola is sampled once in
+each piece and balanced by another stress. Integrals of the data are quadratures. Ranges of the formulas bound the
+remainder between the samples; without formulas the bound is only estimated.
 
-**Shares.** What each piece adds to the bound is divided among the cells and time, to decide what to refine:
+**Shares.** The increase of the bound on each piece is divided among the cells and time, to decide what to refine:
 
-* a cell T gets a part proportional to k (‖ρ‖_T + η_T)²/(Σ …)^{1/2} without the part of ρ which changes within the
-  piece, to what contact adds on the sides of T on Γ3, and to what samples of the data miss in T;
-* time gets a part proportional to the part of ρ which changes, to the bending, and to what samples miss between times.
+* the share of a cell T has three summands: a part proportional to k (‖ρ‖_T + η_T)²/(Σ …)^{1/2}, without the part of ρ
+  that changes within the piece; the contact term on the sides of T on Γ3; and the remainder of the data in T;
+* the share of time is the part of ρ that changes, the bending, and the remainder of the data between times.
 
-ρ is measured in the norm in which stresses are balanced (``Moduli.weights``). The shares add up to the bound; how it is
-divided is a heuristic and does not affect the bound.
+ρ is measured in the norm in which stresses are balanced (``Moduli.weights``). The shares add up to the bound. Their
+division is a heuristic that does not affect the bound.
 """
 
 from __future__ import annotations
@@ -62,25 +62,25 @@ from study.bound.trajectory import Parabola
 from study.stresses.loads import Loads, Snapshot, together
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
-"""∫_0^1 B_i B_j for the Bernstein polynomials of degree 2."""
+"""Integrals ∫_0^1 B_i B_j of the Bernstein polynomials of degree 2."""
 CURVED, BENT = 1.5, 1.027
-"""Ratio of the largest θ(1 − θ) to its mean, and of the largest |θ(θ − ½)(θ − 1)| to its value at θ = ¼, 0 ≤ θ ≤ 1."""
+"""Ratio of max θ(1 − θ) to its mean, and of max |θ(θ − ½)(θ − 1)| to its value at θ = ¼, for 0 ≤ θ ≤ 1."""
 LEAST, MOST, VALUES = 4, 16, 1 << 20
-"""The least and the largest number of pieces in a block; in between, a block has this many values of a stress."""
+"""The least and the largest number of pieces in a block, and the number of stress values to aim at in between."""
 ROUNDING = 1e-6
-"""Jump of ũ̇ at a knot, relative to ũ̇, that counts as none."""
+"""Jump of ũ̇ at a knot, relative to ũ̇, up to which it counts as round-off."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shares:
-    """Non-negative parts of a bound: the parts of the cells, (cells,), and the part of time."""
+    """Non-negative shares of a bound: one for each cell, (cells,), and one for time."""
 
     cells: Array
     time: float
 
     @property
     def total(self) -> float:
-        """The sum of all parts."""
+        """The sum of all shares."""
         return float(self.cells.sum()) + self.time
 
     def __add__(self, other: Shares) -> Shares:
@@ -90,7 +90,7 @@ class Shares:
         return Shares(factor * self.cells, factor * self.time)
 
     def scaled_to(self, total: float) -> Shares:
-        """Return the same proportions of another total; if there are none, time gets all of it."""
+        """Return shares in the same proportions with another total; if all are 0, time gets the whole total."""
         return total / self.total * self if self.total > 0 else Shares(0 * self.cells, total)
 
 
@@ -102,11 +102,11 @@ class Terms:
         piece: ũ.
         residual: Σ ∫_T (v_i·ρ_a)(v_i·ρ_b)/α over points, for two Bernstein coefficients of ρ in time and each direction
             v_i of ``study.bound.problem``, (3, 3, directions, cells); the sum over directions is ∫_T A⁻¹ρ_a·ρ_b.
-        curvature: the mean of ‖Gε(ũ) − its parabola‖_{A⁻¹}.
+        curvature: the mean of ‖Gε(ũ) − parabola‖_{A⁻¹}.
         contact: ∫_e σ̃_ν ũ_ν for two Bernstein coefficients, (3, 3, edges of Γ3).
         oscillation: η_T at both ends and in the middle, (3, cells).
-        bending: the norm in the dual of V of P f minus its parabola at a quarter of the piece.
-        missed: what samples of the data miss.
+        bending: the dual norm of P f minus its parabola at a quarter of the piece.
+        missed: bounds of the remainder of the data.
     """
 
     piece: Parabola
@@ -119,11 +119,11 @@ class Terms:
 
     @property
     def contact_on_edges(self) -> Array:
-        """The mean of c on the edges of Γ3, (edges of Γ3,)."""
+        """The mean of c over the piece on the edges of Γ3, (edges of Γ3,)."""
         return np.tensordot(QUADRATIC, self.contact, axes=2)
 
     def step(self) -> Step:
-        """Return means of the terms over the piece and bounds at all times."""
+        """Return means of the terms over the piece and bounds of them at all times."""
         rest = self.missed.everywhere
         mean = Sizes(
             np.tensordot(QUADRATIC, self.residual, axes=2),
@@ -135,7 +135,7 @@ class Terms:
             np.max([self.residual[i, i] for i in range(3)], axis=0),
             largest_square(*self.oscillation),
             float(self.contact.sum(axis=2).max()),
-            # The remainder of a cubic, θ(θ − ½)(θ − 1), is BENT times as large at most as at ¼, and less in the mean.
+            # The remainder of a cubic, θ(θ − ½)(θ − 1), is at most BENT times its value at ¼, and smaller in the mean.
             CURVED * self.curvature + BENT * self.bending + rest,
         )
         return Step(self.piece.b - self.piece.a, mean, largest)
@@ -143,20 +143,20 @@ class Terms:
 
 @dataclass(frozen=True)
 class Interval:
-    """The bound y of ‖e‖_V between two knots.
+    """The bound y of ‖e‖_V on one piece of ũ.
 
     Attributes:
-        a, b: the knots.
+        a, b: the knots at its ends.
         at_a, at_b: y at the knots.
         inside: bound of ‖e(t)‖_V for all a ≤ t ≤ b.
         residual: ∫ of the norm of ρ.
         contact: ∫ c.
         oscillation: ∫ of the bound of f − P f.
         bending: ∫ of the norm of P f minus its parabola in time.
-        missed: ∫ of the bound of what samples of the data miss in the dual of V.
-        shares: of what the piece adds, ``at_b`` minus what is left of ``at_a``.
+        missed: ∫ of the bound of the remainder of the data in the dual norm.
+        shares: shares of the increase: ``at_b`` minus the decayed ``at_a``.
 
-    The integrals are reported only: the bound combines residual and oscillation cell by cell.
+    The integrals are reported only: the bound combines residual and oscillation on each cell.
     """
 
     a: float
@@ -178,8 +178,8 @@ class Knots:
 
     Attributes:
         snapshots: the data.
-        viscous, elastic: Aε(ũ̇) and Gε(ũ) at the points of the stresses, (3, knots, cells, Q).
-        residual: v_i·ρ with the roots of weights, (directions, knots, cells, Q).
+        viscous, elastic: Aε(ũ̇) and Gε(ũ) at the quadrature points of the stresses, (3, knots, cells, Q).
+        residual: v_i·ρ times root weights, (directions, knots, cells, Q).
         normal: Bernstein coefficients of σ̃_ν on Γ3, (knots, edges of Γ3, n).
     """
 
@@ -205,7 +205,8 @@ class Knots:
 
 
 class Majorant:
-    """The bound along a displacement ũ on one mesh; as many pieces are computed together as fit into caches."""
+    """Computes the bound along a displacement ũ on one mesh, in blocks of pieces that fit into the processor's
+    cache."""
 
     def __init__(self, discretisation: Discretisation) -> None:
         self.discretisation = discretisation
@@ -215,7 +216,10 @@ class Majorant:
         self._together = max(LEAST, min(MOST, VALUES // (3 * space.weights.size)))
 
     def __call__(self, pieces: Iterable[Parabola], start: float) -> Iterator[tuple[Parabola, Interval]]:
-        """Yield every piece of ũ with the bound on it, from a bound of ‖u_0 − ũ(0)‖_V.
+        """Yield every piece of ũ with the bound on it.
+
+        Args:
+            start: a bound of ‖u_0 − ũ(0)‖_V.
 
         Raises:
             BoundError: ũ̇ jumps at a knot.
@@ -243,7 +247,7 @@ class Majorant:
             last = knots.last()
 
     def knots(self, times: Sequence[float], u: Array, rates: Array) -> Knots:
-        """Return the knots at some times with ũ = u and ũ̇ = rate, (times, dofs) both."""
+        """Return the knots at given times with ũ = u and ũ̇ = rate, (times, dofs) both."""
         d = self.discretisation
         snapshots = [d.snapshot(time) for time in times]
         viscous, elastic = d.viscous(rates), d.elastic(u)
@@ -262,7 +266,7 @@ class Majorant:
         products = self.products([knots.residual[:, :-1], residual, knots.residual[:, 1:]])
         bending = self._bending(pieces, (9 / 16) * a + (6 / 16) * loads + (1 / 16) * b)
         moments = d.normal_moments(np.array([[piece.start, piece.control, piece.end] for piece in pieces]))
-        # Complementary up to rounding: products may come out as −0.
+        # Complementarity makes these products 0, but rounding can make them slightly negative.
         pressures = np.array([knots.normal[:-1], normal, knots.normal[1:]])
         contact = np.maximum(np.einsum("ipen,pjen->pije", pressures, moments), 0.0)
         for n, piece in enumerate(pieces):
@@ -274,19 +278,19 @@ class Majorant:
             )
 
     def _residual(self, loads: Loads, target: Tensors, u: Array) -> tuple[Array, Array]:
-        """v_i·ρ with the roots of weights, (directions, times, cells, Q), and σ̃_ν on Γ3, (times, edges of Γ3, n)."""
+        """Return v_i·ρ times root weights, (directions, times, cells, Q), and σ̃_ν on Γ3, (times, edges of Γ3, n)."""
         d = self.discretisation
         nearest = d.nearest_stress(loads, target, u)
         return self._in_directions(nearest.values), -d.equilibrium.pressure(nearest)
 
     def _in_directions(self, stress: Tensors) -> Array:
-        """v_i·τ times the roots of weights: sums of products of two over points are ∫_T (v_i·σ)(v_i·τ)/α."""
+        """Return v_i·τ times root weights, so that sums of products over points are ∫_T (v_i·σ)(v_i·τ)/α."""
         found = mapped(self._directions, stress)
         found *= self._roots
         return found
 
     def products(self, stresses: Sequence[Array]) -> Array:
-        """Return sums over points of products of any two of n stresses, (n, n, directions, ..., cells)."""
+        """Return products of all pairs of n stresses, summed over quadrature points, (n, n, directions, ..., cells)."""
         n = len(stresses)
         found = np.empty((n, n, *stresses[0].shape[:-1]))
         for a, b in combinations_with_replacement(range(n), 2):
@@ -294,7 +298,7 @@ class Majorant:
         return found
 
     def _bending(self, pieces: list[Parabola], parabola: Loads) -> Array:
-        """Bounds of ‖P f − its parabola‖ in the dual of V at a quarter of the pieces, (pieces,).
+        """Return bounds of ‖P f − parabola‖ in the dual norm at a quarter of the pieces, (pieces,).
 
         The bound is the least ‖τ‖_{A⁻¹} of stresses τ that balance the difference with τν = 0 on Γ3.
         """
@@ -303,7 +307,7 @@ class Majorant:
         return np.asarray(np.sqrt(self.products([stress])[0, 0].sum(axis=(0, -1))))
 
     def _elastic(self, pieces: list[Parabola], control: Array, knots: Knots) -> tuple[Tensors, Array]:
-        """The middle coefficient of Gε(ũ) as a parabola in time, and the means of ‖Gε(ũ) − parabola‖_{A⁻¹}."""
+        """Return the middle coefficient of the parabola through Gε(ũ), and the means of ‖Gε(ũ) − parabola‖_{A⁻¹}."""
         d, elastic = self.discretisation, self.discretisation.elastic(control)
         A, G = d.data.law.A, d.data.law.G
         if isinstance(G, Linear):
@@ -336,7 +340,7 @@ class Majorant:
         )
 
     def _shares(self, terms: Terms, step: Step, y: float) -> Shares:
-        """What a piece adds to y on which cells and in time, before it is damped."""
+        """Return the part of each cell in the increase of the bound y over a time interval, before the decay factor."""
         d, k, mean, missed = self.discretisation, step.k, step.mean, terms.missed
         weights = d.moduli.weights(d.data.body.T)
         squares = weights @ mean.residual
@@ -350,11 +354,11 @@ class Majorant:
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:
-    """Return the part of the mean squares of parabolas in time that is not due to their means, between 0 and 1.
+    """Return the fraction of the mean squares of parabolas in time that is not due to their means, between 0 and 1.
 
     Args:
-        products: of any two of their coefficients in Bernstein form, (3, 3, n).
-        squares: the mean squares that follow from them, (n,).
+        products: of each pair of Bernstein coefficients, (3, 3, n).
+        squares: the mean squares that follow from the products, (n,).
     """
     # Every Bernstein polynomial of degree 2 has the mean 1/3.
     means = products.sum(axis=(0, 1)) / 9
@@ -362,7 +366,7 @@ def part_that_changes(products: Array, squares: Array) -> Array:
 
 
 def _without_jumps(pieces: Iterable[Parabola]) -> Iterator[Parabola]:
-    """The pieces, as long as ũ̇ does not jump where they meet; BoundError if it does."""
+    """Yield the pieces; raise BoundError if ũ̇ jumps at a knot."""
     before: Array | None = None
     for piece in pieces:
         rate = piece.rate(end=False)

@@ -1,12 +1,12 @@
-"""Displacements in time: u_h, whose error is bounded, and displacements ũ(t) ∈ K that are close to the solution.
+"""Displacements in time: u_h, whose error is bounded, and more accurate displacements ũ(t) ∈ K.
 
 u_h is P1 and linear in time between the nodes of a time scheme. ũ has degree 2, lives on the same mesh or on a
-refinement of it, and is differentiable in time: nodes d_0, …, d_N ∈ K of any scheme are the control points of a
+refinement of it, and is differentiable in time. Nodes d_0, …, d_N ∈ K of any time scheme are the control points of a
 quadratic B-spline with knots at the midpoints of the steps,
 
     ũ(t_{j−1/2}) = (d_{j−1} + d_j)/2,    ũ̇(t_{j−1/2}) = (d_j − d_{j−1})/k,    ũ̇ linear in between,
 
-and a straight line on the first and the last half step. All points of the spline are convex combinations of nodes: so
+and a straight line on the first and the last half step. All points of the spline are convex combinations of nodes, so
 ũ(t) ∈ K for every t, however inaccurate the nodes are. At the knots ũ and ũ̇ are the value and the difference quotient
 of the midpoint scheme.
 """
@@ -34,14 +34,14 @@ from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 
 ON_NODE = 1e-5
-"""Distance in barycentric coordinates up to which a point of a mesh is a node of its refinement."""
+"""Distance in barycentric coordinates up to which a point of a mesh counts as a node of its refinement."""
 
 
 @dataclass(frozen=True, eq=False)
 class DiscreteSolution:
-    """u_h ∈ V^h of P1, by its values at equally spaced times from 0 to T, (steps + 1, n_dofs).
+    """The P1 solution u_h, by its values at equally spaced times from 0 to T, (steps + 1, n_dofs).
 
-    ``study.bound.given`` has displacements of other programs. Both have what ``Computed`` lists.
+    ``study.bound.given`` has displacements of other programs. Both classes satisfy the protocol ``Computed``.
     """
 
     space: Space
@@ -64,7 +64,7 @@ class DiscreteSolution:
         return len(self.nodes) - 1
 
     def at(self, time: float) -> Array:
-        """Return u_h(t), (n_dofs,)."""
+        """Return the value u_h(t), (n_dofs,)."""
         place = time / self.T * self.steps
         # The time of a node belongs to the interval after it, also where rounding puts it before.
         low = min(int(place + 1e-9), self.steps - 1)
@@ -72,16 +72,16 @@ class DiscreteSolution:
         return (1 - share) * self.nodes[low] + share * self.nodes[low + 1]
 
     def on(self, fine: Discretisation) -> Callable[[float], Array]:
-        """Return t ↦ u_h(t) by coefficients of degree 2 on the same mesh or a refinement of it, (dofs,)."""
+        """Return the function t ↦ u_h(t) by coefficients of degree 2 on the mesh or a refinement of it, (dofs,)."""
         J = prolongation(self.space, fine)
         return lambda time: J @ self.at(time)
 
 
 class Computed(Protocol):
-    """What a bound needs of a displacement u_h, linear in time between the times of its nodes.
+    """The properties of a displacement u_h, linear in time between the times of its nodes, that a bound uses.
 
-    Only ``SmoothedInTime`` also needs equal steps and u_h(t) ∈ K. ``steps`` is the number on which the number of steps
-    of ũ depends, and ``at`` is what functions from ``known_error`` take.
+    The number of steps of ũ is a multiple of ``steps``. Functions from ``known_error`` take values of ``at``. Only
+    ``SmoothedInTime`` also needs equal steps and u_h(t) ∈ K.
     """
 
     @property
@@ -110,7 +110,7 @@ def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
     """Return the matrix from P1 to degree 2 on the same mesh or a uniform refinement of it, (dofs, n_dofs).
 
     Raises:
-        BoundError: the mesh of degree 2 is no such refinement.
+        BoundError: the mesh of degree 2 is not such a refinement.
     """
     full = sps.csr_array(sps.kron(on_refinement(space.mesh, 1, discretisation.mesh), sps.eye_array(2)))
     return sps.csr_array(full[discretisation.displacements.free][:, space.free])
@@ -119,16 +119,16 @@ def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
 def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     """Return the matrix from nodal values on a mesh to Bernstein coefficients of degree 2 on a uniform refinement.
 
-    Nodes are the vertices and, for degree 2, the midpoints of the edges. A uniform refinement lists the children of
-    all cells in the order of the cells, four times for each refinement. Barycentric coordinates of its nodes are
-    multiples of a power of 1/2, so that the weights are exact.
+    Nodes are the vertices and, for degree 2, the midpoints of the edges. A uniform refinement lists the children of all
+    cells in the order of the cells, four times for each refinement. Barycentric coordinates of its nodes are multiples
+    of a power of 1/2, so that the weights are exact.
 
     Args:
-        degree: of the function on ``mesh``, 1 or 2.
+        degree: degree of the function on ``mesh``, 1 or 2.
         fine: the mesh itself or a uniform refinement of it.
 
     Raises:
-        BoundError: ``fine`` is no such refinement.
+        BoundError: ``fine`` is not such a refinement.
     """
     cells, vertices = mesh.t.shape[1], fine.p.shape[1]
     numbers = np.vstack([fine.t, vertices + fine.t2f])
@@ -156,9 +156,9 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
 
 
 class Trajectory(Protocol):
-    """A way to compute ũ: the discretisation that ũ lives in and the nodes (t_j, d_j), d_j ∈ K of degree 2.
+    """A way to compute ũ: its discretisation and its nodes (t_j, d_j), d_j ∈ K of degree 2.
 
-    ``name`` stands in the column ``trajectory`` of ``bounds.csv``.
+    ``name`` is the entry in the column ``trajectory`` of ``bounds.csv``.
     """
 
     @property
@@ -169,7 +169,7 @@ class Trajectory(Protocol):
 
 @dataclass(frozen=True)
 class SmoothedInTime:
-    """ũ is u_h itself, smoothed in time: the bound from the computed displacement alone."""
+    """The displacement ũ is u_h itself, smoothed in time; this gives the bound from u_h alone."""
 
     name: str = "bound"
 
@@ -184,9 +184,9 @@ class SmoothedInTime:
 
 @dataclass(frozen=True)
 class Refined:
-    """ũ solves Problem 5.1 in degree 2 by the midpoint scheme.
+    """The displacement ũ solves Problem 5.1 in degree 2 by the midpoint scheme.
 
-    The mesh of u_h is refined uniformly ``refinements`` times, and each step of u_h has ``shorter`` steps of ũ.
+    The mesh of u_h is refined uniformly ``refinements`` times, and each step of u_h is divided into ``shorter`` steps.
     """
 
     refinements: int = 1
@@ -224,7 +224,7 @@ def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete
 
 @dataclass(frozen=True, eq=False)
 class Parabola:
-    """ũ between two knots a < b, by its Bernstein coefficients in time, (dofs,) each."""
+    """The displacement ũ between two knots a < b, by its Bernstein coefficients in time, (dofs,) each."""
 
     a: float
     b: float
@@ -238,12 +238,12 @@ class Parabola:
         return (1 - x) ** 2 * self.start + 2 * x * (1 - x) * self.control + x**2 * self.end
 
     def blossom(self, s: float, t: float) -> Array:
-        """Return the middle Bernstein coefficient of the part of the parabola between two times."""
+        """Return the middle Bernstein coefficient of the parabola restricted to the interval between two times."""
         x, y = ((time - self.a) / (self.b - self.a) for time in (s, t))
         return (1 - x) * (1 - y) * self.start + (x * (1 - y) + y * (1 - x)) * self.control + x * y * self.end
 
     def rate(self, end: bool) -> Array:
-        """Return ũ̇ at a or b."""
+        """Return the velocity ũ̇ at a, or at b if ``end`` is true."""
         difference = self.end - self.control if end else self.control - self.start
         return 2 * difference / (self.b - self.a)
 

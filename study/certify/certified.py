@@ -29,12 +29,12 @@ from study.solve.evolution import Scheme
 CONSTANTS_LEVEL = 12
 """Level of the mesh on which the constants of the body are proved."""
 BELOW, DAMPING = 1e-9, 32
-"""The proved m is smaller than the eigenvalue by this relative distance, with this many bits after the point."""
+"""The proved m is smaller than the computed eigenvalue by this relative distance, and has this many binary digits."""
 
 
 @dataclass(frozen=True, eq=False)
 class Making:
-    """The problem, mesh family, time scheme and ũ that the certificates of all levels share."""
+    """The problem, mesh family, time scheme and way to compute ũ, which the certificates of all levels share."""
 
     data: Data
     family: MeshFamily
@@ -45,7 +45,7 @@ class Making:
         """Refuse a problem that the checker would refuse, before time is spent.
 
         Raises:
-            BoundError: says why.
+            BoundError: repeats the reason of the checker.
         """
         stated = statement(self.data)
         try:
@@ -57,7 +57,7 @@ class Making:
     def certificate(
         self, level: int, steps: int, progress: Callable[[float], object] = lambda time: None
     ) -> dict[str, Any]:
-        """Return the certificate of one level; ``progress`` is called with the times that are done."""
+        """Return the certificate of one level; ``progress`` is called with each finished time."""
         stated = statement(self.data)
         problem = checker.Problem(stated)
         mesh = rational_mesh(self.family(self.data.body, level), self.data.body)
@@ -92,8 +92,8 @@ class Making:
 def _rounded_stresses(
     encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
 ) -> dict[str, Any]:
-    """The numbers of σ̃ at the knots and of its control points between them, in turns."""
-    # The unit follows from the largest of all stresses.
+    """Return the integers of σ̃ at the knots and of its control points between them, in alternation."""
+    # The unit depends on the largest stress, so all stresses are computed before any is rounded.
     stresses = list(_stresses(encoder, fine, nodes, progress))
     bits = bits_below(max(float(abs(encoder.tractions(stress)).max()) for stress, _ in stresses), FINE)
     coarse = FINE - COARSE
@@ -104,7 +104,7 @@ def _rounded_stresses(
 def _stresses(
     encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
 ) -> Iterator[tuple[Array, Load]]:
-    """(σ̃ on cells, f̃) at knots and control points."""
+    """Yield pairs (σ̃ on cells, f̃) at knots and control points."""
     T = encoder.problem.T
     k = T / (len(nodes) - 1)
     knots = [Fraction(0), *(k * Fraction(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
@@ -126,12 +126,12 @@ def _stresses(
 
 
 def differences(rows: Sequence[list[int]]) -> list[list[int]]:
-    """Return second differences in time, which have fewer digits."""
+    """Return second differences in time, which have fewer digits and make the file smaller."""
     for _ in range(2):
         rows = [rows[0], *([y - x for x, y in zip(p, q, strict=True)] for p, q in pairwise(rows))]
     return list(rows)
 
 
 def write(path: Path, certificate: dict[str, Any]) -> Path:
-    """Write a certificate and return the path; equal certificates give equal files."""
+    """Write a certificate and return the path; equal certificates give identical files."""
     return write_packed(path, json.dumps(certificate, separators=(",", ":")))

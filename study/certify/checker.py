@@ -1,14 +1,14 @@
-"""Check certificates of error bounds: a program of its own, which needs nothing but Python and this file.
+"""Check certificates of error bounds: a stand-alone program that needs only Python and this file.
 
     python checker.py certificate-4.json.gz certificate-8.json.gz
 
-A certificate states a problem, a mesh and a computed displacement u_h on it, and it has witnesses: another displacement
-ũ, stresses σ̃, a tensor field Φ. From these the bounds of ‖u(t) − u_h(t)‖_V are computed here, with integers and
-fractions and roots that are rounded outward; nothing in the file says what they are. What is proved, and that these
-lines do it, is in ``paper/certificate.tex``; letters are those of that text.
+A certificate states a problem, a mesh and a computed displacement u_h on the mesh. It also contains witnesses: another
+displacement ũ, stresses σ̃, a tensor field Φ. From these this program computes bounds of ‖u(t) − u_h(t)‖_V with
+integers, fractions and square roots that are rounded outward. The file does not state the bounds. The paper
+``paper/certificate.tex``, whose notation is used here, states what is proved and why this program proves it.
 
-What a certificate has to fulfil is required below, line by line; whatever fails ends in ``RefusedError``. Exit codes:
-0 if every file proves its interval, 1 if a file is refused, 2 if there is no file to check.
+Each property that a certificate must have is checked below; if one does not hold, ``RefusedError`` is raised. Exit
+codes: 0 if every file proves its interval, 1 if a file is refused, 2 if there is no file to check.
 """
 
 from __future__ import annotations
@@ -33,39 +33,41 @@ FORMAT = "signorini-certificate 2"
 GRID = 100
 """Roots and sums are rounded outward to multiples of 2^−GRID."""
 ELEVATED, HALVINGS = 40, 4
-"""The degree to which a polynomial is raised to see its sign; how often an edge with a kink of f_2 is cut."""
+"""The degree to which a polynomial is raised to determine its sign; how often an edge with a kink of f_2 is halved."""
 
-# Limits: a file beyond one of them is refused before work or memory is spent on it. They are far above what real
-# certificates need; what level 16 with 64 steps needs, about, stands in brackets.
-DIGITS = 100  # decimal digits of an integer, of a numerator and of a denominator (30: doubles read as fractions)
-BITS = 512  # binary digits after the point of ũ, σ̃ and Φ (41)
-DEGREE = 10  # total degree of p · g_+^q in x1, x2 and t (7): the cost grows like its sixth power
-TERMS = 300  # monomials of a polynomial, summands of a load (6): all 286 monomials of degree 10 fit
-VERTICES = 100  # vertices of the polygon (6): every two of its sides are compared
-REFINEMENTS = 8  # from the mesh of u_h to that of ũ (2); ũ has to have as many nodes as the refined mesh
-LISTS = 1 << 20  # lists in a file (10 000): an empty list takes 20 times the memory of its two characters
-PACKED, UNPACKED = 1 << 28, 1 << 30  # bytes of a file (35 million), characters of its text (80 million)
-PACKING, SMALL = 20, 1 << 24  # characters for a byte of the file (2.3), unless the text is small: bombs have 1000
+# Limits: a file beyond one of them is refused before any work. "Used": by a certificate of level 16 with 64 steps.
+DIGITS = 100  # decimal digits of an integer, numerator or denominator; used: 30
+BITS = 512  # binary digits after the point of ũ, σ̃ and Φ; used: 41
+DEGREE = 10  # total degree of p · g_+^q in x1, x2 and t; used: 7. The cost grows like degree⁶
+TERMS = 300  # monomials of a polynomial, summands of a load; used: 6. A polynomial of degree 10 has 286
+VERTICES = 100  # vertices of the polygon; used: 6. Every pair of sides is compared
+REFINEMENTS = 8  # refinements from the mesh of u_h to the mesh of ũ; used: 2
+LISTS = 1 << 20  # lists in a file; used: 10 000. An empty list takes 20 times the memory of its two characters
+PACKED, UNPACKED = 1 << 28, 1 << 30  # bytes of the packed file and characters of its text; used: 35 and 80 million
+PACKING, SMALL = (
+    20,
+    1 << 24,
+)  # characters of text per packed byte, for texts above SMALL; used: 2.3. A zip bomb has 1000
 
 Vector = tuple[Q, Q]
 Matrix = list[list[Q]]
 
 
 class RefusedError(ValueError):
-    """The certificate proves nothing."""
+    """Raised if a certificate proves nothing."""
 
 
 def require(condition: bool, message: str) -> None:
-    """Refuse unless a condition holds."""
+    """Raise RefusedError unless a condition holds."""
     if not condition:
         raise RefusedError(message)
 
 
-# The form of a certificate
+# The format of a certificate
 
 
 def shown(value: Any) -> str:
-    """Return a value as short ASCII text without control characters, so that no file can forge the screen."""
+    """Return a value as short ASCII text without control characters, so that a file cannot forge terminal output."""
     if isinstance(value, list | dict):
         return "a list" if isinstance(value, list) else "an object"
     text = ascii(value[:60] if isinstance(value, str) else value)
@@ -74,7 +76,7 @@ def shown(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Many:
-    """The form of a list of values that have one form."""
+    """The format of a list whose values all have the same format."""
 
     form: Any
     least: int = 0
@@ -105,7 +107,7 @@ MESH = {
 }
 CERTIFICATE = {
     "format": {FORMAT},
-    "level": range(10**6),  # in the maker's family of meshes; nothing here reads it
+    "level": range(10**6),  # in the mesh family of the author; the checker does not use it
     "problem": PROBLEM,
     "constants": {
         "mesh": MESH,
@@ -122,17 +124,18 @@ CERTIFICATE = {
     "displacement": {"bits": UNIT, "nodes": Many(Many(INTEGER), 2)},
     "stress": {"bits": UNIT, "coarse": range(BITS + 1), "tractions": Many(Many(INTEGER)), "inner": Many(Many(INTEGER))},
 }
-"""The form of a certificate, see ``conform``."""
+"""The format of a certificate, as ``conform`` reads it."""
 
 
 def conform(value: Any, form: Any, name: str) -> None:
-    """Refuse a value that has not the given form.
+    """Refuse a value that does not have the given format.
 
-    A form is a dict for an object with these keys and no other (or with any, if its only key is ""), ``Many`` for a
-    list, a tuple for a list of values with one form each, a range for an integer, a set for one of some texts,
-    ``FRACTION`` for the text of a fraction, ``float`` for a finite number that has a point or an exponent.
+    A format is one of these: a dict for an object with exactly these keys (or with any keys, if its only key is "");
+    ``Many`` for a list; a tuple for a list of values with one format each; a range for an integer; a set for one of
+    several texts; ``FRACTION`` for the text of a fraction; ``float`` for a finite number that has a point or an
+    exponent.
     """
-    given = f"{name} is {shown(value)}, but has to be"
+    given = f"{name} is {shown(value)}, but must be"
     match form:
         case dict():
             require(type(value) is dict, f"{given} an object")
@@ -148,10 +151,10 @@ def conform(value: Any, form: Any, name: str) -> None:
                 conform(one, of_one, f"{name}[{i}]")
         case Many(of_one, least, most):
             require(type(value) is list, f"{given} a list")
-            require(least <= len(value) <= most, f"{name} has {len(value)} values, but has to have {least} to {most}")
+            require(least <= len(value) <= most, f"{name} has {len(value)} values, but must have {least} to {most}")
             kind, end = (float, math.inf) if of_one is float else (int, 10**DIGITS)
             if of_one in (INTEGER, float) and all(type(x) is kind and -end < x < end for x in value):
-                return  # Long lists of numbers are checked at once.
+                return  # Long lists of numbers are checked as a whole, because value by value would be slow.
             for i, one in enumerate(value):
                 conform(one, of_one, f"{name}[{i}]")
         case range():
@@ -181,14 +184,14 @@ def down(x: Q) -> Q:
 
 
 def root(x: Q, above: bool = True) -> Q:
-    """Return an upper bound of √x, or a lower one: multiples of 2^−GRID that differ from it by at most 2^−GRID."""
+    """Return an upper or a lower bound of √x: a multiple of 2^−GRID that differs from √x by at most 2^−GRID."""
     require(x >= 0, "a square is negative")
     floor = math.isqrt((x.numerator << 2 * GRID) // x.denominator)
     return Q(floor + above, 1 << GRID)
 
 
 def logarithm(x: Q) -> tuple[Q, Q]:
-    """Return the ends of an interval that contains log x, x > 0, as log(x/2^n) + n log 2."""
+    """Return the ends of an interval that contains log x, x > 0, computed as log(x/2^n) + n log 2."""
     n = x.numerator.bit_length() - x.denominator.bit_length()
     low, high = logarithm_near_1(x / Q(2) ** n)
     two = logarithm_near_1(Q(2))
@@ -198,31 +201,32 @@ def logarithm(x: Q) -> tuple[Q, Q]:
 def logarithm_near_1(x: Q) -> tuple[Q, Q]:
     """Return the ends of an interval that contains log x, 1/2 ≤ x ≤ 2.
 
-    log x = 2 artanh z; the terms of its series after the 20th are at most 2 |z|^41/41 times a geometric series in z².
+    The series of log x = 2 artanh z is used; its terms after the 20th are at most 2 |z|^41/41 times a geometric series
+    in z².
     """
-    z = (x - 1) / (x + 1)  # from −1/3 to 1/3
+    z = (x - 1) / (x + 1)  # lies between −1/3 and 1/3
     partial = sum((2 * z ** (2 * i + 1) / (2 * i + 1) for i in range(20)), Q(0))
     tail = 2 * abs(z) ** 41 / (41 * (1 - z**2))
     return down(partial - tail), up(partial + tail)
 
 
 def decay(x: Q) -> Q:
-    """Return an upper bound of e^{−x}, x ≥ 0: the inverse of a partial sum for e^x, whose terms are positive."""
+    """Return an upper bound of e^{−x}, x ≥ 0: the inverse of a partial sum of e^x, whose terms are positive."""
     return up(1 / sum((x**j / math.factorial(j) for j in range(60)), Q(0)))
 
 
 def mean_decay(x: Q) -> Q:
     """Return an upper bound of ∫_0^1 e^{−xs} ds = (1 − e^{−x})/x, x ≥ 0.
 
-    The terms of its series alternate, and decrease from the 24th on if x < 24: a partial sum that ends with a
-    positive term is an upper bound. So are 1/x and 1.
+    The terms of its series alternate in sign and decrease from the 24th on if x < 24, so a partial sum that ends with a
+    positive term is an upper bound. 1/x and 1 are upper bounds, too.
     """
     series = sum(((-x) ** j / math.factorial(j + 1) for j in range(25)), Q(0))
     return up(min(series, 1 / x) if 0 < x < 24 else 1 / max(x, Q(1)))
 
 
 def common(rows: Iterable[Iterable[Q]]) -> tuple[list[list[int]], int]:
-    """Return fractions as integers, and the denominator that they share."""
+    """Return fractions as integers over a common denominator, and this denominator."""
     kept = [list(row) for row in rows]
     denominator = math.lcm(*(x.denominator for row in kept for x in row))
     return [[x.numerator * (denominator // x.denominator) for x in row] for row in kept], denominator
@@ -243,7 +247,7 @@ def mixed(weights: Sequence[int], rows: Iterable[Sequence[int]]) -> list[int]:
 
 
 def congruent(B: Any, M: Any) -> list[list[Any]]:
-    """Return B M Bᵀ for a symmetric M."""
+    """Return the product B M Bᵀ for a symmetric M."""
     half = [applied(B, row) for row in M]
     return [[dot(row, column) for column in zip(*half, strict=True)] for row in B]
 
@@ -279,9 +283,9 @@ def inverse(matrix: Matrix) -> Matrix:
 
 
 def semidefinite(matrix: Matrix) -> bool:
-    """Return whether a matrix is symmetric and positive semidefinite: whether no principal minor is negative.
+    """Return whether a matrix is symmetric and positive semidefinite, that is, whether no principal minor is negative.
 
-    Leading minors are not enough: those of [[0, 0], [0, −1]] are 0.
+    Leading minors are not sufficient: the leading minors of [[0, 0], [0, −1]] are 0.
     """
     size = range(len(matrix))
     chosen = (c for n in size for c in combinations(size, n + 1))
@@ -293,7 +297,7 @@ def semidefinite(matrix: Matrix) -> bool:
 
 
 class Poly(dict[tuple[int, int, int], Q]):
-    """A polynomial in X, Y, S: exponents ↦ coefficients, none of which is 0."""
+    """A polynomial in X, Y, S: a dict from exponents to coefficients, none of which is 0."""
 
     @classmethod
     def of(cls, terms: Iterable[tuple[tuple[int, ...], Q]]) -> Poly:
@@ -315,7 +319,7 @@ class Poly(dict[tuple[int, int, int], Q]):
         return Poly.of(((i + l, j + m, k + n), x * y) for ((i, j, k), x), ((l, m, n), y) in pairs)
 
     def __call__(self, *images: Poly) -> Poly:
-        """Return the polynomial with others in place of X, Y and S, or of the first of them."""
+        """Return the polynomial after substituting polynomials for X, Y and S, or for the first of these only."""
         every = (*images, *(X, Y, S)[len(images) :])
         powers = ((x, [p for p, e in zip(every, key, strict=True) for _ in range(e)]) for key, x in self.items())
         return total(reduce(mul, factors, ONE * x) for x, factors in powers)
@@ -339,29 +343,29 @@ def constant(x: Q) -> Poly:
 
 ONE, X, Y, S = (Poly({key: Q(1)}) for key in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 UNIT_X, UNIT_S = (ONE + X) * Q(1, 2), (ONE + S) * Q(1, 2)
-"""From 0 to 1 where X, or S, goes from −1 to 1."""
+"""Variables from 0 to 1, for X and S from −1 to 1."""
 CUBIC, SQUARE = ([(i, j, 0) for i in range(n) for j in range(n - i)] for n in (4, 3))
-"""Monomials in X and Y of degree 3, and of degree 2."""
+"""Exponents of the monomials in X and Y of degree at most 3, and at most 2."""
 PLAIN = [Poly({key: Q(1)}) for key in CUBIC]
 LINEAR = ((0, 0, 0), (1, 0, 0), (0, 1, 0))
 CORNERS, CENTRE = [(Q(0), Q(0)), (Q(1), Q(0)), (Q(0), Q(1))], (Q(1, 3), Q(1, 3))
 SHARES = ((6, 3, 1), (3, 4, 3), (1, 3, 6))
-"""30 ∫_0^1 B_a B_b of the Bernstein polynomials of degree 2."""
+"""The integrals 30 ∫_0^1 B_a B_b of the Bernstein polynomials of degree 2."""
 
 
 def bernstein(degree: int, x: Poly) -> list[Poly]:
-    """Return the Bernstein polynomials of a degree in x."""
+    """Return the Bernstein polynomials of the given degree in x."""
     factors = [[x] * i + [ONE - x] * (degree - i) for i in range(degree + 1)]
     return [reduce(mul, some) * math.comb(degree, i) for i, some in enumerate(factors)]
 
 
 def mean(p: Poly) -> Q:
-    """Return the mean over the square |X|, |S| ≤ 1 of a polynomial without Y."""
+    """Return the mean of a polynomial without Y over the square |X|, |S| ≤ 1."""
     return sum((x / (i + 1) / (k + 1) for (i, _, k), x in p.items() if i % 2 == k % 2 == 0), Q(0))
 
 
 def on_triangle(p: Poly) -> Q:
-    """Return the integral over the triangle with the vertices 0, e_1, e_2 of the mean over |S| ≤ 1."""
+    """Return the integral over the triangle with vertices 0, e_1, e_2 of the mean over |S| ≤ 1."""
     f = math.factorial
     return sum((x * f(i) * f(j) / f(i + j + 2) / (k + 1) for (i, j, k), x in p.items() if k % 2 == 0), Q(0))
 
@@ -395,27 +399,28 @@ class Term:
         return None if self.q and size > middle else reduce(mul, [self.g] * self.q, self.p)
 
     def size(self) -> Q:
-        """Return an upper bound of the absolute value for |X|, |S| ≤ 1."""
+        """Return an upper bound of |p · g_+^q| for |X|, |Y|, |S| ≤ 1."""
         middle = self.g.get((0, 0, 0), Q(0))
         return self.p.size() * (self.g.size() - abs(middle) + middle) ** self.q
 
 
 def polynomial(data: Any) -> Poly:
-    """Return the polynomial that is given by [[coefficient, exponents of x1, x2 and perhaps t], …]."""
+    """Return the polynomial for data [[coefficient, exponents of x1, x2 and perhaps t], …]."""
     return Poly.of(((*key, 0)[:3], Q(x)) for x, *key in data)
 
 
 def formula(data: Any) -> list[Term]:
-    """Return the terms p · g_+^q that are given by [[p, g, q], …]."""
+    """Return the terms p · g_+^q for data [[p, g, q], …]."""
     terms = [Term(polynomial(p), polynomial(g), q) for p, g, q in data]
     require(all(one.degree() <= DEGREE for one in terms), f"a load has a degree above {DEGREE}")
     return terms
 
 
 def never_positive(p: Poly) -> bool:
-    """Return whether p ≤ 0 for 0 ≤ X ≤ 1 can be seen from Bernstein coefficients of degree n = ELEVATED.
+    """Return whether Bernstein coefficients of degree n = ELEVATED show that p ≤ 0 for 0 ≤ X ≤ 1.
 
-    They are those of (1 + z)^n p(1/(1 + z)), z ≥ 0, up to positive factors. False means "not seen".
+    The coefficients of (1 + z)^n p(1/(1 + z)) are the Bernstein coefficients up to positive factors. False means "not
+    shown".
     """
     n = ELEVATED
     return all(sum(x * math.comb(n - i, k) for (i, _, _), x in p.items()) <= 0 for k in range(n + 1))
@@ -426,7 +431,7 @@ def never_positive(p: Poly) -> bool:
 
 @dataclass(frozen=True)
 class Side:
-    """A side of the polygon, its kind, and the two components of f_2 on it, or no component where f_2 = 0."""
+    """A side of the polygon, its kind, and the two components of f_2 on it; ``load`` is empty if f_2 = 0."""
 
     start: Vector
     end: Vector
@@ -439,11 +444,14 @@ class Side:
 
     @property
     def normal(self) -> Vector:
-        """The outward normal, as long as the side."""
+        """The outward normal; its length is the length of the side."""
         return self.along[1], -self.along[0]
 
     def is_apart(self, other: Side) -> bool:
-        """Return whether a line separates two closed segments: one parallel or orthogonal to a side is enough."""
+        """Return whether a line parallel or orthogonal to one of two closed segments separates them.
+
+        If no such line exists, no line separates them.
+        """
         for axis in (self.normal, other.normal, self.along):
             (a, b), (c, d) = (sorted((dot(axis, side.start), dot(axis, side.end))) for side in (self, other))
             if b < c or d < a:
@@ -452,7 +460,7 @@ class Side:
 
 
 class Problem:
-    """Ω, A, G, f_0, f_2, u_0 and T.
+    """The problem: Ω, A, G, f_0, f_2, u_0 and T.
 
     Tensors are in Voigt's components, stresses (11, 22, 12) and strains (11, 22, 2·12); A and G are 3 × 3.
     """
@@ -461,8 +469,8 @@ class Problem:
         corners, loads = [(Q(x), Q(y)) for x, y in data["vertices"]], data["loads"]
         ends, names = [*corners[1:], *corners[:1]], list(map(str, range(len(corners))))
         given = [[formula(f) for f in loads.get(name, [])] for name in names]
-        require(set(loads) <= set(names), "f_2 is given on parts that there are not")
-        require(len(data["kinds"]) == len(corners), "the polygon has not one kind for every side")
+        require(set(loads) <= set(names), "f_2 is given on a side that does not exist")
+        require(len(data["kinds"]) == len(corners), "the polygon must have one kind for every side")
         self.sides = [Side(*one) for one in zip(corners, ends, data["kinds"], given, strict=True)]
         self.T, self.start = Q(data["T"]), [polynomial(p) for p in data["start"]]
         require(all(sum(key) <= DEGREE for p in self.start for key in p), f"u_0 has a degree above {DEGREE}")
@@ -478,7 +486,7 @@ class Problem:
 
     @property
     def twice_area(self) -> Q:
-        """2|Ω|."""
+        """Twice the area of Ω."""
         return sum((cross(side.start, side.end) for side in self.sides), Q(0))
 
     def _check_law(self) -> None:
@@ -488,9 +496,10 @@ class Problem:
         require(semidefinite(self.G), "G is not symmetric and positive semidefinite")
 
     def _check_polygon(self) -> None:
-        """Refuse a polygon that is not simple, not counter-clockwise or not clamped anywhere.
+        """Refuse a polygon that is not simple, not counter-clockwise or has no clamped side.
 
-        If a side folds back on its neighbour, or has no length, a side after the next one touches it.
+        Comparing sides that are not neighbours suffices: if a side folds back on its neighbour or has no length, it
+        touches the side after its neighbour.
         """
         sides = self.sides
         require(any(side.kind == "clamped" for side in sides), "no part is clamped")
@@ -500,12 +509,12 @@ class Problem:
                 require(one.is_apart(other), f"two sides of the polygon meet, one is side {i}")
 
     def _check_start(self, side: Side) -> None:
-        """Refuse a u_0 that is not 0 on Γ1, or for which u_0ν ≤ 0 on Γ3 is not seen."""
+        """Refuse a u_0 that is not 0 on Γ1, or for which u_0ν ≤ 0 on Γ3 cannot be shown."""
         u = [p(*between(side.start, side.end)) for p in self.start]
         require(side.kind != "clamped" or not any(u), "u_0 does not vanish on Γ1")
         if side.kind == "contact":
             normal = u[0] * side.normal[0] + u[1] * side.normal[1]
-            require(never_positive(normal), "u_0ν ≤ 0 on Γ3 is not seen")
+            require(never_positive(normal), "u_0ν ≤ 0 on Γ3 cannot be shown")
 
 
 # Meshes
@@ -515,7 +524,7 @@ class Problem:
 class Cell:
     """A triangle with the vertices v and six nodes.
 
-    F = (a b; c d) has the edges from v_0, times h, as columns; det is its determinant.
+    The columns of F = (a b; c d) are h times the edges from v_0; det is the determinant of F.
     """
 
     v: list[int]
@@ -525,9 +534,10 @@ class Cell:
 
 
 class Mesh:
-    """A conforming mesh of triangles. A vertex is a pair of integers over h; nodes are vertices, then edges.
+    """A conforming mesh of triangles. Vertices are pairs of integers, to be divided by h.
 
-    ``boundary`` has the edges of ∂Ω, counter-clockwise, and the sides of the polygon on which they lie.
+    Nodes are the vertices, then the midpoints of the edges. ``boundary`` maps the edges of ∂Ω, counter-clockwise, to
+    the sides of the polygon on which they lie.
     """
 
     def __init__(
@@ -544,13 +554,13 @@ class Mesh:
     def of(cls, data: Any, problem: Problem) -> Mesh:
         """Return the mesh of a certificate; refuse it unless its cells tile Ω.
 
-        Cells are counter-clockwise, and the edges that two of them do not run through in opposite directions follow
-        each other along the sides of the polygon: so the sum of the indicators of the cells, which are winding
-        numbers, is that of ∂Ω.
+        All cells must be counter-clockwise. Edges that are traversed only once must follow each other along the sides
+        of the polygon. Then the sum of the winding numbers of the cells, which are their indicator functions, equals
+        the winding number of ∂Ω, so that the cells cover each point of Ω exactly once.
         """
         h, points, cells, lines = (data[name] for name in ("denominator", "points", "cells", "sides"))
-        require(all(0 <= v < len(points) for some in cells + lines for v in some), "a mesh has no such vertex")
-        require(len(lines) == len(problem.sides), "a mesh has not one line of vertices for every side of the polygon")
+        require(all(0 <= v < len(points) for some in cells + lines for v in some), "a vertex does not exist")
+        require(len(lines) == len(problem.sides), "a mesh must have one line of vertices for every side of the polygon")
         mesh = cls(h, points, cells, list(zip(problem.sides, lines, strict=True)))
         require(all(cell.det > 0 for cell in mesh.cells), "a cell is not counter-clockwise")
         directed = [edge for a, b, c in cells for edge in ((a, b), (b, c), (c, a))]
@@ -562,7 +572,7 @@ class Mesh:
             fits = all(cross(side.along, step) == 0 < dot(side.along, step) for step in steps)
             fits = fits and (places[:1], places[-1:]) == ([side.start], [side.end])
             require(fits and once >= set(pairwise(line)), f"the mesh does not fit side {part} of the polygon")
-        require(len(mesh.boundary) == len(once), "the mesh has a boundary inside the polygon, or outside")
+        require(len(mesh.boundary) == len(once), "the mesh has a boundary inside or outside the polygon")
         return mesh
 
     def place(self, vertex: int) -> Vector:
@@ -580,12 +590,16 @@ class Mesh:
         return Cell(v, [*v, *opposite], (a, b, c, d), a * d - b * c)
 
     def middles(self, values: list[int], size: int) -> list[int]:
-        """Return twice the values at the nodes of a piecewise linear function: ``size`` numbers at every vertex."""
+        """Return twice the values of a piecewise linear function at the nodes.
+
+        Args:
+            values: values at the vertices, ``size`` numbers at each.
+        """
         sums = (values[size * a + i] + values[size * b + i] for a, b in self.edges for i in range(size))
         return [*(2 * x for x in values), *sums]
 
     def refined(self) -> Mesh:
-        """Return the mesh with every cell cut in four at the midpoints of its edges; nodes become vertices."""
+        """Return the mesh with every cell divided into four at the midpoints of its edges; nodes become vertices."""
         flat = self.middles([x for point in self.points for x in point], 2)
         cells = []
         for cell in self.cells:
@@ -600,7 +614,7 @@ class Mesh:
         return edge[0], self.node[min(edge), max(edge)], edge[1]
 
     def images(self, cell: Cell) -> list[Poly]:
-        """Return x1 and x2 as polynomials on the reference triangle."""
+        """Return x1 and x2 on a cell as polynomials on the reference triangle."""
         (a, b, c, d), (x, y) = cell.F, self.place(cell.v[0])
         return [constant(x) + X * Q(a, self.h) + Y * Q(b, self.h), constant(y) + X * Q(c, self.h) + Y * Q(d, self.h)]
 
@@ -609,16 +623,15 @@ class Mesh:
 
 
 def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
-    """Return C_Ω and C_Γ, as a tensor field proves them: ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V, ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V.
+    """Return the constants C_Ω and C_Γ with ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V.
 
-    The field is a totally symmetric tensor field Φ, continuous and linear on the cells of a mesh of its own.
-
-    It is required at every vertex of a cell that div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|², and on edges that are not on
-    Γ1 that −Φ(ν, v, v) ≥ 0, or ≥ κ |v|² where there is a load. Then C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
+    A totally symmetric tensor field Φ, continuous and linear on the cells of a separate mesh, proves them. At every
+    vertex of a cell div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|² must hold. On edges outside Γ1, −Φ(ν, v, v) must be at least 0,
+    and at least κ |v|² if there is a load. Then C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
     """
     mesh, mu, kappa, field = Mesh.of(data["mesh"], problem), Q(data["volume"]), Q(data["surface"]), data["field"]
     require(mu > 0 and kappa > 0, "a constant of the body is not positive")
-    require(len(field) == len(mesh.points), "the tensor field has another size")
+    require(len(field) == len(mesh.points), "the tensor field must have one value for every vertex")
     unit, compliance = Q(1, 1 << data["bits"]), inverse(problem.A)
     for cell in mesh.cells:
         (a, b, c, d), scale = cell.F, unit * mesh.h / cell.det
@@ -645,10 +658,11 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
 class Element:
     """Composite stresses of degree 3 on the reference triangle, as a linear function of 45 inputs.
 
-    Inputs are tractions on three sides (4 coefficients of Bernstein, 2 components each), a force of degree 2
-    (6 monomials, 2 components) and 9 numbers more. Columns of the certificate say which stress an input has: three
-    components, a cubic on every third, whose third corner is the centre. It is checked that tractions are continuous
-    inside and the given ones outside, and that Div σ̂ + f̂ is the same polynomial of degree 1 on all thirds.
+    Inputs are tractions on three sides (4 Bernstein coefficients, 2 components each), a force of degree 2 (6 monomials,
+    2 components) and 9 free numbers. The columns in the certificate state the stress for each input: three components,
+    each a cubic on every third, whose third corner is the centre. This class checks that tractions are continuous
+    inside and equal to the inputs on the boundary, and that Div σ̂ + f̂ is the same polynomial of degree 1 on all
+    thirds.
     """
 
     def __init__(self, over: int, columns: Sequence[Sequence[int]]) -> None:
@@ -660,11 +674,11 @@ class Element:
 
     @classmethod
     def of(cls, data: Any) -> Element:
-        """Return the element of a certificate; equal elements are checked once."""
+        """Return the element of a certificate; several certificates with the same element are checked once."""
         return checked(data["over"], tuple(map(tuple, data["columns"])))
 
     def _divergence(self, number: int, column: Sequence[int]) -> list[int]:
-        """Check one input, and return both components of Div σ̂ + f̂ by their coefficients in ``LINEAR``."""
+        """Check the stress of one input; return both components of Div σ̂ + f̂ by coefficients in ``LINEAR``."""
         side, place, d = number // 8, number // 2 % 4, number % 2
         stress = [[column[30 * c + 10 * i :][:10] for c in range(3)] for i in range(3)]
         given, force = bernstein(3, X)[place] * self.over, [Poly(), Poly()]
@@ -701,7 +715,7 @@ class Element:
 
 @cache
 def checked(over: int, columns: tuple[tuple[int, ...], ...]) -> Element:
-    """Return the element with given columns."""
+    """Return the element with the given columns, after checking it."""
     return Element(over, columns)
 
 
@@ -711,12 +725,12 @@ def combination(polynomials: Iterable[Poly], factors: Iterable[Any]) -> Poly:
 
 @cache
 def on_segment(a: Vector, b: Vector) -> list[Poly]:
-    """Return the ten monomials on the segment from a to b."""
+    """Return the ten monomials of degree 3 on the segment from a to b."""
     return [p(*between(a, b)) for p in PLAIN]
 
 
 def tractions(stress: Sequence[Sequence[Any]], a: Vector, b: Vector) -> list[Poly]:
-    """Return σN on a segment; N points to the right of it and is as long."""
+    """Return the traction σN on a segment; N points to the right of the segment and has its length."""
     (n, m), (x, y, z) = (b[1] - a[1], a[0] - b[0]), (combination(on_segment(a, b), values) for values in stress)
     return [x * n + z * m, z * n + y * m]
 
@@ -725,11 +739,10 @@ def tractions(stress: Sequence[Sequence[Any]], a: Vector, b: Vector) -> list[Pol
 
 
 class Loads:
-    """The approximate loads f̃, and bounds of what they leave out of f.
+    """The approximate loads f̃, and bounds of their difference from f.
 
-    In time f̃_0 is the parabola through f_0 at the ends and in the middle of a piece, on cells its terms of degree 2.
-
-    Twice the area times f̃_0 is rounded to multiples of 1/unit.
+    In time f̃_0 is the parabola through f_0 at the ends and in the middle of a piece; on a cell it has the terms of
+    degree at most 2. Twice the area times f̃_0 is rounded to multiples of 1/unit.
     """
 
     def __init__(self, problem: Problem, mesh: Mesh, bits: int) -> None:
@@ -739,13 +752,13 @@ class Loads:
         self.lengths = {e: root(square, above=False) for e, square in squares.items()}
 
     def controls(self, a: Q, b: Q) -> list[list[Poly]]:
-        """Return the Bernstein coefficients in time of the parabola through f_0: polynomials of x1 and x2."""
+        """Return the Bernstein coefficients in time of the parabola through f_0: polynomials in x1 and x2."""
         first, middle, last = ([p(X, Y, constant(t)) for p in self.problem.force] for t in (a, (a + b) / 2, b))
         ends = [p + q for p, q in zip(first, last, strict=True)]
         return [first, [m * 2 - p * Q(1, 2) for m, p in zip(middle, ends, strict=True)], last]
 
     def on_cells(self, control: list[Poly]) -> list[list[int]]:
-        """Return unit · twice the area · f̃_0 on each cell: six monomials, two components; nothing if f_0 = 0."""
+        """Return unit · twice the area · f̃_0 on each cell: six monomials, two components; empty if f_0 = 0."""
         found = []
         for cell, images in self.cells:
             local = [p(*images) for p in control]
@@ -754,8 +767,9 @@ class Loads:
         return found
 
     def missed_inside(self, a: Q, b: Q) -> Q:
-        """Return an upper bound of the root of the mean of ‖f_0 − f̃_0‖² over a ≤ t ≤ b."""
-        # Six coefficients of a component lack up to 3, two components 18^{1/2}, on half of twice the area.
+        """Return an upper bound of the root mean square of ‖f_0 − f̃_0‖ over a ≤ t ≤ b."""
+        # Rounding six coefficients by 1/2 changes a component by at most 3 and both by 18^{1/2}, on half of twice the
+        # area.
         rounded = root(sum((up(Q(9 * self.mesh.h**2, cell.det)) for cell, _ in self.cells), Q(0))) / self.unit
         if all(i + j <= 2 >= k for f in self.problem.force for i, j, k in f):
             return rounded
@@ -768,9 +782,10 @@ class Loads:
         return root(square) + rounded
 
     def missed_outside(self, a: Q, b: Q, given: Sequence[Tractions]) -> Q:
-        """Return an upper bound of the root of the mean of ‖f_2 − σ̃ν‖² over a ≤ t ≤ b.
+        """Return an upper bound of the root mean square of ‖f_2 − σ̃ν‖ over a ≤ t ≤ b.
 
-        ``given`` has h σ̃N on the loaded edges, for each of the three Bernstein coefficients in time.
+        Args:
+            given: h σ̃N on the loaded edges, for each of the three Bernstein coefficients in time.
         """
         found, shapes = Q(0), [p * q for p, q in product(bernstein(2, UNIT_S), bernstein(3, UNIT_X))]
         for (edge, length), d in product(self.lengths.items(), (0, 1)):
@@ -778,7 +793,7 @@ class Loads:
             stress = combination(shapes, coefficients) * Q(-1, self.unit * self.mesh.h)
             line = [p(UNIT_X) for p in between(*map(self.mesh.place, edge))]
             load = [term(*line, clock(a, b)) for term in self.mesh.boundary[edge].load[d]]
-            slack = sum((term.size() for term in load), Q(0)) / (1 << GRID)  # of the length, which is rounded down
+            slack = sum((term.size() for term in load), Q(0)) / (1 << GRID)  # because the length is rounded down
             longer = [Term(term.p * length, term.g, term.q) for term in load]
             mean_square = missed([*longer, Term(stress, Poly(), 0)], HALVINGS)
             found += up((root(mean_square) + slack) ** 2 / length)
@@ -786,14 +801,15 @@ class Loads:
 
 
 def clock(a: Q, b: Q) -> Poly:
-    """Return the time as a polynomial in S, which is a at S = −1 and b at S = 1."""
+    """Return the time as a polynomial in S, with value a at S = −1 and b at S = 1."""
     return ONE * ((a + b) / 2) + S * ((b - a) / 2)
 
 
 def missed(terms: list[Term], halvings: int) -> Q:
     """Return an upper bound of the mean square of a sum of terms over |X|, |S| ≤ 1.
 
-    The mean square is exact where no term has a kink; others are cut in four, ``halvings`` times, and then bounded.
+    The mean square is exact where no term has a kink. Squares with a kink are divided into four, ``halvings`` times,
+    and then bounded.
     """
     plain = [term.plain() for term in terms]
     smooth = total(p for p in plain if p is not None)
@@ -808,15 +824,15 @@ def missed(terms: list[Term], halvings: int) -> Q:
 
 
 MODES = ((1, 1, 1, 1), (-3, -1, 1, 3), (1, -1, -1, 1), (-1, 3, -3, 1))
-"""Bernstein coefficients of orthogonal cubics on an edge; resultant and moment are those of the first two."""
+"""Bernstein coefficients of orthogonal cubics on an edge; the first two determine the resultant and the moment."""
 Tractions = dict[tuple[int, int], list[tuple[int, int]]]
-"""For each edge four coefficients of Bernstein, two components."""
+"""For each edge four Bernstein coefficients with two components."""
 Field = list[list[int]]
-"""For each cell three components of 30 coefficients."""
+"""For each cell three components with 30 coefficients each."""
 
 
 class Stresses:
-    """The stresses σ̃ on one mesh, which integers in units of 2^{−bits} describe."""
+    """The stresses σ̃ on one mesh, given by integers in units of 2^{−bits}."""
 
     def __init__(self, mesh: Mesh, data: Any, element: Element) -> None:
         self.mesh, self.element = mesh, element
@@ -832,10 +848,9 @@ class Stresses:
     def tractions(self, numbers: list[int]) -> tuple[Tractions, list[list[int]]]:
         """Return the Bernstein coefficients of h σ̃N on all edges and of σ̃_ν on Γ3; refuse σ̃_ν > 0.
 
-        N points to the right of an edge and is as long.
-
-        On Γ3 σ̃N = σ̃_ν N, four numbers an edge; on Γ2 there are eight where there is a load; on other edges there are
-        eight for ``MODES``, of which the last four are in coarser units.
+        N points to the right of an edge and has its length. On Γ3 σ̃N = σ̃_ν N is given by four numbers for an edge. A
+        loaded edge of Γ2 has eight numbers. Other edges have eight numbers for ``MODES``, of which the last four are in
+        coarser units.
         """
         contact, loaded, free = 4 * len(self.contact), 8 * len(self.loaded), 8 * len(self.free)
         require(len(numbers) == contact + loaded + free, "tractions have another size")
@@ -855,7 +870,7 @@ class Stresses:
         return found, normal
 
     def field(self, edges: Tractions, numbers: list[int], force: list[list[int]]) -> tuple[Field, Q]:
-        """Return σ̂ on the cells, with σ̃ = F σ̂ Fᵀ h/(unit (det F)²), and an upper bound of ‖Div σ̃ + f̃_0‖."""
+        """Return σ̂ on the cells and an upper bound of ‖Div σ̃ + f̃_0‖, where σ̃ = F σ̂ Fᵀ h/(unit (det F)²)."""
         require(len(numbers) == 9 * len(self.mesh.cells), "the inner numbers have another size")
         found, square = [], 0
         for n, cell in enumerate(self.mesh.cells):
@@ -878,7 +893,7 @@ class Stresses:
 
 
 def linear_square(p: Sequence[int]) -> int:
-    """Return 24 ∫ (p_0 + p_1 X + p_2 Y)² over the reference triangle."""
+    """Return the integral 24 ∫ (p_0 + p_1 X + p_2 Y)² over the reference triangle."""
     ends = p[0], p[0] + p[1], p[0] + p[2]
     return dot(ends, ends) + sum(ends) ** 2
 
@@ -890,7 +905,7 @@ def strains(cell: Cell, v: Sequence[int]) -> list[list[int]]:
     """Return ε(v) at the three vertices of a cell, times det F over 2h, from Bernstein coefficients at the nodes."""
     a, b, c, d = cell.F
     n, found = cell.nodes, []
-    for o, e, m in ((n[0], n[5], n[4]), (n[5], n[1], n[3]), (n[4], n[3], n[2])):  # beside a vertex
+    for o, e, m in ((n[0], n[5], n[4]), (n[5], n[1], n[3]), (n[4], n[3], n[2])):  # nodes around a vertex
         p, q = v[2 * e] - v[2 * o], v[2 * m] - v[2 * o]
         r, s = v[2 * e + 1] - v[2 * o + 1], v[2 * m + 1] - v[2 * o + 1]
         found.append([d * p - c * q, a * s - b * r, a * q - b * p + d * r - c * s])
@@ -907,7 +922,7 @@ def law_on(cell: Cell, laws: list[list[int]], u: Sequence[int], step: Sequence[i
 
 
 def less(field: list[int], linear: list[list[int]]) -> list[int]:
-    """Return a field minus a polynomial of degree 1, which is the same on all thirds."""
+    """Return a field minus a polynomial of degree 1 that is the same on all thirds."""
     found = list(field)
     for start, (i, three) in product((0, 10, 20), enumerate(linear)):
         for key, x in zip(LINEAR, three, strict=True):
@@ -918,7 +933,8 @@ def less(field: list[int], linear: list[list[int]]) -> list[int]:
 class Growth:
     """Computes bounds of ‖u − ũ‖_V at the end of a piece, and inside the piece, from the bound y at its start.
 
-    A piece adds its length k, M = ∫∫ ρ ρᵀ, the work of contact ∫∫ σ̃_ν ũ_ν and ∫ of the norm of what is not balanced.
+    The other arguments of the call are the length k of the piece, M = ∫∫ ρ ρᵀ, the work of contact ∫∫ σ̃_ν ũ_ν, and the
+    integral of the dual norm of the unbalanced loads.
     """
 
     def __init__(self, problem: Problem, m: Q) -> None:
@@ -933,7 +949,8 @@ class Growth:
     def _bounds(self, theta: Q, y: Q, k: Q, M: Matrix, contact: Q, loads: Q) -> Iterable[tuple[Q, Q]]:
         """Yield bounds for W = H(H + βA)⁻¹, H = G − θA and several β.
 
-        Every β > 0 gives a true bound; each is computed from the bound before, first from one with W nearly 0.
+        Every β > 0 gives a valid bound. The first β gives W close to 0; each further β is computed from the bound
+        before it.
         """
         H, faded, mean = combined(self.G, self.A, -theta), decay(2 * theta * k), up(k * mean_decay(2 * theta * k))
         for beta in (Q(1 << GRID), 1 / k / (1 << 20)):
@@ -947,13 +964,13 @@ class Growth:
 
 
 def traced(a: Matrix, b: Matrix) -> Q:
-    """Return Σ a_ij b_ij."""
+    """Return the sum Σ a_ij b_ij."""
     return sum(map(dot, a, b), Q(0))
 
 
 @dataclass(frozen=True)
 class Piece:
-    """The displacement ũ between two knots a < b: three Bernstein coefficients in time."""
+    """The displacement ũ between two knots a < b, by three Bernstein coefficients in time."""
 
     a: Q
     b: Q
@@ -966,7 +983,7 @@ class Piece:
 
 
 def pieces(nodes: list[list[int]], T: Q) -> Iterable[Piece]:
-    """Yield the pieces of the quadratic spline with the given control points, times 4.
+    """Yield the pieces of the quadratic spline with the given control points; their values are multiplied by 4.
 
     Control points are at the times 0, k, …, T; knots are 0, k/2, 3k/2, …, T.
     """
@@ -982,7 +999,7 @@ def pieces(nodes: list[list[int]], T: Q) -> Iterable[Piece]:
 class Computed:
     """The computed displacement u_h: P1 on a mesh, piecewise linear in time, given by doubles.
 
-    Doubles are integers over a power of 2.
+    The doubles are stored as integers over a power of 2.
     """
 
     def __init__(self, data: Any, mesh: Mesh, refinements: int, problem: Problem) -> None:
@@ -1005,10 +1022,10 @@ class Computed:
 
 @dataclass(frozen=True)
 class Enclosure:
-    """What a certificate proves.
+    """The interval that a certificate proves.
 
-    ``cells`` and ``h`` = √(2|Ω|/cells) are counted on the mesh of u_h; max ‖u − u_h‖_V lies between ``low`` and
-    ``high``; ``last`` bounds ‖u − ũ‖_V at T.
+    ``cells`` and ``h`` = √(2|Ω|/cells) refer to the mesh of u_h. max ‖u − u_h‖_V lies between ``low`` and ``high``.
+    ``last`` is a bound of ‖u − ũ‖_V at T.
     """
 
     cells: int
@@ -1019,14 +1036,14 @@ class Enclosure:
 
 
 class Certificate:
-    """A problem, a mesh, u_h and the witnesses; refused unless they have the form and the properties that they need."""
+    """A problem, a mesh, u_h and the witnesses; refused if their format or a required property is wrong."""
 
     def __init__(self, data: Any) -> None:
         conform(data, CERTIFICATE, "certificate")
         problem = self.problem = Problem(data["problem"])
         coarse = mesh = Mesh.of(data["mesh"], problem)
         self.nodes, self.bits = summed(data["displacement"]["nodes"]), data["displacement"]["bits"]
-        # A mesh has more nodes than cells: a mesh that is too fine for ũ is not made.
+        # A mesh has more nodes than cells, so a mesh that is too fine for ũ is refused before it is made.
         require(len(mesh.cells) << 2 * data["refinements"] <= len(self.nodes[0]), "ũ has another size")
         for _ in range(data["refinements"]):
             mesh = mesh.refined()
@@ -1038,12 +1055,12 @@ class Certificate:
         self.stresses = Stresses(mesh, data["stress"], self.element)
         numbers = [summed(data["stress"][name]) for name in ("tractions", "inner")]
         sizes = {len(rows) for rows in numbers}
-        require(sizes == {2 * len(self.nodes) + 1}, "there is not one stress for every coefficient in time")
+        require(sizes == {2 * len(self.nodes) + 1}, "there must be one stress for every coefficient in time")
         self.numbers = list(zip(*numbers, strict=True))
         self.volume, self.surface = load_constants(data["constants"], problem)
 
     def _check_membership(self) -> None:
-        """Refuse a ũ whose Bernstein coefficients are not 0 on Γ1, or have a positive normal component on Γ3."""
+        """Refuse a ũ with Bernstein coefficients that are not 0 on Γ1 or have a positive normal component on Γ3."""
         size = 2 * self.mesh.nodes
         require(all(len(v) == size for v in self.nodes), "ũ has another size")
         for edge, side in self.mesh.boundary.items():
@@ -1067,7 +1084,7 @@ class Certificate:
             distances = list(self._distances(piece))
             low = max(low, root(distances[-1][0], above=False) - y)
             high = max(high, largest + root(max(above for _, above in distances)))
-        require(high < 10**DIGITS, "the error has no bound that is worth printing")
+        require(high < 10**DIGITS, "the bound of the error is too large to be printed")
         return Enclosure(self.cells, root(self.problem.twice_area / self.cells), low, high, y)
 
     def _stress(self, numbers: tuple[list[int], list[int]], control: list[Poly], loads: Loads) -> tuple[Any, ...]:
@@ -1078,9 +1095,9 @@ class Certificate:
     def _residual(self, piece: Piece, fields: Sequence[Field]) -> Matrix:
         """Return an upper bound of the matrix ∫∫ ρ ρᵀ with ρ = σ̃ − Aε(ũ̇) − Gε(ũ), in the order of symmetric matrices.
 
-        Entries of a cell are rounded down by less than 1: the 3 × 3 matrix of these losses is at most 3 times the unit.
-
-        On a cell ρ = F R Fᵀ h/(unit (det F)³) with R in polynomials on the reference triangle.
+        On a cell ρ = F R Fᵀ h/(unit (det F)³) with R in polynomials on the reference triangle. The entries of each cell
+        are rounded down by less than 1. The 3 × 3 matrix of these rounding errors is at most 3 times the identity,
+        which is added.
         """
         k, total = piece.b - piece.a, [[0] * 3 for _ in range(3)]
         below = (k.numerator * self.over) << self.bits + 2
@@ -1107,13 +1124,13 @@ class Certificate:
         return found
 
     def _contact(self, piece: Piece, normals: Sequence[list[list[int]]]) -> Q:
-        """Return ∫∫_{Γ3} σ̃_ν ũ_ν, the work of contact."""
+        """Return the work of contact ∫∫_{Γ3} σ̃_ν ũ_ν."""
         total = 0
         for i, edge in enumerate(self.stresses.contact):
             x, y = self.mesh.along(edge)
             for s, r in product(range(3), repeat=2):
                 u = [(piece.values[r][2 * n], piece.values[r][2 * n + 1]) for n in self.mesh.nodes_of(edge)]
-                # ∫ B_p B_q is C(3, p) C(2, q)/C(5, p + q)/6, which over 60 is an integer.
+                # ∫ B_p B_q is C(3, p) C(2, q)/C(5, p + q)/6, which is an integer over 60.
                 total += SHARES[s][r] * sum(
                     tau * (y * v - x * w) * (math.comb(3, p) * math.comb(2, q) * 10 // math.comb(5, p + q))
                     for (p, tau), (q, (v, w)) in product(enumerate(normals[s][i]), enumerate(u))
@@ -1123,7 +1140,7 @@ class Certificate:
         return found
 
     def _distance(self, v: Sequence[int], more: int, time: Q) -> tuple[Q, Q]:
-        """Return a lower and an upper bound of ‖v − u_h(time)‖²_V for a v with the coefficients v/2^{bits + more}."""
+        """Return a lower and an upper bound of ‖v − u_h(time)‖²_V, where v has the coefficients v/2^{bits + more}."""
         u, over = self.computed.at(time)
         bits = max(self.bits + more, self.computed.bits)
         mine, theirs = over << bits - self.bits - more, 1 << bits - self.computed.bits
@@ -1136,11 +1153,10 @@ class Certificate:
         return total * scale, (total + len(self.mesh.cells)) * scale
 
     def _distances(self, piece: Piece) -> Iterable[tuple[Q, Q]]:
-        """Yield bounds of ‖ũ − u_h‖²_V at the five control points of the halves of a piece; the last is its end.
+        """Yield bounds of ‖ũ − u_h‖²_V at the five control points of the halves of a piece; the last one is its end.
 
-        Inside a half the square is at most its largest value at a control point, as it is convex in ũ − u_h.
-
-        A node of u_h has to be an end or the middle of the piece.
+        Inside a half the square is at most its largest value at a control point, because it is convex in ũ − u_h. Nodes
+        of u_h inside a piece must be its middle.
         """
         quarter = (piece.b - piece.a) / 4
         for t in (piece.a, piece.a + 2 * quarter):
@@ -1169,40 +1185,40 @@ def voigt(a: int, b: int, c: int, d: int) -> list[list[int]]:
 
 
 def summed(rows: list[list[int]]) -> list[list[int]]:
-    """Return rows from their second differences in time."""
-    require(all(len(row) == len(rows[0]) for row in rows), "rows in time are not as long as each other")
+    """Return the rows whose second differences in time are given."""
+    require(all(len(row) == len(rows[0]) for row in rows), "rows in time must have equal lengths")
     columns = [accumulate(accumulate(column)) for column in zip(*rows, strict=True)]
     return [list(row) for row in zip(*columns, strict=True)]
 
 
 def order(coarse: Enclosure, fine: Enclosure) -> tuple[Q, Q] | None:
-    """Return the ends of an interval with log(E/E')/log(h/h'), or None if an error may be 0 or h is no smaller."""
+    """Return an interval that contains log(E/E')/log(h/h'), or None if an error may be 0 or h is no smaller."""
     if coarse.low <= 0 or fine.low <= 0 or fine.cells <= coarse.cells:
         return None
-    sizes = logarithm(Q(fine.cells, coarse.cells))  # 2 log(h/h') > 0
+    sizes = logarithm(Q(fine.cells, coarse.cells))  # equals 2 log(h/h'), which is positive
     low, high = logarithm(coarse.low / fine.high)[0], logarithm(coarse.high / fine.low)[1]
     return 2 * low / sizes[low >= 0], 2 * high / sizes[high < 0]
 
 
 def decimal(x: Q, above: bool, digits: int = 8) -> str:
-    """Return x with some decimals, rounded up or down."""
+    """Return x with the given number of decimals, rounded up or down."""
     whole = math.ceil(x * 10**digits) if above else math.floor(x * 10**digits)
     return f"{'-' if whole < 0 else ''}{abs(whole) // 10**digits}.{abs(whole) % 10**digits:0{digits}d}"
 
 
 def verified(data: Any) -> Enclosure:
-    """Return what a certificate proves; raise RefusedError if it proves nothing."""
+    """Return the interval that a certificate proves; raise RefusedError if it proves nothing."""
     try:
         return Certificate(data).check()
     except RefusedError:
         raise
     except Exception as error:
-        # Whatever the reason, nothing is proved.
+        # An unexpected exception also means that nothing is proved.
         raise RefusedError(f"the check ended with {type(error).__name__}") from error
 
 
 def load(path: Path) -> Any:
-    """Return the content of a file; raise RefusedError unless it is JSON within the limits, OSError if not read."""
+    """Return the content of a file; RefusedError unless it is JSON within the limits, OSError if it is unreadable."""
     size = path.stat().st_size
     require(size <= PACKED, f"the file has more than {PACKED} bytes")
     with path.open("rb") as file:
@@ -1212,19 +1228,19 @@ def load(path: Path) -> Any:
         text = unpacking.decompress(packed, limit).decode("ascii")
         require(not unpacking.unconsumed_tail, f"the file unpacks to more than {limit} bytes")
         require(unpacking.eof, "the file ends too early")
-        require(not unpacking.unused_data, "the file has something behind its certificate")
+        require(not unpacking.unused_data, "the file has data after its certificate")
         require(text.count("[") <= LISTS and text.count("{") <= LISTS, f"the file has more than {LISTS} lists")
         return json.loads(text, object_pairs_hook=distinct, parse_constant=distinct)
     except RefusedError:
         raise
     except (ValueError, zlib.error) as error:
-        raise RefusedError(f"the file is no gzip file with JSON in ASCII: {shown(str(error))}") from error
+        raise RefusedError(f"the file is not a gzip file with JSON in ASCII: {shown(str(error))}") from error
     except RecursionError as error:
         raise RefusedError("the file nests lists too deeply") from error
 
 
 def distinct(pairs: Any) -> dict[str, Any]:
-    """Return an object of JSON; refuse a key that comes twice, and the constants NaN and Infinity."""
+    """Return a JSON object; refuse repeated keys and the constants NaN and Infinity."""
     require(not isinstance(pairs, str), f"a number is {shown(pairs)}")
     found = dict(pairs)
     require(len(found) == len(pairs), "an object has a key twice")
@@ -1232,7 +1248,7 @@ def distinct(pairs: Any) -> dict[str, Any]:
 
 
 def report(proved: Sequence[Enclosure]) -> None:
-    """Print the order between every two meshes, or why nothing is known about it."""
+    """Print the order between every two meshes, or why it is unknown."""
     for coarse, fine in combinations(sorted(proved, key=lambda found: found.cells), 2):
         span, meshes = order(coarse, fine), f"from {coarse.cells} to {fine.cells} cells"
         if span:
@@ -1243,25 +1259,25 @@ def report(proved: Sequence[Enclosure]) -> None:
 
 
 def main(paths: Sequence[str]) -> int:
-    """Check files and print what they prove; returns the exit code."""
+    """Check files and print what they prove; return the exit code."""
     proved: list[Enclosure] = []
     stated: Any = None
     names = [path if path.isascii() and path.isprintable() else ascii(path) for path in paths]
     absent = [name for name, path in zip(names, paths, strict=True) if not isfile(path)]
     if absent or not paths:
-        reasons = [f"{name} is no file" for name in absent] or ["no file is named"]
+        reasons = [f"{name} is not a file" for name in absent] or ["no file was given"]
         print(*reasons, "usage: python checker.py CERTIFICATE.json.gz ...", sep="\n", file=sys.stderr)
         return 2
     for name, path in zip(names, paths, strict=True):
         try:
             data = load(Path(path))
             found = verified(data)
-            require(not proved or stated == data["problem"], "another problem than that of the first")
+            require(not proved or stated == data["problem"], "its problem differs from the problem of the first file")
         except OSError as error:
             print(f"{name} cannot be read: {error.strerror}", file=sys.stderr)
             return 2
         except (RefusedError, MemoryError) as refusal:
-            print(f"{name}: REFUSED: {refusal if str(refusal) else 'it needs more memory than there is'}")
+            print(f"{name}: REFUSED: {refusal if str(refusal) else 'it needs more memory than is available'}")
             return 1
         stated = data["problem"]
         proved.append(found)

@@ -1,21 +1,22 @@
 """Numbers that every certificate of a body states and the checker verifies: the stress element, and constants of loads.
 
-**The reference element.** The composite element of degree 3 on the reference triangle with exact coefficients. The
+**The reference element** is the composite element of degree 3 on the reference triangle with exact coefficients. The
 unknowns are 90 Bernstein coefficients of a stress and three of a rigid motion q̂. The equations are: tractions are
-continuous inside and prescribed outside, and Div σ̂ − q̂ = −f̂. Row reduction over the rationals solves them for every
-input at once.
+continuous inside and prescribed on the boundary, and Div σ̂ − q̂ = −f̂. Row reduction over the rationals solves them
+for all inputs at once.
 
 **Constants of loads.** A tensor field Φ proves ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V. For a totally
 symmetric Φ, continuous and linear on cells, and v = 0 on Γ1,
 
     ∫ (div Φ)(v, v) + 2 (Φv)·ε(v) = ∫_{Γ2 ∪ Γ3} Φ(ν, v, v),
 
-since (Φv)·∇v = (Φv)·ε(v). With −2 (Φv)·ε(v) ≤ Aε(v)·ε(v) + A⁻¹(Φv)·(Φv) follows
+since (Φv)·∇v = (Φv)·ε(v). With −2 (Φv)·ε(v) ≤ Aε(v)·ε(v) + A⁻¹(Φv)·(Φv) it follows that
 
     ‖v‖_V² ≥ ∫ div Φ(v, v) − A⁻¹(Φv)·(Φv) − ∫_{Γ2 ∪ Γ3} Φ(ν, v, v) ≥ μ ‖v‖² + κ ‖v‖²_{L²(Γ2)}
 
-if the integrands are that large. It suffices to look at 2 × 2 matrices at vertices, because the square is convex along
-a cell. No Korn inequality is needed. The largest min(μ, κ) is a semidefinite programme, with the Schur complement
+if the integrands are large enough. It suffices to check 2 × 2 matrices at vertices, because the square is convex on a
+cell. No Korn inequality is needed. The largest min(μ, κ) is the solution of a semidefinite programme, with the Schur
+complement
 
     ( div Φ − μ 1   Φᵀ )
     ( Φ             A  )  ⪰ 0     at every vertex of every cell.
@@ -43,18 +44,18 @@ from study.certify.checker import CENTRE, CORNERS, CUBIC, SQUARE, Poly, X, Y
 from study.stresses.bernstein import indices
 
 GIVEN, INNER = 36, 9
-"""Numbers of inputs: tractions with forces, and inner numbers that stay free."""
+"""Numbers of inputs: tractions and forces, and inner numbers that stay free."""
 RIGID = ((checker.ONE, Poly()), (Poly(), checker.ONE), (Y * -1, X))
 BITS = 28
 """Φ is rounded to multiples of 2^−BITS."""
 MARGIN = 1e-6
-"""Margin for rounding in every semidefinite condition."""
+"""Margin for round-off in every semidefinite condition."""
 WITH_FORCE, WITHOUT_FORCE = Fraction(1), Fraction(1, 100)
-"""μ over κ; without f_0, C_Ω serves rounding errors only."""
+"""The ratio μ/κ with and without f_0; without f_0, C_Ω is used for rounding errors only."""
 SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
-"""Shares of κ that are given up until the rounded field proves the rest."""
+"""Fractions by which κ is reduced until the rounded field proves the result."""
 ENTRIES = ((0, 0), (0, 1), (1, 1))
-"""Entries of a symmetric 2 × 2 matrix; to the k-th Φ contributes its entries k and k + 1."""
+"""Entries of a symmetric 2 × 2 matrix; to the k-th entry Φ contributes its components k and k + 1."""
 Field = list[list[Poly]]
 """Three components on three thirds."""
 
@@ -76,7 +77,7 @@ def bernstein(third: int) -> list[Poly]:
 
 
 def _conditions(field: Field) -> list[Fraction]:
-    """Tractions outside, jumps inside and divergences, all by their coefficients."""
+    """Return the coefficients of tractions on the boundary, jumps inside and divergences of a field."""
     outside, jumps, divergences = [], [], []
     stress = [[[p.get(key, Fraction(0)) for key in CUBIC] for p in third] for third in field]
     for i, (x, y, z) in enumerate(field):
@@ -93,7 +94,7 @@ def _at(divergences: list[Poly]) -> list[Fraction]:
 
 
 def _right_sides() -> list[list[Fraction]]:
-    """The right sides of the conditions for the inputs, in their order."""
+    """Return the right-hand sides of the conditions for all inputs."""
     found = []
     for i, p, d in product(range(3), checker.bernstein(3, X), (0, 1)):
         column = [Fraction(0)] * 84
@@ -108,9 +109,11 @@ def _right_sides() -> list[list[Fraction]]:
 
 @cache
 def columns() -> dict[str, Any]:
-    """Return the element as a certificate states it: for each of 45 inputs the monomials of a stress, integers over one
-    denominator."""
-    # The fields of which one Bernstein coefficient is 1.
+    """Return the element as a certificate states it: for each of 45 inputs the monomials of a stress.
+
+    All numbers are integers over one denominator.
+    """
+    # Basis fields: one Bernstein coefficient is 1, the others are 0.
     fields: list[Field] = [
         [[p if (i, c) == place else Poly() for c in range(3)] for i in range(3)]
         for place in product(range(3), repeat=2)
@@ -123,7 +126,7 @@ def columns() -> dict[str, Any]:
     solved, unknowns = reduced.to_list(), len(fields) + len(motions)
     free = [n for n in range(len(fields)) if n not in pivots]
     if len(free) != INNER or max(pivots) >= unknowns:
-        raise ArithmeticError("the reference element has another dimension than it has to have")
+        raise ArithmeticError("the reference element has the wrong dimension")
     found = []
     for column in [*range(unknowns, unknowns + GIVEN), *free]:
         sign = 1 if column >= unknowns else -1
@@ -134,7 +137,7 @@ def columns() -> dict[str, Any]:
 
 
 def _monomials(fields: list[Field], weights: dict[int, Any]) -> list[Fraction]:
-    """A combination of fields by three components of ten monomials on three thirds."""
+    """Return a combination of fields as three components of ten monomials on three thirds."""
     total = [[Poly() for _ in range(3)] for _ in range(3)]
     for n, weight in weights.items():
         factor = Fraction(int(weight.numerator), int(weight.denominator))
@@ -149,7 +152,7 @@ def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
     """Return the constants as a certificate states them: a mesh, the values of Φ at its vertices, μ and κ.
 
     Raises:
-        BoundError: no field proves any constant.
+        BoundError: no tensor field that proves a constant was found.
     """
     exact = checker.Mesh.of(mesh, problem)
     inside = WITH_FORCE if any(problem.force) else WITHOUT_FORCE
@@ -163,11 +166,11 @@ def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
         except checker.RefusedError:
             continue
         return found
-    raise BoundError("no constant of the loads was found for this body: its mesh may have cells that are too flat")
+    raise BoundError("no constant of the loads could be proved for this body: its mesh may have very flat cells")
 
 
 def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple[Array, float]:
-    """Φ at the vertices, (vertices, 4), and the largest κ with μ = inside · κ."""
+    """Return Φ at the vertices, (vertices, 4), and the largest κ with μ = inside · κ."""
     blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
     unknowns = 4 * len(mesh.points) + 1
     rows, right = zip(*(_triangle(linear, constant) for linear, constant in blocks), strict=True)
@@ -183,7 +186,7 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
 
 
 def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iterator[tuple[Array, Array]]:
-    """The Schur complement at the vertices of the cells: coefficients (5, 5, unknowns) and constants (5, 5)."""
+    """Yield the Schur complement at the vertices of the cells: coefficients (5, 5, unknowns) and constants (5, 5)."""
     constant = -MARGIN * np.eye(5)
     constant[2:, 2:] = [[float(c) for c in row] for row in problem.A]
     for cell in mesh.cells:
@@ -201,7 +204,7 @@ def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iter
 
 
 def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
-    """−Φ(ν) at the ends of edges off Γ1, minus κ where there is a load."""
+    """Yield −Φ(ν) at the ends of edges outside Γ1, minus κ if there is a load."""
     for edge, side in mesh.boundary.items():
         normal = np.array([float(c) for c in side.normal])
         normal /= np.linalg.norm(normal)
@@ -215,7 +218,10 @@ def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
 
 
 def _triangle(linear: Array, constant: Array) -> tuple[sps.csr_matrix, Array]:
-    """constant + linear · x ⪰ 0 in the format of clarabel: the upper triangle by columns, off the diagonal times √2."""
+    """Return the condition constant + linear · x ⪰ 0 in the format of clarabel.
+
+    The format is the upper triangle by columns, with off-diagonal entries multiplied by √2.
+    """
     entries = [(i, j) for j in range(len(constant)) for i in range(j + 1)]
     scale = np.array([1.0 if i == j else np.sqrt(2) for i, j in entries])
     rows, columns = zip(*entries, strict=True)

@@ -1,11 +1,11 @@
 """The problem and its meshes in rational numbers, as a certificate states them.
 
-**Numbers.** A double stands for the simplest fraction that rounds to it, 0.8 for 4/5, if the denominator is at most
-``SIMPLE``, otherwise for its exact value. What the certificate proves is about the problem that it states.
+**Numbers.** A double is read as the simplest fraction that rounds to it (0.8 is read as 4/5) if the denominator is at
+most ``SIMPLE``, otherwise as its exact value. The certificate proves a bound for the problem with these fractions.
 
-**Meshes.** The vertices are rational and the cells tile the polygon exactly. A vertex inside moves to the nearest point
-of a lattice of width 2^{−b}, with b from the size of cells. A vertex on a part of the boundary moves to the point that
-divides the part in the nearest ratio with the denominator 2^b.
+**Meshes.** The vertices are rational and the cells tile the polygon exactly. An inner vertex moves to the nearest point
+of a lattice of width 2^{−b}, with b from the size of cells. A vertex on a part of the boundary moves to the nearest
+point that divides the part in a ratio with denominator 2^b.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from study.certify import checker
 from study.fem.mesh import determinants, simplicial_mesh, size
 
 SIMPLE = 10**6
-"""The largest denominator of a fraction for which a double stands."""
+"""The largest denominator of a simple fraction that replaces a double."""
 FINENESS = 64
-"""How many times finer than a cell the lattice is, at least."""
+"""Cell size divided by lattice width, at least."""
 NAMES = {Kind.CLAMPED: "clamped", Kind.LOADED: "loaded", Kind.CONTACT: "contact"}
-SERVED = "certificates serve polynomials in x1, x2 and t with rational coefficients, times pos(polynomial, q) in f_2"
+SERVED = "certificates support polynomials in x1, x2 and t with rational coefficients, times pos(polynomial, q) in f_2"
 
 
 def rational(x: float) -> Fraction:
-    """Return the fraction for which a double stands."""
+    """Return the fraction as which a double is read."""
     simple = Fraction(x).limit_denominator(SIMPLE)
     return simple if float(simple) == x else Fraction(x)
 
@@ -49,19 +49,19 @@ def statement(data: Data) -> dict[str, Any]:
     """Return the problem as a certificate states it.
 
     Raises:
-        BoundError: body, law or data are not served, and why.
+        BoundError: body, law or data are not supported; the message gives the reason.
     """
     if data.body.dim != 2 or data.body.interfaces:
-        raise BoundError("certificates serve plane bodies without interfaces")
+        raise BoundError("certificates support plane bodies without interfaces")
     expressions = data.formulas_of
     if not isinstance(expressions, Expressions):
         raise BoundError(
-            "certificates serve data that are formulas, made by Data.formulas; these are values of an exact solution "
+            "certificates support data that are formulas, made by Data.formulas; these are values of an exact solution "
             "or functions of Python, which `study bound` serves"
         )
     force = [_terms("f_0", formula) for formula in expressions.force]
     if any(q for component in force for _, _, q in component):
-        raise BoundError("f_0 has a kink, pos(…); certificates serve kinks in f_2 only")
+        raise BoundError("f_0 has a kink, pos(…); certificates support kinks in f_2 only")
     loads = {number: [_terms("f_2", formula) for formula in load] for number, load in expressions.loads}
     return {
         "vertices": [[str(c) for c in corner] for corner in corners(data.body)],
@@ -83,17 +83,17 @@ def _law(law: KelvinVoigt) -> dict[str, list[list[str]]]:
     found = {}
     for name, operator in (("A", law.A), ("G", law.G)):
         if not isinstance(operator, Linear) or operator.factor is not UNIFORM:
-            raise BoundError(f"{name} is not linear and uniform; certificates serve no other law, `study bound` does")
+            raise BoundError(f"{name} is not linear and uniform; certificates need this, `study bound` does not")
         if isinstance(operator, Indefinite):
-            raise BoundError(f"{name} need not be positive; certificates serve positive ones only, `study bound` any")
+            raise BoundError(f"{name} need not be positive; certificates need positive ones, `study bound` does not")
         found[name] = [[str(c) for c in row] for row in voigt(operator.matrix)]
     return found
 
 
 def voigt(matrix: Array) -> list[list[Fraction]]:
-    """Return a tensor in Voigt's components, stresses (11, 22, 12) from strains (11, 22, 2·12), from Mandel's."""
+    """Convert a tensor from Mandel's to Voigt's components, stresses (11, 22, 12) and strains (11, 22, 2·12)."""
     scale = np.sqrt([1.0, 1.0, 0.5])
-    # The root of 2 is rounded twice: a simple fraction that is as close is meant.
+    # The factors √2 are rounded twice, so a simple fraction within this error is taken as the exact value.
     values = scale[:, None] * ((matrix + matrix.T) / 2) * scale
     found = [[_simplest(float(c)) for c in row] for row in values]
     return [[found[min(i, j)][max(i, j)] for j in range(3)] for i in range(3)]
@@ -105,7 +105,7 @@ def _simplest(x: float) -> Fraction:
 
 
 def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
-    """[[p, g, q], …] for the sum of p · pos(g, q); q = 0 and g = [] without pos."""
+    """Return the data [[p, g, q], …] of a sum of p · pos(g, q); a term without pos has q = 0 and g = []."""
     grouped: dict[tuple[sp.Expr, int], sp.Expr] = {}
     for summand in sp.Add.make_args(sp.expand(sp.nsimplify(formula, rational=True))):
         factor, truncated = _split(name, summand)
@@ -118,14 +118,14 @@ def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
 
 
 def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
-    """A summand as p · g_+^q: p and (g, q)."""
+    """Return p and (g, q) of a summand p · g_+^q."""
     plain, truncated = sp.Integer(1), []
     for factor in sp.Mul.make_args(summand):
         if not factor.has(pos):
             plain *= factor
             continue
         base, power = factor.as_base_exp()
-        # A power of 1/2 is refused below.
+        # The exponent 1/2 marks a factor that is not supported. Such factors are refused below.
         truncated.append((base.args[0], base.args[1] * power) if isinstance(base, pos) else (base, sp.Rational(1, 2)))
     if not truncated:
         return plain, (sp.Integer(0), 0)
@@ -136,7 +136,7 @@ def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
 
 
 def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> list[list[Any]]:
-    """[[coefficient, exponents …], …]."""
+    """Return the data [[coefficient, exponents …], …] of a polynomial."""
     try:
         p = sp.Poly(sp.nsimplify(formula, rational=True), *symbols, domain="QQ")
     except sp.PolynomialError as error:
@@ -173,14 +173,17 @@ def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
 
 
 def in_doubles(mesh: checker.Mesh) -> Mesh:
-    """Return the same mesh for scikit-fem."""
+    """Return a mesh of the checker as a mesh of scikit-fem, in double precision."""
     points = np.array([[float(c) for c in mesh.place(v)] for v in range(len(mesh.points))]).T
     return simplicial_mesh(points, np.array([cell.v for cell in mesh.cells]).T)
 
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """The same mesh of scikit-fem and of the checker, which number vertices, edges and cells differently."""
+    """One mesh in scikit-fem and in the checker, which number vertices, edges and cells differently.
+
+    Below, "exact" refers to the mesh of the checker.
+    """
 
     skfem: Mesh
     exact: checker.Mesh
@@ -192,32 +195,32 @@ class Twins:
 
     @cached_property
     def vertices(self) -> Array:
-        """The number of each exact vertex in scikit-fem."""
+        """The scikit-fem number of each exact vertex."""
         points = np.array(self.exact.points, dtype=float) / self.exact.h
         return cKDTree(self.skfem.p.T).query(points)[1]
 
     @cached_property
     def edges(self) -> Array:
-        """The number of each exact edge in scikit-fem."""
+        """The scikit-fem number of each exact edge."""
         known = {frozenset(ends): n for n, ends in enumerate(self.skfem.facets.T.tolist())}
         return np.array([known[frozenset(ends)] for ends in self.vertices[np.array(self.exact.edges)].tolist()])
 
     @cached_property
     def cells(self) -> Array:
-        """The number of each exact cell in scikit-fem."""
+        """The scikit-fem number of each exact cell."""
         known = {frozenset(corners): n for n, corners in enumerate(self.skfem.t.T.tolist())}
         mine = self.vertices[self.triangles].tolist()
         return np.array([known[frozenset(corners)] for corners in mine])
 
     @cached_property
     def corners(self) -> Array:
-        """The local number in scikit-fem of each corner of the exact cells, (cells, 3)."""
+        """The local scikit-fem number of each corner of the exact cells, (cells, 3)."""
         theirs = self.skfem.t.T[self.cells]
         mine = self.vertices[self.triangles]
         return (theirs[:, None, :] == mine[:, :, None]).argmax(axis=2)
 
     @cached_property
     def turned(self) -> Array:
-        """Whether the lower vertex of each exact edge is the second one in scikit-fem."""
+        """Whether the lower vertex of each exact edge is its second vertex in scikit-fem."""
         first = self.vertices[np.array(self.exact.edges)[:, 0]]
         return self.skfem.facets[0, self.edges] != first

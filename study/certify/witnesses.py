@@ -1,8 +1,9 @@
 """The witnesses of a certificate: ũ and σ̃ as ``study.bound`` computes them, rounded so that signs hold exactly.
 
-Two things differ from the bound: the stress balances the loads f̃ of the checker, not projections, and σ̃ is given by
-its tractions on edges and nine inner numbers for each cell. From these the checker makes a stress whose tractions are
-exactly continuous. Rounding must preserve signs only: the checker adds what is not balanced to the bound.
+The stress differs from the stress of the bound in two ways. It balances the loads f̃ of the checker, not projections.
+And it is given by its tractions on edges and nine inner numbers for each cell, from which the checker makes a stress
+with exactly continuous tractions. Rounding must preserve signs only, because the checker adds the unbalanced loads to
+the bound.
 """
 
 from __future__ import annotations
@@ -24,33 +25,33 @@ from study.stresses.composite import SIDES
 from study.stresses.loads import Loads
 
 FINE, COARSE = 38, 20
-"""Bits of the numbers that decide the balance, and of the others, relative to the largest traction."""
+"""Binary digits of the numbers that decide the balance, and of the others, relative to the largest traction."""
 DISPLACEMENT = 38
-"""Bits of ũ, relative to its largest value."""
+"""Binary digits of ũ, relative to its largest value."""
 EDGE_PLACES = np.array([[math.comb(3, i) * (n / 3) ** i * (1 - n / 3) ** (3 - i) for i in range(4)] for n in range(4)])
-"""Values at 0, 1/3, 2/3, 1 from Bernstein coefficients of degree 3."""
+"""Matrix from Bernstein coefficients of degree 3 to values at 0, 1/3, 2/3, 1."""
 
 
 CUBICS = indices(3)
 LOAD_BITS = 60
-"""f̃_0 agrees with the checker's up to 2^−LOAD_BITS."""
+"""The loads f̃_0 agree with those of the checker up to 2^−LOAD_BITS."""
 Edge = tuple[int, int]
 
 
 def bits_below(size: float, digits: int) -> int:
-    """Return b with 2^{−b} about 2^{−digits} times a size."""
+    """Return b such that 2^{−b} is about 2^{−digits} times a size."""
     return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
 
 
 @dataclass(frozen=True, eq=False)
 class AdmissibleRounding:
-    """Displacements as integers whose signs on Γ1 and Γ3 hold exactly."""
+    """Rounds displacements to integers such that the signs on Γ1 and Γ3 hold exactly."""
 
     mesh: checker.Mesh
     bits: int
 
     def __call__(self, values: Array) -> list[int]:
-        """(vertices and edges, 2) → integers over 2^bits."""
+        """Return integers over 2^bits for values at vertices and edges, (vertices and edges, 2)."""
         found = np.round(values * 2.0**self.bits).astype(object)
         rounded = [[int(c) for c in row] for row in found]
         for n, normals in self._normals.items():
@@ -59,7 +60,7 @@ class AdmissibleRounding:
 
     @cached_property
     def _normals(self) -> dict[int, list[tuple[int, int]]]:
-        """Integer normals at the numbers on Γ3, none at those on Γ1."""
+        """Integer normals at the nodes on Γ3, and an empty list at nodes on Γ1."""
         found: dict[int, list[tuple[int, int]]] = {}
         clamped = set()
         for edge, side in self.mesh.boundary.items():
@@ -75,15 +76,15 @@ class AdmissibleRounding:
 
     @staticmethod
     def _admissible(value: list[int], normals: list[tuple[int, int]]) -> list[int]:
-        """A nearby integer vector with value·N ≤ 0 for one or two normals; 0 without normals."""
+        """Return a nearby integer vector with value·N ≤ 0 for one or two normals N; 0 without normals."""
         if not normals:
             return [0, 0]
         x, y = normals[0]
         if len(normals) == 1:
-            # Along the side, and against the normal.
+            # The first direction is along the side, the second against its normal.
             p, q, signs = (-y, x), (x, y), (0, 1)
         else:
-            # Each direction changes one of both products only.
+            # Each direction changes the product with one of the two normals only.
             (u, v) = normals[1]
             p, q = (-v, u), (-y, x)
             signs = p[0] * x + p[1] * y, q[0] * u + q[1] * v
@@ -103,9 +104,10 @@ def element() -> checker.Element:
 
 @dataclass(frozen=True)
 class Load:
-    """f̃ of one time: twice the area times f̃_0 by six monomials a cell, (cells, 6, 2); |e| f̃_2 on the loaded edges.
+    """The loads f̃ at one time: twice the area times f̃_0, and |e| f̃_2 on the loaded edges.
 
-    f̃_2 is a cubic by four coefficients of Bernstein, (loaded edges, 4, 2).
+    ``force`` has six monomials for each cell, (cells, 6, 2); ``surface`` has four Bernstein coefficients of a cubic,
+    (loaded edges, 4, 2).
     """
 
     force: Array
@@ -124,7 +126,7 @@ class StressEncoder:
         self.roots = np.linalg.cholesky(gram)
         self.vertices = twins.triangles
         points = np.array(self.exact.points, dtype=float) / self.exact.h
-        self.corners = points[self.vertices]  # (cells, 3, 2)
+        self.corners = points[self.vertices]  # shape (cells, 3, 2)
         F = np.stack([self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0]], axis=2)
         self.F, self.J = F, np.linalg.det(F)
         self.adjugate = np.linalg.inv(F) * self.J[:, None, None]
@@ -134,7 +136,7 @@ class StressEncoder:
         self.lengths = np.linalg.norm(along, axis=1)
         self.number = {edge: n for n, edge in enumerate(self.exact.edges)}
         self.sides = np.array([cell.nodes[3:] for cell in self.exact.cells]) - len(points)
-        # Whether a side of a cell runs from its lower vertex to its higher one.
+        # Whether a side of a cell runs from its lower vertex to its higher vertex.
         self.forward = self.vertices[:, [1, 2, 0]] < self.vertices[:, [2, 0, 1]]
         self.to_monomials = np.array(
             [[[float(p.get(key, 0)) for p in bernstein(third)] for key in checker.CUBIC] for third in range(3)]
@@ -156,7 +158,7 @@ class StressEncoder:
         return found.reshape(-1, 6, 2) if found.size else np.zeros((len(self.J), 6, 2))
 
     def _surface(self, time: Fraction) -> Array:
-        """The cubics through |e| f_2 at 0, 1/3, 2/3 and 1 on the loaded edges."""
+        """Return the cubics through |e| f_2 at 0, 1/3, 2/3 and 1 on the loaded edges."""
         found = np.zeros((len(self.layout.loaded), 4, 2))
         for n, edge in enumerate(self.layout.loaded):
             p, q = (self.exact.place(v) for v in edge)
@@ -167,7 +169,7 @@ class StressEncoder:
         return np.linalg.solve(EDGE_PLACES, found)
 
     def study_loads(self, load: Load) -> Loads:
-        """Return f̃ in the form of the study's loads."""
+        """Return the loads f̃ as an instance of ``Loads`` of the study."""
         space = self.fine.stresses
         nodal = np.einsum("nm,cmd->cnd", [_square(place) for place in PLACES], load.force) / self.J[:, None, None]
         theirs, force = np.empty_like(nodal), np.zeros((space.cells, 3, 6, 2))
@@ -201,17 +203,18 @@ class StressEncoder:
         return [self.number[min(edge), max(edge)] for edge in edges]
 
     def _turned(self, T: Array, edges: list[Edge]) -> Array:
-        """σN of all edges from their lower vertices → of some edges from their first ones, N to the right."""
+        """Return σN of the given edges, seen from their first vertex, from σN of all edges seen from the lower
+        vertex."""
         return self._flipped(T[self._numbers(edges)], edges)
 
     @staticmethod
     def _flipped(values: Array, edges: list[Edge]) -> Array:
-        """σN of edges whose first vertex is not the lower one, seen from there, and back."""
+        """Change σN between the directions "from the first vertex" and "from the lower vertex" of each edge."""
         flip = np.array([a > b for a, b in edges], dtype=bool)[:, None, None]
         return np.where(flip, -values[:, ::-1], values)
 
     def bernstein(self, values: Tensors) -> Array:
-        """Return Voigt's components in Bernstein form, (cells, 3 thirds, 10, 3), from values at the study's points."""
+        """Return Voigt's components in Bernstein form, (cells, 3 thirds, 10, 3), from values at quadrature points."""
         coefficients = np.moveaxis(self.fine.stresses.coefficients(values).reshape(3, -1, 3, 10), 0, 3)
         coefficients = coefficients / np.array([1, 1, np.sqrt(2)])
         of_cells = coefficients[self.twins.cells]
@@ -220,7 +223,7 @@ class StressEncoder:
         for third in range(3):
             local = self.twins.corners[:, third]
             mine = of_cells[cells, local]
-            # Their third runs from SIDES[local][0]; ours from the next corner.
+            # In the study a third starts at SIDES[local][0], in the checker at the next corner.
             first: Array = np.array([a for a, _ in SIDES])[local]
             turned = first != self.twins.corners[:, (third + 1) % 3]
             mine[turned] = mine[turned][:, swap]
@@ -228,7 +231,7 @@ class StressEncoder:
         return found
 
     def tractions(self, stress: Array) -> Array:
-        """Return σN of the edges in Bernstein form from the lower vertex, (edges, 4, 2), means of both sides."""
+        """Return σN of the edges in Bernstein form from the lower vertex, (edges, 4, 2), as means of both sides."""
         places = [CUBICS.index((3 - i, i, 0)) for i in range(4)]
         found, count = np.zeros((len(self.normals), 4, 2)), np.zeros(len(self.normals))
         for side in range(3):
@@ -244,7 +247,8 @@ class StressEncoder:
         return found / count[:, None, None]
 
     def inner(self, stress: Array, T: Array, force: Array) -> Array:
-        """Return the nine inner numbers of each cell: the stress minus the part given by tractions and loads.
+        """Return the nine inner numbers of each cell: coordinates of the stress minus the part due to tractions and
+        loads.
 
         Args:
             T: σN of the edges in Bernstein form, (edges, 4, 2).
@@ -259,35 +263,35 @@ class StressEncoder:
         tensor = np.empty((*stress.shape[:-1], 2, 2))
         tensor[..., 0, 0], tensor[..., 1, 1] = stress[..., 0], stress[..., 1]
         tensor[..., 0, 1] = tensor[..., 1, 0] = stress[..., 2]
-        # σ̂ det F = F⁻¹ σ F⁻ᵀ (det F)².
+        # The transformation of stresses: σ̂ det F = F⁻¹ σ F⁻ᵀ (det F)².
         hat = np.einsum("cij,ctajk,clk->ctail", self.adjugate, tensor, self.adjugate, optimize=True)
         voigt = np.stack([hat[..., 0, 0], hat[..., 1, 1], hat[..., 0, 1]])
         wanted = np.einsum("tna,Icta->Ictn", self.to_monomials, voigt)
         rows = self.rows.reshape(3, 3, 10, 45)
         left = wanted - np.einsum("Itnj,cj->Ictn", rows[..., :GIVEN], pulled)
-        # Lengths of vectors are norms in L² when they are weighted with the roots.
+        # After weighting with the Cholesky factors, Euclidean lengths of the vectors are norms in L².
         left = np.einsum("tnm,Ictn->cItm", self.roots, left).reshape(len(stress), 90) * self.exact.h
         basis = np.einsum("tnm,Itnj->Itmj", self.roots, rows[..., GIVEN:]).reshape(90, INNER)
         return left @ np.linalg.pinv(basis).T
 
 
 def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
-    """Return the value of a formula at a point of space and time."""
+    """Return the value of a formula at a point in space and time."""
     terms = [term(*map(checker.constant, place)).plain() for term in formula]
     return float(sum((p.get((0, 0, 0), Fraction(0)) for p in terms if p is not None), Fraction(0)))
 
 
 PLACES = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0)]
-"""Vertices and midpoints of the reference triangle, opposite each other."""
+"""Vertices of the reference triangle, and midpoints of the opposite sides in the same order."""
 
 
 def _square(place: tuple[float, float]) -> Array:
-    """The monomials of degree 2 at a point."""
+    """Return the monomials of degree 2 at a point."""
     return np.array([place[0] ** i * place[1] ** j for i, j, _ in checker.SQUARE])
 
 
 def _polar_forms() -> Array:
-    """Bernstein coefficients of degree 2 on the thirds from six nodal values, (3 thirds, 6, 6)."""
+    """Return the matrices from six nodal values to Bernstein coefficients of degree 2 on the thirds, (3, 6, 6)."""
     found, to_monomials = np.zeros((3, 6, 6)), np.linalg.inv([_square(place) for place in PLACES])
     corners, centre = np.array(PLACES[:3]), np.array([1 / 3, 1 / 3])
     for third in range(3):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,7 +30,7 @@ from study.statements.shared import estimates
 
 
 def do_adapt(options: argparse.Namespace) -> int:
-    """Compute, bound and refine, and write each mesh; 0 if the tolerance is reached, 1 if a limit is reached first."""
+    """Compute, bound and refine, and write each mesh; return 0 if the tolerance is reached, otherwise 1."""
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     level = min(options.levels)
@@ -46,7 +45,7 @@ def do_adapt(options: argparse.Namespace) -> int:
     with store.locked():
         while True:
             number = len(kept)
-            # The tolerance is not part of the key: it only decides when to stop.
+            # The tolerance is not part of the key, because it only decides when to stop.
             made_by = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
             kept.append(_stage(store, number, made_by, partial(adaptive.adapted, data, case, stage, scheme)))
             rows = adaptive.table([one["row"] for one in kept])
@@ -60,7 +59,10 @@ def do_adapt(options: argparse.Namespace) -> int:
             if reached or stopped:
                 break
             stage = following
-        shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, _uniform(store.directory))
+        # ``study bound`` for the same problem on uniform meshes may have written this file before.
+        levels = store.directory / "levels.csv"
+        uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
+        shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, uniform)
         written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(kept)))]
         written += draw_one(store.directory, adapted_mesh(name, shown))
     print(folded(f"written: {listed(written)}"))
@@ -70,7 +72,7 @@ def do_adapt(options: argparse.Namespace) -> int:
 
 
 def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
-    """Return the record of a mesh, from disk or computed."""
+    """Return the results on one mesh, from disk if they exist, otherwise computed."""
     key = f"adapted-{number}"
     kept = store.load(key, made_by) if adaptive.stage_file(store.directory, number).is_file() else None
     if kept is not None:
@@ -83,11 +85,11 @@ def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapte
 
 
 def _limit(stage: Stage, cells: int) -> str:
-    """Return why the next mesh is not computed; "" if it is."""
+    """Return why the next mesh is not computed; an empty text if it is."""
     if stage.cells > cells:
-        return f"the next mesh has {stage.cells} cells, and {cells} are allowed: raise --cells or the tolerance"
+        return f"the next mesh has {stage.cells} cells, and {cells} are permitted: raise --cells or the tolerance"
     if stage.steps > MOST:
-        return f"{stage.steps} time steps would follow, and {MOST} are taken at most: raise the tolerance"
+        return f"the next mesh needs {stage.steps} time steps, and at most {MOST} are permitted: raise the tolerance"
     need, room = estimates.adapted(stage.cells), available()
     if need > room:
         return (
@@ -95,9 +97,3 @@ def _limit(stage: Stage, cells: int) -> str:
             "GiB are available: raise the tolerance, or take a machine with more"
         )
     return ""
-
-
-def _uniform(directory: Path) -> pd.DataFrame:
-    """Return ``levels.csv`` of ``study bound`` for the same problem; empty if there is none."""
-    file = directory / "levels.csv"
-    return pd.read_csv(file) if file.is_file() else pd.DataFrame()

@@ -30,11 +30,11 @@ from study.statements.shared import estimates
 
 
 def do_bound(options: argparse.Namespace) -> int:
-    """Enclose the error at each level; 0 if the solution is unknown or every error lies in its enclosure."""
+    """Enclose the error at each level; return 0 if the solution is unknown or every error lies in its enclosure."""
     if options.displacement and options.adapt is not None:
-        raise UsageError("--adapt computes displacements of its own: give --adapt or --displacement, not both")
+        raise UsageError("--adapt computes the displacements itself: give --adapt or --displacement, not both")
     if not options.displacement and (options.field or options.nearest):
-        raise UsageError("--field and --nearest are about a file: give it with --displacement FILE")
+        raise UsageError("--field and --nearest need a file: give it with --displacement FILE")
     if options.displacement:
         return do_displacement(options)
     if options.adapt is not None:
@@ -43,7 +43,7 @@ def do_bound(options: argparse.Namespace) -> int:
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
     check_force(case)
-    # Before check_bound makes meshes.
+    # The memory must be checked before check_bound makes meshes.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)
@@ -74,7 +74,7 @@ def do_bound(options: argparse.Namespace) -> int:
 def _level(
     store: Store, level: int, made_by: str, compute: Callable[..., bounded.BoundedSolution], T: float
 ) -> dict[str, Any]:
-    """Return the record of a level, from disk or computed."""
+    """Return the results on one level, from disk if they exist, otherwise computed."""
     key, trajectory = f"level-{level}", bounded.trajectory_file(store.directory, level)
     kept = store.load(key, made_by) if trajectory.is_file() else None
     if kept is not None:

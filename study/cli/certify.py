@@ -24,7 +24,7 @@ from study.statements.shared import estimates
 
 
 def do_certify(options: argparse.Namespace) -> int:
-    """Write one certificate for each level; returns the exit code of the checker."""
+    """Write one certificate for each level; return the exit code of the checker."""
     name, data, _ = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
@@ -32,7 +32,7 @@ def do_certify(options: argparse.Namespace) -> int:
         raise UsageError(f"{name} is a static problem, for which there are no certificates: take `study bound`")
     making = Making(data, family, scheme, refined)
     making.check()
-    # Before check_bound makes meshes.
+    # The memory must be checked before check_bound makes meshes.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)

@@ -1,4 +1,4 @@
-"""``study check``: compare data, verdicts, tables and the inputs of the article with what they must be."""
+"""``study check``: compare data, verdicts, tables and the inputs of the article with their expected contents."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from pathlib import Path
 from study.cli.common import check_jobs, code_of, known_undecided, progress_bar
 from study.cli.compare import tolerance_from
 from study.cli.options import FAILED, OK
-from study.controls.record_check import compare_record
+from study.controls.alarms import compare_record
 from study.ledger.codes import FOLDER, MARCHES
 from study.ledger.compare import ROUNDED, as_text, difference
 from study.ledger.datafiles import CsvFile, DataError, read_claims, table_text
 from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.ledger.verdict import Verdict
-from study.present.expected import expected_texts
 from study.present.outcome import ledger_text, write_junit
+from study.present.pages import expected_texts
 from study.run.check import compare_again, draw_jobs, expected_seconds, planned_jobs, verify
 from study.run.executor import Pool, Processes
 from study.run.judgement import claims, claims_file, data_files, verdicts
@@ -26,19 +26,19 @@ from study.run.provenance import compare_sums
 from study.run.store import Store
 
 SEED_BITS = 62
-"""Bits of a fresh seed: 64-bit integers of other programs hold it."""
+"""Bits of a fresh seed, which fits into 64-bit integers of other programs."""
 IN_PART = (
     "data/provenance.json",
     "data/controls.csv",
     "data/sensitivity.csv",
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )
-"""Files in which relations between columns, or the tables made from them, show some edits and not all. The tables of a
-run whose provenance has no checksums are among them."""
+"""Files that are checked in part: relations between columns, or the tables made from these files, show some edits only.
+The tables of a run whose provenance has no checksums are among them."""
 
 
 def do_check(options: argparse.Namespace) -> int:
-    """Check a result directory: 0 everything agrees, 1 a row fails, 2 a file differs, 3 undecided."""
+    """Check a result directory; return 0 if all agrees, 1 if a check fails, 2 if a file differs, 3 if undecided."""
     _require_sample(options)
     with Store(options.out).steady():
         verified = verify(options.out)
@@ -49,11 +49,11 @@ def do_check(options: argparse.Namespace) -> int:
         code = code_of(found, options.undecided)
         if code == FAILED or (options.again is not None and _again(options) == FAILED):
             return FAILED
-        # Data first: nobody should write tables again from damaged data.
+        # Data are checked first, so that nobody writes tables again from damaged data.
         compared = compare_sums(options.out) | compare_record(options.out) | as_written(options.out, found)
     compared |= {options.out / "data" / "cases.csv"}
     inside = len([path for path in compared if options.out in path.parents])
-    print(folded(f"{verified}; {len(found)} verdicts and {inside} files stand as they would be written"))
+    print(folded(f"{verified}; {len(found)} verdicts and {inside} files agree with what would be written now"))
     in_part, unchecked = not_compared(options.out, compared)
     for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
         if paths:
@@ -77,7 +77,7 @@ def _require_sample(options: argparse.Namespace) -> None:
 
 
 def _again(options: argparse.Namespace) -> int:
-    """Measure a random sample of the rows again; returns 0 if all numbers agree, 1 if one differs."""
+    """Measure a random sample of the rows again; return 0 if all numbers agree, 1 if one differs."""
     seed = secrets.randbits(SEED_BITS) if options.seed is None else options.seed
     every = planned_jobs(options.out)
     jobs = draw_jobs(every, options.again, seed)
@@ -93,13 +93,14 @@ def _again(options: argparse.Namespace) -> int:
     if not found.differs:
         print(f"all numbers agree within {options.tolerance:g} relative + {options.absolute:g}")
         return OK
-    print(f"numbers differ; old is what stands in {options.out}/data, new is what was measured now\n")
+    print(f"numbers differ; old is the value in {options.out}/data, new is measured now\n")
     print(as_text(found))
     return FAILED
 
 
 def as_written(directory: Path, found: Sequence[Verdict]) -> set[Path]:
-    """Compare verdicts, tables, captions, badges and README with what would be written now; returns their files.
+    """Compare verdicts, tables, captions, badges and README with the texts that would be written now; return their
+    files.
 
     Raises:
         DataError: names the first line that differs, both texts, and the command that mends it.
@@ -114,10 +115,10 @@ def as_written(directory: Path, found: Sequence[Verdict]) -> set[Path]:
 
 
 def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:
-    """Compare files with their texts; returns the files.
+    """Compare files with their expected texts; return the files.
 
     Args:
-        expected: file ↦ (text, command that writes it).
+        expected: for each file its text and the command that writes it.
 
     Raises:
         DataError: as ``as_written``.
@@ -138,7 +139,7 @@ def files_of(directory: Path) -> Iterator[Path]:
 
 
 def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list[Path]]:
-    """Return the files that are checked in part, and those that are not checked, whatever their kind."""
+    """Return the files that are checked in part, and the files that are not checked."""
     rest = [path for path in files_of(directory) if path not in compared]
     tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
     in_part = {directory / name for name in (*IN_PART, *tables)}
@@ -146,7 +147,7 @@ def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list
 
 
 def by_folder(paths: list[Path]) -> str:
-    """Return the names of files as text, by folder."""
+    """Return the names of files as text, grouped by folder."""
     folders = dict.fromkeys(path.parent for path in paths)
     names = {folder: " ".join(path.name for path in paths if path.parent == folder) for folder in folders}
     return "; ".join(f"{folder}/: {of}" for folder, of in names.items())

@@ -1,4 +1,4 @@
-"""Shared by the commands: exit codes, progress, drawing, lists of files."""
+"""Functions shared by the commands: exit codes, progress, drawing, lists of files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def check_jobs(jobs: int) -> None:
 
 
 def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
-    """Return (label, key, case, family) of the rows that a table lists as undecided; none without a table.
+    """Return (label, key, case, family) of the checks that a table lists as undecided; an empty set without a table.
 
     Raises:
         UsageError: a row has no reason, or the file is not such a table.
@@ -45,36 +45,36 @@ def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
 
 
 def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
-    """Return the exit code of a judged run: 1 if a row fails, else 3 if rows are undecided, else 0.
+    """Return the exit code of a judged run: 1 if a check fails, else 3 if checks are undecided, else 0.
 
-    With a table of rows that are known to be undecided the code is 0 if exactly these are, and 3 otherwise; what
-    differs is printed.
+    With a table of checks that are known to be undecided, the code is 0 if exactly these are undecided, and 3
+    otherwise; differences are printed.
     """
     code, known = exit_code(verdicts), known_undecided(file)
     if file is None or code == FAILED:
         return code
     found = {verdict.identity for verdict in verdicts if verdict.verdict == UNDECIDED}
-    for text, rows in (("undecided, and not listed", found - known), ("listed, and not undecided", known - found)):
+    for text, rows in (("undecided but not listed", found - known), ("listed but not undecided", known - found)):
         for row in sorted(rows):
             print(f"{text} in {file}: {', '.join(filter(None, row))}", file=sys.stderr)
     return OK if verdicts and found == known else UNCLEAR
 
 
 def progress_bar(total: int) -> tqdm:
-    """Return a progress bar on standard error, with fewer lines if that is no terminal."""
+    """Return a progress bar on standard error, updated less often if it is not a terminal."""
     pause = 0.5 if sys.stderr.isatty() else 10
     return tqdm(total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{remaining}", mininterval=pause)
 
 
 def with_progress(name: str, T: float, compute: Callable[[Callable[[float], object]], Result]) -> Result:
-    """Return what is computed, with a progress bar of the times up to T that are done."""
+    """Return the result of a computation, with a progress bar for the times up to T."""
     with progress_bar(100) as bar:
         bar.set_description(name)
         return compute(lambda time: bar.update(round(100 * time / T) - bar.n))
 
 
 def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]]) -> list[Path]:
-    """Draw figures and show the progress; returns their files."""
+    """Draw figures and show the progress; return their files."""
     with progress_bar(0) as bar:
 
         def show(done: int, total: int, name: str) -> None:
@@ -86,7 +86,7 @@ def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Dr
 
 
 def listed(paths: Sequence[Path]) -> str:
-    """Return files as text, three or more files of one kind and folder as one pattern."""
+    """Return files as text; three or more files of one kind and folder are shown as one pattern."""
     kinds: dict[str, list[Path]] = {}
     for path in paths:
         kinds.setdefault(f"{path.parent}/*{path.suffix}", []).append(path)

@@ -1,4 +1,4 @@
-"""``study compare``: which verdicts and numbers of two result directories differ, and by how much."""
+"""``study compare``: show which verdicts and numbers of two result directories differ, and by how much."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from study.run.store import Store
 
 
 def do_compare(options: argparse.Namespace) -> int:
-    """Compare two result directories; 0 if they agree within the tolerance."""
+    """Compare two result directories; return 0 if they agree within the tolerance."""
     tolerance = tolerance_from(options)
     with Store(options.old).steady(), Store(options.new).steady():
         found = compare(options.old, options.new, tolerance)

@@ -32,7 +32,7 @@ from study.statements.shared import estimates
 
 
 def do_displacement(options: argparse.Namespace) -> int:
-    """Enclose the error of each file; 0 if the solution is unknown or every error lies in its enclosure."""
+    """Enclose the error of each file; return 0 if the solution is unknown or every error lies in its enclosure."""
     name, data, case = resolve_data(options.problem)
     refined = Refined(options.refine, options.shorter)
     check_force(case)
@@ -40,7 +40,7 @@ def do_displacement(options: argparse.Namespace) -> int:
     read = [_read(data, path, options, refined) for path in options.displacement]
     if case:
         prove(case.solution, f"case {case.name}")
-    # Coarse meshes first, as orders are those from mesh to mesh.
+    # Coarse meshes come first, because orders are computed from mesh to mesh.
     read.sort(key=lambda pair: -pair[1].h)
     stems = dict.fromkeys(path.stem for path, _ in read)
     store = Store(options.out / "-".join([name, *stems]), written=(".",))
@@ -61,7 +61,7 @@ def do_displacement(options: argparse.Namespace) -> int:
 
 
 def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined) -> tuple[Path, GivenDisplacement]:
-    """The checked displacement of a file; UsageError if its mesh is too large for the memory."""
+    """Return the checked displacement of a file; UsageError if its mesh is too large for the memory."""
     field = fields.read(path, options.field)
     need, room = (estimates.BASE, available())
     per_cell = (estimates.bound(1, refined.refinements, "unstructured") - estimates.BASE) / 2
@@ -70,21 +70,21 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
         served = max(0, int((room - estimates.BASE) / per_cell))
         raise UsageError(
             f"{path} has {len(field.triangles)} triangles, which with --refine {refined.refinements} need about "
-            f"{need / GIB:.1f} GiB of memory; {room / GIB:.1f} GiB are available, which serve {served} triangles: take "
+            f"{need / GIB:.1f} GiB of memory; {room / GIB:.1f} GiB are available, enough for {served} triangles: take "
             "a coarser mesh, --refine 0, or a machine with more memory"
         )
     return path, given(data, **vars(field), steps=options.steps, nearest=options.nearest)
 
 
 def _level(u_h: GivenDisplacement) -> int:
-    """The number of cells along a side of a square of the area of the body with the mesh size of u_h."""
+    """Return the level of u_h: the number of its cells along a side of a square with the area of the body."""
     return max(1, round(math.sqrt(u_h.body.measure) / u_h.h))
 
 
 def _row(
     store: Store, data: Data, case: Case | None, number: int, path: Path, u_h: GivenDisplacement, refined: Refined
 ) -> dict[str, Any]:
-    """Return the record of a file, from disk or computed."""
+    """Return the results for a file, from disk if they exist, otherwise computed."""
     arrays = (u_h.mesh.p, u_h.mesh.t, u_h.times, u_h.nodes)
     content = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
     key, made_by = f"displacement-{number}", of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))

@@ -29,7 +29,7 @@ from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 
 def do_export(options: argparse.Namespace) -> int:
-    """Write a task for each case, mesh family and level; without names, the families of the quick study of a case."""
+    """Write a task for each case, mesh family and level; by default with the families of the quick study."""
     cases = [resolve(name) for name in options.case]
     if repeated := {case.name for case in cases if [other.name for other in cases].count(case.name) > 1}:
         raise UsageError(f"two cases have the name {', '.join(sorted(repeated))}; give each case once")
@@ -44,7 +44,7 @@ def do_export(options: argparse.Namespace) -> int:
         prove(case.solution, f"case {case.name}")
     with TaskStore(options.out).locked():
         for task in wanted:
-            # A new task for each file: the meshes and factorisations of the last one are freed.
+            # A new task for each file, so that the memory of the previous meshes and factorisations is freed.
             path = write_task(options.out, _data(Task(task.case, task.family, task.level), options))
             print(f"{path}  {path.stat().st_size / 1000:.1f} kB")
     return OK
@@ -75,9 +75,9 @@ def _check(options: argparse.Namespace, case: Case) -> None:
     if min(options.levels) < 2:
         raise UsageError(f"--levels must be 2 or more, got {min(options.levels)}")
     if options.mode == "march" and options.instants:
-        raise UsageError("--instants are those of --mode frozen; a march has equal steps, say how many with --steps")
+        raise UsageError("--instants belong to --mode frozen; for --mode march give the number of --steps")
     if options.mode == "frozen" and options.steps is not None:
-        raise UsageError("--steps are those of --mode march; give the --instants of frozen problems")
+        raise UsageError("--steps belong to --mode march; for --mode frozen give --instants")
     if options.steps is not None:
         if options.steps < 1:
             raise UsageError(f"--steps must be 1 or more, got {options.steps}")

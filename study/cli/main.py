@@ -12,10 +12,10 @@ from study.cli.options import CLOSED, INTERRUPTED, USAGE, parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; returns its exit code: 0 no claim fails, 1 one fails, 2 bad usage or input, 3 undecided."""
+    """Run a command; return its exit code: 0 no check fails, 1 a check fails, 2 bad usage or input, 3 undecided."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            # A terminal in ASCII or cp1252 has no ‖: it is shown as \u2016, also within JSON.
+            # A terminal in ASCII or cp1252 has no ‖; it is shown as \u2016, also within JSON.
             stream.reconfigure(errors="backslashreplace")
     options = parser().parse_args(arguments)
     module, name = options.command
@@ -23,7 +23,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"study: {STRIPPED}", file=sys.stderr)
         return USAGE
     try:
-        # Only now, as the solvers take seconds to import.
+        # The import comes late, because the solvers take seconds to import.
         command = getattr(importlib.import_module(f"study.cli.{module}"), name)
         code = int(command(options))
         sys.stdout.flush()
@@ -72,6 +72,6 @@ STRIPPED = (
 
 
 def _close_output() -> None:
-    """Discard the rest of the output, which Python would fail to write at its end."""
+    """Discard the rest of the output, because Python would fail to write it at the end."""
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)

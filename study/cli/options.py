@@ -1,4 +1,4 @@
-"""The commands, their options and exit codes; imports nothing that takes time, so that ``--help`` answers at once."""
+"""The commands, their options and exit codes. Only fast imports are permitted, so that ``--help`` answers at once."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from importlib.metadata import version
 from pathlib import Path
 
 OK, FAILED, USAGE, UNCLEAR, INTERRUPTED, CLOSED = 0, 1, 2, 3, 130, 141
-"""Exit codes: success; a claim fails, or an error; bad usage or input; undecided; Ctrl-C; broken pipe."""
+"""Exit codes: success; a check fails, or an error; bad usage or input; undecided; Ctrl-C; broken pipe."""
 SCHEMES = ("backward-euler", "midpoint", "bdf2")
 FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
 MODES = ("frozen", "march")
 MINUTES = 60.0
 """How long ``study seeds`` draws new seeds by default."""
 TOLERANCE = 1e-12
-"""Relative difference that ``study compare`` allows."""
+"""Relative difference that ``study compare`` permits by default."""
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
-"""Differences that ``study check --again`` allows, by the rule of ``study compare``. With 1e-12, every file differs on
-another processor: numbers near round-off do, and quotients of small numbers have fewer digits."""
+"""Differences that ``study check --again`` permits by default. With 1e-12 every file differs on another processor,
+because numbers near round-off differ and quotients of small numbers have fewer digits."""
 CELLS = 20_000
-"""Largest mesh of ``study bound --adapt`` unless another one is allowed."""
+"""Largest number of cells of ``study bound --adapt`` by default."""
 RESUMES = ("run", "controls", "seeds", "bound")
-RESUMED = "what is finished is kept, the same command does the rest"
-STARTS_AGAIN = "no file is half-written, the same command begins anew"
+RESUMED = "finished results are kept; run the same command again to compute the rest"
+STARTS_AGAIN = "no file is half-written; the same command starts from the beginning"
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the parser of all commands; ``options.command`` are the module and the function of a command."""
+    """Return the parser of all commands; ``options.command`` has the module and the function of a command."""
     top = argparse.ArgumentParser(
         prog="study",
         description="Verify the claims of Barboteu, Han and Sofonea (2002), and bound the errors of your own problems.",
@@ -46,28 +46,28 @@ def parser() -> argparse.ArgumentParser:
 
     _json(add("cases", "cases", "list the exact solutions"))
     _run(add("run", "run", "measure, judge, write tables and figures; resumes where it was stopped"))
-    _check(add("check", "check", "compare data, verdicts and tables on disk with what they must be; nothing is solved"))
-    _compare(add("compare", "compare", "which numbers and verdicts of two result directories differ, and by how much"))
-    _spread(add("controls", "controls", "deliberate defects that the verdicts must catch; exit 0 all caught"))
-    _spread(add("sensitivity", "controls", "the smallest relative defect of every piece that turns a row red"))
-    seeds = add("seeds", "seeds", "how often chance turns the ledger red: judge fresh random meshes, add to the record")
+    _check(add("check", "check", "compare data, verdicts and tables on disk with their expected contents"))
+    _compare(add("compare", "compare", "show how numbers and verdicts of two result directories differ"))
+    _spread(add("controls", "controls", "test that deliberate defects are noticed; exit code 0 if all are"))
+    _spread(add("sensitivity", "controls", "find the smallest relative defect of each part that makes a check fail"))
+    seeds = add("seeds", "seeds", "estimate the false-alarm rate by judging fresh random meshes")
     seeds.add_argument(
         "--minutes", type=_finite, default=MINUTES, metavar="M", help="how long (default 60; 0: only the table)"
     )
-    seeds.add_argument("--seeds", type=int, metavar="N", help="at most so many fresh ones")
-    seeds.add_argument("--seed", type=int, metavar="N", help="measure this one again, add nothing")
+    seeds.add_argument("--seeds", type=int, metavar="N", help="largest number of fresh seeds")
+    seeds.add_argument("--seed", type=int, metavar="N", help="measure this seed again; the record is not changed")
     _spread(seeds)
     _rates(add("rates", "rates", "observed orders of any table of errors"))
     _bound(add("bound", "bound", "enclose the error of a computed displacement, exact solution or not"))
-    certify = "bounds of errors as a theorem, with a certificate that a program of its own checks"
+    certify = "prove error bounds by certificates, which a stand-alone program checks"
     _certify(add("certify", "certify", certify))
-    _export(add("export", "export", "cases as plain data, with which other people's contact codes are verified"))
-    show = add("show", "show", "storyboard, animation and ParaView files of a case, solved on one mesh")
+    _export(add("export", "export", "write cases as plain data, to test other people's contact codes"))
+    show = add("show", "show", "solve a case on one mesh; draw a storyboard and an animation, and write ParaView files")
     show.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
     show.add_argument("--level", type=int, metavar="N", help="cells along a side (default 24, in 3D 9)")
     _out(show, "shows")
-    _out(add("report", "present", "make one HTML page of the data on disk, to be read without a network"))
-    _out(add("tables", "present", "make the tables again from the data on disk"))
+    _out(add("report", "present", "write one HTML page from the data on disk, readable without a network"))
+    _out(add("tables", "present", "write the tables again from the data on disk"))
     _spread(add("figures", "present", "draw the figures again from the data on disk"))
     return top
 
@@ -75,14 +75,14 @@ def parser() -> argparse.ArgumentParser:
 def _rates(rates: argparse.ArgumentParser) -> None:
     orders = "P|NAME=P,..."
     rates.add_argument("file", type=Path, metavar="FILE", help="a table in nearly any form; - is standard input")
-    rates.add_argument("--expected", type=_orders, metavar=orders, help="order that theory gives, met from both sides")
+    rates.add_argument("--expected", type=_orders, metavar=orders, help="expected order; higher orders fail, too")
     rates.add_argument("--at-least", type=_orders, metavar=orders, help="least order that is accepted")
-    rates.add_argument("--tolerance", type=_finite, default=0.15, metavar="T", help="of --expected (default 0.15)")
-    rates.add_argument("--columns", metavar="NAME,...", help="columns of errors (default: all that are found)")
+    rates.add_argument("--tolerance", type=_finite, default=0.15, metavar="T", help="for --expected (default 0.15)")
+    rates.add_argument("--columns", metavar="NAME,...", help="columns of errors (default: all that are recognised)")
     rates.add_argument("--in", dest="size", metavar="NAME", help="column of sizes, for example dt")
     rates.add_argument("--dim", type=int, metavar="D", help="dimension, where sizes are counts of cells or unknowns")
     rates.add_argument("--ratio", type=_finite, metavar="R", help="ratio of mesh sizes from row to row")
-    rates.add_argument("--values", action="store_true", help="columns are values, no errors: grid convergence index")
+    rates.add_argument("--values", action="store_true", help="compute the grid convergence index of values")
     rates.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
     rates.add_argument("--markdown", type=Path, metavar="FILE", help="also write the verdicts as a Markdown table")
     rates.add_argument("--plot", type=Path, metavar="FILE", help="also draw errors over h as PNG, SVG or PDF")
@@ -114,7 +114,7 @@ def _check(check: argparse.ArgumentParser) -> None:
     _undecided(check)
     again = "also measure N rows again, drawn at random, cheap rows more often, and compare; exit 1 if a number differs"
     check.add_argument("--again", type=int, metavar="N", help=again)
-    seed = "draw the rows of --again with this seed, which an earlier check has printed (default: a fresh one)"
+    seed = "seed with which --again draws rows; each check prints its seed (default: a fresh seed)"
     check.add_argument("--seed", type=int, metavar="S", help=seed)
     relative = f"numbers a, b of --again are equal if |a - b| <= Y + X max(|a|, |b|) (default {AGAIN_TOLERANCE:g})"
     check.add_argument("--tolerance", type=float, default=AGAIN_TOLERANCE, metavar="X", help=relative)
@@ -138,7 +138,7 @@ def _bound(bound: argparse.ArgumentParser) -> None:
     _enclosed(bound, levels=(8, 16), shorter=4)
     given = "enclose the error of displacements from files (.npz, or a mesh that meshio reads) instead of computing one"
     bound.add_argument("--displacement", nargs="+", type=Path, metavar="FILE", help=given)
-    bound.add_argument("--field", metavar="NAME", help="of the displacement in the file (default: found by its name)")
+    bound.add_argument("--field", metavar="NAME", help="name of the field in the file (default: recognised)")
     nearest = "if the displacement does not vanish on Γ1, bound the error of the nearest one that does"
     bound.add_argument("--nearest", action="store_true", help=nearest)
     adapt = "refine from the first level until the bound from u_h alone is at most TOL, or P per cent of ‖u‖_V"
@@ -159,7 +159,7 @@ def _enclosed(bound: argparse.ArgumentParser, levels: tuple[int, ...], shorter: 
     increasing = f"increasing (default {default})"
     bound.add_argument("--levels", nargs="+", type=int, default=list(levels), metavar="N", help=increasing)
     bound.add_argument("--family", default="unstructured", help=f"meshes: {', '.join(FAMILIES)} (default unstructured)")
-    bound.add_argument("--scheme", default="midpoint", help=f"of u_h: {', '.join(SCHEMES)} (default midpoint)")
+    bound.add_argument("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)")
     bound.add_argument("--steps", type=int, metavar="N", help="time steps of u_h at every level")
     bound.add_argument("--refine", type=int, default=1, metavar="R", help="refinements of the mesh of ũ (default 1)")
     steps = f"steps of ũ in one of u_h (default {shorter})"
@@ -172,10 +172,10 @@ def _export(export: argparse.ArgumentParser) -> None:
     meshes = f"meshes: {', '.join(FAMILIES)} (default: those on which `study run` measures the case)"
     export.add_argument("--family", nargs="+", metavar="NAME", help=meshes)
     export.add_argument("--mode", choices=MODES, default="frozen", help="static problems, or steps in time")
-    export.add_argument("--instants", nargs="+", type=_finite, metavar="T", help="of frozen problems (default: three)")
-    export.add_argument("--steps", type=int, metavar="N", help="of a march (default the level)")
+    export.add_argument("--instants", nargs="+", type=_finite, metavar="T", help="for static problems (default: three)")
+    export.add_argument("--steps", type=int, metavar="N", help="steps of --mode march (default: the level)")
     export.add_argument("--scale", type=_finite, default=1.0, metavar="S", help="factor of all loads (default 1)")
-    slab = "also mesh the foundation, so many segments long"
+    slab = "also mesh the foundation, with this number of segments"
     export.add_argument("--foundation", type=int, metavar="SEGMENTS", help=slab)
     _out(export, "tasks", "--to")
 
@@ -204,7 +204,7 @@ def _json(command: argparse.ArgumentParser) -> None:
 
 
 def _orders(text: str) -> float | dict[str, float]:
-    """Return ``2`` as a number, ``L2=2,H1=1`` as name ↦ order; commas that follow no ``=2`` belong to a name."""
+    """Return a number for ``2`` and a dict for ``L2=2,H1=1``; commas that follow no ``=2`` belong to a name."""
     orders: dict[str, float] = {}
     name = ""
     for part in text.split(","):
@@ -221,8 +221,8 @@ def _orders(text: str) -> float | dict[str, float]:
 
 
 def _finite(text: str) -> float:
-    """Return a finite number."""
+    """Return a finite number from text."""
     value = float(text)
     if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text} is no finite number")
+        raise argparse.ArgumentTypeError(f"{text} is not a finite number")
     return value

@@ -20,11 +20,12 @@ from study.orders.sequences import OrderResult, grid_convergence
 
 
 def do_rates(options: argparse.Namespace) -> int:
-    """``study rates``: 0 all orders hold or none is expected, 1 one fails, 2 input is not understood, 3 undecided."""
+    """Run ``study rates``; return 0 if all orders hold or none is expected, 1 if one fails, 2 for bad input, 3
+    undecided."""
     try:
         return _rates(options)
     except OrderError as error:
-        # Here, as the refusals of other commands import packages that ``[orders]`` does not install.
+        # The error is handled here, because ``refusals`` imports packages that ``[orders]`` does not install.
         print(f"study: {error}", file=sys.stderr)
         return USAGE
 
@@ -55,7 +56,7 @@ def _rates(options: argparse.Namespace) -> int:
 
 
 def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
-    """The results of all columns; an expectation is found by the column's name with its case, its name, or its case."""
+    """Return the results of all columns. An expectation is looked up by name and case, then by name, then by case."""
     wishes = [
         wish if isinstance(wish, dict) else {} if wish is None else {"": wish}
         for wish in (options.expected, options.at_least)
@@ -77,7 +78,7 @@ def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
 
 
 def _values(tables: list[Series], as_json: bool) -> str:
-    """Order, extrapolated value and grid convergence index of each quantity, and what was recognised."""
+    """Return text with order, extrapolated value and grid convergence index of each quantity."""
     found = {
         f"{name} ({series.label})" if series.label else name: grid_convergence(series.h, values)
         for series in tables
@@ -101,7 +102,7 @@ def _values(tables: list[Series], as_json: bool) -> str:
 
 
 def _read(file: Path) -> bytes:
-    """The bytes of a file, of a pipe, or of standard input for ``-``."""
+    """Return the bytes of a file, of a pipe, or of standard input for ``-``."""
     if str(file) == "-":
         return sys.stdin.buffer.read(MAX_BYTES + 1)
     if file.is_dir():

@@ -22,11 +22,11 @@ from study.orders import OrderError
 OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
 OF_FILES = (DataError, OrderError, RatesError, StoreError)
 REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, NormError, UsageError)
-"""Errors that say what was given, what was expected and how to mend it."""
+"""Errors whose message states the given input, the expected input and the remedy."""
 
 KILLED = (
-    "a worker process was killed, perhaps for want of memory: run the same command again, with fewer --jobs if it does "
-    "not help; what is finished is kept"
+    "a worker process was killed, perhaps because of too little memory: run the same command again, if necessary with "
+    "fewer --jobs; finished results are kept"
 )
 
 OUT_OF_MEMORY = "there is not enough memory for this: take coarser levels, fewer --jobs, or a machine with more"
@@ -44,8 +44,8 @@ def exit_code_and_message(error: Exception) -> tuple[int, str]:
         return FAILED, KILLED
     if full := disk_full(error):
         what = f"cannot write {full.filename}" if full.filename else "cannot write the output"
-        return USAGE, f"{what}: the disk is full ({full.strerror}); free space there and give the command again"
+        return USAGE, f"{what}: the disk is full ({full.strerror}); free space there and run the command again"
     if isinstance(error, OSError):
         what = f"cannot read or write {error.filename}" if error.filename else "cannot write the output"
-        return USAGE, f"{what}: {error.strerror or error}; permit it there, and give the command again"
+        return USAGE, f"{what}: {error.strerror or error}; make it accessible and run the command again"
     raise error

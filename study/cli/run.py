@@ -6,16 +6,17 @@ import argparse
 import shlex
 import sys
 from collections.abc import Iterable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
 from study.cli.common import check_jobs, code_of, draw, known_undecided, listed, progress_bar
+from study.controls.contact_test import DEFECTS, contact_tests, write_contact_test
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
 from study.present.figures import drawings, overview
-from study.present.outcome import ledger_text, rates_text
+from study.present.outcome import contact_test_text, ledger_text, rates_text
 from study.present.tables import write_tables
 from study.run.executor import Pool, Processes, connected, execute, refuse_too_large, unfinished
 from study.run.judgement import collect, judge
@@ -42,41 +43,55 @@ def do_run(options: argparse.Namespace) -> int:
     if options.levels:
         scope = with_levels_of(store.directory, scope)
     plan = Plan.of(scope)
-    # No more processes than there are jobs and cases.
+    # More processes than jobs and cases would be idle.
     with (
         Processes(min(options.jobs, max(len(plan.jobs), len(scope.cases)))) as processes,
-        _pool(options.cluster, plan, processes) as pool,
+        connected(options.cluster, plan.scope.cases) if options.cluster else nullcontext(Pool.of(processes)) as pool,
     ):
         refuse_too_large(unfinished(plan.jobs, store), pool)
         plan.check(processes.map)
         with store.locked():
-            measure(plan, store, pool)
+            tested = measure(plan, store, pool, Pool.of(processes))
             verdicts = judge(store.directory)
             tables = write_tables(store.directory)
             # The figures of all cases would take a third of the time of the quick study.
             drawn = draw(store.directory, processes, drawings if options.case else overview)
-    data = "rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/"
-    print(f"\n{folded(f'data: {store.data}/{data}')}")
+    data = ["rates.csv", "equivalence.csv", "claims.csv", "cases.csv", *tested, "provenance.json", "pictures/"]
+    print("\n" + folded(f"data: {store.data}/{', '.join(data)}"))
     print(folded(f"written: {listed([*tables, *drawn])}"))
     print(f"\n{rates_text(store.directory)}")
     print(ledger_text(read_claims(store.directory)))
+    if tested:
+        print(contact_test_text(store.directory))
     if any(TRY in verdict.expected for verdict in verdicts):
         print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}")
     return code_of(verdicts, options.undecided)
 
 
-def measure(plan: Plan, store: Store, pool: Pool) -> None:
-    """Run the jobs of a plan that a directory lacks, and write its data files."""
+def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[str]:
+    """Run the jobs whose results a directory lacks, and write its data files; return the names of additional files.
+
+    Parameters:
+        plan: the plan.
+        store: the directory.
+        pool: runs the jobs of the plan.
+        own_processes: runs the same jobs with deliberate defects, for the users' cases.
+    """
     refuse_to_replace(plan, store.directory)
     store.check()
-    with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
-        bar.set_description(f"{len(plan.jobs)} jobs")
+    tests = contact_tests(plan)
+    defective = [job for test in tests for defect in DEFECTS for job in test.defective(defect)]
+    with progress_bar(round(sum(job.cost for job in (*plan.jobs, *defective)))) as bar:
+        bar.set_description(f"{len(plan.jobs) + len(defective)} jobs")
         execute(plan.jobs, store, pool, lambda cost: bar.update(round(cost)))
-        collect(plan, store)
+        execute(defective, store, own_processes, lambda cost: bar.update(round(cost)))
+        written = write_contact_test(tests, store)
+        collect(plan, store, written)
+    return [path.name for path in written]
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:
-    """Return a scope with the levels that a directory already has of its cases, if the scope adds others."""
+    """Return the scope with the levels that a directory already has for its cases, if the scope adds others."""
     if not (directory / "data" / "provenance.json").exists():
         return scope
     planned = read_provenance(directory)["planned"]
@@ -115,12 +130,12 @@ def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) 
 
 
 def warn_of_few_levels(scope: Scope) -> None:
-    """Print which cases have too few levels to decide about an observed order."""
+    """Print which cases have too few levels for a verdict on an observed order."""
     for case in scope.resolved():
         needed, given = least_levels(case.proposition), scope.levels_of(case).all
         if len(given) < needed:
             print(
-                f"study: {case.name}: an order takes {needed} levels, nothing is decided about it with "
+                f"study: {case.name}: a verdict on an order needs {needed} levels, not only "
                 f"{' '.join(map(str, given))}; give {needed} or more, such as --levels "
                 f"{' '.join(map(str, enough(given, needed, case.solution.body.dim)))}",
                 file=sys.stderr,
@@ -135,7 +150,7 @@ def scope_from_options(options: argparse.Namespace) -> Scope:
         scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
     if options.levels:
         levels = Levels(tuple(options.levels))
-        # The interior-point method solves small problems only.
+        # The interior-point method can solve small problems only.
         plane, solid = ([n for n in options.levels if n <= most] for most in (16, 6))
         scope = replace(
             scope,
@@ -150,7 +165,7 @@ def scope_from_options(options: argparse.Namespace) -> Scope:
 
 
 def command_line(options: argparse.Namespace, levels: Sequence[int] | None = None, out: Path | None = None) -> str:
-    """Return the command line of ``study run`` with some options, with other levels or another directory if given."""
+    """Return the command line of ``study run`` with the given options, or with other levels or another directory."""
     words = ["study", "run", *(["--full"] if options.plan == "full" else [])]
     words += ["--case", *options.case] if options.case else []
     levels = levels or options.levels
@@ -159,7 +174,3 @@ def command_line(options: argparse.Namespace, levels: Sequence[int] | None = Non
     words += ["--step", f"{options.step:g}"] if options.step is not None else []
     words += ["--out", str(out)] if out else []
     return shlex.join(words)
-
-
-def _pool(cluster: str | None, plan: Plan, processes: Processes) -> AbstractContextManager[Pool]:
-    return connected(cluster, plan.scope.cases) if cluster else nullcontext(Pool.of(processes))

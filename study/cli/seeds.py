@@ -6,7 +6,6 @@ import argparse
 import secrets
 import shutil
 import time
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,11 +26,11 @@ from study.run.plan import Plan
 from study.run.store import Store
 
 BITS = 62
-"""Bits of a seed: seeds do not repeat, and 64-bit integers of other programs hold them."""
+"""Bits of a seed: enough that seeds do not repeat, and within 64-bit integers of other programs."""
 
 
 class TimeIsUpError(Exception):
-    """The time of ``--minutes`` is over; finished measurements are stored."""
+    """Raised when the time of ``--minutes`` is over; finished measurements are stored."""
 
 
 @dataclass(frozen=True)
@@ -42,14 +41,15 @@ class Watch:
     end: float
 
     def __call__(self, cost: float) -> None:
-        """Called after each job; raises TimeIsUpError when the time is over."""
+        """Update the progress after a job; raise TimeIsUpError when the time is over."""
         self.bar.update(round(cost))
         if time.monotonic() >= self.end:
             raise TimeIsUpError
 
 
 def do_seeds(options: argparse.Namespace) -> int:
-    """Judge as many fresh seeds as the time allows, or one seed again; 0 if the false-alarm rate is small enough."""
+    """Judge as many fresh seeds as time permits, or one seed again; return 0 if the false-alarm rate is small
+    enough."""
     check_jobs(options.jobs)
     if options.minutes < 0:
         raise UsageError(
@@ -58,7 +58,7 @@ def do_seeds(options: argparse.Namespace) -> int:
     if options.seed is not None and options.seed < 0:
         raise UsageError(f"--seed must be 0 or more, got {options.seed}")
     if options.seed is not None:
-        family_named(f"shaken-{options.seed}")  # Refuses a seed that is too long for the name of a directory.
+        family_named(f"shaken-{options.seed}")  # refuse a seed that is too long for the name of a directory
     if options.seeds is not None and options.seeds < 1:
         raise UsageError(f"--seeds must be 1 or more, got {options.seeds}")
     Store(options.out).check()
@@ -71,7 +71,7 @@ def do_seeds(options: argparse.Namespace) -> int:
             _fill(options.out, pool, time.monotonic() + 60 * options.minutes, most)
     record = Record.read(options.out)
     if not any(draw.judged >= 0 for draw in record.draws):
-        print("no seed was finished; the same command goes on with the one that was begun")
+        print("no seed was finished; run the same command again to finish the one that was begun")
         return UNCLEAR
     table = tally(record)
     written = write_seeds(options.out, table)
@@ -80,7 +80,7 @@ def do_seeds(options: argparse.Namespace) -> int:
 
 
 def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
-    """Judge at most so many seeds until the time is over, first an unfinished one."""
+    """Judge at most ``most`` seeds until the time is over, beginning with an unfinished one."""
     done = 0
     while done < most and time.monotonic() < end:
         done += 1
@@ -88,7 +88,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         draw = record.pending()
         if draw is None:
             draw = Draw(secrets.randbits(BITS), LIGHT if (len(record.draws) + 1) % EVERY else WHOLE)
-            # Recorded before it is judged, so that no seed can be left out afterwards.
+            # The seed is recorded before it is judged, so that no seed can be left out afterwards.
             record = record.drawn(draw.seed, draw.part)
             record.write(directory)
         store, plan = _store(directory, draw.seed), seeded(draw.seed, draw.part)
@@ -130,14 +130,10 @@ def _again(seed: int, directory: Path, pool: Pool) -> int:
     print(
         "\n".join([f"{row.label}, {row.key}, {row.case}: {row.observed:.6g}, expected {row.expected}" for row in red])
     )
-    print(f"{len(rows)} rows, of which {len(red)} that are claimed do not hold")
-    print(_beside(record, seed, rows, known))
+    print(f"{len(rows)} checks; {len(red)} of the claimed ones do not hold")
+    if any(draw.seed == seed for draw in record.draws):
+        same, other = record.agreement(seed, rows, known)
+        print(f"the record has this seed: {same} results are the same, {other} differ")
+    else:
+        print("the record does not have this seed")
     return FAILED if red else OK
-
-
-def _beside(record: Record, seed: int, rows: Sequence[Verdict], known: dict[tuple[str, str, str], str]) -> str:
-    """Return whether the record has the same places for a seed, in words."""
-    if all(draw.seed != seed for draw in record.draws):
-        return "the record does not have this seed"
-    same, other = record.agreement(seed, rows, known)
-    return f"the record has this seed: {same} places are the same, {other} are others"

@@ -1,11 +1,11 @@
-"""The false-alarm rate: how often chance alone turns a row of the ledger red, from the record of seeds.
+"""The false-alarm rate: how often chance alone makes a check of the ledger fail, from the record of seeds.
 
-A row is judged by the seeds that were drawn since the last change to its rule, levels or window. Earlier seeds stay in
-the record and do not count. ``data/seeds.csv`` has a line for each row, after two lines for all claimed rows together:
-``every`` counts the seeds on which all rows were measured, ``light`` counts all seeds, with the cheap rows that are
-measured on each of them. Both counts start again after the last change to one of their rows. ``every`` also starts
-again when a row leaves the ledger: otherwise a row that was removed for its alarms would remove these alarms from the
-record.
+A check is judged by the seeds that were drawn since the last change to its rule, levels or window. Earlier seeds remain
+in the record but are not counted. ``data/seeds.csv`` has a line for each check, after two lines for all claimed checks
+together: ``every`` counts the seeds on which all checks were measured; ``light`` counts all seeds, with the cheap
+checks that are measured on each of them. Both counts start again after the last change to one of their checks.
+``every`` also starts again when a check leaves the ledger: otherwise removing a check because of its alarms would
+remove these alarms from the count.
 """
 
 from __future__ import annotations
@@ -19,31 +19,34 @@ import pandas as pd
 from tabulate import tabulate
 
 from manufactured.tensors import Array
-from study.controls.record import Line, Record, RowKey, two_sided, unpacked
+from study.controls.record import Line, Record, RowKey, fingerprint, two_sided, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.chance import PROMISE, interval, seeds_needed, tail
-from study.ledger.datafiles import ALL_ROWS, alarm_summary, write_csv
+from study.ledger.compare import difference
+from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, table_text, write_csv
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
 COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
-"""Columns of ``seeds.csv``: the row; the number of the first seed that counts, and how many seeds count; alarms with
-the 95 % interval of their rate, the extreme places in the window, and the model of the tail with the p-value of its
+"""Columns of ``seeds.csv``: the check; the number of the first seed that counts, and how many seeds count; alarms with
+the 95 % interval of their rate; the extreme positions in the window; and the model of the tail with the p-value of its
 test and the rate that follows from it."""
 NAMED = PROMISE / 10
-"""A row is listed if its tail alone gives a rate above a tenth of the rate that is promised for all rows."""
+"""A check is listed if its tail alone gives a rate above a tenth of the rate that is promised for all checks."""
+FITTED = frozenset({"rate_low", "rate_high", "rate_tail", "fit"})
+"""Columns of ``seeds.csv`` whose last digits depend on the machine, because they are computed by iteration."""
 FOLDED = [25, 14]
-"""Widths of the columns row and case that make a line 80 characters wide."""
+"""Widths of the columns for check and case, so that a line has 80 characters."""
 
 
 @dataclass(frozen=True)
 class Seen:
-    """A row with its places in its window on the seeds that count.
+    """A check with its positions in its window on the seeds that count.
 
     Attributes:
         key: (label, key, case).
         rule: the fingerprint of the rule.
-        places: one for every seed that was drawn, (seeds,); NaN for seeds that this rule did not judge.
-        both: whether its window is two-sided.
+        places: the position for every seed that was drawn, (seeds,); NaN for seeds that this rule did not judge.
+        both: whether the window is two-sided.
     """
 
     key: RowKey
@@ -53,9 +56,9 @@ class Seen:
 
     @classmethod
     def of(cls, record: Record) -> list[Seen]:
-        """Return the rows of a record, each with the rule that judged it last.
+        """Return the checks of a record, each with the rule that judged it last.
 
-        A row is no longer in the ledger if neither the last seed with all rows nor a later seed has it.
+        A check is no longer in the ledger if neither the last seed with all checks nor a later seed has it.
         """
         latest: dict[RowKey, tuple[str, Line]] = {}
         for (*row, rule), line in record.lines.items():
@@ -74,7 +77,7 @@ class Seen:
         return claimed(self.key[0])
 
     def line(self, part: str) -> dict[str, object]:
-        """Its line of ``seeds.csv``; ``part`` is the least part of the plan that has it."""
+        """Return the line of ``seeds.csv`` for this check; ``part`` is the smallest part of the plan that has it."""
         where = np.flatnonzero(np.isfinite(self.places))
         places = self.places[where]
         alarms = int((abs(places) > 1).sum())
@@ -86,12 +89,12 @@ class Seen:
 
 
 def newest(record: Record) -> int:
-    """Return the position of the last seed on which all rows were judged; 0 without one."""
+    """Return the number of the last seed on which all checks were judged; 0 without one."""
     return max((n for n, draw in enumerate(record.draws) if draw.part == WHOLE and draw.judged >= 0), default=0)
 
 
 def tally(record: Record) -> pd.DataFrame:
-    """Return the lines of ``seeds.csv``: two for all rows together, then one for each row."""
+    """Return the lines of ``seeds.csv``: two for all checks together, then one for each check."""
     rows = Seen.of(record)
     whole = np.array([draw.part == WHOLE for draw in record.draws])
     in_force = np.array([draw.rules == record.draws[newest(record)].rules for draw in record.draws])
@@ -107,9 +110,11 @@ def tally(record: Record) -> pd.DataFrame:
 
 
 def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
-    """Return the line that counts the seeds on which one or more of some rows raised an alarm; tails are summed.
+    """Return the line that counts the seeds on which at least one of the given checks raised an alarm; tails are
+    summed.
 
-    ``places`` has shape (rows, seeds).
+    Args:
+        places: positions of the checks in their windows, (checks, seeds).
     """
     counted = np.flatnonzero(np.isfinite(places).all(axis=0)) if len(places) else np.empty(0, dtype=int)
     places, judged = places[:, counted], len(counted)
@@ -117,14 +122,14 @@ def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
     red = int((abs(places) > 1).any(axis=0).sum())
     low, high = interval(red, judged)
     ends = (float(np.nanmin(places)), float(np.nanmax(places))) if judged else (math.nan, math.nan)
-    # Without a model of a tail, or without a seed, nothing is known about the rate.
+    # Without a model of a tail, or without a seed, the rate is unknown.
     rate = float(rows["rate_tail"].sum(skipna=False)) if judged else math.nan
     known = ALL_ROWS, key, f"{len(rows)} rows", "", "", "yes", since, judged
     return dict(zip(COLUMNS, (*known, red, low, high, *ends, "sum", math.nan, rate), strict=True))
 
 
 def newer(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the claimed rows whose rule is newer than the first seed of their part of the plan."""
+    """Return the claimed checks whose rule is newer than the first seed of their part of the plan."""
     first = table.groupby("part")["since"].transform("min")
     return table[(table["claimed"] == "yes") & (table["label"] != ALL_ROWS) & (table["since"] > first)]
 
@@ -135,40 +140,87 @@ def verdict(table: pd.DataFrame) -> str:
 
 
 def text(table: pd.DataFrame) -> str:
-    """Return a text with the rates of all rows together, every alarm, and the rows with large tails."""
+    """Return text with the rates of all checks together, every alarm, and the checks with large tails."""
     ledger, rows = table[table["label"] == ALL_ROWS], table[table["label"] != ALL_ROWS]
     lines = [
-        (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}", _tails(one.rate_tail))
+        (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}")
+        + ("unknown" if math.isnan(one.rate_tail) else f"{one.rate_tail:.2%}",)
         for one in ledger.itertuples()
     ]
     named = rows[(rows["alarms"] > 0) | ((rows["rate_tail"] > NAMED) & (rows["claimed"] == "yes"))]
     weak = [
-        (f"{one.label}, {one.key}", one.case, _of(one.alarms, one.seeds), one.tail, f"{one.rate_tail:.1g}", one.claimed)
+        (f"{one.label}, {one.key}", one.case, f"{one.alarms} of {one.seeds}")
+        + (one.tail, f"{one.rate_tail:.1g}", one.claimed)
         for one in named.sort_values("rate_tail", ascending=False).itertuples()
     ]
     return "\n".join(
         [
-            tabulate(lines, ["seeds with", "", "seeds", "red", "rate, 95 %", "by the tails"], "simple"),
+            tabulate(lines, ["checks", "", "seeds", "alarms", "rate, 95 %", "from tails"], "simple"),
             "",
-            tabulate(weak, ["row", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
+            tabulate(weak, ["check", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
             "",
-            f"{len(newer(table))} rows have a rule that is newer than the first seed: seeds count since then",
-            f"at most {PROMISE:.0%} of fresh seeds may turn the ledger red: {verdict(table)} by the count alone "
+            f"{len(newer(table))} checks have a rule newer than the first seed; only later seeds count for them",
+            f"at most {PROMISE:.0%} of fresh seeds may raise an alarm: {verdict(table)} by the count alone "
             f"({seeds_needed()} seeds without an alarm are enough; the tails judge nothing)",
         ]
     )
 
 
-def _of(some: object, every: object) -> str:
-    return f"{some} of {every}"
-
-
-def _tails(rate: float) -> str:
-    return "unknown" if math.isnan(rate) else f"{rate:.2%}"
-
-
 def write_seeds(directory: Path, table: pd.DataFrame) -> Path:
-    """``data/seeds.csv``."""
+    """Write ``data/seeds.csv``; return its path."""
     path = directory / "data" / "seeds.csv"
     write_csv(path, table)
     return path
+
+
+def compare_record(directory: Path) -> set[Path]:
+    """Check that the record of seeds agrees with itself and with ``seeds.csv``; return the files that were compared.
+
+    Every row of ``drawn.csv`` must have the number of checks, the number of alarms and the rules that follow from
+    ``places.csv.gz``, and ``seeds.csv`` must be the table that follows from both.
+
+    Raises:
+        DataError: a line of one of the three files is missing, was added or was changed.
+    """
+    table, folder = directory / "data" / "seeds.csv", directory / "data" / "seeds"
+    drawn, places = folder / "drawn.csv", folder / "places.csv.gz"
+    if not table.exists() and not drawn.exists() and not places.exists():
+        return set()
+    record = Record.read(directory)
+    if not drawn.is_file() or (record.draws and not places.is_file()):
+        missing = places if drawn.is_file() else drawn
+        raise DataError(f"{missing} is missing: restore it, because lines are only added to it")
+    _compare_counts(record, drawn, places)
+    again = f"`study seeds --minutes 0 --out {directory}` makes it again from the record"
+    if not any(draw.judged >= 0 for draw in record.draws):
+        if table.exists():
+            raise DataError(f"{table} has no record in {folder}: restore the record")
+        return {drawn, places}
+    if not table.is_file():
+        raise DataError(f"{table} is missing: {again}")
+    if found := difference(table, table_text(tally(record)), FITTED):
+        raise DataError(f"{found}: {again}; restore the record, if that was changed")
+    return {table, drawn, places}
+
+
+def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
+    """Check that the counts of every seed in ``drawn.csv`` follow from its positions."""
+    known = list(record.lines)
+    wide = 2 * len(record.draws)
+    values = np.array([unpacked(record.lines[row].places.ljust(wide, ".")) for row in known])
+    values = values.reshape(len(known), len(record.draws))
+    judged, beyond = np.isfinite(values), abs(values) > 1
+    counts = np.array([claimed(row[0]) for row in known], dtype=bool)
+    in_force = record.draws[newest(record)].rules if record.draws else ""
+    for n, draw in enumerate(record.draws):
+        rows, alarms = int(judged[:, n].sum()), int(beyond[counts, n].sum())
+        rules = fingerprint(sorted(row for row, is_judged in zip(known, judged[:, n], strict=True) if is_judged))
+        # The set of claimed labels may have changed; older seeds were counted with the labels of their time.
+        alarms_agree = draw.alarms == alarms if draw.rules == in_force else draw.alarms <= int(beyond[:, n].sum())
+        agrees = draw.judged == rows and draw.rules == rules and alarms_agree
+        if not agrees and (rows or draw.judged >= 0):
+            raise DataError(
+                f"{drawn}, line {n + 2}: seed {draw.seed} has {draw.judged} rows, {draw.alarms} alarms and the rules "
+                f"{draw.rules}, {places.name} has {rows} rows, {alarms} alarms and the rules {rules}: restore both "
+                "files, because lines are only added to them"
+            )

@@ -1,4 +1,4 @@
-"""Where a control is measured: the smallest sweep, or check of Theorem 4.2, that exposes its defect."""
+"""The settings in which controls are measured: each is the smallest that exposes the defects measured in it."""
 
 from __future__ import annotations
 
@@ -15,13 +15,18 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named, resolve
 from study.ledger.verdict import UNCLAIMED, Verdict
+from study.run.judgement import joined
 from study.solve.steps import rate_steps, stress_steps
 from study.solve.tableau import MIDPOINT
 from study.statements import thm_4_2_own_space as own
 from study.statements.contact_force import ContactForce, measure_contact
-from study.statements.from_rates import SizeOfInterpolation
+from study.statements.enclosure import Bounds, BoundSetting, resolve_problem
+from study.statements.enclosure import measure as bounded
+from study.statements.from_rates import SizeOfInterpolation, Turned
+from study.statements.initial_gap import InitialGap
 from study.statements.prop_5_3 import Convergence
-from study.statements.prop_5_4 import FirstOrder, measure
+from study.statements.prop_5_4 import RATES, FirstOrder, measure
+from study.statements.recomputed import Recomputed, recompute
 from study.statements.shared.base import ListedNumbers, Setting
 from study.statements.shared.experiment import Experiment
 from study.statements.thm_4_2 import SameMesh, Sides, StandsAlone, gaps, independence
@@ -31,7 +36,7 @@ S = TypeVar("S")
 
 
 class Baseline(Protocol[S]):
-    """A place of measurement: what would be measured there is an S, which a defect may change.
+    """A setting for controls. S is the type of the object that is measured and that a defect may change.
 
     Settings are compared by value, so that controls share their baseline.
     """
@@ -40,20 +45,20 @@ class Baseline(Protocol[S]):
     def __hash__(self) -> int: ...
 
     def verdicts(self, defect: Callable[[S], S]) -> list[Verdict]:
-        """The rows of the ledger, had the study the defect."""
+        """Return the checks of the ledger for the study with the given defect."""
         ...
 
 
-OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation()
+OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation(), InitialGap()
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """Prop. 5.3 or 5.4 for a case of the catalogue on a few levels of one mesh family.
+    """Prop. 5.3 or 5.4 for a case of the catalogue on a few levels.
 
     Attributes:
-        case: its name.
-        angle: by which the body is turned, in radians.
+        case: name of the case.
+        angle: angle by which the body is turned, in radians.
         families: names of the mesh families.
         levels: coarse to fine.
     """
@@ -86,7 +91,7 @@ class ContactSweep:
     """The contact force of a case of the catalogue on a few levels of one mesh family.
 
     Attributes:
-        case: its name.
+        case: name of the case.
         family: name of the mesh family.
         levels: coarse to fine.
     """
@@ -114,10 +119,10 @@ class Equivalence:
     """Theorem 4.2 for a case of the catalogue on one mesh.
 
     Attributes:
-        case: its name.
+        case: name of the case.
         family: name of the mesh family.
         level: n.
-        steps: of backward Euler.
+        steps: number of steps of backward Euler.
     """
 
     case: str
@@ -142,10 +147,10 @@ class Equivalence:
 
 @dataclass(frozen=True)
 class StressSweep:
-    """Theorem 4.2 on its own stress space for a case of the catalogue on a few levels of one mesh family.
+    """Theorem 4.2 with a separate stress space for a case of the catalogue on a few levels of one mesh family.
 
     Attributes:
-        case: its name.
+        case: name of the case.
         family: name of the mesh family.
         levels: coarse to fine.
     """
@@ -168,16 +173,16 @@ class StressSweep:
 
 
 Measure = Callable[[Setting], Mapping[str, Any]]
-"""A place of measurement ↦ named numbers."""
+"""Function from a setting to named numbers."""
 
 
 @dataclass(frozen=True)
 class Listing:
-    """Another statement on the levels of one case and mesh family.
+    """A statement that lists numbers, on given levels of one case and mesh family.
 
     Attributes:
-        statement: whose numbers are listed one by one.
-        case, family: their names.
+        statement: the statement.
+        case, family: names of the case and of the mesh family.
         levels: coarse to fine.
     """
 
@@ -197,7 +202,7 @@ class Listing:
 
 
 def turned(solution: ExactSolution, angle: float) -> ExactSolution:
-    """The same contact data on the body turned by an angle, for a plane body and an isotropic law."""
+    """Return the solution with the same contact data on a turned body, for a plane body and an isotropic law."""
     body = solution.body
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     corners = [(float(x), float(y)) for x, y in (turn @ body.vertices).T]
@@ -205,3 +210,77 @@ def turned(solution: ExactSolution, angle: float) -> ExactSolution:
     lifted = [face for face in solution.faces if isinstance(face, ContactFace)]
     faces = zip(lifted, moved.of(Kind.CONTACT), strict=True)
     return ExactSolution(moved, solution.law, tuple(replace(face, part=part) for face, part in faces))
+
+
+# Settings whose checks compare two results: a body and its twin, two solvers, an error and its bounds.
+
+Defect = Callable[[Experiment], Experiment]
+
+
+def experiment(case: str, level: int) -> Experiment:
+    """Return the experiment of the study on a one-diagonal mesh."""
+    known = resolve(case)
+    steps = rate_steps(known.solution.body.T, level, known.pace)
+    return Experiment.of(known.solution, family_named("one-diagonal"), level, MIDPOINT, steps)
+
+
+def row_of(setup: Experiment, case: str, level: int) -> dict[str, Any]:
+    """Return the line of an experiment in ``rates.csv``."""
+    return measure(setup).row(case, "one-diagonal", level)
+
+
+@dataclass(frozen=True)
+class Twins:
+    """A case with a rotated body and its twin; several meshes, because on one mesh digits may agree by chance."""
+
+    case: str
+    levels: tuple[int, ...]
+
+    def __str__(self) -> str:
+        return f"{self.case} and its twin, n = {' '.join(map(str, self.levels))}"
+
+    def verdicts(self, defect: Defect) -> list[Verdict]:
+        rows = []
+        for name, level in product((self.case, resolve(self.case).twin), self.levels):
+            line = row_of(defect(experiment(name, level)), name, level)
+            rows.append({**line, "twin": resolve(name).twin})
+        return Turned().judge(pd.DataFrame(rows))
+
+
+@dataclass(frozen=True)
+class TwoWays:
+    """A case on one mesh, as in ``rates.csv`` and computed again by the second solver."""
+
+    case: str
+    level: int
+
+    def __str__(self) -> str:
+        return f"{self.case} computed again, n = {self.level}"
+
+    def verdicts(self, defect: Defect) -> list[Verdict]:
+        setup = defect(experiment(self.case, self.level))
+        line = row_of(setup, self.case, self.level)
+        again = {name: line[name] for name in (*RATES.key, "h")} | recompute(setup)
+        return Recomputed().judge(
+            joined(Recomputed(), {RATES: pd.DataFrame([line]), Recomputed.file: pd.DataFrame([again])})
+        )
+
+
+@dataclass(frozen=True)
+class Bounding:
+    """Error bounds on given meshes, judged by one of the statements about bounds."""
+
+    statement: Bounds
+    settings: tuple[BoundSetting, ...]
+
+    def __str__(self) -> str:
+        levels = " ".join(str(setting.level) for setting in self.settings)
+        return f"{self.statement.label} for {self.settings[0].case}, n = {levels}"
+
+    def verdicts(self, defect: Callable[[Any], Any]) -> list[Verdict]:
+        rows = []
+        for setting in self.settings:
+            problem, steps = resolve_problem(setting.case), self.statement.steps(setting)
+            row, _ = bounded(problem, family_named(setting.family), setting.level, MIDPOINT, steps, setting.by)
+            rows.append({**row, "known": problem.case is not None})
+        return [verdict for verdict in self.statement.judge(pd.DataFrame(rows)) if verdict.verdict not in UNCLAIMED]

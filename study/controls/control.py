@@ -1,4 +1,4 @@
-"""A negative control: a deliberate defect, the piece of the study that it replaces, and the rows that must fail."""
+"""A negative control: a deliberate defect, the part of the study that it replaces, and the checks that must fail."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from unittest.mock import patch
 from study.controls.baselines import Baseline
 
 Replacement = Callable[[Any], Any]
-"""The correct piece ↦ the wrong one."""
+"""Function from the correct part to the wrong one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,14 +23,14 @@ class Control:
     """One deliberate defect.
 
     Attributes:
-        name: of the defect.
-        what: a description of the defect, in a line.
+        name: name of the defect.
+        what: a description of the defect, in one line.
         setting: the case, meshes and statement with which the defect is measured.
-        place: the piece that is replaced: "fem.error_norm:ErrorNorm.distance" is a name in a module of ``study``,
+        place: the part that is replaced: "fem.error_norm:ErrorNorm.distance" is a name in a module of ``study``,
             "green:work_on" a name in a module of ``study.statements``, "problem.solver" an attribute of the measured
             object, and "" the whole object.
-        replacement: returns the wrong piece, given the correct one.
-        rows: the key of the row that must fail, or the keys of several rows that all must fail.
+        replacement: returns the wrong part, given the correct one.
+        rows: the key of the check that must fail, or the keys of several checks that all must fail.
         others: further defects at the same time, as (place, replacement).
     """
 
@@ -44,12 +44,12 @@ class Control:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The keys of the rows that must fail."""
+        """The keys of the checks that must fail."""
         return (self.rows,) if isinstance(self.rows, str) else self.rows
 
     @property
     def changes(self) -> tuple[tuple[str, Replacement], ...]:
-        """All (place, replacement)."""
+        """All pairs (place, replacement)."""
         return ((self.place, self.replacement), *self.others)
 
     def __call__(self, measured: Any) -> Any:
@@ -83,13 +83,13 @@ def replaced(whole: Any, place: str, replacement: Replacement) -> Any:
 
 
 def overridden(whole: Any, **attributes: Any) -> Any:
-    """Set attributes or methods of an object, which hide the attributes of its class; returns the object."""
+    """Set attributes or methods of an object, which hide the attributes of its class; return the object."""
     vars(whole).update(attributes)
     return whole
 
 
 def within(place: str, replacement: Replacement) -> Replacement:
-    """Replace an attribute of every ``Experiment`` that a module makes."""
+    """Return the replacement of an attribute of every ``Experiment`` that a module makes."""
 
     def changed(make: Callable[..., Any]) -> Callable[..., Any]:
         return lambda *given: replaced(make(*given), place, replacement)

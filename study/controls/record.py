@@ -1,17 +1,17 @@
-"""The record of random seeds: for each seed, where every row of the ledger lies in its window. Lines are only added.
+"""The record of random seeds: for each seed, the position of every check in its window. Lines are only added.
 
 ``data/seeds/drawn.csv`` has one line for each seed in the order in which the seeds were drawn: the seed, the part of
-the plan that was measured, a hash of the rules, the number of rows judged and the number of alarms. The last two are −1
-while the seed is being measured. A seed is entered before anything is measured, which makes it impossible to leave out
-a seed with a bad result.
+the plan that was measured, a hash of the rules, the number of checks judged and the number of alarms. The last two are
+−1 while the seed is being measured. A seed is entered before anything is measured, so that a seed with a bad result
+cannot be left out.
 
-``data/seeds/places.csv.gz`` has one line for each row of the ledger and each rule that judged it: two characters for
-each seed, in the same order. They encode the place in the window, −2 … 2, in 1/1024ths, as two digits of base 64.
-``..`` means that this rule did not judge this seed. A place inside −1 … 1 belongs to a row that holds, a place outside
-is an alarm. A change of the rule, window or levels starts a new line, so seeds before the change do not count.
+``data/seeds/places.csv.gz`` has one line for each check of the ledger and each rule that judged it: two characters for
+each seed, in the same order. They encode the position in the window, −2 … 2, in 1/1024ths, as two digits of base 64.
+``..`` means that this rule did not judge this seed. A position in −1 … 1 belongs to a check that holds; a position
+outside is an alarm. A change of the rule, window or levels starts a new line, so seeds before the change do not count.
 
-The record has all places instead of their moments, because moments do not determine a tail. Two digits resolve a
-thousandth of half a window. A thousand rows and 150 seeds take 200 kB, compressed.
+The record has all positions instead of their moments, because moments do not determine a tail. Two digits resolve a
+thousandth of half a window. A thousand checks and 150 seeds take 200 kB, compressed.
 """
 
 from __future__ import annotations
@@ -35,21 +35,21 @@ DIGITS = ascii_letters + digits + "+-"
 NONE = ".."
 """The two characters of a seed that was not judged."""
 START = ":"
-"""The first character of the places of a line: with it no program reads them as a number."""
+"""The first character of the positions in a line, so that no program reads them as a number."""
 NO_RULES = "-"
 STEP = 1 / 1024
 FURTHEST = 2.0
 RowKey = tuple[str, str, str]
-"""(label, key, case)."""
+"""The key of a check: (label, key, case)."""
 Known = tuple[str, str, str, str]
-"""(label, key, case, rule)."""
+"""The key of a line: (label, key, case, rule)."""
 MADE = "study seeds"
 DRAWN = ["seed", "part", "rules", "judged", "alarms"]
 PLACES = ["label", "key", "case", "rule", "window_low", "window_high", "places"]
 
 
 def place(verdict: Verdict) -> float:
-    """Return the place of a row in its window: outside −1 … 1 if and only if it does not hold; 0 without a window."""
+    """Return the position of a check in its window: outside −1 … 1 exactly if it does not hold; 0 without a window."""
     judged = float(worst_value(pd.Series(asdict(verdict))))
     low, high, value = verdict.window_low, verdict.window_high, judged
     if not low < high or (low <= 0 and np.isinf(high)):
@@ -60,7 +60,7 @@ def place(verdict: Verdict) -> float:
         found = (2 * value - low - high) / (high - low) if two_sided(low, high) else value / high
     if verdict.verdict == HOLDS:
         return float(np.clip(found, -1, 1))
-    # NaN, and an undecided row with its value inside the window, are alarms as well.
+    # NaN, and an undecided check with its value inside the window, are alarms as well.
     beyond = np.nan_to_num(found, nan=FURTHEST)
     return float(np.copysign(np.clip(abs(beyond), 1 + 2 * STEP, FURTHEST), beyond))
 
@@ -71,13 +71,13 @@ def two_sided(low: float, high: float) -> bool:
 
 
 def packed(value: float) -> str:
-    """Return the two digits of a place."""
+    """Return the two digits that encode a position."""
     number = min(round((value + FURTHEST) / STEP), len(DIGITS) ** 2 - 1)
     return DIGITS[number // len(DIGITS)] + DIGITS[number % len(DIGITS)]
 
 
 def unpacked(text: str) -> Array:
-    """Return the places in a line, (seeds,); NaN for seeds that were not judged."""
+    """Return the positions in a line, (seeds,); NaN for seeds that were not judged."""
     pairs = [text[i : i + 2] for i in range(0, len(text), 2)]
     values = [np.nan if pair == NONE else DIGITS.index(pair[0]) * len(DIGITS) + DIGITS.index(pair[1]) for pair in pairs]
     return np.array(values) * STEP - FURTHEST
@@ -85,7 +85,7 @@ def unpacked(text: str) -> Array:
 
 @dataclass(frozen=True)
 class Draw:
-    """A line of ``drawn.csv``; ``judged`` is −1 while it is being measured."""
+    """A line of ``drawn.csv``; ``judged`` is −1 while the seed is being measured."""
 
     seed: int
     part: str
@@ -103,7 +103,7 @@ class Line:
     places: str = ""
 
     def at(self, position: int, value: float) -> Line:
-        """Return the line with the place on the seed at a position; missing places before it become ``..``."""
+        """Return the line with a position added for the n-th seed; missing positions before it become ``..``."""
         before = self.places[: 2 * position].ljust(2 * position, NONE[0])
         return replace(self, places=before + packed(value) + self.places[2 * position + 2 :])
 
@@ -135,13 +135,13 @@ class Record:
             damaged += [] if _sound(text, len(draws)) else [(label, key, case, rule)]
             found[label, key, case, rule] = Line(low, high, text.rstrip(NONE[0]))
         if damaged or len({draw.seed for draw in draws}) < len(draws) or len(found) < len(lines):
-            what = " ".join(damaged[0]) if damaged else "a seed or a row that stands twice"
-            raise DataError(f"{places.parent} is damaged: {what}; restore it, as it is only ever added to")
+            what = " ".join(damaged[0]) if damaged else "a repeated seed or row"
+            raise DataError(f"{places.parent} is damaged: {what}; restore it, because lines are only added to it")
         return cls(draws, found)
 
     def write(self, directory: Path) -> None:
-        """Write both files: first the places, then ``drawn.csv``, which says which seeds were judged."""
-        # Each line has characters for every seed: then a seed that is missing from ``drawn.csv`` is noticed.
+        """Write both files: first the positions, then ``drawn.csv``, which says which seeds were judged."""
+        # Each line has characters for every seed, so that a seed that is missing from ``drawn.csv`` is noticed.
         wide = 2 * len(self.draws)
         known = [
             [*row, line.window_low, line.window_high, START + line.places.ljust(wide, NONE[0])]
@@ -152,13 +152,13 @@ class Record:
         write_csv(folder / "drawn.csv", pd.DataFrame([asdict(draw) for draw in self.draws], columns=DRAWN))
 
     def drawn(self, seed: int, part: str) -> Record:
-        """Return the record with a seed that is to be measured."""
+        """Return the record with a new seed that is to be measured."""
         if any(draw.seed == seed for draw in self.draws):
-            raise DataError(f"seed {seed} is in the record already, and nothing in it is replaced: draw another one")
+            raise DataError(f"seed {seed} is already in the record, in which nothing is replaced: draw another seed")
         return replace(self, draws=(*self.draws, Draw(seed, part)))
 
     def pending(self) -> Draw | None:
-        """Return the seed that was drawn and not judged, or None."""
+        """Return the seed that was drawn but not judged, or None."""
         return next((draw for draw in self.draws if draw.judged < 0), None)
 
     def judged(
@@ -166,11 +166,12 @@ class Record:
     ) -> Record:
         """Return the record with the verdicts on a seed that was drawn; lines of other rules do not change.
 
-        ``claimed`` returns, for a label, whether alarms of its rows count.
+        Args:
+            claimed: returns for a label whether alarms of its checks count.
         """
         position = [draw.seed for draw in self.draws].index(seed)
         if self.draws[position].judged >= 0:
-            raise DataError(f"seed {seed} was judged already, and nothing in the record is replaced")
+            raise DataError(f"seed {seed} was already judged, and nothing in the record is replaced")
         lines, alarms = dict(self.lines), 0
         for verdict in verdicts:
             row = verdict.label, verdict.key, verdict.case
@@ -183,7 +184,7 @@ class Record:
         return Record((*self.draws[:position], draw, *self.draws[position + 1 :]), lines)
 
     def agreement(self, seed: int, verdicts: Sequence[Verdict], rules: Mapping[RowKey, str]) -> tuple[int, int]:
-        """Return how many recorded places of a seed agree with verdicts by the same rule, and how many do not."""
+        """Return how many recorded positions of a seed agree with verdicts by the same rule, and how many do not."""
         position, same, other = [draw.seed for draw in self.draws].index(seed), 0, 0
         for verdict in verdicts:
             row = verdict.label, verdict.key, verdict.case

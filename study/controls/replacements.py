@@ -1,4 +1,4 @@
-"""The wrong pieces of ``study.controls.table``: each function gives the wrong piece from the correct one."""
+"""The deliberate defects of ``study.controls.table``: each function returns the wrong part, given the correct one."""
 
 from __future__ import annotations
 
@@ -30,41 +30,41 @@ from study.statements.thm_4_2 import Derived
 
 Function = Callable[..., Any]
 
-# Of any function or number.
+# Defects of any function or number.
 
 
 def instead(other: Any) -> Replacement:
-    """Something else."""
+    """Return the replacement by the given object."""
     return lambda right: other
 
 
 def returns(value: Any) -> Replacement:
-    """A function that always returns one value."""
+    """Deliberate defect: the function always returns the given value."""
     return lambda right: lambda *given, **options: value
 
 
 def result(change: Function) -> Replacement:
-    """A function whose result is changed."""
+    """Deliberate defect: the function returns its result after the given change."""
     return lambda right: lambda *given, **options: change(right(*given, **options))
 
 
 def times(factor: float) -> Replacement:
-    """A function whose result is wrong by a factor."""
+    """Deliberate defect: the result is multiplied by a factor."""
     return result(lambda value: factor * value)
 
 
 def column_times(column: str, factor: float) -> Replacement:
-    """A function that returns a row of a table with one wrong number."""
+    """Deliberate defect: one number in the returned table row is multiplied by a factor."""
     return result(lambda row: {**row, column: factor * row[column]})
 
 
 def zeroed(*quantities: str) -> Replacement:
-    """A measurement that returns 0 for some quantities."""
+    """Deliberate defect: a measurement returns 0 for the named quantities."""
     return result(lambda found: {**found, **dict.fromkeys(quantities, 0.0)})
 
 
 def in_one_call(call: int, change: Function) -> Replacement:
-    """A function whose result is changed in one of its calls, counted from 0."""
+    """Deliberate defect: the function returns a changed result in one of its calls, counted from 0."""
 
     def wrong(right: Function) -> Function:
         calls = count()
@@ -74,12 +74,17 @@ def in_one_call(call: int, change: Function) -> Replacement:
 
 
 def at_time(time: float, change: Function) -> Replacement:
-    """A method with the time as its first argument whose result is changed at one time."""
+    """Deliberate defect: a method, whose first argument is the time, returns a changed result at one time."""
     return lambda method: lambda of, now, *given: _when(np.isclose(now, time), change, method(of, now, *given))
 
 
 def row_times(calls: tuple[int, ...], row: int, factor: float) -> Replacement:
-    """A function whose result, displacements at all times, is wrong at one time; in some calls, () for all."""
+    """Deliberate defect: returned displacements are multiplied by a factor at one time.
+
+    Args:
+        calls: the calls of the function with this defect; () for all calls.
+        row: the number of the time.
+    """
 
     def wrong(right: Function) -> Function:
         number = count()
@@ -104,11 +109,15 @@ squared = result(lambda value: value**2)
 squared_each = result(lambda errors: {name: error**2 for name, error in errors.items()})
 
 
-# Contact solvers: functions of (S, N), and of the points of the unknowns if these are given, with b ↦ (u, λ).
+# Contact solvers are functions of (S, N), and of the points of the unknowns if these are given; they map b to (u, λ).
 
 
 def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
-    """The forces come from ``rule``, a function of the solver and of the gaps without contact forces."""
+    """Deliberate defect: the contact forces come from ``rule``.
+
+    Args:
+        rule: function of the solver and of the gaps without contact forces.
+    """
 
     def solver(S: Any, N: Any, *points: Any) -> Any:
         made = Signorini(S, N)
@@ -118,7 +127,7 @@ def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
 
 
 def solution(change: Callable[[Signorini, Any], Any]) -> Replacement:
-    """Displacement and forces come from ``change``, a function of the correct solver and of b."""
+    """Deliberate defect: displacement and forces come from ``change``, a function of the correct solver and of b."""
 
     def solver(S: Any, N: Any, *points: Any) -> Any:
         made = Signorini(S, N)
@@ -128,12 +137,12 @@ def solution(change: Callable[[Signorini, Any], Any]) -> Replacement:
 
 
 def shifted_gap(by: float) -> Replacement:
-    """v_ν ≤ by instead of v_ν ≤ 0."""
+    """Deliberate defect: the constraint is v_ν ≤ by instead of v_ν ≤ 0."""
     return contact(lambda solver, gap: Signorini.complementarity(solver, gap - by))
 
 
 def forces_times(factor: float) -> Replacement:
-    """The correct displacement with forces that are wrong by a factor."""
+    """Deliberate defect: the contact forces are multiplied by a factor; the displacement is correct."""
 
     def change(solver: Signorini, b: Any) -> Any:
         u, forces = solver(b)
@@ -143,7 +152,7 @@ def forces_times(factor: float) -> Replacement:
 
 
 def unconstrained(solver: Signorini, b: Any) -> Any:
-    """V^h instead of K^h."""
+    """Return displacement and zero forces in V^h instead of K^h."""
     return solver.factor(b), np.zeros(solver.N.shape[0])
 
 
@@ -154,7 +163,7 @@ no_multipliers = solution(lambda solver, b: (solver.factor(b), np.zeros(0)))
 
 
 def in_places(right: Any) -> Any:
-    """v_ν ≤ 0 at every other vertex of Γ3 only."""
+    """Deliberate defect: v_ν ≤ 0 is imposed at every other vertex of Γ3 only."""
 
     def solver(S: Any, N: Any, *points: Any) -> Any:
         made, forces = Signorini(S, N[::2]), np.zeros(N.shape[0])
@@ -169,12 +178,12 @@ def in_places(right: Any) -> Any:
 
 
 def springs(right: Any) -> Any:
-    """Springs instead of v_ν ≤ 0, in pressure and tension, whose stiffness does not grow with n."""
+    """Deliberate defect: springs instead of v_ν ≤ 0, in pressure and tension, with a fixed stiffness."""
     return lambda S, N: freed(right)(sps.csc_array(S + 100.0 / N.shape[0] * (N.T @ N)), N)
 
 
 class RandomSearch(Signorini):
-    """The contact solve from a random active set, which stops after the first iteration."""
+    """Deliberate defect: the contact solve starts from a random active set and stops after the first iteration."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, *points: Any) -> None:
         super().__init__(S, N)
@@ -185,7 +194,7 @@ class RandomSearch(Signorini):
 
 
 def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
-    """Solve one of ``part`` times the experiment's steps by another contact solver, all others correctly."""
+    """Deliberate defect: one of ``part`` times the experiment's steps is solved by a wrong contact solver."""
 
     def change(setup: Any) -> Any:
         call = node(which, int(part * setup.steps))
@@ -199,16 +208,20 @@ def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
     return change
 
 
-# Time schemes: wrong reports of a trajectory.
+# Time schemes that report a wrong trajectory.
 
 
 def node(which: str, last: int) -> int:
-    """The number of a time node: 1, an odd or even one in the middle, or the last."""
+    """Return the number of a time node: 1, an odd or even one in the middle, or the last."""
     return {"first": 1, "odd": last // 2 | 1, "even": (last // 2 + 2) // 2 * 2, "last": last}[which]
 
 
 def marching(march: Callable[[Any, Any, int], Iterator[Any]]) -> Replacement:
-    """A time scheme whose states come from ``march``, a function of the scheme, a problem and a number of steps."""
+    """Return the replacement of a time scheme whose states come from ``march``.
+
+    Args:
+        march: function of the scheme, a problem and a number of steps.
+    """
     return lambda scheme: SimpleNamespace(
         name=scheme.name,
         order=scheme.order,
@@ -217,12 +230,16 @@ def marching(march: Callable[[Any, Any, int], Iterator[Any]]) -> Replacement:
 
 
 def solving(alter: Callable[[SemiDiscrete], SemiDiscrete]) -> Replacement:
-    """A scheme that solves another problem than the one that errors are measured for."""
+    """Deliberate defect: the scheme solves another problem than the one for which errors are measured."""
     return marching(lambda scheme, problem, steps: scheme.march(alter(problem), steps))
 
 
 def state_off(which: str, halvings: int, **factors: float) -> Replacement:
-    """Multiply parts of the state at one node of the trajectory with 2^halvings times the steps of the experiment."""
+    """Deliberate defect: parts of the state at one node are multiplied by factors.
+
+    Args:
+        halvings: only the trajectory with 2^halvings times the steps of the experiment has the defect.
+    """
 
     def change(setup: Any) -> Any:
         def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
@@ -245,7 +262,7 @@ def _times_parts(state: Any, factors: dict[str, float]) -> Any:
 
 
 def rival_off(which: str) -> Replacement:
-    """Return a rival with a displacement wrong by a thousandth at one node, in all problems except the experiment's."""
+    """Deliberate defect: the displacement is wrong by a thousandth at one node, except in the experiment."""
 
     def change(setup: Any) -> Any:
         def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
@@ -261,7 +278,7 @@ def rival_off(which: str) -> Replacement:
 
 
 def displacement_off(which: str, right_first: int) -> Replacement:
-    """A scheme that reports ten times the displacement at one node, except in its first calls."""
+    """Deliberate defect: the scheme reports ten times the displacement at one node, after some correct calls."""
 
     def change(scheme: Any) -> Any:
         calls = count()
@@ -279,7 +296,7 @@ def displacement_off(which: str, right_first: int) -> Replacement:
 
 
 def coarse_forces(change: Callable[[Any], Any]) -> Replacement:
-    """Contact forces of the run with half as many steps are changed."""
+    """Deliberate defect: the contact forces of the run with half as many steps are changed."""
 
     def changed(setup: Any) -> Any:
         def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
@@ -293,7 +310,7 @@ def coarse_forces(change: Callable[[Any], Any]) -> Replacement:
 
 
 def off_in_turns(forces: Any) -> Any:
-    """Contact forces that are off by a hundredth of the largest one, with alternating signs."""
+    """Return contact forces that are wrong by a hundredth of the largest force, with alternating signs."""
     return forces + 0.01 * (-1.0) ** np.arange(len(forces)) * forces.max()
 
 
@@ -320,7 +337,10 @@ swapped = solving(lambda problem: replace(problem, M=problem.reference, referenc
 
 
 def companion_is_the_run(setup: Any) -> Any:
-    """The trajectory with k is every other state of the one with k/2, whose distance should show the time share."""
+    """Deliberate defect: the trajectory with step k consists of every other state of the trajectory with k/2.
+
+    The distance of the two trajectories, which should show the time share, is then 0.
+    """
 
     def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
         halved = steps == setup.steps
@@ -330,30 +350,30 @@ def companion_is_the_run(setup: Any) -> Any:
 
 
 def every_other_state(companion: Function) -> Function:
-    """Problem 3.2 with half as many steps is every other state of the one with all steps."""
+    """Deliberate defect: Problem 3.2 with half as many steps is every other state of the solution with all steps."""
     return lambda experiment: islice(experiment.march(), 1, None, 2)
 
 
-# Data of an experiment.
+# Defects of the data of an experiment.
 
 
 def an_eighth(steps: int) -> int:
-    """An eighth of the time steps."""
+    """Return an eighth of the number of time steps."""
     return max(steps // 8, 1)
 
 
 def no_contact(problem: Any) -> Any:
-    """V^h instead of K^h, without constraints."""
-    return replace(problem, N=problem.N[:0], solver=freed(problem.solver))
+    """Deliberate defect: V^h instead of K^h, without constraints."""
+    return replace(problem, N=problem.N[:0], gap=0.0, solver=freed(problem.solver))
 
 
 def constraint_relaxed(setup: Any) -> Any:
-    """v_ν ≤ √h instead of v_ν ≤ 0."""
+    """Deliberate defect: v_ν ≤ √h instead of v_ν ≤ 0."""
     return replaced(setup, "problem.solver", shifted_gap(math.sqrt(setup.space.h)))
 
 
 def nearest_axis(N: Any) -> Any:
-    """The nearest axis instead of ν, in the plane."""
+    """Deliberate defect: the nearest axis instead of ν, in 2D."""
     N = N.copy()
     normals = N.data.reshape(-1, 2)
     nearest = np.arange(2) == abs(normals).argmax(axis=1)[:, None]
@@ -362,13 +382,13 @@ def nearest_axis(N: Any) -> Any:
 
 
 def load_late(setup: Any) -> Any:
-    """F(t − k) instead of F(t)."""
+    """Deliberate defect: F(t − k) instead of F(t)."""
     k = setup.problem.T / setup.steps
     return replaced(setup, "problem.load", lambda load: lambda t: load(max(t - k, 0.0)))
 
 
 def contact_work_times(factor: float) -> Replacement:
-    """The work of contact in the load (3.7) is wrong by a factor."""
+    """Deliberate defect: the work of contact in the load (3.7) is multiplied by a factor."""
 
     def change(setup: Any) -> Any:
         load = other_contact_work(factor)(ErrorNorm)(setup.solution, setup.space).load
@@ -378,7 +398,7 @@ def contact_work_times(factor: float) -> Replacement:
 
 
 def other_contact_work(factor: float) -> Replacement:
-    """A class that measures errors whose work of contact is wrong by a factor."""
+    """Deliberate defect: the class that measures errors multiplies the work of contact by a factor."""
 
     def make(v_norm: type[ErrorNorm]) -> Function:
         def made(*given: Any) -> Any:
@@ -392,22 +412,22 @@ def other_contact_work(factor: float) -> Replacement:
 
 
 def start_at_the_end(setup: Any) -> Any:
-    """u_0^h = Π^h u(T)."""
+    """Deliberate defect: u_0^h = Π^h u(T)."""
     return replaced(setup, "problem.u0", instead(setup.v_norm.sample(setup.problem.T).interpolant))
 
 
 def start_outside(problem: Any) -> Any:
-    """u_0^h ∉ K^h."""
+    """Deliberate defect: u_0^h ∉ K^h."""
     return replace(problem, u0=problem.u0 + 10 * problem.N.T @ np.ones(problem.N.shape[0]))
 
 
 def start_at_projection(setup: Any) -> Any:
-    """u_0^h = P_h u_0, the projection in (·,·)_V, for a homogeneous A."""
+    """Deliberate defect: u_0^h = P_h u_0, the projection in (·,·)_V, for a homogeneous A."""
     return replaced(setup, "problem.u0", instead(projection(setup, 0.0)))
 
 
 def clamp_one_cell_short(setup: Any) -> Any:
-    """V^h whose functions need not vanish at the first vertex of every piece of Γ1."""
+    """Deliberate defect: functions of V^h need not vanish at the first vertex of every part of Γ1."""
     space = Space(setup.space.mesh, setup.space.body)
     ends = [_nearest(space, part.start) for part in space.body.of(Kind.CLAMPED)]
     loose = space.dim * np.array(ends)[:, None] + np.arange(space.dim)
@@ -422,20 +442,20 @@ def _nearest(space: Space, x: Any) -> int:
 
 
 def k_like_h(setup: Any) -> Any:
-    """A fully discrete solution, first order in k ~ h, instead of u^h."""
+    """Deliberate defect: a fully discrete solution, of first order in k ~ h, instead of u^h."""
     return replace(setup, scheme=BACKWARD_EULER, steps=round(1 / setup.space.h))
 
 
-# How errors are measured.
+# Defects of the measurement of errors.
 
 
 def _v_norm(setup: Any, **methods: Any) -> Any:
-    """The experiment with a new object that measures errors, some of whose methods are other ones."""
+    """Return the experiment with a new object that measures errors, with the given methods replaced."""
     return replace(setup, v_norm=overridden(ErrorNorm(setup.solution, setup.space), **methods))
 
 
 def norm_of_l2(setup: Any) -> Any:
-    """‖v‖_{L²} instead of (A ε(v), ε(v))^½."""
+    """Deliberate defect: ‖v‖_{L²} instead of (A ε(v), ε(v))^½."""
     return _v_norm(setup, distance=_l2_distance(setup))
 
 
@@ -451,7 +471,7 @@ def _l2_distance(setup: Any) -> Function:
 
 
 def norm_of_h1(setup: Any) -> Any:
-    """(‖v‖² + ‖ε(v)‖²)^½ instead of (A ε(v), ε(v))^½."""
+    """Deliberate defect: (‖v‖² + ‖ε(v)‖²)^½ instead of (A ε(v), ε(v))^½."""
     found, of_values = _v_norm(setup, A=isotropic(0.5, 0, setup.space.dim)), _l2_distance(setup)
     of_strain = found.v_norm.distance
     overridden(found.v_norm, distance=lambda sample, v: math.hypot(of_strain(sample, v), of_values(sample, v)))
@@ -459,19 +479,19 @@ def norm_of_h1(setup: Any) -> Any:
 
 
 def norm_with_elasticity(setup: Any) -> Any:
-    """(G ε(v), ε(v))^½ instead of (A ε(v), ε(v))^½."""
+    """Deliberate defect: (G ε(v), ε(v))^½ instead of (A ε(v), ε(v))^½."""
     return _v_norm(setup, A=setup.solution.law.G)
 
 
 def one_point_quadrature(setup: Any) -> Any:
-    """ε(u) at the centres of cells, where the interpolant's strain is nearly exact, instead of all of ε(u)."""
+    """Deliberate defect: ε(u) at the centres of cells only, where the interpolant's strain is nearly exact."""
     centres = setup.solution.at(setup.space.mesh.p[:, setup.space.mesh.t].mean(axis=1))
     sample = setup.v_norm.sample
     return _v_norm(setup, sample=lambda t: replace(sample(t), means=centres.strain(t), oscillation=0.0))
 
 
 def sum_of_roots(setup: Any) -> Any:
-    """Σ_T ‖·‖_T instead of (Σ_T ‖·‖_T²)^½, the oscillation spread evenly over the cells."""
+    """Deliberate defect: Σ_T ‖·‖_T instead of (Σ_T ‖·‖_T²)^½, with the oscillation divided evenly among the cells."""
 
     def distance(sample: Any, v: Any) -> float:
         difference = sample.means - setup.space.strain(v)
@@ -482,7 +502,7 @@ def sum_of_roots(setup: Any) -> Any:
 
 
 def interpolant_off(which: str) -> Replacement:
-    """5 Π^h u instead of Π^h u at one node."""
+    """Deliberate defect: 5 Π^h u instead of Π^h u at one node."""
 
     def change(setup: Any) -> Any:
         def sample(right: Function) -> Function:
@@ -495,7 +515,7 @@ def interpolant_off(which: str) -> Replacement:
 
 
 def interpolation_error_off(which: str, factor: float) -> Replacement:
-    """‖u − Π^h u‖_V is wrong by a factor at one node."""
+    """Deliberate defect: ‖u − Π^h u‖_V is multiplied by a factor at one node."""
 
     def change(setup: Any) -> Any:
         def distance(right: Function) -> Function:
@@ -511,12 +531,12 @@ def interpolation_error_off(which: str, factor: float) -> Replacement:
 
 
 def _time(which: str, setup: Any) -> float:
-    """The time of a node of the trajectory that is measured."""
+    """Return the time of a node of the measured trajectory."""
     return float(setup.problem.T * node(which, 2 * setup.steps) / (2 * setup.steps))
 
 
 def load_off(amount: Callable[[float], float]) -> Replacement:
-    """A load that is wrong by a relative amount, a function of t/T, as if its quadrature were coarse."""
+    """Deliberate defect: the load has a relative error, a function of t/T, as if its quadrature were coarse."""
 
     def change(setup: Any) -> Any:
         right, T = setup.v_norm.load, setup.problem.T
@@ -526,11 +546,11 @@ def load_off(amount: Callable[[float], float]) -> Replacement:
     return change
 
 
-# Evidence that is too small.
+# Defects that make diagnostics too small.
 
 
 def balance_alone(residual: Function) -> Function:
-    """A residual without the sign of the contact forces, complementarity and the gap."""
+    """Deliberate defect: the residual ignores the sign of the contact forces, complementarity and the gap."""
 
     def found(step: Any, u: Any, multipliers: Any, b: Any) -> float:
         return float(np.linalg.norm(step.S @ u + step.forces @ multipliers - b) / np.linalg.norm(b))
@@ -539,7 +559,7 @@ def balance_alone(residual: Function) -> Function:
 
 
 def hastily(measure: Function) -> Function:
-    """Look at every second time, and at the residual and the time share of the last time only."""
+    """Deliberate defect: only every second time is measured, and residual and time share at the last time only."""
 
     def found(setup: Any) -> Any:
         right = measure(setup)
@@ -551,27 +571,30 @@ def hastily(measure: Function) -> Function:
 
 
 def at_the_last_time(parallelogram: Function) -> Function:
-    """The parallelogram law at the last time only."""
+    """Deliberate defect: the parallelogram law is tested at the last time only."""
     return lambda found: parallelogram(replace(found, history=found.history[:, -1:]))
 
 
-# Theorem 4.2: both problems on one mesh.
+# Defects of Theorem 4.2 with both problems on one mesh.
 
 
 def stress_from_displacement(sides: Any) -> Any:
-    """Replace the stress of Problem 3.2 by the stress of Problem 3.1: the agreement is perfect and proves nothing."""
+    """Deliberate defect: the stress of Problem 3.1 replaces the stress of Problem 3.2.
+
+    The two stresses then agree perfectly, which proves nothing.
+    """
     honest = sides.stresses(sides.displacements)
     return replace(sides, stresses=lambda problem: Derived.compared(honest, problem))
 
 
 def compared_with_itself(sides: Any) -> Any:
-    """The stress that the law gives for the correct Problem 3.1, as if both had been solved."""
+    """Deliberate defect: the stress that the law gives for Problem 3.1 replaces the solutions of both problems."""
     derived = Derived.compared(sides.stresses(sides.displacements), sides.displacements)
     return replace(sides, stresses=lambda problem: derived)
 
 
 def stresses(change: Function) -> Replacement:
-    """Problem 3.2 is changed."""
+    """Deliberate defect: Problem 3.2 is changed."""
 
     def changed(sides: Any) -> Any:
         wrong = change(sides.stresses(sides.displacements))
@@ -581,12 +604,16 @@ def stresses(change: Function) -> Replacement:
 
 
 def stress_march(change: Callable[[Iterator[Any], int], Iterator[Any]]) -> Replacement:
-    """The states of Problem 3.2 are changed; ``change`` is a function of the states and the number of steps."""
+    """Deliberate defect: the states of Problem 3.2 are changed.
+
+    Args:
+        change: function of the states and the number of steps.
+    """
     return stresses(lambda right: overridden(copy(right), march=lambda steps: change(right.march(steps), steps)))
 
 
 def step_times(which: str, **factors: float) -> Replacement:
-    """Parts of the state of Problem 3.2 are wrong by factors in one step."""
+    """Deliberate defect: parts of the state of Problem 3.2 are multiplied by factors in one step."""
     return stress_march(
         lambda states, steps: (_times_parts(s, factors) if n == node(which, steps) else s for n, s in enumerate(states))
     )
@@ -606,22 +633,22 @@ stress_load_late = stresses(
 )
 
 
-# Theorem 4.2 on its own stress space.
+# Defects of Theorem 4.2 with a separate stress space.
 
 
 def law_swapped(setup: Any) -> Any:
-    """A and G in each other's place in Problem 3.2."""
+    """Deliberate defect: A and G are swapped in Problem 3.2."""
     law = setup.data.law
     return replaced(setup, "data.law", instead(replace(law, A=law.G, G=law.A)))
 
 
 def no_surface_load(part: Any, x: Any) -> Function:
-    """f_2 = 0, at one time or at several."""
+    """Return f_2 = 0, at one time or at several."""
     return lambda time: np.zeros((*x.shape, *np.shape(time)))
 
 
 def surface_load_late(setup: Any) -> Any:
-    """f_2(t − k) instead of f_2(t)."""
+    """Deliberate defect: f_2(t − k) instead of f_2(t)."""
     k = setup.data.body.T / setup.steps
 
     def late(right: Function) -> Function:
@@ -631,7 +658,7 @@ def surface_load_late(setup: Any) -> Any:
 
 
 def without_viscosity(make: Function) -> Function:
-    """Gε(u^h) instead of Aε(δu^h) + Gε(u^h)."""
+    """Deliberate defect: Gε(u^h) instead of Aε(δu^h) + Gε(u^h)."""
 
     def made(primal: Any, *given: Any) -> None:
         make(primal, *given)
@@ -641,13 +668,17 @@ def without_viscosity(make: Function) -> Function:
 
 
 def companion_off(companion: Function) -> Function:
-    """The stress with half as many steps is wrong in one of them."""
+    """Deliberate defect: the stress with half as many steps is wrong in one of them."""
     five = lambda state: replaced(state, "stress.values", lambda values: 5 * values)  # noqa: E731
     return lambda setup: (_when(n == 2, five, state) for n, state in enumerate(companion(setup)))
 
 
 def inadmissible_once(kind: str, call: int) -> Replacement:
-    """In one step a stress jumps between cells, misses f_2, is tangential or pulls: by some thousandths of its size."""
+    """Deliberate defect: in one step a stress is inadmissible by some thousandths of its size.
+
+    Args:
+        kind: "jumps" between cells, "misses f_2", "tangential" on Γ3, or "pulls" on Γ3.
+    """
 
     def spoiled(space: Any, state: Any) -> Any:
         tractions = state.stress.tractions.copy()
@@ -668,48 +699,48 @@ def inadmissible_once(kind: str, call: int) -> Replacement:
     return wrong
 
 
-# Spaces and meshes of other statements.
+# Defects of the spaces and meshes of other statements.
 
 
 def space(change: Callable[[Space], dict[str, Any]]) -> Replacement:
-    """V^h with other attributes, which ``change`` gives."""
+    """Deliberate defect: V^h has other attributes, which ``change`` returns."""
     return result(lambda right: overridden(Space(right.mesh, right.body), **change(right)))
 
 
 def pinned(right: Space) -> dict[str, Any]:
-    """Γ1 shrunk to two of its points."""
+    """Return the attributes of a space with Γ1 reduced to two of its points."""
     corners = np.array([end for part in right.body.of(Kind.CLAMPED) for end in part.corners.T[:2]])[:2]
     fixed = [_nearest(right, corner) for corner in corners]
     return {"free": np.flatnonzero(np.repeat(~np.isin(np.arange(right.mesh.p.shape[1]), fixed), right.dim))}
 
 
 def inward(right: Space) -> dict[str, Any]:
-    """The normals of Γ3 point inwards."""
+    """Return the attributes of a space whose normals on Γ3 point inwards."""
     return {"N": -right.N}
 
 
 def off_contact(right: Space) -> dict[str, Any]:
-    """The constraint of a vertex inside the body instead of the last one of Γ3."""
+    """Return the attributes of a space with a constraint at a vertex inside the body instead of the last one of Γ3."""
     inside = np.flatnonzero((abs(right.mesh.p - right.mesh.p.mean(axis=1)[:, None]) < 0.2).all(axis=0))[0]
     row = sps.csr_array(([1.0], ([0], [2 * inside + 1])), shape=(1, 2 * right.mesh.p.shape[1]))[:, right.free]
     return {"N": sps.csr_array(sps.vstack([right.N[:-1], row]))}
 
 
 def ungraded(graded: Function) -> Function:
-    """Meshes that are no finer at a corner."""
+    """Deliberate defect: meshes are not refined at a corner."""
     return lambda family, body, n: Unstructured()(body, n)
 
 
 def over_vertices(h1_product: Function) -> Function:
-    """Σ v·w over the vertices instead of (v, w)_H, with no measure of what belongs to a vertex."""
+    """Deliberate defect: Σ v·w over the vertices instead of (v, w)_H, without areas as weights."""
     return lambda space: sps.csc_array(h1_product(space) - mass(space) + sps.eye_array(space.dofs))
 
 
-# Laws.
+# Defects of laws.
 
 
 class Misstated:
-    """An operator with the constants of another one."""
+    """An operator with the stated constants of another operator."""
 
     def __init__(self, right: Any, change: Replacement) -> None:
         self.right, self.change = right, change
@@ -725,7 +756,7 @@ class Misstated:
 
 
 def law(tensor: str, change: Replacement) -> Replacement:
-    """Cases whose A or G does something else than it says."""
+    """Deliberate defect: A or G of a case differs from the operator whose constants it states."""
 
     def misstated(case: Any) -> Any:
         right = case.solution.law
@@ -736,7 +767,7 @@ def law(tensor: str, change: Replacement) -> Replacement:
 
 
 def engineering_shear(right: Function) -> Function:
-    """Half of the shear where Mandel's vectors have √½ of its double."""
+    """Deliberate defect: the shear component is ε_12 instead of √2 ε_12 in Mandel's vectors."""
 
     def operator(strain: Any) -> Any:
         shear = np.ones((len(strain), *[1] * (strain.ndim - 1)))
@@ -747,7 +778,7 @@ def engineering_shear(right: Function) -> Function:
 
 
 def returning(radius: float = 1.0, share: float = 1.0) -> Replacement:
-    """A law (3.3) for a set of another size, or whose return to K stops before it or goes beyond."""
+    """Deliberate defect: a law (3.3) with a wrong radius of K, or with a return to K that is too short or too long."""
 
     class Returning(Yield):
         def __call__(self, strain: Any) -> Any:
@@ -757,26 +788,26 @@ def returning(radius: float = 1.0, share: float = 1.0) -> Replacement:
     return lambda projection: lambda G, count: projection(Returning(G.beta, G.convex), count)
 
 
-# Terms and exact solutions.
+# Defects of terms and of exact solutions.
 
 
 def without(*names: str) -> Replacement:
-    """Terms of R left out."""
+    """Deliberate defect: the named terms of R are left out."""
     return result(lambda terms: replace(terms, **{name: 0 * getattr(terms, name) for name in names}))
 
 
 def no_body_force(terms: Any) -> Any:
-    """(f_0, v) left out."""
+    """Return the terms without (f_0, v)."""
     return replace(terms, body=0 * terms.body)
 
 
 def no_work_on_loaded(work_on: Function) -> Function:
-    """(f_2, v)_{L²(Γ2)} left out."""
+    """Deliberate defect: (f_2, v)_{L²(Γ2)} is left out."""
     return lambda kind, *given: (0.0 if kind is Kind.LOADED else 1.0) * work_on(kind, *given)
 
 
 def no_rate(on_cells: Function) -> Function:
-    """G ε(u^h) instead of A ε(u̇^h) + G ε(u^h)."""
+    """Deliberate defect: G ε(u^h) instead of A ε(u̇^h) + G ε(u^h)."""
 
     def found(*given: Any) -> Any:
         right = on_cells(*given)
@@ -786,26 +817,26 @@ def no_rate(on_cells: Function) -> Function:
 
 
 def half_a_step_late(discrete_stresses: Function) -> Function:
-    """σ^h compared with σ half a step later."""
+    """Deliberate defect: σ^h is compared with σ half a step later."""
     return lambda setup: (
         (time + setup.problem.T / setup.steps / 2, stress) for time, stress in discrete_stresses(setup)
     )
 
 
 def stress_off_at_an_instant(discrete_stresses: Function) -> Function:
-    """σ^h is ten times too large at the fifth of the instants."""
+    """Deliberate defect: σ^h is ten times too large at the fifth of the instants."""
     return lambda setup: (
         (time, (10 if n == 4 else 1) * stress) for n, (time, stress) in enumerate(discrete_stresses(setup))
     )
 
 
 def exact_displacement(change: Function, time: float | None = None) -> Replacement:
-    """The exact displacement is changed, at one time alone if a part of T is given."""
+    """Deliberate defect: the exact displacement is changed, at all times or at ``time`` times T only."""
     return lambda over_time: lambda trace, solution: over_time(trace, _changed(solution, "displacement", time, change))
 
 
 def exact_solution(method: str, time: float, change: Function) -> Replacement:
-    """Cases whose exact solution is changed at one time, a part of T."""
+    """Deliberate defect: the exact solution of every case is changed at the time ``time`` · T."""
     return result(lambda case: SimpleNamespace(solution=_changed(case.solution, method, time, change)))
 
 
@@ -822,24 +853,24 @@ def _changed(solution: Any, method: str, time: float | None, change: Function) -
 
 
 def interpolant_late(sample: Function) -> Function:
-    """Π^h u of an earlier time."""
+    """Deliberate defect: the interpolant is Π^h u(0.9 t) instead of Π^h u(t)."""
     return lambda v_norm, time: replace(sample(v_norm, time), interpolant=sample(v_norm, 0.9 * time).interpolant)
 
 
 def times_width(right: Function) -> Function:
-    """Multiply the value of a method by the extent of the mesh along the first axis."""
+    """Deliberate defect: the result is multiplied by the extent of the mesh along the first axis."""
     return lambda self, *given: float(np.ptp(self.space.mesh.p[0])) * right(self, *given)
 
 
 def times_h(power: int) -> Replacement:
-    """Errors times a power of h."""
+    """Deliberate defect: errors are multiplied by a power of h."""
     return lambda right: (
         lambda solution, space, face: {n: e * space.h**power for n, e in right(solution, space, face).items()}
     )
 
 
 def opposite_work(compare: Function) -> Function:
-    """(B(u + d) − B(u), −d)_V, not over ‖d‖_V²."""
+    """Deliberate defect: (B(u + d) − B(u), −d)_V without division by ‖d‖_V²."""
 
     def found(operator: Any, base: Any, step: Any) -> tuple[float, float, Any]:
         quotient, product, image = compare(operator, base, step)
@@ -849,12 +880,12 @@ def opposite_work(compare: Function) -> Function:
 
 
 def random_only(quotients: Function) -> Function:
-    """The first pairs alone, which are random: nothing is looked for."""
+    """Deliberate defect: only the first pairs, which are random, without the search for the worst pair."""
     return lambda *given: islice(quotients(*given), 10)
 
 
 def cut_off(projected: Function) -> Function:
-    """Project on K^h in the Euclidean norm of nodal values instead of ‖·‖_V: positive v_ν become 0."""
+    """Deliberate defect: the projection on K^h sets positive v_ν at vertices to 0 instead of minimising ‖·‖_V."""
 
     def found(problem: Any, u: Any) -> Any:
         N = problem.N
@@ -864,22 +895,22 @@ def cut_off(projected: Function) -> Function:
 
 
 def law_alone(pair: Any) -> Any:
-    """σ^h = Cε(u^h), which balances nothing."""
+    """Deliberate defect: σ^h = Cε(u^h), which does not balance the loads."""
     return lambda *given: overridden(pair(*given), bound=0.0, distance=0.0)
 
 
 def rival(name: str, solver: Any) -> Replacement:
-    """Another solver in the place of one of the rivals."""
+    """Deliberate defect: the given solver replaces one of the other solvers."""
     return lambda rivals: {**rivals, name: solver}
 
 
 def same_problem(name: str) -> Replacement:
-    """The problem itself in the place of one of its rivals."""
+    """Deliberate defect: the problem replaces one of the problems with which it is compared."""
     return lambda rivals: lambda problem: {**rivals(problem), name: problem}
 
 
 def rival_stress_off(stresses: Function) -> Function:
-    """A stress that is off by a thousandth in one step, by all solvers but the usual one."""
+    """Deliberate defect: all solvers but ``Signorini`` return a stress that is wrong by a thousandth in one step."""
     return lambda setup: [
         (1.001 if n == 6 and setup.solver is not Signorini else 1.0) * stress
         for n, stress in enumerate(stresses(setup))
@@ -887,12 +918,12 @@ def rival_stress_off(stresses: Function) -> Function:
 
 
 def unweighted(facet_rule: Function) -> Function:
-    """Sums over points of quadrature with no measure of what belongs to them."""
+    """Deliberate defect: sums over quadrature points without the lengths as weights."""
     return result(lambda rule: replace(rule, weights=1 + 0 * rule.weights))(facet_rule)  # type: ignore[no-any-return]
 
 
 def body_load_off(right: Function) -> Function:
-    """A load by the coarse rule that is wrong at one time."""
+    """Deliberate defect: the load by the coarse rule is wrong at one time."""
 
     def load(solution: Any, space: Any, time: float, degree: int) -> Any:
         off = degree < 3 and np.isclose(time, 0.375 * solution.body.T)
@@ -902,34 +933,34 @@ def body_load_off(right: Function) -> Function:
 
 
 def known_error(call: int, factor: float) -> Replacement:
-    """The known error is wrong by a factor at one of the times."""
+    """Deliberate defect: the known error is multiplied by a factor at one of the times."""
     return result(lambda error: in_one_call(call, lambda value: factor * value)(error))
 
 
 def larger(*names: str) -> Function:
-    """Squares of norms at one instant that are far too large."""
+    """Return a function that makes the named squares of norms at one instant far too large."""
     return lambda course: _times_parts(course, dict.fromkeys(names, 1e6))
 
 
 def load_of_before(euler: Function) -> Function:
-    """Backward Euler with the load of an eighth of T before, whatever the step."""
+    """Deliberate defect: backward Euler uses the load at the time t − T/8."""
     return lambda problem, times: euler(
         replace(problem, load=lambda t: problem.load(max(t - problem.T / 8, 0.0))), times
     )
 
 
 def norm_of_nodal_values(furthest: Function) -> Function:
-    """The largest Euclidean norm of differences of nodal values, instead of the norm of V."""
+    """Deliberate defect: the largest Euclidean norm of differences of nodal values instead of the norm of V."""
     return lambda problem, one, other: float(np.linalg.norm(one - other, axis=1).max())
 
 
 def constant_halved(bounds: Function) -> Function:
-    """Error bounds of backward Euler with half of the Lipschitz constant κ."""
+    """Deliberate defect: error bounds of backward Euler use half of the Lipschitz constant κ."""
     return lambda flow, kappa, growth: bounds(flow, kappa / 2, growth)
 
 
 def always_steps(most: int) -> Replacement:
-    """Trajectories with half as many steps are every second state of the one with ``most`` steps."""
+    """Deliberate defect: trajectories with half as many steps are every second state of the one with ``most`` steps."""
     return lambda path: (
         lambda problem, scheme, steps: (
             path(problem, scheme, most)[::2] if 2 * steps == most else path(problem, scheme, steps)
@@ -938,5 +969,5 @@ def always_steps(most: int) -> Replacement:
 
 
 def near_vertices(spikes: Function) -> Function:
-    """A field near the vertices of a grid, at an eighth of the radius of its narrowest spikes."""
+    """Deliberate defect: the field is shifted by an eighth of the radius of its narrowest spikes."""
     return lambda x, last: spikes(x + 4.0**-last / 8, last)

@@ -1,10 +1,10 @@
-"""Fingerprints of the rules by which rows of the ledger are judged: window, levels and statistic.
+"""Fingerprints of the rules by which checks of the ledger are judged: window, levels and statistic.
 
-Seeds count for a row only if they were drawn after the last change to its rule. A change is detected by the effect of
-the rule: all measured numbers are replaced by pseudo-random numbers near h, which depend on the names of the file, the
-row and the column only, and are judged. The fingerprint is a hash of the words, windows and values of the verdict and
-of the levels of its measurements. Another window, level or statistic changes the fingerprint of this row and of no
-other row; a rewritten rule with the same effect does not.
+Seeds count for a check only if they were drawn after the last change to its rule. A change is detected by its effect.
+All measured numbers are replaced by pseudo-random numbers near h, which depend only on the names of the file, the row
+and the column, and these are judged. The fingerprint is a hash of the words, windows and values of the verdict and of
+the levels of its measurements. Another window, level or statistic changes the fingerprint of this check and of no other
+check; a rewritten rule with the same effect does not.
 """
 
 from __future__ import annotations
@@ -26,15 +26,16 @@ from study.statements.shared.base import LISTED, Statement
 KEPT = {"h", "k"}
 """Columns of numbers that are not measured, in addition to the key of a file."""
 SCATTER = 0.2
-"""Scatter of the logarithms of the numbers; it makes ratios and orders differ from row to row."""
+"""Scatter of the logarithms of the numbers, which makes ratios and orders differ from row to row."""
 ALL = "all cases"
-"""The case of rows about all cases."""
+"""The case name of checks about all cases."""
 
 
 def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
-    """Return row ↦ fingerprint of its rule, for the data of a plan in a directory.
+    """Return the fingerprint of the rule of each check, for the data of a plan in a directory.
 
-    A row that needs more than the plan measured has none, such as a row about all cases if the plan has some of them.
+    A check that needs more than the plan measured is left out, such as a check about all cases if the plan has some of
+    them.
     """
     cases = read_csv(directory, "cases.csv", PREDICTED)
     files = [file for file in data_files() if isinstance(file, CsvFile)]
@@ -51,7 +52,7 @@ def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
 
 
 def row_of(verdict: Verdict) -> RowKey:
-    """Return the key of a row, the same for the meshes of every seed."""
+    """Return the key of a check, which does not depend on the seed."""
     return verdict.label, verdict.key, verdict.case
 
 
@@ -70,19 +71,19 @@ def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _chance(name: str) -> float:
-    """Return a number between −1 and 1 that depends on a name only."""
+    """Return a number between −1 and 1 that depends only on a name."""
     return int(hashlib.sha256(name.encode()).hexdigest()[:8], 16) / 2**31 - 1
 
 
 def _said(verdict: Verdict) -> list[str]:
-    """Return the texts of a verdict without the name of the meshes; numbers with six digits, equal on all machines."""
+    """Return the texts of a verdict without the mesh family; numbers have six digits, equal on all machines."""
     words = [*row_of(verdict), verdict.quantity.removesuffix(f", {verdict.family} meshes"), verdict.expected]
     numbers = verdict.observed, verdict.low, verdict.high, verdict.window_low, verdict.window_high
     return [*words, verdict.verdict, *(f"{number:.6g}" for number in numbers)]
 
 
 def _levels(plan: Plan, statement: Statement) -> list[tuple[str, str]]:
-    """Return (case, setting without case and meshes) of all measurements by which a statement is judged."""
+    """Return pairs (case, setting without case and mesh family) of all measurements by which a statement is judged."""
     own = [job for job in plan.jobs if job.statement.file == statement.file]
     if statement.file == LISTED:
         own = [job for job in own if job.statement.label == statement.label]

@@ -1,4 +1,4 @@
-"""Measure every control and its baseline, and report whether the ledger noticed the defect."""
+"""Measure every control and its baseline, and report whether the named checks noticed the defect."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ from study.run.store import Store
 
 NO_DEFECT = "none"
 SAME = 1e-3
-"""Two defects are one mistake if their numbers in a setting agree to this relative tolerance. In rows that hold,
-of which some are about rounding, absolute differences of this size do not count either."""
+"""Two defects count as the same mistake if their numbers in a setting agree to this relative tolerance. In checks that
+hold, some of which measure round-off, absolute differences of this size are ignored as well."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The verdict of the ledger on one control, or on a setting without a defect (a baseline).
+    """The outcome of one control, or of a setting without a defect (a baseline).
 
     Attributes:
         defect: name of the control, or ``NO_DEFECT``.
-        what: a description of the defect, in a line.
+        what: a description of the defect, in one line.
         setting: name of the setting.
-        row: for a control, the first of its rows that does not fail, or else its first row; for a baseline, the first
-            row that does not hold, or else its first row.
-        caught: whether every row that the control names fails; None for a baseline.
-        other_faults: other faults: a row that no control names, or a defect that equals another one.
+        row: for a control, the first of its checks that does not fail, or else its first check; for a baseline, the
+            first check that does not hold, or else its first check.
+        caught: whether every check that the control names fails; None for a baseline.
+        other_faults: other faults: a check that no control names, or a defect that equals another one.
     """
 
     defect: str
@@ -54,15 +54,15 @@ class Outcome:
 
     @property
     def passes(self) -> bool:
-        """Whether the defect was caught, or all rows of the baseline hold, and no other fault was noticed."""
+        """Whether the defect was noticed, or all checks of the baseline hold, and there is no other fault."""
         return not self.other_faults and (self.row.verdict == HOLDS if self.caught is None else self.caught)
 
     @classmethod
     def of_control(cls, control: Control, verdicts: list[Verdict], other_faults: str = "") -> Outcome:
-        """Return the outcome of a control, which only the rows that it names can catch.
+        """Return the outcome of a control; only the checks that it names can notice the defect.
 
         Raises:
-            KeyError: the setting has no row with the key that the control gives.
+            KeyError: the setting has no check with the key that the control gives.
         """
         by_key = {verdict.key: verdict for verdict in verdicts}
         named = [by_key[key] for key in control.keys]
@@ -71,20 +71,20 @@ class Outcome:
 
     @classmethod
     def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict], named: set[str]) -> Outcome:
-        """Return the outcome of a baseline: all rows hold, each is named by a control, and no key occurs twice.
+        """Return the outcome of a baseline: all checks hold, each is named by a control, and no key occurs twice.
 
-        A row that no control names could be weakened or removed without a control noticing.
+        If no control named a check, it could be weakened or removed without any control failing.
         """
         row = next((verdict for verdict in verdicts if verdict.verdict != HOLDS), verdicts[0])
         keys = [verdict.key for verdict in verdicts]
-        twice = [f"two rows are called {key}" for key in dict.fromkeys(keys) if keys.count(key) > 1]
-        unnamed = [f"no control names the row {key}" for key in dict.fromkeys(keys) if key not in named]
+        twice = [f"two checks are called {key}" for key in dict.fromkeys(keys) if keys.count(key) > 1]
+        unnamed = [f"no control names the check {key}" for key in dict.fromkeys(keys) if key not in named]
         other_faults = "; ".join(twice + unnamed)
         return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None, other_faults)
 
 
 def settings(controls: Sequence[Control]) -> list[Baseline[Any]]:
-    """Return the baselines of the controls, each once."""
+    """Return the settings of the controls without repetition."""
     return list(dict.fromkeys(control.setting for control in controls))
 
 
@@ -93,7 +93,7 @@ def run_controls(
 ) -> list[Outcome]:
     """Return the outcomes of the baselines, one per setting, and of the controls, in this order.
 
-    Measurements that the store has of the same code are not repeated. ``notify`` is called after every measurement.
+    Measurements that are stored for the same code are not repeated. ``notify`` is called after every measurement.
     """
     places = settings(controls)
     measured = [(place, "") for place in places] + [(control.setting, control.name) for control in controls]
@@ -124,7 +124,7 @@ def run_controls(
 def outcomes(
     sound: Mapping[Baseline[Any], list[Verdict]], defective: Sequence[tuple[Control, list[Verdict]]]
 ) -> list[Outcome]:
-    """Return the outcomes, from the rows of every setting and of every control."""
+    """Return the outcomes, from the checks of every setting and of every control."""
     named = {key for control, _ in defective for key in control.keys}
     other_faults: dict[str, str] = {}
     for (one, first), (other, second) in combinations(defective, 2):
@@ -137,7 +137,7 @@ def outcomes(
 
 
 def alike(first: list[Verdict], second: list[Verdict]) -> bool:
-    """Return whether two defects give the same numbers in every row, up to rounding."""
+    """Return whether two defects give the same numbers in every check, up to rounding."""
     if [verdict.verdict for verdict in first] != [verdict.verdict for verdict in second]:
         return False
     one, other = (np.array([verdict.observed for verdict in rows]) for rows in (first, second))
@@ -152,10 +152,10 @@ def _key(setting: Baseline[Any], name: str) -> str:
 
 
 def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
-    """Return the rows of a setting with the defect of this name in the table, or without a defect for "".
+    """Return the checks of a setting with the defect of this name in the table; without a defect if the name is empty.
 
-    The name is passed, because functions in the table cannot be sent to another process. One thread: the processes
-    already use all cores.
+    The name is passed, because functions in the table cannot be sent to another process. One thread is used, because
+    the processes already use all cores.
     """
     named = [one for one in table.CONTROLS if one.name == name and one.setting == setting]
     with threadpool_limits(1):
@@ -163,7 +163,7 @@ def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
 
 
 def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict]:
-    """Return the rows of a setting, with a defect if one is given."""
+    """Return the checks of a setting, with a defect if one is given."""
     if control is None:
         return setting.verdicts(lambda measured: measured)
     with control.patched():
@@ -171,7 +171,7 @@ def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict
 
 
 def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:
-    """Write ``controls.csv`` with one line for each outcome; returns its path."""
+    """Write ``controls.csv`` with one line for each outcome; return its path."""
     table = pd.DataFrame(
         {
             "defect": finding.defect,
@@ -191,17 +191,17 @@ def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:
 
 
 def controls_text(findings: Sequence[Outcome]) -> str:
-    """Return a text: the settings without a defect, the defects with the row that caught each, and the counts."""
+    """Return text: the settings without a defect, the defects with the check that noticed each, and the counts."""
     baselines = [finding for finding in findings if finding.caught is None]
     controls = [finding for finding in findings if finding.caught is not None]
     return "\n".join(
         [
-            _table(["without a defect", "rows", "verdict"], [_baseline_line(finding) for finding in baselines]),
+            _table(["without a defect", "checks", "verdict"], [_baseline_line(finding) for finding in baselines]),
             "",
-            _table(["defect", "caught by", "expected", "observed"], [_control_line(finding) for finding in controls]),
+            _table(["defect", "noticed by", "expected", "observed"], [_control_line(finding) for finding in controls]),
             "",
-            f"{len(baselines)} settings without a defect: in {sum(f.passes for f in baselines)} every row holds",
-            f"{len(controls)} defects: {sum(f.passes for f in controls)} caught",
+            f"{len(baselines)} settings without a defect: in {sum(f.passes for f in baselines)} every check holds",
+            f"{len(controls)} defects: {sum(f.passes for f in controls)} noticed",
             *(f"NOT IN ORDER: {f.setting}, {f.defect}: {f.other_faults}" for f in findings if f.other_faults),
         ]
     )
@@ -221,5 +221,5 @@ def _baseline_line(finding: Outcome) -> tuple[str, ...]:
 
 def _control_line(finding: Outcome) -> tuple[str, ...]:
     row = finding.row
-    by = f"{row.label}: {row.quantity}" if finding.caught else f"NOT CAUGHT by {row.label}: {row.quantity}"
+    by = f"{row.label}: {row.quantity}" if finding.caught else f"NOT NOTICED by {row.label}: {row.quantity}"
     return f"{finding.defect}: {finding.what}\n({finding.setting})", by, row.expected, cell(row.observed)

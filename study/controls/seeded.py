@@ -1,8 +1,8 @@
 """The plan of a seed: everything that the study judges on shaken meshes, measured on the shaken meshes of this seed.
 
-Some measurements take most of the time: stresses on their own space, rough solutions (which need the levels of the full
-study), errors computed by the second solver, and cases in space. They are measured on one of ``EVERY`` seeds, the rest
-on every seed. Each row has the number of seeds by which it was judged.
+Some measurements take most of the time: stresses on a separate space, rough solutions (which need the levels of the
+full study), errors computed by the second solver, and cases in 3D. They are measured on every ``EVERY``-th seed only.
+Each check has the number of seeds by which it was judged.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from study.fem.naming import family_named
 from study.run.plan import Job, Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.enclosure import Bounds
+from study.statements.initial_gap import InitialGap
 from study.statements.interpolation import InterpolationOnContact
 from study.statements.other_codes import OtherCodes
 from study.statements.pictures import Pictures
@@ -29,7 +30,7 @@ from study.statements.thm_4_2_own_space import OwnSpace
 WHOLE, LIGHT = "whole", "light"
 """The parts of the plan: all measurements, and the cheap ones."""
 EVERY = 5
-"""All rows are measured on one seed in so many: then both parts take about the same time."""
+"""All checks are measured on every fifth seed, so that both parts take about the same time."""
 NOT_CLAIMED = {"(5.24)": "orders of a trace hang on few edges of random length"}
 """Labels of statements that the ledger does not claim on shaken meshes, with the reason."""
 TRACES = ("no-contact", "advance-recede")
@@ -37,7 +38,7 @@ TRACES = ("no-contact", "advance-recede")
 
 
 def claimed(label: str) -> bool:
-    """Return whether the ledger claims the rows of a statement on shaken meshes."""
+    """Return whether the ledger claims the checks of a statement on shaken meshes."""
     return label not in NOT_CLAIMED
 
 
@@ -57,7 +58,7 @@ class SeededScope(Scope):
         return f"{Shaken().name}-{self.seed}"
 
     def families_of(self, case: Case) -> list[MeshFamily]:
-        """Return the shaken meshes if the body can have them."""
+        """Return the shaken mesh family if it can mesh the body, otherwise an empty list."""
         family = family_named(self.family)
         return [family] if family.serves(case.solution.body) else []
 
@@ -65,8 +66,8 @@ class SeededScope(Scope):
 def seeded(seed: int, part: str = WHOLE) -> Plan:
     """Return the plan of the quick study with a seed; rough cases have the levels of the full study.
 
-    Left out are pictures, bounds (proved for every mesh, and tested with random ones), and errors of other codes, which
-    ran on the meshes of one seed.
+    Left out are pictures, bounds (proved for every mesh, and tested with random ones), errors of other codes, which ran
+    on the meshes of one seed, and the cases that only the full study measures (``SLOW``).
     """
     base = replace(quick(), rough=full().rough, command="study seeds")
     scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
@@ -74,27 +75,29 @@ def seeded(seed: int, part: str = WHOLE) -> Plan:
         Job(statement, setting)
         for statement in STATEMENTS
         if not isinstance(statement, Pictures | Bounds | OtherCodes)
-        for setting in (statement.settings(scope) if statement.of_every_case else on_shaken(statement, scope))
+        for setting in (statement.planned(scope) if statement.of_every_case else on_shaken(statement, scope))
     ]
     return Plan(scope, tuple(job for job in jobs if part == WHOLE or not costly(job)))
 
 
 def costly(job: Job) -> bool:
-    """Return whether a job belongs only to the seeds on which all rows are measured."""
-    solid = isinstance(job.statement, FirstOrder) and job.setting.dim == 3
+    """Return whether a job belongs only to the seeds on which all checks are measured."""
+    solid = isinstance(job.statement, FirstOrder | InitialGap) and job.setting.dim == 3
     return solid or isinstance(job.statement, OwnSpace | Convergence | InterpolationOnContact | Recomputed)
 
 
 def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
-    """Return the settings of the quick study on shaken meshes, or of the full study on the levels of the quick one.
+    """Return the settings of a statement on the shaken meshes of a seed.
 
-    The traces of (5.24) are measured although nothing is claimed about them on shaken meshes.
+    They are the settings of the quick study or, if it has no shaken meshes, of the full study on the levels of the
+    quick one. Problem 3.2 on composite stresses has all settings of the full study. The traces of (5.24) are measured
+    although nothing is claimed about them on shaken meshes.
     """
     if isinstance(statement, InterpolationOnContact):
         return grid(TRACES, (scope.family,), (16, 32, 64))
-    everywhere = [setting for setting in statement.settings(replace(scope, name="full")) if is_random(setting.family)]
+    everywhere = [setting for setting in statement.planned(replace(scope, name="full")) if is_random(setting.family)]
     if not isinstance(statement, OwnSpace):
-        quickly = statement.settings(scope)
+        quickly = statement.planned(scope)
         finest = max((setting.level for setting in quickly), default=0)
         shaken = [setting for setting in quickly if is_random(setting.family)]
         everywhere = shaken or [setting for setting in everywhere if setting.level <= finest]

@@ -1,9 +1,9 @@
-"""Sensitivity: the smallest defect that turns a row of the ledger red (``study sensitivity``).
+"""Sensitivity: the smallest defect that makes a check fail; the command ``study sensitivity``.
 
-One piece of Problem 5.1 is changed by a relative amount δ. Bisection on a logarithmic scale finds the smallest δ at
-which a row fails. Errors change by δ² for small δ, which orders and sizes hardly notice. The rows of
-``study.statements.recomputed`` compare trajectories, which change by δ. Only these rows decide here: the amounts are
-upper bounds for the whole ledger, and a coarse mesh suffices.
+One part of Problem 5.1 is changed by a relative amount δ. Bisection on a logarithmic scale finds the smallest δ at
+which a check fails. Errors change by δ² for small δ, which orders and sizes hardly show. The checks of
+``study.statements.recomputed`` compare trajectories, which change by δ. Only these checks are used here, so the amounts
+are upper bounds for the whole ledger, and a coarse mesh suffices.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from study.statements.shared.experiment import Experiment
 LEAST, MOST = 1e-12, 1.0
 """The range of amounts in which the smallest is searched."""
 CLOSE = 1.05
-"""Bisection ends when the amounts at which a row fails and at which none does differ by this factor."""
+"""Bisection ends when the smallest failing amount and the largest holding amount differ by this factor."""
 CASES = "full-contact", "advance-recede"
 FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 LEVEL = 8
@@ -65,7 +65,7 @@ class Place:
         return cls(setting, setup, plain, *plain.trajectories(2 * steps, plain.load, setup.problem.load))
 
     def failing(self, setup: Experiment) -> list[str]:
-        """Return the keys of the rows that fail."""
+        """Return the keys of the checks that fail."""
         right = setup.problem.load is self.setup.problem.load
         alike = self.alike if right else self.plain.trajectories(2 * setup.steps, setup.problem.load)[0]
         row = {**vars(self.setting), "h": setup.space.h, **gaps(setup, self.plain, self.course, alike)}
@@ -74,7 +74,7 @@ class Place:
         return [verdict.key for verdict in verdicts if verdict.verdict == FAILS]
 
     def smallest(self, defect: SmallDefect) -> tuple[float, str]:
-        """Return the smallest amount at which a row fails, up to the factor ``CLOSE``, and the row; ∞ without one."""
+        """Return the smallest amount at which a check fails, up to ``CLOSE``, and the check; ∞ if none fails."""
         holds, fails = LEAST, MOST
         if not (seen := self.failing(defect.apply(self.setup, fails))):
             return float("inf"), ""
@@ -88,7 +88,7 @@ class Place:
 
 
 def lines(setting: Setting) -> list[Row]:
-    """The rows of ``sensitivity.csv`` for one mesh; none for a start that is zero, of which nothing is a part."""
+    """Return the rows of ``sensitivity.csv`` for one mesh; a zero start has no relative defect and is skipped."""
     with threadpool_limits(1):
         place = Place.of(setting)
         chosen = [defect for defect in DEFECTS if defect is not START or place.setup.problem.u0.any()]
@@ -97,7 +97,7 @@ def lines(setting: Setting) -> list[Row]:
 
 
 def run_sensitivity(executor: Executor, notify: Callable[[], object]) -> pd.DataFrame:
-    """``sensitivity.csv``; ``notify`` is called after every mesh."""
+    """Return the table ``sensitivity.csv``; ``notify`` is called after every mesh."""
     waiting = [executor.submit(lines, setting) for setting in PLACES]
     for _ in as_completed(waiting):
         notify()
@@ -105,18 +105,18 @@ def run_sensitivity(executor: Executor, notify: Callable[[], object]) -> pd.Data
 
 
 def write_sensitivity(directory: Path, table: pd.DataFrame) -> Path:
-    """``data/sensitivity.csv``."""
+    """Write ``data/sensitivity.csv``; return its path."""
     path = directory / "data" / SENSITIVITY.name
     write_csv(path, table)
     return path
 
 
 def sensitivity_text(table: pd.DataFrame) -> str:
-    """The amounts in per cent, a line for every defect and a column for every mesh."""
+    """Return the amounts in per cent, with a line for every defect and a column for every mesh family."""
     wide = table.assign(percent=[f"{100 * amount:.2g}" for amount in table["amount"]])
     wide = wide.pivot(index=["case", "defect"], columns="family", values="percent")
     order = list(dict.fromkeys(zip(table["case"], table["defect"], strict=True)))
     lines = [[*key, *wide.loc[key, list(FAMILIES)]] for key in order]
-    # The head as a line of the table: above one it would be padded, and 80 columns would not do.
+    # The head is passed as a line of the table, because tabulate would pad it to more than 80 columns.
     head = ["case", "wrong by %", *FAMILIES]
     return tabulate([head, *lines], tablefmt="plain", disable_numparse=True, maxcolwidths=[None, 14])

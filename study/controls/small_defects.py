@@ -1,4 +1,4 @@
-"""Defects of a given relative size in pieces of Problem 5.1, for ``study.controls.sensitivity``."""
+"""Defects of a given relative size in parts of Problem 5.1, for ``study.controls.sensitivity``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from study.statements.shared.experiment import Experiment
 
 @dataclass(frozen=True)
 class SmallDefect:
-    """A defect with a name, and a function that puts it into an experiment with a relative size."""
+    """A deliberate defect: its name, and a function that puts it into an experiment with a relative size."""
 
     name: str
     apply: Callable[[Experiment, float], Experiment]
@@ -49,24 +49,24 @@ def body_force(setup: Experiment) -> Callable[[float], Array]:
 
 
 def contact_load(setup: Experiment) -> Callable[[float], Array]:
-    """Return t ↦ ∫_{Γ3} σ_ν v_ν, which Green's formula subtracts from (σ, ε(v))_Q."""
+    """Return the function t ↦ ∫_{Γ3} σ_ν v_ν, which Green's formula subtracts from (σ, ε(v))_Q."""
     v_norm = ErrorNorm(setup.solution, setup.space)
     amplitudes = v_norm._amplitudes
     return cache(lambda time: v_norm._contact_work(*(amplitudes(time, rate) for rate in (False, True))))
 
 
 def slow_clock(setup: Experiment, amount: float) -> Experiment:
-    """Replace the load F(t) by F((1 − δ) t)."""
+    """Deliberate defect: the load F((1 − δ) t) instead of F(t)."""
     return _replaced(setup, "problem.load", lambda load: lambda time: load((1 - amount) * time))
 
 
 def wrong_start(setup: Experiment, amount: float) -> Experiment:
-    """Replace the initial displacement by (1 + δ) Π^h u_0."""
+    """Deliberate defect: the initial displacement (1 + δ) Π^h u_0."""
     return _replaced(setup, "problem.u0", lambda u0: (1 + amount) * u0)
 
 
 def wrong_forces(setup: Experiment, amount: float) -> Experiment:
-    """Replace the contact forces λ by (1 + δ) λ; u^h stays right."""
+    """Deliberate defect: the contact forces (1 + δ) λ; u^h is correct."""
     return _replaced(setup, "problem.solver", forces_times(1 + amount))
 
 

@@ -1,8 +1,13 @@
 # ruff: noqa: E501, one line for each defect
-"""The deliberate defects, one table from top to bottom.
+"""The deliberate defects, in one table.
 
-Each line has the name and the description of a defect, the setting, the piece that is replaced (``Control.place``), the
-function of ``study.controls.replacements`` that returns the wrong piece, and the row of the ledger that must fail.
+Each line has the name and the description of a defect, the setting, the part that is replaced (``Control.place``), the
+function of ``study.controls.replacements`` that returns the wrong part, and the check of the ledger that must fail.
+
+Some controls test diagnostics. A residual that ignores the sign of the contact forces, or a supremum over every second
+time, is too small, and no window for the correct solution can reveal it. So the computation is made inaccurate in one
+respect, for example at one time node. If a diagnostic ignores this node, its check holds and the control is reported as
+not noticed.
 """
 
 from __future__ import annotations
@@ -12,9 +17,8 @@ from typing import Any
 from manufactured.data import no_fronts
 from study.bound.trajectory import Refined, SmoothedInTime
 from study.controls import replacements as wrong
-from study.controls.baselines import ContactSweep, Equivalence, Listing, StressSweep, Sweep
+from study.controls.baselines import Bounding, ContactSweep, Equivalence, Listing, StressSweep, Sweep, Twins, TwoWays
 from study.controls.control import Control, within
-from study.controls.side_by_side import Bounding, Twins, TwoWays
 from study.controls.small_defects import by_amount
 from study.solve.interior_point import Accuracy
 from study.solve.signorini import Signorini
@@ -47,11 +51,12 @@ from study.statements.thm_4_2 import Gaps
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
 
-# Settings: the smallest in which every row holds without a defect and the named row fails with it.
+# Settings: each is the smallest in which every check holds without a defect and the named check fails with it.
 
 FULL, TURNED = Sweep("full-contact", levels=(4, 8, 16)), Sweep("full-contact", angle=0.3, levels=(4, 8, 16))
 NONE, FIXED = Sweep("no-contact"), Sweep("fixed-front-off-vertex")
 MOVING, MERGING = Sweep("advance-recede"), Sweep("merging-patches")
+APART_AT_FIRST = Sweep("parabolic-gap")
 CROSSED, ROUGH = Sweep("advance-recede", families=("criss-cross",)), Sweep("rough-2", levels=(4, 8, 16, 32))
 SOLID = Sweep("cube-two-faces", levels=(6, 9, 12))
 CORNERED = Sweep("re-entrant", families=("unstructured", "graded"), levels=(8, 16, 32, 64))
@@ -111,7 +116,7 @@ GROWING, ADVANCING = (
 NO_POTENTIAL = on(NoPotential(), "no-potential", "one-diagonal", 6, 8, 10)
 NODAL_START = on(NodalStart(), "full-contact", "one-diagonal", 8, 16, 32)
 
-# Places that are replaced more than once.
+# Parts that are replaced by several controls.
 
 SOLVER, LOAD, START, DISTANCE = "problem.solver", "problem.load", "problem.u0", "v_norm.distance"
 MEASURE, OWN_ERRORS = "statements.prop_5_4:Measurement", "statements.thm_4_2_own_space"
@@ -122,7 +127,7 @@ DISCRETE, SAME_DISPLACEMENT, SAME_FORCES = (
     "multipliers-same-load",
 )
 NODES, MIDDLE = ("first", "odd", "even", "last"), ("odd", "even")
-"""Time nodes with an inaccuracy of their own: whoever skips the middle or every second node misses one of them."""
+"""Time nodes with separate defects: a measurement that skips the middle or every second node misses one of them."""
 
 
 def zero(right: Any) -> Any:
@@ -141,6 +146,9 @@ CONTROLS: tuple[Control, ...] = (
     Control("contact relaxed", "v_ν ≤ √h instead of v_ν ≤ 0", FULL, "", wrong.constraint_relaxed, "order"),
     Control("contact work", "its sign flipped in the load (3.7)", MOVING, "", wrong.contact_work_times(-1.0), "order"),
     Control("normal flipped", "v_ν ≥ 0 instead of v_ν ≤ 0", MOVING, "problem.N", negative, "order"),
+    Control("initial gap flipped", "v_ν ≤ −g instead of v_ν ≤ g", APART_AT_FIRST, "problem.gap", negative,
+            ("order", "order-extrapolated", "size", "discrete-order-superclose", "discrete-share")),
+    Control("initial gap left out", "v_ν ≤ 0 instead of v_ν ≤ g", APART_AT_FIRST, "problem.gap", zero, ("order", "order-extrapolated")),
     Control("normal along an axis", "the axis nearest to ν instead of ν", TURNED, "problem.N", wrong.nearest_axis, "order"),
     Control("one active set", "the contact solve stops after one iteration", MOVING, SOLVER, wrong.one_iteration, "residual"),
     Control("clamp short", "Γ1 ends one cell too early", FULL, "", wrong.clamp_one_cell_short, "clamped"),
@@ -182,7 +190,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("solid: contact dropped", "V^h instead of K^h", SOLID, "problem", wrong.no_contact, "order-finest"),
     Control("solid: energy for norm", "½‖·‖_V² instead of ‖·‖_V", SOLID, DISTANCE, wrong.energy, "interpolation-order-finest"),
     Control("not graded", "meshes that are no finer at a corner", CORNERED, "fem.mesh:Graded.__call__", wrong.ungraded, "order-graded"),
-    # The contact force, which an error in V hardly sees.
+    # The contact force, which hardly affects an error in V.
     Control("contact load", "1.2 ∫ σ_ν v_ν in (3.7)", PRESSED, "", wrong.contact_work_times(1.2), "resultant"),
     Control("contact in places", "v_ν ≤ 0 at every other vertex", PRESSED, SOLVER, wrong.in_places, "penetration"),
     Control("force: elasticity dropped", "A u̇ = F without G(u)", PRESSED, "scheme", wrong.no_elasticity, "order-pressure"),
@@ -191,7 +199,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("multipliers on other meshes", "1.2 λ with the right u^h", CROSSED_PATCH, SOLVER, wrong.forces_times(1.2), "order-dual-other"),
     Control("force: few steps", "an eighth of the time steps", CROSSED_PATCH, "steps", wrong.an_eighth, "time-share"),
     Control("contact pulls", "v_ν = 0 instead of v_ν ≤ 0", PATCH, SOLVER, wrong.held, "pulling"),
-    # Theorem 4.2, on one mesh and on its own stress space.
+    # Theorem 4.2, on one mesh and with a separate stress space.
     Control("stress from displacement", "Problem 3.2 is fed by Problem 3.1", BOTH, "", wrong.stress_from_displacement, "alone-stress"),
     Control("stress without contact", "σ_ν = 0 instead of σ_ν ≤ 0", OWN, "solver", wrong.no_multipliers, "order-stress"),
     Control("stress law swapped", "A and G swapped in Problem 3.2", OWN, "", wrong.law_swapped, "order-strain"),
@@ -213,7 +221,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("3.1 without A", "Gε(u^h) instead of Aε(δu^h) + Gε(u^h)", OWN, f"{OWN_ERRORS}:Primal.__init__", wrong.without_viscosity, "order-primal_stress"),
     Control("fronts missed", "f_0 not cut along fronts in 3.2", OWN_MERGING, "data.fronts", wrong.instead(no_fronts), "time-share"),
     Control("f_2 late", "f_2(t − k) instead of f_2(t)", OWN, "", wrong.surface_load_late, "growth"),
-    # Other statements: a mistake in how each is measured, or a check that looks at nothing.
+    # Other statements: a mistake in how each is measured, or a comparison of a quantity with itself.
     Control("f_2 left out", "(f_2, v) left out of (2.14)", GREEN, "green:work_on", wrong.no_work_on_loaded, "fine-rule"),
     Control("blind: Green", "one side of (2.14) compared with itself", GREEN, "", wrong.zeroed("fine rule"), "fine-rule"),
     Control("f_0 off by a third", "⅔ f_0 in (2.14)", KINKED, "green:work_of_body_force", wrong.times(2 / 3), "halved"),
@@ -331,7 +339,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("no potential: κ halved", "κ/2 for κ in both bounds", NO_POTENTIAL, "no_potential:EulerBounds", wrong.constant_halved, "rotation"),
     Control("blind: reference of no potential", "the reference solution compared with itself", NO_POTENTIAL, "no_potential:path", wrong.always_steps(256), "reference"),
     Control("nodal start: off the vertices", "v near the vertices for v at the vertices", NODAL_START, "nodal_start:spikes", wrong.near_vertices, ("size", "proved", "growth", "worse")),
-    # Rows that compare two things: axes, rows computed again, and bounds of errors with the errors.
+    # Checks that compare two results: axes, results computed again, and bounds of errors with the errors.
     Control("axes", "the axis nearest to ν instead of ν", ROTATED, "problem.N", wrong.nearest_axis, "discrete-error"),
     Control("width for length", "w ‖·‖_V with the width w along the first axis", ROTATED, "fem.error_norm:ErrorNorm.distance", wrong.times_width, "errors"),
     Control("error off by 1 %", "1.01 ‖u − u^h‖_V is reported", AGAIN, f"{MEASURE}.row", wrong.column_times("error", 1.01), "error"),
@@ -346,10 +354,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("enclosure: half the norm", "½ ‖·‖_V for ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(0.5), "above"),
     Control("enclosure: twice the norm", "2 ‖·‖_V for ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(2.0), "below"),
 
-    # Evidence: a residual that ignores the sign of the contact forces, or a supremum over every second time, is too
-    # small, and no window for the correct solution can notice that. So the computation is made inaccurate in one
-    # respect, for example at one time node. If the evidence stops looking there, its row holds and the control is
-    # reported as not caught.
+    # Controls that test diagnostics.
     Control("residual: sign", "v_ν = 0: forces that pull, all else solved", MOVING, SOLVER, wrong.held, "residual"),
     Control("residual: complementarity", "forces where a gap is open, all else solved", MOVING, SOLVER, wrong.shifted_gap(-0.03), "residual"),
     Control("residual: gap", "v_ν ≤ 0 at every other vertex, all else solved", MOVING, SOLVER, wrong.in_places, "residual"),
@@ -370,7 +375,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("quadrature: degree", "rules of degree 1 for 4", MERGING, "fem.error_norm:DEGREE", wrong.instead(1), "quadrature"),
     Control("ten defects at once", "evidence too small in ten ways, forces that pull, a late load", MOVING, "solve.evolution:ContactStep._residual", wrong.balance_alone,
             ("order", "order-extrapolated", "size", DISCRETE, "discrete-share"),
-            # No sign, complementarity or gap; the last step, every second time, the time share and the law at the last time alone; nothing on Γ1 and of quadrature.
+            # The residual, the supremum, the shares and the quadrature ignore all but a part of their evidence.
             (("controls.baselines:measure", wrong.hastily), (f"{MEASURE}.parallelogram", wrong.at_the_last_time),
              (f"{MEASURE}.clamped", wrong.returns(1e-12)), (f"{MEASURE}.quadrature_change", wrong.returns(1e-9)),
              (SOLVER, wrong.held), ("", wrong.load_late))),

@@ -1,11 +1,11 @@
-"""Distances to the exact solution in the norm of V, and the exact stress as a functional on V^h.
+"""Error of a function of V^h in the energy norm, and the exact stress as a functional on V^h.
 
 The strain of a P1 function is constant on every cell, so with the cell means ε̄ of the exact strain
 
     ‖u(t) − v‖_V² = ∫ Aε(u)·ε(u) − Σ_T |T| Aε̄·ε̄ + Σ_T |T| A(ε̄ − ε(v))·(ε̄ − ε(v)).
 
-The oscillation, which is the difference of the first two terms, does not see v: it is evaluated once per time, and is a
-lower bound for every v ∈ V^h. The difference loses digits like ε_machine/h², which is 1e-10 at h = 1e-3.
+The difference of the first two terms, the oscillation, does not depend on v. It is evaluated once per time and is a
+lower bound for every v ∈ V^h. Cancellation makes its relative accuracy ε_machine/h², which is 1e-10 at h = 1e-3.
 """
 
 from __future__ import annotations
@@ -26,22 +26,22 @@ from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
 DEGREE, SOLID_DEGREE = 4, 2
-"""Degrees of the standard cell rule in 2D and in 3D. In 2D it is two more than the square of a linear strain error
-needs, as kinks may cross cells and points that share coordinates lower the degree; in 3D the evaluation of exact fields
-dominates the cost. Every row of a rate table records what a plain rule raised by two would change."""
+"""Degrees of the standard cell rule in 2D and in 3D. In 2D the degree is two more than the square of a linear strain
+error needs, because kinks may cross cells and points that share coordinates lower the degree. In 3D the evaluation of
+exact fields dominates the cost. Every row of a rate table records the effect of raising the degree by two."""
 FACET_POINTS, SOLID_FACET_POINTS = 8, 4
-"""Gauss points on a contact facet in 2D, or on each side of a rough point of it, and in each direction of one in 3D."""
+"""Gauss points on a contact facet: in 2D on each side of a point of low regularity, in 3D per direction."""
 PARALLEL = 0.1
-"""Sine of the angle below which two directions are too close for points to share coordinates along both."""
+"""Sine of the angle below which two lines are too close to parallel for points to share coordinates along both."""
 
 
 class NormError(ArithmeticError):
-    """A norm of an error is not a finite number."""
+    """Raised if the norm of an error is not a finite number."""
 
 
 @dataclass(frozen=True, eq=False)
 class ExactAtTime:
-    """What distances from functions of V^h need of the exact solution at one time.
+    """Data of the exact solution at one time from which distances to functions of V^h are computed.
 
     Attributes:
         time: t.
@@ -57,14 +57,14 @@ class ExactAtTime:
 
 
 class ErrorNorm:
-    """Measures functions of V^h against an exact solution.
+    """Computes the error of functions of V^h with respect to an exact solution.
 
-    Where A varies within a cell, ε̄ is the mean of the exact strain weighted by A's factor.
+    If A varies within a cell, ε̄ is the mean of the exact strain weighted by the factor of A.
 
     Args:
-        raised: added to the degree of the cell rules and to the points of the facet rules.
-        along: lines from which many quadrature points have the same distance (``study.fem.quadrature``), which
-            makes formulas cheap and rules exact to a lower degree; by default ``shared_lines``, () for the plain rules.
+        raised: added to the degree of the cell rules and to the number of points of the facet rules.
+        along: lines to which many quadrature points have the same distance (``study.fem.quadrature``), which makes
+            formulas cheap but lowers the degree of rules; by default ``shared_lines``, () for the standard rules.
     """
 
     def __init__(
@@ -79,7 +79,7 @@ class ErrorNorm:
         for face in solution.faces:
             rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count + raised)
             faces.append(QuadraturePoints.on_facets(rule, face.part, space.mesh))
-        # Points in cells and on facets together, so that formulas are evaluated once for both.
+        # Points in cells and on facets are evaluated together, so that common parts of formulas are computed once.
         points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
         self._amplitudes = amplitudes_of(modes)
@@ -97,22 +97,22 @@ class ErrorNorm:
         return self._cells.strains(self._amplitudes(time, False)) / self._cells.viscous
 
     def sample(self, time: float) -> ExactAtTime:
-        """Return means, oscillation and interpolant of u(t)."""
+        """Return the cell means, oscillation and interpolant of u(t)."""
         means = self.means(time)
-        # The oscillation of a strain that is constant on every cell is rounding, which may be negative.
+        # For a strain that is constant on every cell the oscillation is round-off, which may be negative.
         oscillation = max(self._energy(self._amplitudes(time, False)) - self._constant_energy(means), 0.0)
         interpolant = self.space.interpolate(self._nodes.displacement(time))
         return ExactAtTime(time, means, oscillation, interpolant)
 
     def _constant_energy(self, strain: Tensors) -> float:
-        """Return ∫ A ε·ε of a strain that is constant on every cell, (D, cells)."""
+        """Return the energy ∫ A ε·ε of a strain that is constant on every cell, (D, cells)."""
         return float(self._cells.viscous @ np.einsum("Ic,Ic->c", mapped(self.A.matrix, strain), strain))
 
     def distance(self, sample: ExactAtTime, v: Array) -> float:
-        """Return ‖u(t) − v‖_V for v ∈ V^h.
+        """Return the distance ‖u(t) − v‖_V for v ∈ V^h.
 
         Raises:
-            NormError: the norm is no finite number, which maxima over time would hide.
+            NormError: the norm is not a finite number; a later maximum over time could hide this.
         """
         found = float(np.sqrt(sample.oscillation + self._constant_energy(sample.means - self.space.strain(v))))
         if not math.isfinite(found):
@@ -125,8 +125,8 @@ class ErrorNorm:
     def load(self, time: float) -> Array:
         """Return the load (f(t), v)_V = (σ(t), ε(v))_Q − ∫_{Γ3} σ_ν v_ν for v ∈ V^h, (n_dofs,).
 
-        Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this serves solutions
-        whose f_0 is not in L² as well.
+        This is Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0. It needs no derivative of σ, so it also holds for
+        solutions whose f_0 is not in L².
         """
         strains, rates = self._amplitudes(time, False), self._amplitudes(time, True)
         return self.space.tested(self._cells(strains, rates)) + self._contact_work(strains, rates)
@@ -138,12 +138,12 @@ class ErrorNorm:
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:
-    """Cell rules adapted to where the strain of a solution is rough for all times."""
+    """Return cell rules that are cut and graded where the strain of a solution is not smooth for all times."""
     return cell_rules(mesh, degree, [Line(*line) for line in solution.rough], solution.singular, shared)
 
 
 def shared_lines(solution: ExactSolution) -> list[Line]:
-    """{s = 0} of at most two contact faces in the plane, so that points of cells can share coordinates along them."""
+    """Return the lines of at most two plane contact faces, along which quadrature points can share coordinates."""
     found: list[Line] = []
     contact = [face for face in solution.faces if isinstance(face, ContactFace)] if solution.body.dim == 2 else []
     for line in (Line(*face.part.line(0.0)) for face in contact):

@@ -1,6 +1,6 @@
 """The load and the interpolation error computed in other ways, to check ``study.fem.error_norm.ErrorNorm``.
 
-Nothing here passes through the quadrature of strains or the norm of the measured errors.
+This module does not use the quadrature of strains or the norm with which errors are measured.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 
 INSTANTS = 32
-"""Steps of the time grid on which the leading term is maximised. Its steepest fall beside a maximum, 15 % over T/16 in
-the case of a travelling patch, is 1 % over half a step if it is that of a parabola."""
+"""Steps of the time grid for the maximum of the leading term. In the case of a travelling patch the term falls most
+steeply near a maximum, by 15 % over T/16; for a parabola this is 1 % over half a step."""
 
 
 def load_from_forces(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
-    """The load (f(t), v)_V = (f_0, v)_H + (f_2, v)_{L²(Γ2)}, (3.7), (n_dofs,).
+    """Return the load from the forces, (f(t), v)_V = (f_0, v)_H + (f_2, v)_{L²(Γ2)}, (3.7), (n_dofs,).
 
-    By (2.14) it differs from ``ErrorNorm.load`` by quadrature alone.
+    By (2.14) it differs from ``ErrorNorm.load`` only by the error of quadrature.
     """
     return work_of_body_force(solution, space, time, degree) + work_on(Kind.LOADED, solution, space, time)
 
 
 def work_of_body_force(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
-    """(f_0, v)_H with f_0 = −Div σ, (n_dofs,)."""
+    """Return the work of the body force f_0 = −Div σ, that is (f_0, v)_H, (n_dofs,)."""
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
     for rule in rules(solution, mesh, degree):
@@ -42,7 +42,10 @@ def work_of_body_force(solution: ExactSolution, space: Space, time: float, degre
 
 
 def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> Array:
-    """∫ σν·v over the parts of one kind, (n_dofs,): (f_2, v)_{L²(Γ2)} on Γ2, ∫ σ_ν v_ν on Γ3."""
+    """Return the work ∫ σν·v of the traction on all parts of one kind, (n_dofs,).
+
+    On Γ2 this is (f_2, v)_{L²(Γ2)}, on Γ3 it is ∫ σ_ν v_ν.
+    """
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
     for part in space.body.of(kind):
@@ -53,12 +56,12 @@ def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> A
 
 
 class LeadingTerm:
-    """t ↦ ‖u − Π^h u‖_V to leading order, from second derivatives of u and the factor of A at the centres of the cells.
+    """Computes ‖u − Π^h u‖_V to leading order at a time, from second derivatives of u at the centres of the cells.
 
-    On a cell the interpolation error of a quadratic with Hessian H is −½ Σ_{i<j} λ_i λ_j l_ijᵀ H l_ij, l_ij the edge
-    from vertex i to j. Its gradient is −Σ_i λ_i V_i with V_i = ½ Σ_{j≠i} (l_ijᵀ H l_ij) ⊗ ∇λ_j, and with
-    ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d + 1)(d + 2)) its energy is |T|/((d + 1)(d + 2)) (Σ_i A V_i·V_i + A V·V) for
-    V = Σ_i V_i.
+    On a cell the interpolation error of a quadratic function with Hessian H is −½ Σ_{i<j} λ_i λ_j l_ijᵀ H l_ij, where
+    l_ij is the edge from vertex i to j. Its gradient is −Σ_i λ_i V_i with V_i = ½ Σ_{j≠i} (l_ijᵀ H l_ij) ⊗ ∇λ_j. With
+    ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d + 1)(d + 2)) its energy is |T|/((d + 1)(d + 2)) (Σ_i A V_i·V_i + A V·V) for V = Σ_i
+    V_i. The factor of A is also taken at the centres.
 
     Source: J. R. Shewchuk, What is a good linear finite element?, 2002, for the error function.
     """
@@ -73,12 +76,12 @@ class LeadingTerm:
         self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))
 
     def largest(self) -> float:
-        """Return the maximum over [0, T], sampled on times that do not depend on when errors are measured."""
+        """Return the maximum over [0, T], sampled at times that do not depend on the times of the error measurement."""
         return float(np.max([self(time) for time in np.linspace(0.0, self.T, INSTANTS + 1).tolist()]))
 
     def __call__(self, time: float) -> float:
         strains = self.fields.strain_gradient(time)
-        # ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, (i, j) as a Mandel vector, from ∂_k ε, both (D, d, ...).
+        # ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, (i, j) as a Mandel vector; both arrays are (D, d, ...).
         gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
         hessian = 2 * mandel(gradient) - strains
         V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))

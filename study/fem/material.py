@@ -1,6 +1,6 @@
 """Heterogeneous laws on V^h: the means of their factors on the cells.
 
-Strains of V^h are constant on cells, so (α C ε(u), ε(v))_Q is exact with the mean of α.
+Strains of V^h are constant on cells, so the mean of α gives (α C ε(u), ε(v))_Q exactly.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 
 DEGREE = 6
-"""Degree of the rule for the mean of a factor; cells are cut where it jumps."""
+"""Degree of the quadrature rule for the mean of a factor; cells are cut where the factor jumps."""
 
 
 def means(space: Space, factor: Factor) -> Array:
-    """The mean of α on every cell, (cells,)."""
+    """Return the mean of the factor α on every cell, (cells,)."""
     if factor is UNIFORM:
         return np.ones(len(space.volumes))
     found = np.empty(len(space.volumes))
@@ -30,10 +30,10 @@ def means(space: Space, factor: Factor) -> Array:
 
 
 def form(space: Space, tensor: Elasticity) -> sps.csc_array:
-    """The matrix of (α C ε(u), ε(v))_Q on V^h, C the constant reference tensor, (n_dofs, n_dofs)."""
+    """Return the matrix of (α C ε(u), ε(v))_Q on V^h, where C is the constant reference tensor, (n_dofs, n_dofs)."""
     return space.form(tensor.reference, means(space, tensor.factor))
 
 
 def on_cells(space: Space, law: KelvinVoigt) -> PointLaw:
-    """The law between strains and stresses that are constant on cells, (D, cells) each."""
+    """Return the law between strains and stresses that are constant on cells, (D, cells) each."""
     return law.scaled(means(space, law.A.factor), means(space, law.G.factor))

@@ -1,8 +1,8 @@
-"""Triangulations of a body of any dimension: their geometry, mesh families, and the check that a mesh fits the body.
+"""Triangulations of a body in 2D or 3D: their geometry, mesh families, and the check that a mesh fits the body.
 
-A family turns a body and a level n into a mesh with about n cells along a side. No family knows where a contact zone
-begins or ends. Every point at which the boundary condition changes must be a vertex (source, before (5.23)), and every
-interface a union of facets; a mesh that violates this is refused.
+A family makes a mesh of a body for a level n, with about n cells along a side. No family knows where the contact zone
+is. Every point at which the boundary condition changes must be a vertex (paper, before (5.23)), and every interface a
+union of facets; a mesh that violates this is refused.
 """
 
 from __future__ import annotations
@@ -24,15 +24,18 @@ from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points
 
 TOLERANCE = 1e-8
-"""Relative to |Ω|^{1/d}, the distance from which a vertex counts as lying off a part; so for measures."""
+"""Distance, relative to |Ω|^{1/d}, above which a vertex is not on a part; also for areas and lengths."""
 
 
 class MeshError(ValueError):
-    """A mesh does not fit the body."""
+    """Raised if a mesh does not fit the body."""
 
 
 class MeshFamily(Protocol):
-    """A regular family {T_h} of triangulations: whether it can mesh a body, and the mesh of level n, or MeshError."""
+    """A regular family {T_h} of triangulations.
+
+    ``serves`` returns whether the family can mesh a body. The call returns the mesh of level n or raises MeshError.
+    """
 
     @property
     def name(self) -> str: ...
@@ -41,62 +44,64 @@ class MeshFamily(Protocol):
 
 
 def require_plane(family: MeshFamily, body: Body) -> None:
-    """MeshError unless the body is two-dimensional."""
+    """Raise MeshError unless the body is two-dimensional."""
     if body.dim != 2:
         raise MeshError(f"the family {family.name} meshes 2D bodies, got dimension {body.dim}; use one-diagonal")
 
 
 def simplicial_mesh(points: Points, cells: Array) -> Mesh:
-    """The mesh with the vertices (d, n) and the triangles or tetrahedra (d+1, cells)."""
+    """Return the mesh with the vertices (d, n) and the triangles or tetrahedra (d+1, cells)."""
     kind = MeshTri if len(points) == 2 else MeshTet
     return kind(np.ascontiguousarray(points), np.ascontiguousarray(cells))
 
 
-# scikit-fem keeps ``mesh.mapping()`` in the mesh, and the mapping refers to the mesh: such meshes leave memory late. So
-# there is a new mapping for every use.
+# ``mesh.mapping()`` is avoided: scikit-fem would store it in the mesh, and such a cycle is released from memory late.
 
 
 def size(mesh: Mesh) -> float:
-    """h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit cube.
+    """Return the mesh size h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit cube.
 
-    In a quasi-uniform family it is equivalent to the largest diameter, whose random part on shaken meshes would
-    otherwise bend every observed order.
+    In a quasi-uniform family h is equivalent to the largest diameter. The diameter has a random part on shaken meshes,
+    which would disturb every observed order.
     """
     return float((factorial(mesh.dim()) * cell_volumes(mesh).sum() / mesh.t.shape[1]) ** (1 / mesh.dim()))
 
 
 def cell_volumes(mesh: Mesh) -> Array:
-    """|T| of every cell, (cells,)."""
-    # A flat cell has no inverse, which the mapping computes as well.
+    """Return the volume |T| of every cell, (cells,)."""
+    # The mapping also computes inverses, which do not exist for flat cells.
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(abs(MappingAffine(mesh).detA) / factorial(mesh.dim()))
 
 
 def facet_measures(mesh: Mesh, facets: Array) -> Array:
-    """Lengths or areas of the facets with the given indices, (n,)."""
+    """Return the lengths or areas of the facets with the given indices, (n,)."""
     return np.asarray(MappingAffine(mesh).detB[facets] / factorial(mesh.dim() - 1))
 
 
 def barycentric_gradients(mesh: Mesh) -> Array:
-    """∇λ_i on every cell, (cells, d+1, d)."""
+    """Return the gradients ∇λ_i on every cell, (cells, d+1, d)."""
     inner = MappingAffine(mesh).invA
     return np.ascontiguousarray(np.moveaxis(np.concatenate([-inner.sum(axis=0, keepdims=True), inner]), 2, 0))
 
 
 def barycentric(mesh: Mesh, cells: Array, points: Points) -> Array:
-    """λ_i of some cells (n,) at points of them (d, n, q), (d+1, n, q): the P1 functions of their vertices."""
+    """Return the P1 basis functions λ_i of given cells (n,) at points (d, n, q) in these cells, (d+1, n, q)."""
     inner = MappingAffine(mesh, tind=cells).invF(points)
     return np.concatenate([1 - inner.sum(axis=0, keepdims=True), inner])
 
 
 def determinants(points: Points, cells: Array) -> Array:
-    """d! times the signed volume of cells, (cells,)."""
+    """Return d! times the signed volume of cells, (cells,)."""
     corners = points[:, cells]
     return np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0))
 
 
 def with_midpoints(mesh: Mesh) -> sps.csr_array:
-    """Vertex values of a P1 function ↦ those at the vertices and midpoints of edges, which ``mesh.refined()`` has."""
+    """Return the matrix from vertex values of a P1 function to its values on ``mesh.refined()``.
+
+    The vertices of the refined mesh are the old vertices, then the midpoints of edges.
+    """
     edges, count = (mesh.facets if mesh.dim() == 2 else mesh.edges), mesh.p.shape[1]
     rows = np.repeat(np.arange(edges.shape[1]), 2)
     midpoints = sps.csr_array((np.full(len(rows), 0.5), (rows, edges.T.ravel())), shape=(edges.shape[1], count))
@@ -104,29 +109,28 @@ def with_midpoints(mesh: Mesh) -> sps.csr_array:
 
 
 def nearest(points: Points, segment: Array) -> Array:
-    """Where on a segment (d, 2), from 0 at its start to 1 at its end, the nearest points to others (d, n) lie, (n,)."""
+    """Return the parameters in [0, 1] of the points of a segment (d, 2) nearest to given points (d, n), (n,)."""
     along = segment[:, 1] - segment[:, 0]
     return np.clip(along @ (points - segment[:, :1]) / (along @ along), 0, 1)
 
 
 def distance(points: Points, segment: Array) -> Array:
-    """Distances of points (d, n) to a segment (d, 2), (n,)."""
+    """Return the distances of points (d, n) to a segment (d, 2), (n,)."""
     foot = segment[:, :1] + np.multiply.outer(segment[:, 1] - segment[:, 0], nearest(points, segment))
     return np.linalg.norm(points - foot, axis=0)
 
 
 def on_segment(points: Points, segment: Array) -> Array:
-    """Whether points (d, n) lie on a segment (d, 2) up to rounding, (n,)."""
+    """Return whether points (d, n) lie on a segment (d, 2) up to round-off, (n,)."""
     return distance(points, segment) <= 1e-9 * np.linalg.norm(segment[:, 1] - segment[:, 0])
 
 
-# Structured meshes: the grid of n^d cubes on the unit cube, cut into simplices and mapped onto the body. The map onto a
-# convex quadrilateral or a parallelepiped is linear in every coordinate.
+# Structured meshes: a grid of n^d cubes, divided into simplices and mapped onto the body, linearly in every coordinate.
 
 
 @dataclass(frozen=True)
 class OneDiagonal:
-    """n^d parallelepipeds, each cut into d! simplices along the same diagonal (``kuhn``)."""
+    """The mesh family of n^d parallelepipeds, each divided into d! simplices along the same diagonal (``kuhn``)."""
 
     name: str = "one-diagonal"
 
@@ -139,7 +143,7 @@ class OneDiagonal:
 
 @dataclass(frozen=True)
 class CrissCross:
-    """n × n quadrilaterals, each cut by both diagonals."""
+    """The mesh family of n × n quadrilaterals, each divided by both diagonals."""
 
     name: str = "criss-cross"
 
@@ -157,7 +161,10 @@ class CrissCross:
 
 @dataclass(frozen=True)
 class Alternating:
-    """n × n quadrilaterals, each cut by one diagonal, neighbours by different ones: vertices are of two kinds."""
+    """The mesh family of n × n quadrilaterals, each divided by one diagonal, in alternating directions.
+
+    So the vertices have either four or eight cells.
+    """
 
     name: str = "alternating"
 
@@ -176,11 +183,11 @@ class Alternating:
 
 @dataclass(frozen=True)
 class Shaken:
-    """One-diagonal meshes with every vertex moved by up to 2/d ``amplitude`` cells in each direction.
+    """One-diagonal meshes with every vertex moved at random by up to 2/d ``amplitude`` cells in each direction.
 
-    Vertices slide in the faces, on the edges between parts and on the interfaces they lie on; corners of parts stay.
-    Levels are independent of each other, so the meshes are neither nested nor symmetric. A simplex of the grid on the
-    unit cube keeps 1 − 4 ``amplitude`` of its volume at least, in every dimension.
+    Vertices move only within the faces, edges between parts and interfaces on which they lie; corners of parts do not
+    move. Levels are independent of each other, so the meshes are neither nested nor symmetric. A simplex of the grid on
+    the unit cube keeps at least 1 − 4 ``amplitude`` of its volume, in every dimension.
     """
 
     seed: int = 2002
@@ -191,7 +198,7 @@ class Shaken:
         return has_grids(body)
 
     def __call__(self, body: Body, n: int) -> Mesh:
-        # The grid is shaken before it is mapped, so that vertices of stretched bodies move in proportion to the cells.
+        # The grid is shaken before the mapping, so that displacements of vertices are in proportion to stretched cells.
         plain = grid_vertices(n, body.dim)
         amplitude = self.amplitude * 2 / body.dim
         shift = np.random.default_rng([self.seed, n]).uniform(-1, 1, plain.shape) * amplitude / n
@@ -212,7 +219,7 @@ class Shaken:
 
 
 def _kept_lines(body: Body) -> Iterator[Array]:
-    """Segments (d, 2) that meshes have to keep: edges of parts in 3D, interfaces in 2D."""
+    """Yield the segments (d, 2) that meshes must contain: edges of parts in 3D, interfaces in 2D."""
     if body.dim == 3:
         for part in body.parts:
             yield from (part.corners[:, [i - 1, i]] for i in range(part.corners.shape[1]))
@@ -220,18 +227,18 @@ def _kept_lines(body: Body) -> Iterator[Array]:
 
 
 def grid_vertices(n: int, dim: int) -> Points:
-    """Vertices of the grid, the first axis fastest, (d, (n+1)^d)."""
+    """Return the vertices of the grid, the first axis fastest, (d, (n+1)^d)."""
     return np.array([x.ravel("F") for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * dim, indexing="ij")])
 
 
 def lowest_corners(n: int, dim: int) -> Array:
-    """The numbers of the vertices at the lowest corners of the cubes, the first axis fastest, (n^d,)."""
+    """Return the numbers of the vertices at the lowest corners of the cubes, the first axis fastest, (n^d,)."""
     steps = (n + 1) ** np.arange(dim)
     return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
 
 
 def kuhn(n: int, dim: int) -> Array:
-    """Positively oriented simplices of the grid, (d+1, d! n^d): paths from corner to corner along the axes.
+    """Return the positively oriented simplices of the grid, (d+1, d! n^d): paths from corner to corner along the axes.
 
     Source: H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4 (1960) 518–524.
     """
@@ -247,13 +254,17 @@ def kuhn(n: int, dim: int) -> Array:
 
 @lru_cache
 def has_grids(body: Body) -> bool:
-    """Whether the grid can be mapped onto the body so that its lines follow the interfaces."""
+    """Return whether the grid can be mapped onto the body so that its lines follow the interfaces."""
     images = _images(body)
     return images is not None and all(_is_grid_line(images, interface) for interface in body.interfaces)
 
 
 def mapped(body: Body, reference: Points) -> Points:
-    """Images of points of the unit cube, (d, ...) → (d, ...); MeshError if the body is of neither kind."""
+    """Return the images of points of the unit cube, (d, ...) → (d, ...).
+
+    Raises:
+        MeshError: the body is neither a convex quadrilateral nor a parallelepiped.
+    """
     images = _images(body)
     if images is None:
         wanted = "convex quadrilateral" if body.dim == 2 else "parallelepiped"
@@ -266,7 +277,7 @@ def mapped(body: Body, reference: Points) -> Points:
 
 
 def _images(body: Body) -> Points | None:
-    """Images (d, 2^d) of the corners of the unit cube, the first axis fastest; None if there is no such map."""
+    """Return the images (d, 2^d) of the corners of the unit cube, the first axis fastest; None without such a map."""
     corners = body.corners
     if corners.shape[1] != 2**body.dim:
         return None
@@ -285,7 +296,7 @@ def _parallelepiped(body: Body) -> Points | None:
     normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
     if len(normals) != 3:
         return None
-    # An edge runs from the first corner to the only other one in the planes of two faces.
+    # An edge runs from the first corner to the only other corner that lies in the planes of two faces.
     off = abs(normals @ (corners - first)) > tolerance
     ends = [np.flatnonzero(~np.delete(off, k, axis=0).any(axis=0))[1:] for k in range(3)]
     if any(end.size != 1 for end in ends):
@@ -301,7 +312,7 @@ def _parallelepiped(body: Body) -> Points | None:
 
 
 def _is_grid_line(images: Points, interface: Part) -> bool:
-    """Whether an interface joins two opposite sides of a quadrilateral, dividing both in the same ratio."""
+    """Return whether an interface joins two opposite sides of a quadrilateral and divides both in the same ratio."""
     for sides in ((images[:, :2], images[:, 2:]), (images[:, ::2], images[:, 1::2])):
         for ends in (interface.corners, interface.corners[:, ::-1]):
             pairs = [(ends[:, [i]], side) for i, side in enumerate(sides)]
@@ -311,16 +322,16 @@ def _is_grid_line(images: Points, interface: Part) -> bool:
     return False
 
 
-# Delaunay triangulations of polygons, and the same refined towards singular points.
+# Delaunay triangulations of polygons, uniform or refined towards singular points.
 
 
 @dataclass(frozen=True)
 class Unstructured:
-    """Delaunay triangulations of points spread evenly at random, for any polygon.
+    """Delaunay triangulations of random, evenly distributed points, for any polygon.
 
     Points start on a jittered triangular lattice and are moved to the area-weighted mean of the centroids of the cells
     around them, ``sweeps`` times (Lloyd's iteration in the form of Du, Faber, Gunzburger, SIAM Review 41 (1999)
-    637–676, with centroids of the star). Points on the boundary and on interfaces are evenly spaced and stay.
+    637–676, with centroids of the star). Points on the boundary and on interfaces are evenly spaced and do not move.
     """
 
     seed: int = 2002
@@ -340,11 +351,12 @@ class Unstructured:
         return simplicial_mesh(points, _delaunay(body, points))
 
     def points(self, body: Body, n: int) -> tuple[Array, Array, Array]:
-        """Those on the boundary, on interfaces inside, and others, which are not in their last places yet, (2, …)."""
+        """Return points on the boundary, on interfaces inside, and in the interior before the first sweep, (2, n)
+        each."""
         require_plane(self, body)
         spacing = 1.15 * np.sqrt(body.measure) / n
         boundary = [_divide(part, spacing, _stops(part, body)) for part in body.parts]
-        # The start of an interface lies on the boundary.
+        # The start of an interface lies on the boundary and is already among the boundary points.
         inside = [_divide(interface, spacing, _stops(interface, body))[:, 1:] for interface in body.interfaces]
         free = _lattice(body, spacing, np.random.default_rng([self.seed, n]))
         return np.hstack(boundary), np.hstack([np.empty((2, 0)), *inside]), free
@@ -352,15 +364,15 @@ class Unstructured:
 
 @dataclass(frozen=True)
 class Graded:
-    """Unstructured meshes drawn towards the points c of ``body.refine``.
+    """Unstructured meshes that are refined towards the points c of ``body.refine``.
 
-    x ↦ c + (x − c)(|x − c|/R)^{e−1} for |x − c| < R makes cells of the size h ϱ^{1−1/e} at the distance ϱ from c and
-    h^e at c itself. P1 functions then approximate |x − c|^λ in H¹ with the order 1 if 1/e < λ: e = 5/2 serves the
-    exponents λ ≥ 1/2 of re-entrant corners and of changes of the boundary condition.
+    The map x ↦ c + (x − c)(|x − c|/R)^{e−1} for |x − c| < R makes cells of the size h ϱ^{1−1/e} at the distance ϱ from
+    c and h^e at c. P1 functions then approximate |x − c|^λ in H¹ with the order 1 if 1/e < λ. The exponent e = 5/2 is
+    sufficient for λ ≥ 1/2, which covers re-entrant corners and changes of the boundary condition.
 
-    Sources: I. Babuška, R. B. Kellogg, J. Pitkäranta, Direct and inverse error estimates for finite elements with
-    mesh refinements, Numer. Math. 33 (1979) 447–471; T. Apel, Anisotropic finite elements: local estimates and
-    applications, Teubner 1999.
+    Sources: I. Babuška, R. B. Kellogg, J. Pitkäranta, Direct and inverse error estimates for finite elements with mesh
+    refinements, Numer. Math. 33 (1979) 447–471; T. Apel, Anisotropic finite elements: local estimates and applications,
+    Teubner 1999.
     """
 
     exponent: float = 2.5
@@ -388,7 +400,10 @@ class Graded:
         return simplicial_mesh(points, mesh.t)
 
     def radius(self, body: Body, point: tuple[float, ...]) -> float:
-        """R = ``reach`` × the distance to the parts and interfaces that c is not on, and to other points."""
+        """Return ``reach`` times the distance from a point to the nearest part, interface or other point of ``refine``.
+
+        Parts and interfaces that contain the point are left out.
+        """
         centre = np.array(point)
         tolerance = 1e-8 * np.sqrt(body.measure)
         lines = [part for part in (*body.parts, *body.interfaces) if not part.contains(centre, tolerance)]
@@ -398,7 +413,7 @@ class Graded:
 
 
 def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
-    """Points of a jittered triangular lattice in Ω, away from the boundary and from interfaces, (2, n)."""
+    """Return the points of a jittered triangular lattice in Ω, away from the boundary and from interfaces, (2, n)."""
     low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
     rows = np.arange(low[1], high[1], spacing * np.sqrt(0.75))
     columns = np.arange(low[0] - spacing, high[0] + spacing, spacing)
@@ -415,7 +430,7 @@ def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
 
 
 def _stops(part: Part, body: Body) -> list[float]:
-    """Coordinates inside a part at which an interface ends."""
+    """Return the coordinates along a part, without its ends, at which an interface ends."""
     ends = [end for interface in body.interfaces if interface is not part for end in interface.corners.T]
     tolerance = 1e-9 * part.measure
     found = sorted(float(part.coordinates(end)[0][0]) for end in ends if part.contains(end, tolerance))
@@ -424,7 +439,7 @@ def _stops(part: Part, body: Body) -> list[float]:
 
 
 def _divide(part: Part, spacing: float, stops: list[float]) -> Array:
-    """Points of a part from its start, without its end, evenly spaced between its ends and stops."""
+    """Return points on a part, evenly spaced between its ends and the stops; the end of the part is left out."""
     pieces = []
     for low, high in pairwise([0.0, *stops, part.measure]):
         count = max(1, round((high - low) / spacing))
@@ -433,16 +448,16 @@ def _divide(part: Part, spacing: float, stops: list[float]) -> Array:
 
 
 def _delaunay(body: Body, points: Array) -> Array:
-    """Cells of the Delaunay triangulation that lie in Ω, (3, cells)."""
+    """Return the cells of the Delaunay triangulation that lie in Ω, (3, cells)."""
     cells = Delaunay(points.T).simplices.T
     area = abs(determinants(points, cells)) / 2
-    # Rounding may leave slivers between points of one straight part; they are not cells of Ω.
+    # Round-off may leave slivers between points of one straight part; they are not cells of Ω.
     keep = (area > 1e-6 * area.mean()) & body.contains(points[:, cells].mean(axis=1))
     return cells[:, keep]
 
 
 def _star_centroids(points: Array, cells: Array) -> Array:
-    """Area-weighted mean of the centroids of the cells around each point, (2, points)."""
+    """Return the area-weighted mean of the centroids of the cells around each point, (2, points)."""
     a, b, c = (points[:, v] for v in cells)
     area = abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
     weight = np.bincount(cells.ravel(), np.tile(area, 3), points.shape[1])
@@ -456,7 +471,7 @@ FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstr
 
 
 def cell_count(family: MeshFamily, body: Body, n: int) -> int:
-    """The number of cells of the mesh of a level."""
+    """Return the number of cells of the mesh of a level, without making the mesh if possible."""
     if isinstance(family, OneDiagonal | Shaken):
         return factorial(body.dim) * n**body.dim
     if isinstance(family, CrissCross):
@@ -468,7 +483,7 @@ def cell_count(family: MeshFamily, body: Body, n: int) -> int:
 
 
 def size_of(family: MeshFamily, body: Body, n: int) -> float:
-    """h of the mesh of a level."""
+    """Return the mesh size h of a level."""
     return float((factorial(body.dim) * body.measure / cell_count(family, body, n)) ** (1 / body.dim))
 
 
@@ -484,14 +499,14 @@ class MeshedBody:
 
     @cached_property
     def parts(self) -> list[Array]:
-        """Facets of each part of the body; MeshError if the mesh does not fit it."""
+        """The facets of each part of the body; MeshError if the mesh does not fit it."""
         return boundary_parts(self.mesh, self.body)
 
     def facets(self, part: Part) -> Array:
         return self.parts[self.body.parts.index(part)]
 
     def on(self, kind: Kind) -> list[tuple[Part, Array]]:
-        """The parts of one kind with their facets."""
+        """Return the parts of one kind with their facets."""
         return [(part, facets) for part, facets in zip(self.body.parts, self.parts, strict=True) if part.kind is kind]
 
     @property
@@ -500,16 +515,16 @@ class MeshedBody:
 
     @cached_property
     def volumes(self) -> Array:
-        """|T|, (cells,)."""
+        """The volumes |T| of the cells, (cells,)."""
         return cell_volumes(self.mesh)
 
 
 def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
-    """The facets of the mesh on each part of the body, in the order of ``body.parts``.
+    """Return the facets of the mesh on each part of the body, in the order of ``body.parts``.
 
     Raises:
-        MeshError: a corner of a part is not a vertex, the facets do not cover a part exactly, or an interface is not
-            a union of facets.
+        MeshError: a corner of a part is not a vertex, the facets do not cover a part exactly, or an interface is not a
+            union of facets.
     """
     if mesh.dim() != body.dim:
         raise MeshError(f"a mesh of dimension {mesh.dim()} was given for a body of dimension {body.dim}")
@@ -539,7 +554,7 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
 
 
 def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
-    """Those of the given facets that lie on a part; MeshError if they do not cover it."""
+    """Return the given facets that lie on a part; raise MeshError if they do not cover it."""
     on = part.contains(mesh.p, TOLERANCE * length)
     mine = facets[on[mesh.facets[:, facets]].all(axis=0)]
     covered = facet_measures(mesh, mine).sum()
@@ -559,12 +574,12 @@ def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """The visible surface of a mesh, for pictures: the triangles of all cells in 2D, of the boundary facets in 3D.
+    """The visible surface of a mesh, for pictures: all cells in 2D, the boundary facets in 3D.
 
     Attributes:
-        vertices: the vertices of the mesh that they use, (v,).
-        triangles: their corners as positions in ``vertices``, (3, k); in 3D counter-clockwise seen from outside.
-        cells: the cell of the mesh behind each, (k,).
+        vertices: numbers of the vertices on the surface, (v,).
+        triangles: corners of the triangles as positions in ``vertices``, (3, k); in 3D counter-clockwise from outside.
+        cells: the cell of the mesh to which each triangle belongs, (k,).
     """
 
     vertices: Array
@@ -579,7 +594,7 @@ class Skin:
         cells, corners = mesh.f2t[0, facets], mesh.facets[:, facets]
         fourth = mesh.t[:, cells].sum(axis=0) - corners.sum(axis=0)
         a, b, c, d = (mesh.p[:, vertex].T for vertex in (*corners, fourth))
-        # The fourth vertex lies behind a facet whose corners run counter-clockwise.
+        # A facet is counter-clockwise from outside if the fourth vertex of its cell is behind it.
         seen_from_inside = np.linalg.det(np.stack([b - a, c - a, d - a], axis=1)) > 0
         outer = np.where(seen_from_inside, corners[[0, 2, 1]], corners)
         vertices, triangles = np.unique(outer, return_inverse=True)

@@ -2,10 +2,10 @@
 
 With ε(x, t) = Σ_k E_k φ_k(x) T_k(s_j, t) (``manufactured.modes``) and a quadrature with points x_p and weights w_p,
 
-    ∫_T ε dx = Σ_k E_k Σ_j B_k[T, j] T_k(s_j, t),      B_k[T, j] = Σ {w_p φ_k(x_p) : x_p ∈ T, j(p) = j},
+    ∫_T ε dx = Σ_k E_k Σ_j B_k[T, j] T_k(s_j, t),      B_k[T, j] = Σ {w_p φ_k(x_p) : x_p ∈ T, j(p) = j}.
 
-so that formulas are evaluated once for each place along a face, not once for each point of a cell. On facets there is
-one sum for each vertex, with the weights of the rule times the shape function of the vertex.
+So formulas are evaluated once for each coordinate s_j along a face, not once for each point of a cell. On facets there
+is one sum for each vertex, with the weights of the rule times the shape function of the vertex.
 """
 
 from __future__ import annotations
@@ -24,24 +24,27 @@ from manufactured.tensors import Array, Tensors
 from study.fem.quadrature import CellRule, FacetRule
 
 Amplitudes = Array
-"""T_k(s_j, t) of all contributions to ε at one time, one after the other, (Σ K J,)."""
+"""The values T_k(s_j, t) for all terms of ε at one time, one term after the other, (Σ K J,)."""
 MANY = 4
-"""The matrix of the energy may take this many times the storage of the modes."""
+"""The matrix of the energy may take at most this many times the memory of the modes."""
 
 
 def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]:
-    """Return the function of a time and of whether the rate is asked for that gives the amplitudes of all modes."""
-    # The function refers to no other part of the modes, which are large.
+    """Return a function that computes the amplitudes of all modes.
+
+    Its arguments are a time and whether to return the amplitudes of the strain rate.
+    """
+    # The function must not refer to other data of the modes, which are large and would then stay in memory.
     each = [part.amplitudes for part in modes]
     return lambda time, rate: np.concatenate([of(time, rate).ravel() for of in each])
 
 
 @dataclass(frozen=True, eq=False)
 class QuadraturePoints:
-    """The points x of a quadrature, one after the other, (d, n), with their weights (n,).
+    """The points x of a quadrature, (d, n), with their weights (n,).
 
-    Each contributes to the sum of a cell or a vertex: ``sums`` has the numbers of these sums, (n,), of which there are
-    ``count``.
+    Each point contributes to the sum of a cell or a vertex. ``sums`` has the numbers of these sums, (n,), and ``count``
+    is how many sums there are.
     """
 
     x: Array
@@ -51,7 +54,7 @@ class QuadraturePoints:
 
     @classmethod
     def on_cells(cls, rules: Sequence[CellRule]) -> QuadraturePoints:
-        """One sum for each cell: rules that cover every cell once."""
+        """Return the points of rules that cover every cell once, with one sum for each cell."""
         return cls(
             np.concatenate([rule.points.reshape(len(rule.points), -1) for rule in rules], axis=1),
             np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in rules]),
@@ -61,7 +64,7 @@ class QuadraturePoints:
 
     @classmethod
     def on_facets(cls, rule: FacetRule, part: Part, mesh: Mesh) -> tuple[QuadraturePoints, Array]:
-        """One sum for each vertex of the facets, weighted with its shape function; and these vertices."""
+        """Return the points, with one sum per vertex of the facets weighted by its shape function, and the vertices."""
         vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
         x, weights = part.point(rule.s), rule.shapes * rule.weights
         copies = np.repeat(x[:, None], len(weights), axis=1).reshape(len(x), -1)
@@ -70,9 +73,9 @@ class QuadraturePoints:
 
 
 def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_array]:
-    """For each product of the modes, T_k(s_j, t) ↦ φ_k(x_p) T_k(s_{j(p)}, t) at ``count`` points, (count, J)."""
+    """Yield for each mode the matrix T_k(s_j, t) ↦ φ_k(x_p) T_k(s_{j(p)}, t) at ``count`` points, (count, J)."""
     for part in modes:
-        # One entry in the row of each point of the part: CSR without sorting.
+        # Each point has one entry in its row, so the CSR arrays can be filled without sorting.
         rows = np.searchsorted(part.points, np.arange(count + 1)).astype(np.int32)
         places = part.places.astype(np.int32)
         for shape in part.shapes:
@@ -80,7 +83,7 @@ def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_arr
 
 
 def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
-    """Amplitudes ↦ the strain at ``count`` points, component by component, (D · count, Σ K J)."""
+    """Return the matrix from amplitudes to the strain at ``count`` points, by components, (D · count, Σ K J)."""
     tensors = np.concatenate([part.tensors for part in modes])
     shapes = shapes_at_points(modes, count)
     columns = [sps.kron(sps.csr_array(E[:, None]), shape) for E, shape in zip(tensors, shapes, strict=True)]
@@ -88,10 +91,10 @@ def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
 
 
 class StrainSums:
-    """The sums Σ w_p ε(x_p, t), (D, sums), from the amplitudes.
+    """Computes the sums Σ w_p ε(x_p, t), (D, sums), from the amplitudes.
 
     Args:
-        modes: the contributions to ε at the points.
+        modes: the terms of ε at the points.
         points: the points, with the sums to which they contribute.
         weights: w_p, the weights of the points times further factors, (n,).
     """
@@ -105,13 +108,13 @@ class StrainSums:
             sums = add @ shape
             blocks.append(sps.csr_array((sums.data, sums.indices + first, sums.indptr), shape=(points.count, width)))
             first += shape.shape[1]
-        # Not ``block_diag``, which needs twice the memory.
+        # ``block_diag`` is avoided because it needs twice the memory.
         self._matrix = sps.vstack(blocks, format="csr")
         self._tensors = np.concatenate([part.tensors for part in modes]).T
 
     @classmethod
     def at_points(cls, modes: Sequence[Modes], count: int) -> StrainSums:
-        """Return ε at ``count`` points: every point is a sum of its own, with the weight 1."""
+        """Return an instance for ε at ``count`` points: every point has a separate sum with the weight 1."""
         ones = np.ones(count)
         return cls(modes, QuadraturePoints(np.empty((0, count)), np.arange(count), ones, count), ones)
 
@@ -122,10 +125,10 @@ class StrainSums:
 
 
 class PointwiseSums:
-    """The sums Σ w_p S(ε(x_p, t)), (m, sums), for a function S from strains (D, p) to (m, p), from the amplitudes.
+    """Computes the sums Σ w_p S(ε(x_p, t)), (m, sums), for a function S from strains (D, p) to (m, p).
 
     Args:
-        modes: the contributions to ε at the points.
+        modes: the terms of ε at the points.
         sums: to which of ``count`` sums a point contributes, (p,).
         weights: w_p, (p,).
     """
@@ -140,7 +143,7 @@ class PointwiseSums:
 
 
 class StressSums:
-    """The sums Σ w_p σ(x_p, t), (D, sums), for σ = A ε(u̇) + G ε(u), (2.1), from the amplitudes of ε and ε̇.
+    """Computes the sums Σ w_p σ(x_p, t), (D, sums), for σ = A ε(u̇) + G ε(u), (2.1), from the amplitudes of ε and ε̇.
 
     Attributes:
         viscous: Σ w_p α for A = α C.
@@ -165,13 +168,14 @@ class StressSums:
 
 
 class StrainEnergy:
-    """The energy ∫_Ω α C ε·ε dx from the amplitudes.
+    """Computes the energy ∫_Ω α C ε·ε dx from the amplitudes.
 
-    Where many points share a place along the face, this is a quadratic form of the amplitudes. Where hardly any do, its
-    matrix would be many times as large as the modes, and the strain at the points is computed first.
+    If many points share a coordinate along the face, the energy is stored as a quadratic form of the amplitudes. If
+    hardly any do, the matrix of this form would be many times larger than the modes, and the strain at the points is
+    computed first.
 
     Args:
-        modes: the contributions to ε at the points.
+        modes: the terms of ε at the points.
         weights: quadrature weights times α, (n,).
         C: symmetric, Mandel (D, D).
     """
@@ -190,7 +194,7 @@ class StrainEnergy:
 
 
 def _quadratic_form(modes: Sequence[Modes], weights: Array, C: Array) -> sps.csr_array:
-    """Return the matrix of the energy in the amplitudes, (Σ K J, Σ K J), blocks below the diagonal added above it."""
+    """Return the matrix of the energy in the amplitudes, (Σ K J, Σ K J); only upper blocks, doubled by symmetry."""
     tensors = np.concatenate([part.tensors for part in modes])
     products, shapes = tensors @ C @ tensors.T, [*shapes_at_points(modes, len(weights))]
     blocks: list[list[sps.csr_array | None]] = [[None] * len(shapes) for _ in shapes]

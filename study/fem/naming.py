@@ -1,4 +1,4 @@
-"""Names in commands and data files, and the objects they stand for."""
+"""Names of cases, problems and mesh families in commands and data files, and the objects that they denote."""
 
 from __future__ import annotations
 
@@ -25,13 +25,17 @@ from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.files import UsageError
 
 SEED_DIGITS = 20
-"""Digits of a seed of 64 bits; the seed is part of file names."""
+"""Largest number of digits of a seed (64 bits); the seed is part of file names."""
 LONGEST_SHOWN = 120
-"""Characters of a name that a message shows."""
+"""Largest number of characters of a name that a message shows."""
 
 
 def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
-    """The object with a name; UsageError, which lists those there are, if there is none."""
+    """Return the object with the given name.
+
+    Raises:
+        UsageError: no object has this name; the message lists the known names.
+    """
     for item in known:
         if item.name == name:
             return item
@@ -39,14 +43,18 @@ def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
 
 
 def unknown(kind: str, name: str, names: Sequence[str]) -> UsageError:
-    """Return the refusal of a name that does not exist; it says the nearest name and lists all."""
+    """Return the error for an unknown name; it suggests the nearest name and lists all names."""
     near = get_close_matches(name, names, n=1)
     meant = f"did you mean {near[0]}? All" if near else "known"
     return UsageError(f"unknown {kind} {name!r}; {meant}: {', '.join(names)}")
 
 
 def family_named(name: str) -> MeshFamily:
-    """The mesh family with a name, shaken-7 for shaken meshes with the seed 7; UsageError if there is none."""
+    """Return the mesh family with a name; shaken-7 means shaken meshes with the seed 7.
+
+    Raises:
+        UsageError: there is no such family.
+    """
     if seeded := re.fullmatch(r"shaken-(\d+)", name):
         if len(seeded[1]) > SEED_DIGITS:
             raise UsageError(
@@ -58,7 +66,11 @@ def family_named(name: str) -> MeshFamily:
 
 @lru_cache
 def resolve(reference: str) -> Case:
-    """The case behind a catalogue name or FILE.py:NAME, NAME a Case or a function making one; UsageError if none is."""
+    """Return the case for a catalogue name or FILE.py:NAME, where NAME is a Case or a function that returns one.
+
+    Raises:
+        UsageError: the reference does not denote a case.
+    """
     found = _from_file(reference) if _is_file(reference) else _case(reference)
     if found is None:
         raise unknown("case", reference, _case_names())
@@ -69,10 +81,14 @@ def resolve(reference: str) -> Case:
 
 @lru_cache
 def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
-    """Name, data and, where the solution is known, the case behind a name or FILE.py:NAME; UsageError if none are.
+    """Return the name, the data and, if the exact solution is known, the case of a problem.
 
-    NAME is a ``manufactured.Data``, a Case, or a function making one; names are those of the catalogue and of
-    ``manufactured.problems``.
+    Args:
+        reference: a name from the catalogue or from ``manufactured.problems``; or FILE.py:NAME, where NAME is a
+            ``manufactured.Data``, a Case, or a function that returns one.
+
+    Raises:
+        UsageError: the reference does not denote a problem.
     """
     found = _from_file(reference) if _is_file(reference) else _case(reference)
     if found is None:
@@ -99,24 +115,29 @@ def _case(name: str) -> Case | None:
 
 
 def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
-    """Return the cases outside the catalogue. Rollers belong to one level each: those of the level in the name."""
+    """Return the cases outside the catalogue. A roller case belongs to one level, which is part of its name."""
     rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
     level = int(rolling[1]) if rolling else 0
     return (*multiscale(), natural_motion(), no_potential(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
 
 
 def _case_names() -> list[str]:
-    """Return the names of all cases, without rollers, of which there is one for every level."""
+    """Return the names of all cases except roller cases, which exist for every level."""
     return [*NAMES, *(case.name for case in _outside_the_catalogue(""))]
 
 
+def is_own(reference: str) -> bool:
+    """Return whether a reference is FILE.py:NAME, a user's own case, and not a name of the catalogue."""
+    return ":" in reference
+
+
 def name_of(reference: str) -> str:
-    """What a reference is called in data files: the name of the case in FILE.py:NAME, other names as they are."""
-    return resolve(reference).name if ":" in reference else reference
+    """Return the name of a reference in data files: for FILE.py:NAME the name of the case, otherwise the reference."""
+    return resolve(reference).name if is_own(reference) else reference
 
 
 def absolute(reference: str) -> str:
-    """FILE.py:NAME with the full path, which means the same in every directory; other names as they are."""
+    """Return FILE.py:NAME with the full path, which is valid in every directory; return other names unchanged."""
     file, colon, name = reference.rpartition(":")
     return f"{Path(file).resolve()}:{name}" if colon else reference
 
@@ -126,7 +147,7 @@ def _is_file(reference: str) -> bool:
 
 
 def _from_file(reference: str) -> Any:
-    """What FILE.py:NAME stands for; called if it is a function."""
+    """Return the object that FILE.py:NAME denotes; if it is a function, return its result."""
     file, _, name = reference.rpartition(":") if ":" in reference else (reference, "", "")
     path = Path(file).resolve()
     if not path.is_file():
@@ -149,7 +170,7 @@ def _from_file(reference: str) -> Any:
 
 
 def _none_named(file: str, name: str, module: ModuleType) -> str:
-    """What to give instead: cases, data and functions that the file itself defines."""
+    """Return a message that suggests the cases, data and functions that the file defines."""
     own = {key: value for key, value in vars(module).items() if not key.startswith("_")}
     made = [key for key, value in own.items() if isinstance(value, Case | Data)]
     made += [key for key, value in own.items() if isfunction(value) and value.__module__ == module.__name__]

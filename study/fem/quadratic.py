@@ -1,9 +1,9 @@
-"""Continuous piecewise quadratic displacements in Bernstein form, and those of them that are admissible.
+"""Continuous piecewise quadratic displacements in Bernstein form, and a sufficient condition for being admissible.
 
-On a cell v = Σ_α c_α B_α with a coefficient at every vertex, where B_α = λ_i², and one at every edge, B_α = 2 λ_a λ_b.
-On Γ3 the trace v_ν is a polynomial in Bernstein form, and v_ν ≤ 0 follows from ν·c ≤ 0 for its coefficients: the
-functions with N v ≤ 0 lie in K. (Signs of the values at vertices and midpoints would not suffice.) The converse fails:
-K has more quadratic functions than these.
+On a cell v = Σ_α c_α B_α, with a coefficient for every vertex, where B_α = λ_i², and for every edge, B_α = 2 λ_a λ_b.
+On Γ3 the trace v_ν is a polynomial in Bernstein form, so ν·c ≤ 0 for its coefficients implies v_ν ≤ 0: functions with
+N v ≤ 0 lie in K. (Values ≤ 0 at vertices and midpoints would not suffice.) The converse is false: K contains more
+quadratic functions.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ EDGES = ((0, 1), (1, 2), (0, 2))
 
 
 class Quadratic(Displacements):
-    """Displacements of degree 2 on a mesh of triangles; coefficients of vertices come first, then those of edges."""
+    """Displacements of degree 2 on a triangular mesh; coefficients of vertices come first, then of edges."""
 
     @cached_property
     def numbers(self) -> Array:
-        """Three vertices, three edges, (6, cells)."""
+        """The numbers of three vertices and three edges of each cell, (6, cells)."""
         return np.vstack([self.mesh.t, self.mesh.p.shape[1] + self.mesh.t2f])
 
     @property
@@ -37,7 +37,7 @@ class Quadratic(Displacements):
         return np.hstack([self.mesh.p, self.mesh.p[:, self.mesh.facets].mean(axis=1)])
 
     def on_edges(self, edges: Array) -> Array:
-        """Scalar coefficients of the traces on edges in the order of B_α, from the first vertex, (3, n)."""
+        """Return the numbers of the scalar coefficients on edges in the order of B_α, from the first vertex, (3, n)."""
         ends = self.mesh.facets[:, edges]
         return np.vstack([ends[0], self.mesh.p.shape[1] + edges, ends[1]])
 
@@ -46,17 +46,17 @@ class Quadratic(Displacements):
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
-        """Barycentric points (3, 3), at which strains are stored, and weights (3,) of sum 1."""
+        """Barycentric points (3, 3), at which strains are stored, and weights (3,) with sum 1."""
         return simplex_rule(2, 2)
 
     @cached_property
     def points(self) -> Array:
-        """The points of the rule, (2, cells, 3)."""
+        """The quadrature points, (2, cells, 3)."""
         return np.einsum("dvc,vq->dcq", self.mesh.p[:, self.mesh.t], self.rule[0])
 
     @cached_property
     def weights(self) -> Array:
-        """|T|/3 at the points, (cells, 3)."""
+        """The quadrature weights |T|/3 at the points, (cells, 3)."""
         return np.multiply.outer(self.volumes, self.rule[1])
 
     @cached_property
@@ -64,11 +64,11 @@ class Quadratic(Displacements):
         return self.strains(self.rule[0])
 
     def shapes(self, barycentric: Array) -> Array:
-        """B_α at points (3, q) of every cell, (6, q)."""
+        """Return the basis functions B_α at barycentric points (3, q), (6, q)."""
         return np.array([*(x * x for x in barycentric), *(2 * barycentric[a] * barycentric[b] for a, b in EDGES)])
 
     def strains(self, barycentric: Array) -> sps.csr_array:
-        """v ↦ ε(v) in Mandel form at the same points (3, q) of every cell, (3 · cells · q, dofs)."""
+        """Return the matrix from v to ε(v) in Mandel form at points (3, q) of every cell, (3 · cells · q, dofs)."""
         slopes, outer = barycentric_gradients(self.mesh), np.multiply.outer
         gradients = np.stack(
             [
@@ -81,7 +81,7 @@ class Quadratic(Displacements):
         return self._matrix(values, self.numbers.T[:, None])
 
     def strain_at(self, v: Array, cells: Array, points: Points) -> Tensors:
-        """ε(v) at points of some cells, (2, n, q) → (3, n, q)."""
+        """Return ε(v) at points of given cells, (2, n, q) → (3, n, q)."""
         slopes, at = barycentric_gradients(self.mesh)[cells], barycentric(self.mesh, cells, points)
         local = self.coefficients(v)[self.numbers[:, cells]]
         gradient = np.einsum("inj,nik,inq->jknq", 2 * local[:3], slopes, at, optimize=True)

@@ -1,8 +1,9 @@
 """Quadrature on the cells and facets of a mesh, adapted to where the solution is not smooth.
 
-Cells crossed by a line along which the exact strain is singular or kinked for all times are cut along it, and the
-rule is graded towards it; cells with a vertex at a singular point carry Duffy's rule, graded towards the point; all
-other cells a standard rule. Cells that the fronts of one time meet can be cut along these (``sliced_rules``).
+Cells on a line along which the exact strain is singular or kinked for all times are cut along it, and the rule is
+graded towards the line. Cells with a vertex at a singular point have Duffy's rule, graded towards the point. All other
+cells have a standard rule. Cells that are met by the contact fronts of one time can be cut along these fronts
+(``sliced_rules``).
 """
 
 from __future__ import annotations
@@ -23,21 +24,21 @@ from manufactured.tensors import Array, Points
 from study.fem.mesh import MeshError, barycentric_gradients, cell_volumes, facet_measures
 
 TOUCHING = 1e-9
-"""Relative distance below which a vertex lies on a line."""
+"""Relative distance up to which a vertex counts as lying on a line."""
 GRADING = 8
-"""s = c + L ξ^8 turns (s − c)^{2(α−2)}, α > 3/2, into a power of ξ of 0 or more."""
+"""The substitution s = c + L ξ^8 turns (s − c)^{2(α−2)}, α > 3/2, into a nonnegative power of ξ."""
 
 
 @dataclass(frozen=True, eq=False)
 class CellRule:
-    """Quadrature on some cells (n,) with as many points (d, n, q) each; the weights (n, q) sum to |T| over q."""
+    """Quadrature on cells (n,) with equally many points (d, n, q) in each; the weights (n, q) sum to |T| over q."""
 
     cells: Array
     points: Points
     weights: Array
 
     def parts(self, most: int) -> Iterator[CellRule]:
-        """The same rule on no more than ``most`` cells each."""
+        """Yield the same rule for at most ``most`` cells at a time."""
         for here in (slice(first, first + most) for first in range(0, len(self.cells), most)):
             yield CellRule(self.cells[here], self.points[:, here], self.weights[here])
 
@@ -58,7 +59,7 @@ class FacetRule:
 
 @lru_cache
 def gauss(count: int) -> tuple[Array, Array]:
-    """Gauss–Legendre nodes and weights on (0, 1)."""
+    """Return Gauss–Legendre nodes and weights on (0, 1)."""
     x, w = np.polynomial.legendre.leggauss(count)
     found = (x + 1) / 2, w / 2
     for part in found:
@@ -67,22 +68,24 @@ def gauss(count: int) -> tuple[Array, Array]:
 
 
 def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
-    """Barycentric points (d+1, q) and weights (q,) of sum 1 of a rule exact to a degree, with q as small as is known.
+    """Return barycentric points (d+1, q) and weights (q,) with sum 1 of a rule of the given degree with few points.
 
-    Triangles up to degree 19, tetrahedra up to 8. From degree 5 on the rules of scikit-fem 12 on tetrahedra are
-    exact to one degree less than they are asked for (a test looks), and its rule of degree 4 has negative weights.
+    Triangles have rules up to degree 19, tetrahedra up to 8. From degree 5 on the rules of scikit-fem 12 on tetrahedra
+    are exact to one degree less than requested (a test verifies this), and its rule of degree 4 has negative weights.
     """
     reference, weights = get_quadrature(RefTri, degree) if dim == 2 else get_quadrature(RefTet, degree + (degree > 3))
     return np.vstack([1 - reference.sum(axis=0), reference]), weights / weights.sum()
 
 
 def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
-    """Barycentric points (3, q) and weights (q,) of sum 1 of Duffy's rule on a triangle, graded to its first vertex.
+    """Return barycentric points (3, q) and weights (q,) with sum 1 of Duffy's rule on a triangle, graded to its first
+    vertex.
 
-    x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η (v_2 − v_0)), dx = 2|T| g ξ^{2g−1} dξ dη, Gauss in ξ and η.
+    The map is x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η (v_2 − v_0)), dx = 2|T| g ξ^{2g−1} dξ dη, with Gauss rules in ξ and
+    η.
 
-    Source: M. G. Duffy, Quadrature over a pyramid or cube of integrands with a singularity at a vertex,
-    SIAM J. Numer. Anal. 19 (1982) 1260–1262.
+    Source: M. G. Duffy, Quadrature over a pyramid or cube of integrands with a singularity at a vertex, SIAM J. Numer.
+    Anal. 19 (1982) 1260–1262.
     """
     (xi, wx), (eta, we) = gauss(along), gauss(across)
     far = xi[:, None] ** grading * np.ones_like(eta)
@@ -92,14 +95,14 @@ def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
 
 
 def placed(vertices: Points, simplices: Array, barycentric: Array) -> Points:
-    """Points of simplices (k+1, n) with the same barycentric coordinates (k+1, q) in each, (d, n, q)."""
+    """Return points with the barycentric coordinates (k+1, q) in each of the simplices (k+1, n), (d, n, q)."""
     return np.einsum("dvn,vq->dnq", vertices[:, simplices], barycentric)
 
 
 def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
-    """A rule on each facet, exact to the degree 2 points − 2 at least.
+    """Return a rule on each facet, exact to degree 2 points − 2 or more.
 
-    In 2D Gauss's rule on both sides of the coordinates ``rough`` and graded to them.
+    In 2D, facets are divided at the coordinates ``rough``, and Gauss's rule is graded towards these.
 
     Raises:
         MeshError: rough coordinates are given in 3D.
@@ -130,18 +133,18 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
 
 
 def _close(s: Array, rough: tuple[float, ...], length: Array) -> Array:
-    """Which coordinates lie at a rough one, up to rounding."""
+    """Return which coordinates are equal to a rough coordinate up to round-off."""
     return np.any([abs(s - c) <= TOUCHING * length for c in rough] or [np.zeros(s.shape, dtype=bool)], axis=0)
 
 
-# Cells in which the integrand is not smooth, in 2D: which these are, and rules graded to a vertex or to a line.
+# Cells in 2D in which the integrand is not smooth: how they are selected, and rules graded to a vertex or to a line.
 
 Point = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class Line:
-    """{x : direction·x = offset}; MeshError unless the direction is a unit vector."""
+    """The line {x : direction·x = offset}; MeshError unless the direction is a unit vector."""
 
     direction: tuple[float, ...]
     offset: float
@@ -156,7 +159,7 @@ class Line:
 
     @property
     def tangent(self) -> Array:
-        """The direction turned by a right angle, (2,)."""
+        """The direction rotated by a right angle, (2,)."""
         return np.array([-self.direction[1], self.direction[0]])
 
     def __str__(self) -> str:
@@ -165,10 +168,10 @@ class Line:
 
 
 def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> list[Array]:
-    """The cells at each line and then at each point, which need a rule of their own.
+    """Return the cells at each line and then at each point, which need special rules.
 
     Raises:
-        MeshError: two lines or points meet one cell, a point is no vertex, or either is given in 3D.
+        MeshError: two lines or points meet one cell, a point is not a vertex, or lines or points are given in 3D.
     """
     names = [*map(str, lines), *(f"the point {tuple(point)}" for point in points)]
     if mesh.dim() != 2 and names:
@@ -192,14 +195,14 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
 
 
 def _touching(mesh: Mesh, line: Line) -> Array:
-    """Cells that a line crosses, or touches at an edge or a vertex: the integrand is singular there, too."""
+    """Return the cells that a line crosses or touches at an edge or a vertex; the integrand is singular in both."""
     distance = (np.array(line.direction) @ mesh.p - line.offset)[mesh.t]
     near = TOUCHING * (distance.max(axis=0) - distance.min(axis=0))
     return np.flatnonzero((distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near))
 
 
 def _around(mesh: Mesh, point: Point) -> Array:
-    """Cells with a singular point as a vertex."""
+    """Return the cells that have a singular point as a vertex."""
     apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
     vertex = int(apart.argmin())
     here = np.flatnonzero((mesh.t == vertex).any(axis=0))
@@ -212,7 +215,7 @@ def _around(mesh: Mesh, point: Point) -> Array:
 
 
 def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
-    """Duffy's rule on cells with a vertex at a point, exact to the degree; r^{-1} is smooth along the rays."""
+    """Return Duffy's rule on cells with a vertex at a point, exact to the degree; r^{-1} is smooth along the rays."""
     simplices = mesh.t[:, cells]
     vertex = np.linalg.norm(mesh.p[:, simplices] - np.array(point)[:, None, None], axis=0).argmin(axis=0)
     simplices = np.take_along_axis(simplices, (vertex + np.arange(3)[:, None]) % 3, axis=0)
@@ -221,11 +224,11 @@ def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
 
 
 def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
-    """Cells cut into slabs between the line and parallels to it through the vertices.
+    """Return a rule on cells cut into slabs between the line and its parallels through the vertices.
 
-    In coordinates (s, r), s the signed distance from the line and r along it, with vertices sorted by s, a triangle
-    lies between its longest edge in s and the two others. Gauss in r, and in s after the substitution s = c + L ξ^8
-    with c the end of the slab that is nearer to the line.
+    Let s be the signed distance from the line and r the coordinate along it. With vertices sorted by s, a triangle lies
+    between its longest edge in s and the two others. The rule is Gauss in r, and Gauss in s after the substitution
+    s = c + L ξ^8, where c is the end of the slab that is nearer to the line.
     """
     frame = _Frame.of(mesh, cells, line)
     slabs = [frame.slab(*_graded(left, right, degree), degree) for left, right in pairwise(frame.ends([0.0]))]
@@ -233,9 +236,10 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
 
 
 def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) -> Iterator[CellRule]:
-    """Rules for the cells that fronts meet, cut along them, but for some cells (n,).
+    """Yield rules for the cells that fronts meet, cut along the fronts; the cells ``but`` (n,) are left out.
 
-    A cell that two fronts of one direction meet is cut along both, one where fronts of two faces cross along the first.
+    A cell that meets two fronts of one direction is cut along both. If it meets fronts of two faces, it is cut along
+    the front of the first face.
     """
     left = np.ones(mesh.t.shape[1], dtype=bool)
     left[but] = False
@@ -253,7 +257,7 @@ def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) ->
 
 
 def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) -> CellRule:
-    """Cells cut as in ``cut_rule`` along parallel lines, for what is smooth up to each of them: Gauss in s, too."""
+    """Return a rule on cells cut along parallel lines as in ``cut_rule``, for integrands smooth up to each line."""
     frame = _Frame.of(mesh, cells, lines[0])
     ends = frame.ends([line.offset - lines[0].offset for line in lines])
     x, w = gauss(degree // 2 + 2)
@@ -266,7 +270,7 @@ def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) ->
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """Triangles in coordinates (s, r) from a line and along it, vertices sorted by s: (3, n) each."""
+    """Triangles in coordinates (s, r) across and along a line, with vertices sorted by s: (3, n) each."""
 
     line: Line
     s: Array
@@ -281,28 +285,29 @@ class _Frame:
         return cls(line, np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0))
 
     def ends(self, parallels: Sequence[float]) -> Array:
-        """Where slabs end: at vertices and at parallels to the line in some distances, (3 + parallels, n), sorted."""
+        """Return the ends of slabs, sorted: vertices, and parallels to the line at given distances, (3 + parallels,
+        n)."""
         low, high = self.s[0], self.s[2]
         return np.sort(np.vstack([self.s, *(np.clip(np.full_like(low, s), low, high) for s in parallels)]), axis=0)
 
     def slab(self, x: Array, weights: Array, degree: int) -> tuple[Array, ...]:
-        """Points s, r and weights, (n, q) each, on the part of the triangles that a rule (n, p) in s covers."""
+        """Return points s, r and weights, (n, q) each, on the part of the triangles covered by a rule (n, p) in s."""
         s, (eta, we) = self.s, gauss(degree // 2 + 2)
         long = self._chord(x, 0, 2)
-        # The last point: the first of a graded rule lies on the end of the slab but for rounding.
+        # The last point decides, because rounding can put the first point of a graded rule outside the slab.
         short = np.where(x[:, -1:] <= s[1][:, None], self._chord(x, 0, 1), self._chord(x, 1, 2))
         across = long[..., None] + (short - long)[..., None] * eta
         weights = (weights * abs(short - long))[..., None] * we
         return tuple(part.reshape(len(x), -1) for part in (np.repeat(x[..., None], len(eta), axis=2), across, weights))
 
     def rule(self, cells: Array, slabs: Sequence[tuple[Array, ...]]) -> CellRule:
-        """The rule that some slabs make together."""
+        """Return the rule that consists of the given slabs."""
         s, r, weights = (np.concatenate(parts, axis=1) for parts in zip(*slabs, strict=True))
         normal, tangent = np.array(self.line.direction)[:, None, None], self.line.tangent[:, None, None]
         return CellRule(cells, normal * (s + self.line.offset) + tangent * r, weights)
 
     def _chord(self, x: Array, low: int, high: int) -> Array:
-        """r on the edge from vertex low to vertex high at s = x, (n, q)."""
+        """Return r on the edge from vertex low to vertex high at s = x, (n, q)."""
         s, r = self.s, self.r
         length = s[high] - s[low]
         slope = np.divide(r[high] - r[low], length, out=np.zeros_like(length), where=length > 0)
@@ -310,7 +315,7 @@ class _Frame:
 
 
 def _graded(left: Array, right: Array, degree: int) -> tuple[Array, Array]:
-    """A rule (n, q) on left < s < right, graded to the end that is nearer to s = 0."""
+    """Return a rule (n, q) on left < s < right, graded to the end that is nearer to s = 0."""
     xi, wx = gauss(degree + GRADING)
     near_left = abs(left) <= abs(right)
     near, far = np.where(near_left, left, right)[:, None], np.where(near_left, right, left)[:, None]
@@ -318,35 +323,31 @@ def _graded(left: Array, right: Array, degree: int) -> tuple[Array, Array]:
 
 
 # Rules that cover every cell of a mesh once, with points that share coordinates along a contact face.
-#
-# The cost of an exact solution is that of its formulas of (s, t). On a mesh without structure no two quadrature points
-# have the same s. Here they are moved to the lines s = jδ, with δ a power of two and 16 to 32 times smaller than the
-# cell (half of that where two faces share), so that cells have coordinates in common. Weights that change as little as
-# possible keep the rule exact for polynomials of the highest degree that so many weights allow, 2 for six points.
 
 BLOCK = 4096
-"""Most ordinary cells in one rule, whose points fit a cache."""
+"""Largest number of ordinary cells in one rule, so that its points fit into the processor's cache."""
 SHIFT = 1 / 32
-"""Most by which a barycentric coordinate of a point may change."""
+"""Largest change of a barycentric coordinate of a point."""
 TIE = 1e-9
-"""Added to a binary logarithm before it is rounded down: equal cells get equal spacings in spite of rounding."""
+"""Added to a binary logarithm before it is rounded down, so that equal cells get equal spacings despite round-off."""
 
 
 def cell_rules(
     mesh: Mesh, degree: int, lines: Sequence[Line], points: Sequence[Point] = (), along: Sequence[Line] = ()
 ) -> list[CellRule]:
-    """Rules that cover every cell once.
+    """Return rules that cover every cell once.
 
     Args:
         mesh: in 2D or, without lines and points, in 3D.
-        degree: of the rule on ordinary cells, up to 19 in 2D, 8 in 3D; cells at a line or at a point have enough points
-            for the same accuracy away from it.
-        lines: where the integrand is rough.
+        degree: degree of the rule on ordinary cells, up to 19 in 2D and 8 in 3D; cells at a line or at a point have
+            enough points for the same accuracy away from it.
+        lines: lines at which the integrand is not smooth.
         points: vertices of the mesh at which the integrand is singular.
-        along: at most two lines, not parallel; points of ordinary cells get distances from them that many share.
+        along: at most two lines, not parallel; points of ordinary cells are moved so that many have equal distances to
+            them.
 
     Raises:
-        MeshError: from ``rough_cells``.
+        MeshError: as in ``rough_cells``.
     """
     special = rough_cells(mesh, lines, points)
     made = [partial(cut_rule, mesh, line=line, degree=degree) for line in lines]
@@ -369,12 +370,18 @@ def cell_rules(
 def shared(
     corners: Array, gradients: Array, barycentric: Array, weights: Array, lines: Sequence[Line]
 ) -> tuple[Array, Array]:
-    """A rule on triangles whose points have few different distances from some lines: (2, n, q), (n, q) of sum 1.
+    """Return a rule on triangles whose points have few different distances to given lines: (2, n, q), (n, q) with sum
+    1.
+
+    The evaluation of an exact solution is dominated by its formulas in (s, t), and on an unstructured mesh no two
+    quadrature points have the same s. So the points are moved to the lines s = jδ, where δ is a power of two and 16 to
+    32 times smaller than the cell (half of that with two faces). The weights are changed as little as possible so that
+    the rule stays exact for polynomials of the highest degree that this number of weights permits, 2 for six points.
 
     Args:
         corners: (2, 3, n).
         gradients: ∇λ_i, (n, 3, 2).
-        barycentric, weights: the rule, (3, q) and (q,) of sum 1.
+        barycentric, weights: the original rule, (3, q) and (q,) with sum 1.
         lines: one or two, not parallel.
     """
     points = np.einsum("dvn,vq->dnq", corners, barycentric)
@@ -383,7 +390,7 @@ def shared(
     new = np.broadcast_to(barycentric[:, None], (3, *points.shape[1:]))
     for line, move in zip(lines, moves, strict=True):
         slopes = gradients @ move
-        # Moving by δ/2 changes λ_i by half of δ ∇λ_i·m.
+        # A shift by δ/2 changes λ_i by half of δ ∇λ_i·m.
         spacing = np.exp2(np.floor(np.log2(2 * limit / abs(slopes).max(axis=1)) + TIE))[:, None]
         along = np.einsum("d,dnq->nq", line.direction, points) - line.offset
         shift = np.rint(along / spacing) * spacing - along
@@ -393,7 +400,7 @@ def shared(
 
 
 def _correction(barycentric: Array, weights: Array) -> Array:
-    """The least change of weights, relative to them, that restores exactness at points (3, n, q): (n, q)."""
+    """Return the least change of weights, relative to them, that restores exactness at points (3, n, q), (n, q)."""
     degree = (math.isqrt(8 * len(weights) + 1) - 3) // 2
     monomials, integrals = _monomials(degree)
     products = np.ones((barycentric.shape[1], len(monomials), len(weights)))
@@ -407,9 +414,9 @@ def _correction(barycentric: Array, weights: Array) -> Array:
 
 @lru_cache
 def _monomials(degree: int) -> tuple[Array, Array]:
-    """Exponents α of the λ^α with |α| = degree, which span the polynomials of a degree, and their means on T.
+    """Return the exponents α of the monomials λ^α with |α| = degree and their means on T.
 
-    ∫_T λ^α dx = 2|T| α!/(|α| + 2)!.
+    These monomials span the polynomials of the degree, and ∫_T λ^α dx = 2|T| α!/(|α| + 2)!.
     """
     exponents = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
     means = [2 * math.prod(map(math.factorial, each)) / math.factorial(degree + 2) for each in exponents]

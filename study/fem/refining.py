@@ -1,8 +1,8 @@
-"""Meshes that are refined where a field has details, to integrate it, and how V^h goes over into functions on them.
+"""Meshes that are refined where a field has small details, and the inclusion of V^h in the P1 functions on them.
 
-A solution with details of many sizes needs fine quadrature in few places. Cells are divided there (red, green and blue
-refinement, in which every cell is made of cells), so that V^h is contained in the P1 functions on the finer mesh: loads
-and errors of V^h are those of V^h on that mesh, and nothing is approximated but integrals.
+A solution with details of many sizes needs fine quadrature in a few places. Cells are divided there (red, green and
+blue refinement, in which every cell is a union of finer cells), so that V^h is contained in the P1 functions on the
+finer mesh. Loads and errors of V^h are computed on the finer mesh without approximation except for the quadrature.
 """
 
 from __future__ import annotations
@@ -18,17 +18,18 @@ from manufactured.tensors import Array, Points
 from study.fem.space import Space
 
 MOST = 40
-"""Refinements after which a size that is never small enough is refused."""
+"""Largest number of refinements before the wanted size is refused."""
 
 
 def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.csr_array]:
-    """A mesh whose cells are at most as long as wanted in their place, and P1 nodal values there from those here.
+    """Return a mesh with cells at most as long as wanted, and the matrix from P1 nodal values on the given mesh to the
+    new one.
 
     Args:
-        wanted: corners of the cells (2, 3, cells) → the longest side allowed, (cells,).
+        wanted: function from corners of cells (2, 3, cells) to the largest permitted length of a side, (cells,).
 
     Raises:
-        ValueError: some size is not reached.
+        ValueError: the wanted size is not reached.
     """
     inclusion = sps.csr_array(sps.eye_array(mesh.p.shape[1]))
     for _ in range(MOST):
@@ -44,7 +45,7 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
 
 
 def midpoint_values(mesh: Mesh, finer: Mesh) -> sps.csr_array:
-    """P1 nodal values on a mesh from those before one refinement: means of the ends of the edges that were cut."""
+    """Return the matrix of P1 nodal values after one refinement: a new vertex has the mean of the ends of its edge."""
     old, new = mesh.p.shape[1], finer.p.shape[1]
     middles = mesh.p[:, mesh.facets].mean(axis=1)
     distance, edge = cKDTree(middles.T).query(finer.p[:, old:].T)
@@ -58,5 +59,5 @@ def midpoint_values(mesh: Mesh, finer: Mesh) -> sps.csr_array:
 
 
 def inclusion_of(space: Space, finer: Space, nodal: sps.csr_array) -> sps.csr_array:
-    """V^h on a mesh → V^h on a finer one, free values from free values, for the inclusion of nodal values."""
+    """Return the inclusion matrix of V^h on a mesh into V^h on a finer mesh, for free values, from nodal values."""
     return sps.csr_array(sps.kron(nodal, sps.eye_array(space.dim), format="csr")[finer.free][:, space.free])

@@ -1,4 +1,4 @@
-"""The seminorm of Sobolev and Slobodeckij on intervals, |v|_ϱ² = ∬ |v(x) − v(y)|² |x − y|^{−1−2ϱ} dx dy, 0 < ϱ < 1."""
+"""The Sobolev–Slobodeckij seminorm on intervals, |v|_ϱ² = ∬ |v(x) − v(y)|² |x − y|^{−1−2ϱ} dx dy, 0 < ϱ < 1."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from manufactured.tensors import Array
 from study.fem.quadrature import gauss
 
 PANELS, POINTS = 64, 3
-"""Equal panels of (0, 1), and Gauss points in each; one more for the second variable, so that none coincide."""
+"""Equal panels of (0, 1), and Gauss points in each; the second variable has one more, so that no points coincide."""
 
 
 def composite(panels: int, points: int) -> tuple[Array, Array]:
-    """Gauss's rule on equal panels of (0, 1): nodes and weights, (panels · points,)."""
+    """Return Gauss's rule on equal panels of (0, 1): nodes and weights, (panels · points,)."""
     x, w = gauss(points)
     return ((np.arange(panels)[:, None] + x) / panels).ravel(), np.tile(w / panels, panels)
 
@@ -24,9 +24,10 @@ FIRST, SECOND = composite(PANELS, POINTS), composite(PANELS, POINTS + 1)
 
 
 def seminorm(first: Array, second: Array, rho: float) -> Array:
-    """|v|_ϱ on (0, 1) for values at the nodes of ``FIRST`` (..., n) and of ``SECOND`` (..., m) → (...).
+    """Return the seminorm |v|_ϱ on (0, 1) for values at the nodes of ``FIRST`` (..., n) and of ``SECOND`` (..., m) →
+    (...).
 
-    For a Lipschitz v and ϱ ≤ 1/2 the integrand is bounded, and the error a few per mille where v has ten details.
+    For a Lipschitz v and ϱ ≤ 1/2 the integrand is bounded, and the error is a few per mille if v has ten details.
     """
     (x, wx), (y, wy) = FIRST, SECOND
     kernel = np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho)
@@ -36,7 +37,7 @@ def seminorm(first: Array, second: Array, rho: float) -> Array:
 
 @lru_cache
 def gram(panels: int, rho: float) -> Array:
-    """The matrix of |v|_ϱ² on the hat functions of equal panels of (0, 1), (panels + 1, panels + 1)."""
+    """Return the matrix of |v|_ϱ² for the hat functions of equal panels of (0, 1), (panels + 1, panels + 1)."""
     nodes = np.linspace(0, 1, panels + 1)
     (x, wx), (y, wy) = composite(panels, POINTS), composite(panels, POINTS + 1)
     hats = [np.maximum(0, 1 - panels * abs(nodes[:, None] - z)) for z in (x, y)]

@@ -121,5 +121,5 @@ def promise_verdict(low: float, high: float) -> str:
 
 
 def seeds_needed() -> int:
-    """Return the least number of seeds, none of them with an alarm, that decides that the promise is met."""
+    """Return the least number of seeds without an alarm that shows a false-alarm rate of at most ``PROMISE``."""
     return math.ceil(math.log((1 - CONFIDENCE) / 2) / math.log(1 - PROMISE))

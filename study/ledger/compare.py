@@ -270,7 +270,7 @@ def as_text(found: Comparison) -> str:
 
 
 def _lines(found: Comparison) -> Iterator[str]:
-    """Yield lines of any length."""
+    """Yield the lines of the report on a comparison, before they are wrapped."""
     yield f"verdicts: {len(found.verdicts) or 'none'} changed"
     yield from _listed(found.verdicts, SHOWN_VERDICTS)
     yield ""

@@ -114,13 +114,13 @@ class Observation:
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
         """Return the row for a case, which says whether the prediction agrees."""
         found = self.criterion.verdict(of, case, groups, family)
-        agreement = {HOLDS: "agrees", FAILS: "differs", UNDECIDED: "undecided"}[found.verdict]
+        prediction = {HOLDS: "met", FAILS: "wrong", UNDECIDED: "undecided"}[found.verdict]
         if math.isnan(found.observed):
-            agreement = "undecided"
+            prediction = "undecided"
         if self.criterion.window == Window():
             return replace(found, expected=f"no claim: {self.reason}", verdict=REPORTED)
-        expected = f"predicted {self.criterion.window.text}; no claim, as {self.reason}: {agreement}"
-        return replace(found, expected=expected, verdict=MISSED if agreement == "differs" else REPORTED)
+        expected = f"predicted {self.criterion.window.text} ({prediction}); no claim, because {self.reason}"
+        return replace(found, expected=expected, verdict=MISSED if prediction == "wrong" else REPORTED)
 
 
 def judge(of: Named, rows: pd.DataFrame, rules: Sequence[Rule]) -> list[Verdict]:

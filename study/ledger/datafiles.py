@@ -52,6 +52,8 @@ TEXT = {
     "caught",
     "claimed",
     "seen_by",
+    "levels",
+    "noticed_by",
     "rule",
     "part",
     "tail",

@@ -93,7 +93,7 @@ class Facets:
 
     @classmethod
     def between(cls, nodes: Numbers, surface: Numbers) -> Facets:
-        """Return the facets from the vertices that are nodes, (n,), and the triangles of the surface, (3, m)."""
+        """Return the triangles of a surface, (3, m), whose three vertices are all among the given nodes, (n,)."""
         number = np.full(surface.max() + 1, -1)
         number[nodes] = np.arange(len(nodes))
         cells = np.flatnonzero((number[surface] >= 0).all(axis=0))

@@ -125,8 +125,8 @@ def kind(row: pd.Series) -> str:
 
     A row is an identity if its window allows rounding only (an upper end or a width of at most ``EXACT``), or if
     ``theorems`` lists it. Proved relations, which ``theorems`` lists too, have a kind of their own. A window is
-    two-sided if both ends are finite and the lower one is not 0 or a tiny part of the upper one. The key or the
-    quantity of an order names it.
+    two-sided if both ends are finite and the lower one is not 0 or negligible compared with the upper one. A row is an
+    order if its key or its quantity contains the word.
     """
     label, key = str(row["label"]), str(row["key"])
     low, high = float(row["window_low"]), float(row["window_high"])
@@ -160,13 +160,13 @@ def worst_value(row: pd.Series) -> float:
 
 
 def agreement(row: pd.Series) -> str:
-    """Return how a reported row meets its prediction: agrees, differs, or undecided."""
+    """Return whether the prediction of a reported row was met, wrong or undecided."""
     low, high, observed = (float(row[name]) for name in ("window_low", "window_high", "observed"))
     if math.isnan(observed):
         return "undecided"
     if not low <= observed <= high:
-        return "differs"
-    return "agrees" if low <= row["low"] and row["high"] <= high else "undecided"
+        return "wrong"
+    return "met" if low <= row["low"] and row["high"] <= high else "undecided"
 
 
 def _judged(row: pd.Series) -> list[float]:

@@ -42,9 +42,13 @@ class Window:
             least, largest = self.predicted
             middle = shown(least) if least == largest else f"{shown(least)} … {shown(largest)}"
             below, above = f"{least - self.low:.3g}", f"{self.high - largest:.3g}"
-            return f"{middle} ± {below}" if below == above else f"{middle}, − {below} + {above}"
+            if below == above:
+                return f"{middle} ± {below}"
+            return f"{shown(self.low)} … {shown(self.high)}, predicted {middle}"
         if math.isinf(self.high):
             return f"≥ {shown(self.low)}"
+        if self.low == MIN_POSITIVE:
+            return f"> 0 and ≤ {shown(self.high)}"
         one_sided = self.low == 0 or math.isinf(self.low)
         return f"≤ {shown(self.high)}" if one_sided else f"{shown(self.low)} … {shown(self.high)}"
 

@@ -15,7 +15,7 @@ Wish = float | Mapping[str, float] | None
 
 def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_least: Wish = None,
                  tolerance: float = TOLERANCE) -> dict[str, OrderResult]:  # fmt: skip
-    """Observed orders and verdicts of several columns of errors.
+    """Return the observed orders and verdicts of several columns of errors.
 
     Parameters:
         h: mesh sizes, (levels,), or the name of their column if ``errors`` is a DataFrame.
@@ -44,10 +44,10 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
 
 def assert_order(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
                  tolerance: float = TOLERANCE, name: str = "") -> OrderResult:  # fmt: skip
-    """The result, if the errors have the expected order.
+    """Return the result if the errors have the expected order.
 
     Raises:
-        AssertionError: the verdict is not *holds*; the message says what was seen.
+        AssertionError: the verdict is not *holds*; the message describes the observed orders.
         OrderError: as ``observed_orders``, or no expectation was given.
     """
     if expected is None and at_least is None:

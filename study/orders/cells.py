@@ -1,6 +1,7 @@
 """Numbers in the cells of a table, and the meaning of the names of its columns.
 
-Numbers as people write them: 1.2D-3, 1.2(-3), 16x16, 1,5e-3, 1.2×10⁻³, 1/8, 5 %, −0.5, 1 024, \\num{1e-3}.
+Numbers are read in the forms in which people write them: 1.2D-3, 1.2(-3), 16x16, 1,5e-3, 1.2×10⁻³, 1/8, 5 %, −0.5,
+1 024, \\num{1e-3}.
 """
 
 from __future__ import annotations
@@ -31,10 +32,10 @@ _REMARK = re.compile(r"(.*[\d.%])\s*(?:\([^()]*\)|±.*|\+/-.*|\\pm.*)")
 
 
 def to_number(cell: str, decimal_comma: bool = False) -> float | None:
-    """The number in a cell; NaN for a missing one, None for text.
+    """Return the number in a cell; NaN for a missing number, None for text.
 
     Parameters:
-        cell: the text, with blanks around it or not.
+        cell: the text, with or without surrounding blanks.
         decimal_comma: whether ``1,5`` is 1.5 and ``1.024`` is 1024.
     """
     try:
@@ -87,12 +88,12 @@ def _plain(text: str) -> float | None:
 
 
 def uses_decimal_commas(cells: list[str]) -> bool | None:
-    """Whether commas in these cells are decimal ones; None if 1,024 may be 1.024 as well as 1024."""
+    """Return whether commas in these cells are decimal commas; None if 1,024 may be 1.024 or 1024."""
     commas = [cell for cell in map(str.strip, cells) if "," in cell]
     if any(DECIMAL_COMMA.fullmatch(cell) and not THOUSANDS.fullmatch(cell) for cell in commas):
         return True
     grouped = any(THOUSANDS.fullmatch(cell) for cell in commas)
-    # Commas are thousands if points are decimal.
+    # If points are decimal points, commas separate thousands.
     return None if grouped and not any(re.search(r"\d\.\d|\.\d", cell) for cell in cells) else False
 
 
@@ -108,7 +109,7 @@ _KINDS = {
     "level": r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|refinements?|refine",
 }
 SIZES = ("size", "count", "total", "step")
-"""Roles of columns that tell the size of a mesh or of a time step, the preferred one first."""
+"""Roles of columns that give the size of a mesh or of a time step; the first is preferred."""
 _ORDER = (
     r"\b(?:e?oc|eoc|orders?|rates?|roc|ooc|slope|ratio|reduction|log2|ordnung|ordre|konvergenzrate)\b|"
     r"^(?:p|q|r|conv|red)$"
@@ -124,12 +125,13 @@ _THEORY = r"\b(?:expected|theory|theoretical|predicted)\b"
 
 
 def role(name: str) -> str:
-    """``error``, ``order``, ``size``, ``count``, ``total``, ``step`` (of time), ``level``, ``other`` or ``unknown``.
+    """Return the role of a column, from its name.
 
-    A ``count`` is a number along a side, a ``total`` a number of all cells, vertices or unknowns.
+    The roles are ``error``, ``order``, ``size``, ``count``, ``total``, ``step`` (of time), ``level``, ``other`` and
+    ``unknown``. A ``count`` is a number along a side, a ``total`` a number of all cells, vertices or unknowns.
     """
     if name.strip(" $") == "T":
-        # A temperature; time is t.
+        # T is a temperature; time is t.
         return "unknown"
     text = re.sub(r"\[.*?\]|\((?:k?m|s|ms|sec|seconds|cm|mm)\)", " ", name)
     text = text.replace("\\Delta", "Δ").replace("\\tau", "τ").replace("\\#", " n ").replace("#", " n ")

@@ -1,4 +1,4 @@
-"""Which column is a mesh size, which are errors, and which are left out and why."""
+"""Decide which column of a table is a mesh size, which columns are errors, and which are left out and why."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from .sequences import SAME_SIZE, OrderError, consecutive_orders
 
 @dataclass(frozen=True)
 class Options:
-    """What a user says about the columns of a table.
+    """The options with which a user describes the columns of a table.
 
     Attributes:
         dim: dimension of the meshes, for sizes given as counts of cells or unknowns.
         size: name of the column of sizes.
         ratio: ratio of consecutive mesh sizes, coarse to fine, for tables without a size.
-        columns: names of the columns of errors to take.
-        signed: whether values below zero are allowed.
+        columns: names of the columns to be used as errors.
+        signed: whether values below zero are permitted.
     """
 
     dim: int | None = None
@@ -42,13 +42,13 @@ class Options:
 
 @dataclass(frozen=True)
 class Series:
-    """Mesh sizes, columns of errors, and words on what was recognised.
+    """Mesh sizes, columns of errors, and a description of how the table was read.
 
     Attributes:
         h: (levels,); errors: name ↦ (levels,).
-        size: how h was found.
-        ignored: name of a column that was left out ↦ its role.
-        label: tells several tables apart: ``degree 2`` if a column splits a table into cases, or the caption.
+        size: how h was determined.
+        ignored: the names and roles of columns that were left out.
+        label: distinguishes several tables: ``degree 2`` if a column divides a table into cases, or the caption.
     """
 
     h: list[float]
@@ -61,16 +61,16 @@ class Series:
 
     @property
     def recognised(self) -> str:
-        """One line: size, errors, ignored columns."""
+        """One line that names the size, the errors and the ignored columns."""
         ignored = f"; ignored: {', '.join(self.ignored)}" if self.ignored else ""
         return f"read as {self.form}; size: {self.size}; errors: {', '.join(self.errors)}{ignored}"
 
 
 def read_series(data: bytes | str, options: Options) -> list[Series]:
-    """Sizes and errors of all tables in a text that have errors.
+    """Return the sizes and errors of all tables in a text that have errors.
 
     Raises:
-        OrderError: no table, no size, more than one reading of it, no errors, or a cell that is no positive number.
+        OrderError: there is no table, no size or no errors; the size is ambiguous; or a cell is not a positive number.
     """
     raw = read_tables(data)
     names = list(dict.fromkeys(name for table in raw for name in _distinct(table.names)))
@@ -92,7 +92,7 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
 
 
 class Columns:
-    """A table by columns: names, cells, numbers and roles."""
+    """The columns of a table: names, cells, numbers and roles."""
 
     def __init__(self, table: RawTable, options: Options) -> None:
         self.table, self.options = table, options
@@ -106,7 +106,10 @@ class Columns:
         self.errors = [name for name in self.names if self._is_error(name)]
 
     def _role_by_numbers(self, name: str, original: str) -> str:
-        """The role of a column: counters are no errors, and a column that repeats the sizes is no second size."""
+        """Return the role of a column after looking at its numbers.
+
+        Counters are not errors, and a column that repeats the sizes is not a second size.
+        """
         kind, numbers = self.roles[name], self.values[name]
         if kind in ("other", "unknown") and all(ALONG_SIDES.fullmatch(cell.strip()) for cell in self.cells[name]):
             return "count"
@@ -128,7 +131,7 @@ class Columns:
         return self.roles[name] in ("error", "unknown") and name != self.size and filled
 
     def _size_column(self) -> str | None:
-        """Name of the column of sizes; None if there is none."""
+        """Return the name of the column of sizes; None if there is none."""
         if self.options.ratio is not None:
             return None
         wanted = self.options.size
@@ -153,7 +156,7 @@ class Columns:
         return None
 
     def series(self) -> Series:
-        """Sizes, errors, and words on what was left out."""
+        """Return the sizes and errors, and a description of the columns that were left out."""
         errors = {name: self._checked(name) for name in self.errors if name != self.size}
         h, words = self._sizes(errors)
         left = [name for name in self.names if name not in errors and name != self.size]
@@ -165,7 +168,7 @@ class Columns:
         return Series(h, errors, words, ignored, self.table.caption, self.table.form, self.table.label)
 
     def _sizes(self, errors: dict[str, list[float]]) -> tuple[list[float], str]:
-        """Mesh sizes, and how they were found."""
+        """Return the mesh sizes, and how they were determined."""
         rows, ratio = len(self.table.rows), self.options.ratio
         levels = [name for name in self.names if self.roles[name] == "level"]
         if ratio is not None:
@@ -187,12 +190,12 @@ class Columns:
         )
 
     def _converted(self, name: str) -> tuple[list[float], str]:
-        """Mesh sizes from lengths, time steps or counts in a column."""
+        """Return the mesh sizes from lengths, time steps or counts in a column."""
         kind, label, dim = self.roles[name], name or "n", self.options.dim
         if not name:
             kind = "size" if str(self.options.size).lower() == "h" else "count"
         elif kind not in SIZES and all(value and value > 1 and (dim or value % 1 == 0) for value in self.values[name]):
-            # Whole numbers without a known name, such as steps, count; --dim says that others count as well.
+            # Whole numbers without a known name, such as steps, are counts; with --dim so are other numbers.
             kind = "count"
         found = [math.nan if value is None else value for value in self.values[name]]
         if kind not in ("count", "total"):
@@ -211,7 +214,7 @@ class Columns:
         return [value ** (-1 / power) for value in found], f"{words} from column {label}"
 
     def _agrees_with_printed_orders(self, h: list[float], errors: dict[str, list[float]]) -> bool:
-        """Whether the orders that stand next to the errors were computed with these sizes."""
+        """Return whether the orders printed next to the errors were computed with these sizes."""
         differences = []
         for error, order in pairwise(self.names):
             if error not in errors or self.roles[order] != "order":
@@ -233,12 +236,12 @@ class Columns:
                 first, second = sorted((i, j))
                 cell, lines = self.cells[self.size or ""][second], self.table.lines
                 raise OrderError(
-                    f"line {lines[second]}: {self.size or 'n'} = {cell} stands in line {lines[first]} already, "
+                    f"line {lines[second]}: {self.size or 'n'} = {cell} is already in line {lines[first]}, "
                     "expected another size on every mesh: remove one of the rows"
                 )
 
     def _checked(self, name: str) -> list[float]:
-        """The numbers of a column of errors; NaN where the text says nan."""
+        """Return the numbers of a column of errors; NaN if the text says nan."""
         if re.match(_LOGARITHM, name) and not self.options.signed:
             raise OrderError(f"column {name} holds logarithms: give the mesh sizes and the errors themselves")
         found = []
@@ -260,13 +263,13 @@ _LOGARITHM = re.compile(r"(?i)[\W_]*(?:log|ln)(?:[\W_]*(?:2|10|e))?(?:[\W_]|$)")
 
 
 def _distinct(names: list[str]) -> list[str]:
-    """The names; a name that comes again gets the number of its column."""
+    """Return the names; a repeated name gets the number of its column."""
     counts = Counter(names)
     return [name if counts[name] == 1 else f"{name} ({k + 1})" for k, name in enumerate(names)]
 
 
 def _join_names(parts: tuple[str, ...], names: list[str]) -> tuple[str, ...]:
-    """The parts of a text that was split at commas, joined where a name of a column has commas."""
+    """Return the parts of a text that was split at commas, joined again if a name of a column contains commas."""
     joined, start, known = [], 0, set(names)
     while start < len(parts):
         lengths = range(min(len(parts) - start, 8), 0, -1)
@@ -277,7 +280,7 @@ def _join_names(parts: tuple[str, ...], names: list[str]) -> tuple[str, ...]:
 
 
 def _indices(length: int) -> list[list[float | None]]:
-    """0, 1, 2, … and 1, 2, 3, …"""
+    """Return the lists 0, 1, 2, … and 1, 2, 3, …"""
     return [[float(k) for k in range(start, start + length)] for start in (0, 1)]
 
 
@@ -286,7 +289,7 @@ def _from_ratio(ratio: float, rows: int) -> list[float]:
 
 
 def _split_by_case(columns: Columns) -> list[Columns]:
-    """A table for each value of a column, such as the degree, if mesh sizes repeat and are distinct for each value."""
+    """Return one table per value of a column, such as the degree, if sizes repeat but are distinct for each value."""
     table, size, rows = columns.table, columns.size, range(len(columns.table.rows))
     numbers = columns.values.get(size or "", [])
     if size is None or len(set(numbers)) == len(numbers):
@@ -294,7 +297,7 @@ def _split_by_case(columns: Columns) -> list[Columns]:
     for name in columns.names:
         cells = columns.cells[name]
         if cells[0] and "" in cells:
-            # The first row of a case has its name, as with multirow in LaTeX.
+            # Only the first row of a case has its name, as with multirow in LaTeX.
             cells = [next(cell for cell in reversed(cells[: k + 1]) if cell) for k in rows]
         groups = {cell: [k for k in rows if cells[k] == cell] for cell in dict.fromkeys(cells)}
         whole = all(value is None or value % 1 == 0 for value in map(to_number, cells))

@@ -1,8 +1,8 @@
-"""Text → tables. Finds the rows, columns and names of a table of errors in the form in which people paste it.
+"""Read tables of errors from text: find rows, columns and names in the form in which people paste a table.
 
 Forms that are read: values separated by commas, semicolons, tabs, pipes (Markdown, pytools, box drawing), ``&`` (LaTeX)
-or blanks; headers that are comments or take two rows; transposed tables; ``name = value`` lines; lists
-``name = [1, 2, 3]``; ``label 51: 0.1, 101: 0.02`` lines. What a column means is decided in ``columns.py``.
+or blanks; headers that are comments or have two rows; transposed tables; ``name = value`` lines; lists ``name = [1, 2,
+3]``; ``label 51: 0.1, 101: 0.02`` lines. The meaning of a column is decided in ``columns.py``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ MAX_BYTES = 8_000_000
 MAX_ROWS = 100_000
 MAX_CELL = 2_000
 MOST_GROUPED = 1_000
-"""Names in a header of two rows that are assigned to headings; more would take long."""
+"""Largest number of names in a header of two rows that are assigned to headings; more would take too long."""
 UNNAMED = ""
 EXAMPLE = (
     "expected a header such as 'h error' and one line for each mesh, for example 'h,error', '0.5,0.1', '0.25,0.025'"
@@ -30,15 +30,15 @@ EXAMPLE = (
 
 @dataclass(frozen=True)
 class RawTable:
-    """Names and cells as text.
+    """Names and cells of a table as text.
 
     Attributes:
-        form: what the table looks like, in words.
-        names: names of the columns; an empty name is none.
+        form: the form of the table, in words.
+        names: names of the columns; an empty text for a column without a name.
         rows: cells, one list for each mesh.
         lines: line number of every row.
         caption: text above the table.
-        label: the case, if the table is one part of a larger one.
+        label: the case, if the table is one part of a larger table.
     """
 
     form: str
@@ -57,10 +57,10 @@ class Line:
 
 
 def decode(data: bytes) -> str:
-    """Text from bytes in UTF-8 or UTF-16, with or without byte order mark, or in Windows-1252.
+    """Return text from bytes in UTF-8 or UTF-16, with or without byte order mark, or in Windows-1252.
 
     Raises:
-        OrderError: more than 8 MB, or bytes that are no text.
+        OrderError: more than 8 MB, or bytes that are not text.
     """
     if len(data) > MAX_BYTES:
         raise OrderError(
@@ -90,10 +90,10 @@ def decode(data: bytes) -> str:
 
 
 def read_tables(data: bytes | str) -> list[RawTable]:
-    """All tables in a text, in the order in which they stand there.
+    """Return all tables in a text, in their order in the text.
 
     Raises:
-        OrderError: no table was found, a row has too few or too many cells, or the input is too large.
+        OrderError: no table is recognised, a row has too few or too many cells, or the input is too large.
     """
     text = decode(data) if isinstance(data, bytes) else data
     lines = _lines(text)
@@ -126,13 +126,13 @@ _LATEX_START = re.compile(
 
 
 def _lines(text: str) -> list[Line]:
-    """The lines with content, without colours, quote marks, rules and LaTeX commands that draw."""
+    """Return the lines with content, without colours, quote marks, rules and LaTeX commands for layout."""
     text = re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", text)
     signs: dict[str, str | int | None] = {"│": "|", "┃": "|", "║": "|", "┆": "|", "\u200b": None, "\ufeff": None}
     text = text.translate(str.maketrans(signs))
     raw = re.split(r"\r\n|\r|\n", text)
     for k in range(len(raw) - 1, 0, -1):
-        # A row of LaTeX may take several lines.
+        # A row in LaTeX may continue on the next line.
         if raw[k - 1].rstrip().endswith("&") and len(raw[k]) < MAX_CELL:
             raw[k - 1 : k + 1] = [f"{raw[k - 1]} {raw[k]}", ""]
     quoted = sum(line.lstrip().startswith("> ") for line in raw)
@@ -162,16 +162,16 @@ def _lines(text: str) -> list[Line]:
 # Tables with separators.
 
 Split = list[tuple[str, int, int]]
-"""Cells with the columns of the text where they begin and end."""
+"""Cells with the positions in the line at which they begin and end."""
 _WITHIN_NUMBER = re.compile(r"(?<=[\d.])\s+(%(?!\S)|(?:±|\+/-|\\pm|x|×|\\times|\\cdot|·)\s*(?=\d))")
 _PAIRS = re.compile(r"(?<!\S)([^\s:]+:) +(?=[-+.\d])")
 _NORM = re.compile(r"\\?\|\\?\|[^|]+\\?\|\\?\||\\\|[^|]+\\\|")
 
 
 def _split(line: str, separator: str) -> Split:
-    """The cells of a line."""
+    """Return the cells of a line."""
     if separator == " ":
-        # ``h = 1/2`` is one cell, and ``h: 0.5 error: 0.1`` two; a bar or comma between blanks only draws.
+        # ``h = 1/2`` is one cell, and ``h: 0.5 error: 0.1`` are two; a bar or comma between blanks is only decoration.
         joined = _WITHIN_NUMBER.sub(lambda found: found[1].strip(), line)
         line = re.sub(r"(?<=\S) *(=+) *(?=\S)", r"\1", joined)
         if len(_PAIRS.findall(line)) > 1:
@@ -183,7 +183,7 @@ def _split(line: str, separator: str) -> Split:
         except csv.Error:
             cells = line.strip().split(separator)
     elif separator == "|":
-        # The bars of a norm, ||u - u_h||, separate nothing; those around a number do.
+        # The bars of a norm, ||u - u_h||, are not separators; bars around a number are.
         protected = _NORM.sub(
             lambda found: found[0] if _is_number(found[0].strip("|\\ ")) else found[0].replace("|", "\0"), line
         )
@@ -197,7 +197,7 @@ def _split(line: str, separator: str) -> Split:
 
 
 def _is_number(cell: str) -> bool:
-    """Whether a cell holds a number, with decimal point or comma."""
+    """Return whether a cell contains a number, with decimal point or comma."""
     value = to_number(cell)
     value = to_number(cell, decimal_comma=True) if value is None else value
     if value is None and (found := UNIT.fullmatch(cell)):
@@ -211,7 +211,7 @@ def _is_missing(cell: str) -> bool:
 
 
 def _separator(lines: list[Line]) -> str | None:
-    """What separates cells: the sign with which most lines fall into numbers; None if they do not."""
+    """Return the separator with which most lines divide into numbers; None if there is none."""
     best, most = None, 0.0
     for separator in ("|", "&", "\t", ";", ",", " "):
         score = 0.0
@@ -240,7 +240,7 @@ _TYPE_OR_UNIT = re.compile(
 
 
 def _delimited(lines: list[Line]) -> list[RawTable]:
-    """Tables whose cells are separated by one sign."""
+    """Return the tables whose cells are divided by one separator."""
     separator = _separator(lines)
     if separator is not None:
         grid = _Grid(lines, separator)
@@ -268,7 +268,7 @@ class _Grid:
         self.texts = [[cell for cell, *_ in cells] for cells in self.split]
 
     def tables(self) -> list[RawTable]:
-        """Blocks of rows with the headers above them."""
+        """Return the tables, each a block of rows with the header above it."""
         tables: list[RawTable] = []
         above: list[int] = []
         block: list[int] = []
@@ -286,7 +286,7 @@ class _Grid:
         return tables + (self._table(above, block, tables) if block else [])
 
     def _is_row(self, i: int, width: int) -> bool:
-        """Whether a line holds numbers of a table: half of its cells, or one where the width is right."""
+        """Return whether a line is a row of a table: half of its cells are numbers, or one if their number is right."""
         texts = self.texts[i]
         numbers = sum(map(_is_number, texts))
         if self.lines[i].is_comment or not numbers or _SUMMARY.match(texts[0]):
@@ -298,7 +298,7 @@ class _Grid:
         return filled >= used / 2 and (used > 1 or width > 1)
 
     def _starts_table(self, i: int, block: list[int]) -> bool:
-        """Whether a comment between rows is the header of another table."""
+        """Return whether a comment between rows is the header of another table."""
         width = len(self.texts[i])
         following = next((j for j in range(i + 1, len(self.lines)) if not self.lines[j].is_comment), None)
         if following is None or any(map(_is_number, self.texts[i])):
@@ -306,7 +306,7 @@ class _Grid:
         return len(self.split[following]) == width == len(self.split[block[0]]) > 1
 
     def _table(self, above: list[int], block: list[int], before: list[RawTable]) -> list[RawTable]:
-        """The table of a block of rows; its header is the nearest line above that has a name for every column."""
+        """Return the table of a block of rows; its header is the nearest line above with a name for every column."""
         rows, width = self._aligned(block)
         names, used = self._header(above, rows, width)
         if not names and before and len(before[-1].names) == width:
@@ -327,7 +327,7 @@ class _Grid:
         return [RawTable(_FORMS[self.separator], names, rows, numbers, _short(caption, 100))]
 
     def _aligned(self, block: list[int]) -> tuple[list[list[str]], int]:
-        """Rows with equally many cells: blank cells between columns of text are found by their place in the line."""
+        """Return rows with equally many cells; missing cells between blanks are recognised by position."""
         lengths = [len(self.split[i]) for i in block]
         width = max(lengths) if self.separator == " " else Counter(lengths).most_common(1)[0][0]
         model = self.split[block[lengths.index(width)]]
@@ -347,7 +347,7 @@ class _Grid:
         return rows, width
 
     def _header(self, above: list[int], rows: list[list[str]], width: int) -> tuple[list[str], list[int]]:
-        """Names of the columns and the lines they stand in; no names if no line fits."""
+        """Return the names of the columns and the numbers of their lines; both empty if no line fits."""
         units = [i for i in above if all(map(_TYPE_OR_UNIT.fullmatch, self.texts[i]))]
         for i in (i for i in reversed(above) if i not in units):
             names = self._names(i, rows, width)
@@ -362,9 +362,9 @@ class _Grid:
         return [], []
 
     def _names(self, i: int, rows: list[list[str]], width: int) -> list[str] | None:
-        """The names in a line that has one for every column, or for every column but orders or an index."""
+        """Return the names in a line, if it has one for every column, or for every column except orders or an index."""
         text, texts = self.lines[i].text, list(self.texts[i])
-        # A bar or comma between blanks only draws.
+        # A bar or comma between blanks is only decoration.
         wide = re.split(r"\s{2,}|\t", re.sub(r"(?<!\S)[|,](?!\S)", "  ", text).strip())
         if self.separator != " ":
             while len(texts) > width and not texts[-1]:
@@ -393,7 +393,7 @@ class _Grid:
         return None
 
     def _grouped(self, group: int, i: int, names: list[str]) -> list[str] | None:
-        """Names of two header rows, of which the upper one spans several columns; None if it does not."""
+        """Return the names from two header rows if headings of the upper row span several columns, otherwise None."""
         if self.separator == " ":
             upper, wide = _phrases(self.lines[group].text), _phrases(self.lines[i].text)
             lower = wide if len(wide) == len(names) else self.split[i]
@@ -411,13 +411,13 @@ class _Grid:
             return None
         combined = []
         for name, label in zip(names, labels, strict=True):
-            # An error of the quantity h is no mesh size.
+            # An error of a quantity called h is not a mesh size.
             is_error = re.fullmatch(r"(?i)err(?:or)?s?|e", name) and role(label) not in SIZES
             combined.append(label if label and is_error else f"{label} {name}".strip())
         return combined
 
     def transposed(self) -> list[RawTable]:
-        """Tables with a line for each quantity and a column for each mesh, if the labels or the header say so."""
+        """Return tables with a line per quantity and a column per mesh, if labels or header show this form."""
         runs: list[list[int]] = []
         labelled = {i: parts for i in range(len(self.lines)) if (parts := self._labelled(i))}
         for i in range(len(self.lines)):
@@ -434,7 +434,7 @@ class _Grid:
         return []
 
     def _labelled(self, i: int) -> tuple[str, list[str]] | None:
-        """Label and values of a line that is a label with two numbers or more."""
+        """Return label and values of a line that is a label with at least two numbers."""
         texts = list(self.texts[i])
         while texts and not texts[-1] and self.separator != "|":
             texts.pop()
@@ -449,7 +449,7 @@ class _Grid:
         return " ".join(texts[:first]).strip(), values
 
     def _transposed_run(self, run: list[int], labelled: list[tuple[str, list[str]]]) -> RawTable | None:
-        """The table of consecutive lines with labels; None if nothing tells the sizes."""
+        """Return the table of consecutive lines with labels; None if the sizes are unknown."""
         number, width = self.lines[run[0]].number, max(len(values) for _, values in labelled)
         form, caption = "one line for each quantity", ""
         if any(role(label.strip(" :=")) in SIZES for label, _ in labelled):
@@ -467,7 +467,7 @@ class _Grid:
             caption = self.lines[run[0] - 2].text.strip() if run[0] > 1 and run[0] - 2 not in run else ""
             return replace(_from_columns(f"{form}, sizes in the header", columns, number), caption=caption)
         if width % 2 and width >= 3 and (not above or _orders_between(labelled)):
-            # AMReX prints: error order error order error.
+            # AMReX prints error order error order error.
             pairs = [((label, values[::2]), (f"order of {label}", ["", *values[1::2]])) for label, values in labelled]
             columns = dict(pair for both in pairs for pair in both)
             return _from_columns(f"{form}, orders between the errors", columns, number)
@@ -475,14 +475,14 @@ class _Grid:
 
 
 def _phrases(text: str) -> Split:
-    """The phrases of a line, which two blanks or more separate, with the places where they begin and end."""
+    """Return the phrases of a line that are separated by two or more blanks, with their begin and end positions."""
     return [(found[0], *found.span()) for found in re.finditer(r"\S+(?: \S+)*", text)]
 
 
 def _labels_of_repeated(upper: Split, lower: Split) -> list[str] | None:
-    """The heading above each name, if names repeat once for each heading and every heading stands above its names.
+    """Return the heading above each name, if the names repeat for each heading and every heading is above its names.
 
-    It does not matter whether headings are centred. Sizes stand outside the groups.
+    Headings may be centred or not. Sizes stand outside the groups.
     """
     names = [name for name, *_ in lower]
     groups: list[list[int]] = []
@@ -505,7 +505,7 @@ def _labels_of_repeated(upper: Split, lower: Split) -> list[str] | None:
 
 
 def _labels_from_left(upper: Split, lower: Split) -> list[str] | None:
-    """The last heading that begins at a name or left of it; None unless every heading begins where a name begins."""
+    """Return the last heading that begins at or left of each name; None unless every heading begins at a name."""
     if any(all(abs(begin - start) > 1 for _, start, _ in lower) for _, begin, _ in upper):
         return None
     near = 0 if all(end - start == 1 for _, start, end in lower) else 1
@@ -513,7 +513,7 @@ def _labels_from_left(upper: Split, lower: Split) -> list[str] | None:
 
 
 def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
-    """Whether every second value is the order of its two neighbours, for meshes twice as fine."""
+    """Return whether every second value is the order of its two neighbours, for meshes twice as fine."""
     checked = []
     for numbers in ([to_number(cell) or math.nan for cell in values] for _, values in labelled):
         for coarse, order, fine in zip(numbers[::2], numbers[1::2], numbers[2::2], strict=False):
@@ -523,7 +523,7 @@ def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
 
 
 def _place(cells: Split, model: Split) -> list[str] | None:
-    """Cells put under those cells of a full row with which they overlap; None if two share one."""
+    """Return cells at the positions of the overlapping cells of a complete row; None if two cells share a position."""
     placed = [""] * len(model)
     for cell, start, end in cells:
         overlap = [min(end, right) - max(start, left) for _, left, right in model]
@@ -542,7 +542,7 @@ def _from_columns(form: str, columns: dict[str, list[str]], line: int) -> RawTab
     return RawTable(form, list(columns), rows, [line] * len(rows))
 
 
-# Lists, pairs and lines with names.
+# Lists, pairs, and lines with names.
 
 _OPENING = r"[=:]\s*(?:[\w.]{1,40}\(?)?[\[({]"
 _LIST = re.compile(rf"(?P<name>[^\[\](){{}}=:\n]{{1,80}}?)[ \t]*{_OPENING}(?P<values>[^\[\](){{}}]*)[\])}}]")
@@ -551,7 +551,10 @@ _UNNAMED_LIST = re.compile(r"\s*(?:[\w.]{1,40}\()?\[[^\[\]{}:=]*\]\)?[,;]?\s*")
 
 
 def _lists(lines: list[Line]) -> list[RawTable]:
-    """``name = [1, 2, 3]``, one for each column; a list may take several lines; sizes that come again start a table."""
+    """Return tables of lists ``name = [1, 2, 3]``, one for each column.
+
+    A list may continue on further lines; a repeated list of sizes begins another table.
+    """
     text = "\n".join(line.text for line in lines)
     if not re.search(_OPENING, text):
         if lines and all(_UNNAMED_LIST.fullmatch(line.text) for line in lines):
@@ -588,7 +591,7 @@ _PAIR = re.compile(
 
 
 def _labelled_pairs(lines: list[Line]) -> list[RawTable]:
-    """``label 51: 0.1, 101: 0.02, 201: 0.005``, one line for each quantity."""
+    """Return the table of ``label 51: 0.1, 101: 0.02, 201: 0.005`` lines, one for each quantity."""
     columns: dict[str, list[str]] = {}
     sizes: list[str] = []
     number = 0
@@ -612,7 +615,7 @@ _VALUE = re.compile(r"[=:]\s*(?P<value>[^\s,;=:]+)(?=[\s,;]|$)")
 
 
 def _key_values(lines: list[Line]) -> list[RawTable]:
-    """``name = value`` lines; a record ends where a name comes again."""
+    """Return the table of ``name = value`` lines; a record ends when a name is repeated."""
     records: list[dict[str, str]] = []
     numbers: list[int] = []
     for line in lines:
@@ -637,7 +640,7 @@ def _key_values(lines: list[Line]) -> list[RawTable]:
 
 
 def _plain(table: RawTable) -> RawTable:
-    """The table without units in cells and without empty columns, which a trailing separator makes."""
+    """Return the table without units in cells and without empty columns, which a trailing separator makes."""
     filled = [k for k, name in enumerate(table.names) if name or any(not _is_missing(row[k]) for row in table.rows)]
     columns = [[row[k] for row in table.rows] for k in filled]
     cells = [cell for column in columns for cell in column]

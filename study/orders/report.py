@@ -22,7 +22,8 @@ Judged = list[tuple[Series, list[OrderResult]]]
 
 
 def exit_code(judged: Judged) -> int:
-    """1 if an order fails or is higher than expected, else 3 if one is undecided, else 0; 0 without an expectation."""
+    """Return 1 if an order fails or is higher than expected, else 3 if one is undecided, else 0 (also if none is
+    expected)."""
     results = [result for _, results in judged for result in results if result.expectation.window]
     verdicts = {result.verdict for result in results} - {SKIPPED}
     if verdicts & {FAILS, HIGHER}:
@@ -31,7 +32,7 @@ def exit_code(judged: Judged) -> int:
 
 
 def as_text(judged: Judged) -> str:
-    """The conclusion, one line for each column; then what was recognised and all orders; 80 columns."""
+    """Return one line with the conclusion for each column, then how the table was read and all orders."""
     lines: list[str] = []
     every = [result for _, results in judged for result in results]
     for result in every[:MOST_COLUMNS]:
@@ -48,7 +49,7 @@ def as_text(judged: Judged) -> str:
 
 
 def _rows(result: OrderResult) -> list[str]:
-    """Sizes, errors and orders of a column, without the middle of a long one."""
+    """Return lines with sizes, errors and orders of a column; the middle of a long column is left out."""
     orders = ("", *(f"{order:.3f}" for order in result.orders))
     rows = [f"  {h:12.5g} {e:12.5g} {p:>8}" for h, e, p in zip(result.h, result.errors, orders, strict=True)]
     if len(rows) > MOST_ROWS:
@@ -57,7 +58,7 @@ def _rows(result: OrderResult) -> list[str]:
 
 
 def as_json(judged: Judged) -> list[dict[str, Any]]:
-    """One object for each column; what does not exist is null. Schema: docs/reference/rates.schema.json."""
+    """Return one object for each column; undefined numbers are null. Schema: docs/reference/rates.schema.json."""
     found = []
     for series, results in judged:
         table = {key: getattr(series, key) for key in ("caption", "form", "label", "size", "ignored")}
@@ -76,7 +77,7 @@ def _finite(value: Any) -> Any:
 
 
 def as_markdown(judged: Judged) -> str:
-    """A table for the summary of a CI job."""
+    """Return a Markdown table for the summary of a CI job."""
     rows = ["| column | verdict | what the errors do |", "|---|---|---|"]
     for result in (result for _, results in judged for result in results):
         words = result.conclusion.removeprefix(f"{result.verdict}: ")
@@ -86,7 +87,7 @@ def as_markdown(judged: Judged) -> str:
 
 
 def as_junit(judged: Judged) -> str:
-    """JUnit XML: one test case for each column; undecided and higher than expected are failures."""
+    """Return JUnit XML with one test case for each column; undecided and higher than expected count as failures."""
     every = [result for _, results in judged for result in results]
     failed = [result for result in every if result.verdict in (FAILS, HIGHER, UNDECIDED)]
     suite = ElementTree.Element("testsuite", name="study rates", tests=str(len(every)), failures=str(len(failed)))
@@ -100,10 +101,10 @@ def as_junit(judged: Judged) -> str:
 
 
 def plot(judged: Judged, file: Path) -> None:
-    """Draws errors over h with the fitted line of the judged levels and the expected order, as PNG, SVG or PDF.
+    """Draw errors over h with the fitted line of the judged levels and the expected order, as PNG, SVG or PDF.
 
     Raises:
-        OrderError: the name of the file ends otherwise, or Matplotlib is not installed.
+        OrderError: the name of the file has another ending, or Matplotlib is not installed.
     """
     if file.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise OrderError(f"--plot {file}: expected a name that ends with .png, .svg or .pdf")
@@ -118,7 +119,7 @@ def plot(judged: Judged, file: Path) -> None:
     for k, result in enumerate(drawn[:MOST_COLUMNS]):
         h, errors, colour = np.array(result.h), np.array(result.errors), f"C{k % 10}"
         positive = (errors > 0) & np.isfinite(errors)
-        # Dollar signs of names would start formulas that Matplotlib may not know.
+        # Dollar signs in names would start formulas that Matplotlib may not know.
         label = f"{result.name}: order {result.order:.2f}".replace("$", r"\$")
         axes.plot(h[positive], errors[positive], "os^Dv"[k % 5], color=colour, markersize=5, label=label)
         if not math.isfinite(result.order):
@@ -129,7 +130,7 @@ def plot(judged: Judged, file: Path) -> None:
         axes.plot(used, centre * scaled**result.order, color=colour, linewidth=1.2)
         wanted = result.expectation.expected or result.expectation.at_least
         if wanted:
-            # Below the errors, so that both lines are seen where they are parallel.
+            # The expected line is shifted below the errors, so that both lines are visible if they are parallel.
             axes.plot(used, 0.6 * centre * scaled**wanted, "--", color=colour, linewidth=1)
     if any(result.expectation.window for result in drawn):
         axes.plot([], [], "--", color="0.45", linewidth=1, label="expected order, shifted")

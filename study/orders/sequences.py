@@ -1,4 +1,4 @@
-"""Observed orders of a sequence of errors: consecutive, fitted, extrapolated; a diagnosis; a verdict."""
+"""Observed orders of a sequence of errors: consecutive, fitted and extrapolated; a diagnosis and a verdict."""
 
 from __future__ import annotations
 
@@ -14,32 +14,32 @@ from scipy.special import stdtrit
 Array = NDArray[np.float64]
 HOLDS, FAILS, UNDECIDED, HIGHER, SKIPPED = "holds", "fails", "undecided", "higher", "skipped"
 TOLERANCE = 0.15
-"""Half the width of the tolerance window around an expected order, unless another one is given."""
+"""Half the width of the tolerance window around an expected order, by default."""
 STALLED = 0.2
-"""An order of at most this on the finest meshes is stagnation; below its negative, growth."""
+"""If the order on the finest meshes is at most this, the errors stagnate; if it is below the negative, they grow."""
 CLEAR = 10.0
-"""Errors above this multiple of the floor are judged: a floor of a tenth changes an order by 0.15 at most."""
+"""Only errors above this multiple of the floor are judged: a floor of a tenth changes an order by at most 0.15."""
 ROUND_OFF = 1e-10
-"""A floor below this, relative to the coarsest error or to 1, is round-off."""
+"""A floor below this value, relative to the coarsest error or to 1, is round-off."""
 SAME_SIZE = 1e-6
-"""Mesh sizes that differ by less than this, relatively, are one mesh size: their order would be noise."""
+"""Relative difference below which mesh sizes count as equal; an order between them would be noise."""
 
 
 class OrderError(ValueError):
-    """A table or a sequence of errors cannot be used; the message says what was seen and the smallest edit."""
+    """Raised if a table or a sequence of errors cannot be used; the message names the smallest remedy."""
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """What an observed order is compared with.
+    """The expectation with which an observed order is compared.
 
     Attributes:
-        expected: the order that theory gives, met from both sides.
-        at_least: a lower limit alone.
+        expected: the order that theory gives; the observed order must not be lower or higher.
+        at_least: a lower limit only.
         tolerance: half the width of the tolerance window around ``expected``.
 
     Raises:
-        OrderError: both an expected order and a least one, or a number that is not positive.
+        OrderError: both an expected and a least order are given, or a number is not positive.
     """
 
     expected: float | None = None
@@ -57,7 +57,7 @@ class Expectation:
 
     @property
     def window(self) -> tuple[float, float] | None:
-        """Smallest and largest order that are accepted; None without an expectation."""
+        """The smallest and largest accepted order; None without an expectation."""
         if self.at_least is not None:
             return self.at_least - 1e-9, math.inf
         if self.expected is None:
@@ -71,7 +71,7 @@ class Expectation:
 
 
 class Diagnosis(NamedTuple):
-    """What a sequence does: the judged levels ``first:last``, a name, a sentence, and the verdict."""
+    """The diagnosis of a sequence: the judged levels ``first:last``, a name, a sentence, and the verdict."""
 
     first: int
     last: int
@@ -86,14 +86,14 @@ class OrderResult:
 
     Attributes:
         h, errors: (levels,).
-        orders: consecutive observed orders, (levels − 1,); NaN where an error is zero or not finite.
+        orders: consecutive observed orders, (levels − 1,); NaN if an error is zero or not finite.
         order, low, high: least-squares order over the judged levels and its 95 % interval.
-        extrapolated: order extrapolated from the three finest judged levels; NaN without three.
+        extrapolated: order extrapolated from the three finest judged levels; NaN for fewer levels.
         limit: a of a + C h^p through the last three judged levels; NaN if there is no such fit.
         first, last: range of the judged levels, as for a slice.
         kind, sentence: the diagnosis in a word or two, and as a sentence.
         verdict: holds, fails, undecided, higher (than expected), skipped (exactly zero); None without an expectation.
-        expectation: what was asked for.
+        expectation: the expectation with which the orders were compared.
     """
 
     name: str
@@ -114,7 +114,7 @@ class OrderResult:
 
     @property
     def conclusion(self) -> str:
-        """The verdict, the diagnosis and what was expected, in one line."""
+        """The verdict, the diagnosis and the expectation, in one line."""
         wanted = f"; expected {self.expectation}" if str(self.expectation) else ""
         return f"{self.verdict}: {self.sentence}{wanted}" if self.verdict else self.sentence
 
@@ -126,7 +126,7 @@ class OrderResult:
 
 
 def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
-    """log(e_i/e_{i+1}) / log(h_i/h_{i+1}), (levels − 1,); NaN where an error is zero or not finite."""
+    """Return the orders log(e_i/e_{i+1}) / log(h_i/h_{i+1}), (levels − 1,); NaN if an error is zero or not finite."""
     sizes, e = np.asarray(h, dtype=float), np.asarray(errors, dtype=float)
     with np.errstate(all="ignore"):
         found = np.log(e[:-1] / e[1:]) / np.log(sizes[:-1] / sizes[1:])
@@ -136,12 +136,12 @@ def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
 
 
 def fitted_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float, float]:
-    """Least-squares order of log e over log h and its Student interval at 95 %; infinite with two levels."""
+    """Return the least-squares order of log e over log h and its Student interval at 95 %; infinite for two levels."""
     x, y = np.log(np.asarray(h, dtype=float)), np.log(np.asarray(errors, dtype=float))
     free = len(x) - 2
     if free < 0:
         return math.nan, -math.inf, math.inf
-    # ``scipy.stats`` has this, and takes half a second to import.
+    # ``scipy.stats`` has this function, but importing it takes half a second.
     (xx, xy), (_, yy) = np.cov(x, y, bias=True)
     order = float(xy / xx)
     if not free:
@@ -151,7 +151,7 @@ def fitted_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float, float]:
 
 
 def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
-    """The order for h → 0 from the three finest levels, if orders change in proportion to h; NaN without three."""
+    """Return the order for h → 0 from the three finest levels, if orders are linear in h; NaN for fewer levels."""
     sizes, orders = np.asarray(h, dtype=float)[-3:], consecutive_orders(h, errors)[-2:]
     if len(sizes) < 3:
         return math.nan
@@ -160,7 +160,7 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
 
 
 def limit_and_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
-    """a and p of e = a + C h^p through the three finest levels; NaN if no positive p fits."""
+    """Return a and p of e = a + C h^p through the three finest levels; NaN if no positive p fits."""
     h1, h2, h3 = map(float, np.asarray(h, dtype=float)[-3:])
     e1, e2, e3 = map(float, np.asarray(errors, dtype=float)[-3:])
     if not (e1 > e2 > e3 or e1 < e2 < e3) or max(e1, e3) > 1e200 or max(h1 / h2, h2 / h3) > 1e5:
@@ -180,7 +180,7 @@ def limit_and_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
 
 def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
                     tolerance: float = TOLERANCE, name: str = "") -> OrderResult:  # fmt: skip
-    """Observed orders, diagnosis and verdict of errors on meshes of size h, given in any order.
+    """Return observed orders, diagnosis and verdict of errors on meshes of size h, in any order of the meshes.
 
     Parameters:
         h, errors: (levels,).
@@ -208,7 +208,7 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
 
 
 def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Array]:
-    """Checked mesh sizes and errors, the coarsest mesh first."""
+    """Return mesh sizes and errors after checking them, the coarsest mesh first."""
     if np.iscomplexobj(errors):
         raise OrderError(f"{name or 'error'}: the errors are complex numbers; give absolute values")
     sizes, e = (np.asarray(values, dtype=float).ravel() for values in (h, errors))
@@ -222,7 +222,7 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
     sizes, e = sizes[coarse_first], e[coarse_first]
     repeated = np.flatnonzero(-np.diff(sizes) < SAME_SIZE * sizes[1:])
     if repeated.size:
-        raise OrderError(f"the mesh size {sizes[repeated[0]]:.12g} stands there twice: give one error for each mesh")
+        raise OrderError(f"the mesh size {sizes[repeated[0]]:.12g} occurs twice: give one error for each mesh")
     return sizes, e
 
 
@@ -231,7 +231,7 @@ def _text(orders: Array) -> str:
 
 
 def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
-    """What the sequence does; the cases in which an error is no power of h come first."""
+    """Return the diagnosis of a sequence; errors that are not a power of h are recognised first."""
     n = len(e)
     if not np.isfinite(e).all():
         where = h[np.flatnonzero(~np.isfinite(e))[0]]
@@ -255,7 +255,7 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
 
 
 def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
-    """The diagnosis of errors that grow, stagnate or reach round-off on the finest meshes; None for others."""
+    """Return the diagnosis of errors that grow, stagnate or reach round-off on the finest meshes; None for others."""
     orders, n = consecutive_orders(h, e), len(e)
     moving = np.flatnonzero(orders > STALLED)
     stall = int(moving[-1]) + 1 if moving.size else 0
@@ -277,7 +277,8 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
 
 
 def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
-    """The diagnosis of errors a + C h^p with a > 0, if the last two triples of levels agree on a and p; else None."""
+    """Return the diagnosis of errors a + C h^p, a > 0, if the last two triples of levels agree on a and p; else
+    None."""
     n, orders = len(e), consecutive_orders(h, e)
     if n < 4 or not orders[-1] < orders[-2] < orders[-3]:
         return None
@@ -291,7 +292,7 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
 
 
 def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, expectation: Expectation) -> Diagnosis:
-    """The verdict from the levels clearly above a floor, if three orders are left there."""
+    """Return the diagnosis from the levels with errors clearly above a floor, if they have three orders or more."""
     low = np.flatnonzero(e[:stall] < CLEAR * floor)
     stop = int(low[0]) if low.size else stall
     if stop < 4:
@@ -306,7 +307,7 @@ def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, 
 
 
 def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
-    """First level of the asymptotic range, and the verdict; an order in the window counts as settled."""
+    """Return the first level of the asymptotic range, and the verdict; an order in the window counts as settled."""
     orders, n = consecutive_orders(h, e), len(e)
     if expectation.window is None:
         fine_first = orders[::-1]
@@ -316,7 +317,7 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
     outside = np.flatnonzero((orders < low) | (orders > high))
     first = int(outside[-1]) + 1 if outside.size else 0
     extrapolated = extrapolated_order(h, e)
-    # Equal errors on two meshes are a table with a mistake, or chance: extrapolation does not help.
+    # Equal errors on two meshes are a mistake in the table or chance; extrapolation then means nothing.
     two_suffice = low <= extrapolated <= high and (np.diff(e) != 0).all()
     if n - 1 - first >= 3 or (n - 1 - first == 2 and two_suffice):
         return first, HOLDS
@@ -331,7 +332,7 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
 
 
 def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
-    """The diagnosis and verdict of errors that decrease to the finest mesh."""
+    """Return the diagnosis and verdict of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
     orders, used = consecutive_orders(h, e), consecutive_orders(h[first:], e[first:])
     previous, last = orders[-2:]
@@ -362,15 +363,15 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     return Diagnosis(first, len(e), kind, sentence, verdict)
 
 
-# No exact solution: order from differences, extrapolated value, grid convergence index (Celik et al. 2008, V&V 20).
+# Without an exact solution: grid convergence index (Celik et al. 2008, V&V 20).
 
 SAFETY = 1.25
-"""The factor of the grid convergence index."""
+"""The safety factor of the grid convergence index."""
 
 
 @dataclass(frozen=True)
 class GridConvergence:
-    """A quantity on the three finest meshes.
+    """The convergence of a quantity on the three finest meshes.
 
     Attributes:
         kind: monotone, oscillating, diverging or equal values.
@@ -386,7 +387,7 @@ class GridConvergence:
 
 
 def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
-    """Apparent order, extrapolated value and grid convergence index from the three finest of the meshes.
+    """Return the apparent order, extrapolated value and grid convergence index from the three finest meshes.
 
     Raises:
         OrderError: fewer than three meshes, or sizes that are not positive and distinct.

@@ -1,7 +1,8 @@
 """The inputs of ``paper/`` from the data files: its tables, and macros for every measured number in its text.
 
-Written to ``article/``, and only for a full run with its controls, which is what the article is about. Extremes are
-rounded outwards: a smallest value down, a largest value up, so that no sentence says more than was seen.
+They are written to ``article/``, only for a full run with its controls, because the article describes such a run.
+Ranges are rounded outwards (the smallest value down, the largest value up), so that no sentence claims more than was
+observed.
 """
 
 from __future__ import annotations
@@ -35,14 +36,15 @@ from study.present.full_run import FullRun
 from study.present.notation import encode, encode_letters, folding, longtable, prose, tabular
 
 DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
-"""Ends of the keys of predictions about the fully discrete error; other rows are there for comparison."""
+"""Ends of the keys of predictions about the fully discrete error; other rows are shown for comparison."""
 NEGLIGIBLE = 1e-6
-"""A defect below this amount is seen however small it is: the start has to be Π^h u_0 up to rounding."""
+"""A defect whose smallest noticed size is below this value is noticed at any size: the start must be Π^h u_0."""
 Named = Iterator[tuple[str, object]]
 
 
 def article(directory: Path) -> dict[Path, str]:
-    """Returns path ↦ text of macros and tables under ``directory/article``; nothing for a run that is not full.
+    """Return the texts of macros and tables by their paths under ``directory/article``; empty for a run that is not
+    full.
 
     Raises:
         DataError: the data lack a row that the article names.
@@ -59,7 +61,7 @@ def article(directory: Path) -> dict[Path, str]:
 
 
 def macros(data: FullRun) -> str:
-    """Returns \\newcommand lines, grouped by subject."""
+    r"""Return \\newcommand lines, grouped by subject."""
     theory = _smooth, _rough, _equivalence, _bounds, _contact, _time, _laws, _discrete
     groups = _ledger, _plan, *theory, _packages
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
@@ -67,7 +69,7 @@ def macros(data: FullRun) -> str:
 
 
 def _ledger(data: FullRun) -> Named:
-    """Verdicts, caught defects, and false alarms on fresh random meshes."""
+    """Yield the verdicts, the noticed defects, and the false alarms on fresh random meshes."""
     yield "ledgerRows", len(data.claims)
     yield "ledgerStatements", len(list(by_claim(data.claims)))
     counts = count_verdicts(data.claims)
@@ -91,7 +93,7 @@ def _ledger(data: FullRun) -> Named:
 
 
 def _plan(data: FullRun) -> Named:
-    """The size of the study."""
+    """Yield the size of the study."""
     plane, solid = (data.rates[data.rates["dim"] == dim] for dim in (2, 3))
     yield "caseCount", len(data.cases)
     for name, claim in (("casesSmooth", "Prop. 5.4"), ("casesRough", "Prop. 5.3")):
@@ -108,7 +110,7 @@ def _plan(data: FullRun) -> Named:
 
 
 def _smooth(data: FullRun) -> Named:
-    """Proposition 5.4."""
+    """Yield the numbers for Proposition 5.4."""
     label = "Prop. 5.4"
     yield from _extremes("orderLevel", data.rows(label, "order"))
     extrapolated = data.rows(label, "order-extrapolated")
@@ -123,7 +125,7 @@ def _smooth(data: FullRun) -> Named:
     yield "shareTime", _percent(data.rows(label, "time-share")["high"].max())
     yield "shareQuadrature", _percent(data.rows(label, "quadrature")["high"].max())
     sweeps = data.rates[data.rates["claim"] == label]
-    # Laws that are not linear need a fixed point in every step.
+    # Nonlinear laws need a fixed-point iteration in every step, which leaves a larger residual.
     yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
     yield "residualLinear", _power(sweeps.loc[~yielding, "residual"].max())
     yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
@@ -131,7 +133,7 @@ def _smooth(data: FullRun) -> Named:
 
 
 def _rough(data: FullRun) -> Named:
-    """Proposition 5.3, and what (5.36) has to do with the order."""
+    """Yield the numbers for Proposition 5.3, and for the order without the assumption (5.36)."""
     label = "Prop. 5.3"
     yield "ratioMost", _most(data, label, "falling")
     yield "limitMost", _percent(data.rows(label, "limit")["high"].max())
@@ -149,7 +151,7 @@ def _rough(data: FullRun) -> Named:
 
 
 def _equivalence(data: FullRun) -> Named:
-    """Theorem 4.2."""
+    """Yield the numbers for Theorem 4.2."""
     for name, column in (
         ("agreeDisplacement", "displacement_gap"),
         ("agreeStress", "stress_gap"),
@@ -170,7 +172,7 @@ def _equivalence(data: FullRun) -> Named:
 
 
 def _bounds(data: FullRun) -> Named:
-    """The bound and the enclosures."""
+    """Yield the numbers for the error bound and the enclosures."""
     yield from _extremes("boundUpper", data.rows("bound", "upper"), 1)
     yield "boundCases", data.rows("bound", "above")["case"].nunique()
     yield "encloseUpperMax", _most(data, "enclosure", "upper")
@@ -186,7 +188,7 @@ def _bounds(data: FullRun) -> Named:
 
 
 def _contact(data: FullRun) -> Named:
-    """The work of contact, and what contact costs where a narrow patch rolls along Γ3."""
+    """Yield the work of contact, and the error due to contact if a narrow patch rolls along Γ3."""
     for name, key in (("Solution", "solution"), ("All", "all")):
         yield f"edge{name}", _most(data, "beyond: work on edges", key)
     label = "beyond: work of contact"
@@ -209,7 +211,7 @@ def _contact(data: FullRun) -> Named:
 
 
 def _time(data: FullRun) -> Named:
-    """Errors in time with their bounds, and orders where many vertices come into contact."""
+    """Yield errors in time with their bounds, and orders if many vertices come into contact."""
     label = "beyond: O(h + k)"
     yield "timeByData", _most(data, label, "data")
     yield "timeBySolution", _most(data, label, "solution")
@@ -221,7 +223,7 @@ def _time(data: FullRun) -> Named:
 
 
 def _laws(data: FullRun) -> Named:
-    """How fast solutions diverge where G softens, with eigenvalues and the bound of Theorem 2.2."""
+    """Yield growth rates of differences of solutions if G softens, with eigenvalues and the bound of Theorem 2.2."""
     label, soft, wells = "Thm 2.2, (4.4)", "softening", "double-well"
     rates = pd.concat([data.rows(label, key) for key in ("rate", "rate-even")])
     yield "lawsRate", _power((rates[["low", "high"]] - 1).abs().max(axis=None))
@@ -235,7 +237,7 @@ def _laws(data: FullRun) -> Named:
 
 
 def _discrete(data: FullRun) -> Named:
-    """How many predictions about the fully discrete error agree, and the room in the constants."""
+    """Yield how many predictions about the fully discrete error agree, and how sharp the constants are."""
     claims = data.claims[data.claims["label"] == "beyond: fully discrete"]
     predicted = claims["key"].str.endswith(DISCRETE)
     for name, total, rows in (
@@ -244,8 +246,8 @@ def _discrete(data: FullRun) -> Named:
     ):
         outcomes = rows.apply(agreement, axis=1)
         yield total, len(outcomes)
-        for outcome in ("agrees", "undecided", "differs"):
-            yield f"{name}{outcome.capitalize()}", outcomes.eq(outcome).sum()
+        for outcome, macro in (("met", "Agrees"), ("undecided", "Undecided"), ("wrong", "Differs")):
+            yield f"{name}{macro}", outcomes.eq(outcome).sum()
     label = "(5.20)–(5.21), (5.42)"
     constant = pd.concat([data.rows(label, key) for key in ("constant-5.21", "constant-5.42")])
     yield "roomLeast", below(1 / constant["high"].max(), 0)
@@ -253,7 +255,7 @@ def _discrete(data: FullRun) -> Named:
 
 
 def _packages(data: FullRun) -> Named:
-    """The programs behind the committed data."""
+    """Yield the versions of the programs that computed the committed data."""
     yield "withPython", prose(data.provenance["python"])
     packages = data.provenance["packages"]
     yield "withPackages", ", ".join(f"{prose(name)} {prose(packages[name])}" for name in packages)
@@ -269,7 +271,7 @@ def _most(data: FullRun, label: str, key: str, digits: int = 2) -> str:
 
 
 def two_digits_up(value: float) -> float:
-    """Returns a value rounded up to two significant digits; 1e-5 stays 1e-5."""
+    """Return a value rounded up to two significant digits; 1e-5 stays 1e-5."""
     return float(above(value, 1 - math.floor(math.log10(value)))) if value else 0.0
 
 
@@ -285,7 +287,7 @@ def _power(value: float) -> str:
 
 
 def ledger(data: FullRun) -> str:
-    """Returns one row per statement: the number of verdicts of each kind, and the row that uses most of its window."""
+    """Return one row per statement: verdicts of each kind, and the check that is nearest to its window's end."""
     body = []
     for label, claim, rows in by_claim(data.claims):
         count, judged = count_verdicts(rows), rows[~rows["verdict"].isin(UNCLAIMED)]
@@ -304,7 +306,7 @@ def ledger(data: FullRun) -> str:
 
 
 def catalogue(data: FullRun) -> str:
-    """Returns the exact solutions: name, what the zone does, law."""
+    """Return the exact solutions: name, summary, law."""
     laws = data.cases["law"].str.removeprefix("linear, ")
     facts = zip(data.cases["case"], data.cases["summary"], laws, strict=True)
     body = [[prose(case), encode_letters(summary), encode_letters(law)] for case, summary, law in facts]
@@ -312,7 +314,7 @@ def catalogue(data: FullRun) -> str:
 
 
 def smooth(data: FullRun) -> str:
-    """Returns Prop. 5.4, one row per case: orders of the error and of the discrete error, finest level, time share."""
+    """Return Prop. 5.4, one row per case: orders of the error and of the discrete error, finest level, time share."""
     label, body = "Prop. 5.4", []
     for case, rows in data.rates[data.rates["claim"] == label].groupby("case", sort=False):
         cells = [
@@ -329,7 +331,7 @@ def smooth(data: FullRun) -> str:
 
 
 def rough(data: FullRun) -> str:
-    """Returns Prop. 5.3, one row per case: the predicted order, the order that the proof of 5.4 gives, and the data."""
+    """Return Prop. 5.3, one row per case: the predicted order, the order proved as for 5.4, and the observations."""
     label, body = "Prop. 5.3", []
     for case in data.rates.loc[data.rates["claim"] == label, "case"].drop_duplicates():
         orders = [f"{data.cases.loc[case, name]:.3g}" for name in ("expected_order", "proved_order")]
@@ -345,7 +347,7 @@ def rough(data: FullRun) -> str:
 
 
 def stresses(data: FullRun) -> str:
-    """Returns Theorem 4.2 on its own stress space, a row per case and family that is not shaken: orders and windows."""
+    """Return Theorem 4.2 with a separate stress space, one row per case and mesh family (not shaken)."""
     rows = data.claims[(data.claims["label"] == "Thm 4.2, own space") & (data.claims["family"] != "shaken")]
     body = []
     for (case, family), part in rows.groupby(["case", "family"], sort=False):
@@ -359,9 +361,9 @@ def stresses(data: FullRun) -> str:
 
 
 def enclosures(data: FullRun) -> str:
-    """Returns the enclosures on three levels: of a case with an exact solution, and of problems without one.
+    """Return the enclosures on three levels: of a case with an exact solution, and of problems without one.
 
-    Ends are rounded outwards.
+    The ends are rounded outwards.
     """
     roundings = {"lowest": down, "error": _nearest, "highest": up, "upper": up, "lower": down}
     rows = data.bounds[data.bounds["trajectory"] == "enclosure"]
@@ -376,7 +378,7 @@ def enclosures(data: FullRun) -> str:
 
 
 def discrete(data: FullRun) -> str:
-    """Returns the fully discrete error, a row per case and scheme: 95 % intervals of orders.
+    """Return the fully discrete error, one row per case and scheme: 95 % intervals of orders.
 
     Undecided predictions are marked with * and wrong ones with †.
     """
@@ -389,7 +391,7 @@ def discrete(data: FullRun) -> str:
             for key in DISCRETE:
                 row = by_key.loc[f"{scheme}-{key}"]
                 interval = rf"\([{row['low']:.2f}, {row['high']:.2f}]\)" if row["low"] < row["high"] else _range(row)
-                mark = {"agrees": "", "undecided": "*", "differs": r"\dagger"}[agreement(row)]
+                mark = {"met": "", "undecided": "*", "wrong": r"\dagger"}[agreement(row)]
                 marked = interval + (rf"\rlap{{\(^{{{mark}}}\)}}" if mark else "")
                 cells.append("--" if pd.isna(row["observed"]) else marked)
             body.append([prose(str(case)), prose(scheme), *cells])
@@ -398,7 +400,7 @@ def discrete(data: FullRun) -> str:
 
 
 def slips(data: FullRun) -> str:
-    """Returns the misprints in the source: place, what is printed, how it has to be read."""
+    """Return the misprints in the paper: place, printed text, corrected text."""
     rows = data.claims[data.claims["label"] == "slips"]
     body = [
         [encode_letters(str(row[name]).removeprefix("read: ")) for name in ("case", "quantity", "expected")]
@@ -409,7 +411,7 @@ def slips(data: FullRun) -> str:
 
 
 def codes(data: FullRun) -> str:
-    """Returns other people's contact codes with their parameters, a row each; no rows if there are no data."""
+    """Return other people's contact codes with their parameters, one row each; no rows if there are no data."""
     body = [
         [
             prose(f"{row['code']} {row['version']}"),
@@ -425,7 +427,7 @@ def codes(data: FullRun) -> str:
 
 
 def sensitivity(data: FullRun) -> str:
-    """Returns the smallest defects in per cent that a row sees on every mesh family; no rows without data."""
+    """Return the smallest defects in per cent that a check notices on every mesh family; no rows without data."""
     if data.sensitivity is None:
         return tabular(["case"], "l", [])
     largest = data.sensitivity.groupby(["case", "defect"], sort=False)["amount"].max().unstack("defect")
@@ -435,7 +437,7 @@ def sensitivity(data: FullRun) -> str:
 
 
 def _cell(data: FullRun, label: str, key: str, case: object, write: Callable[[pd.Series], str]) -> str:
-    """Returns one cell from the first such row of the ledger; a dash if the case has none."""
+    """Return a cell with the first such check of the ledger; a dash if the case has none."""
     try:
         return write(data.rows(label, key, str(case)).iloc[0])
     except DataError:
@@ -460,7 +462,7 @@ def _range(row: pd.Series) -> str:
 
 
 def _regularity(data: FullRun, case: object) -> str:
-    """Returns the exponents of a case, short enough for a column."""
+    """Return the exponents of a case, shortened for a column."""
     text = str(data.cases.loc[str(case), "regularity"])
     return encode_letters(
         text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", ")
@@ -472,12 +474,12 @@ def _nearest(value: float, digits: int) -> str:
 
 
 def _number(value: float, rounding: Callable[[float, int], str] = _nearest, digits: int = 3) -> str:
-    """Returns a measured number with some significant digits."""
+    """Return a measured number with a given number of significant digits."""
     return encode(f"{float(rounding(value, digits)):#.{digits}g}".rstrip("."))
 
 
 def window_ends(row: pd.Series) -> str:
-    """Returns the ends of a window as mathematics; a low end of 0 or −∞ is left out."""
+    """Return the ends of a tolerance window as mathematics; a lower end of 0 or −∞ is left out."""
     ends = float(row["window_low"]), float(row["window_high"])
     low, high = (encode(f"{end:.4g}").strip(r"\()").removeprefix(r"1\cdot ") for end in ends)
     if ends[0] == 0 or math.isinf(ends[0]):

@@ -1,4 +1,4 @@
-"""The deforming body on its foundation: projection, scales, and the figure of a body at some times."""
+"""The deforming body on its foundation: projection, scales, and the figure of a body at selected times."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ ARROW = 0.2
 THICKNESS = 0.05
 """The thickness of the foundation, as a fraction of the longest side."""
 BRIGHTEST = 0.95
-"""Stresses above this quantile share the last colour: peaks at fronts and corners would leave the rest alike."""
+"""Stresses above this quantile share the last colour; peaks would otherwise hide all other differences."""
 OBLIQUE = np.array([0.35, 0.55, 0.25])
-"""Added to the direction of view of a solid, so that three sides of a box are seen."""
+"""Added to the direction of view of a solid, so that three sides of a box are visible."""
 ROUND_OFF = 1e-9
-"""Gaps and pressures below this count as zero; where they are not zero they are of order one."""
+"""Gaps and pressures below this value count as zero; others are of order one."""
 SHADES = 16
 """The number of colours of stress and of pressure."""
 MOST_ARROWS = 16
@@ -42,20 +42,20 @@ GAP: dict[str, Any] = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth":
 
 
 def shade(shares: Array) -> Array:
-    """Returns the place of stresses in their colours, from their fractions of the limit.
+    """Return the positions of stresses in the colour scale, from their fractions of the limit.
 
-    The root makes small stresses visible where loads are large.
+    The square root makes small stresses visible where loads are large.
     """
     return np.asarray(np.sqrt(np.clip(shares, 0, 1)))
 
 
 def ramp(name: str, shades: int = 256) -> Colormap:
-    """Returns the colours of a quantity, from zero to its largest value."""
+    """Return the colours of a quantity, from zero to its largest value."""
     return LinearSegmentedColormap.from_list(name, RAMPS[name], shades)
 
 
 def magnification(vertices: Array, displacements: Iterable[Array]) -> float:
-    """Returns the factor of displacements, rounded down to two digits so that it can be stated.
+    """Return the factor by which displacements are magnified, rounded down to two digits so that it can be stated.
 
     Parameters:
         vertices, displacements: (d, vertices) each.
@@ -73,17 +73,17 @@ class View:
     """A parallel projection.
 
     Attributes:
-        axes: orthonormal rows, (d, d): the directions to the right, upwards and, in space, to the eye.
+        axes: orthonormal rows, (d, d): the directions to the right, upwards and, in 3D, towards the eye.
     """
 
     axes: Array
 
     @classmethod
     def of(cls, picture: Picture) -> View:
-        """Returns the identity in the plane; a solid is seen obliquely, from above and outside its contact faces.
+        """Return the identity in 2D; a solid is seen obliquely, from above and from outside its contact faces.
 
-        The direction to the eye is the sum of the normals with every component increased in absolute value. The third
-        axis is upright. A body on a floor is turned upside down, since a body seen from below looks hollow.
+        The direction towards the eye is the sum of the normals with every component increased in absolute value. The
+        third axis is vertical. A body on a floor is turned upside down, because a body seen from below looks hollow.
         """
         if len(picture.vertices) == 2:
             return cls(np.eye(2))
@@ -96,13 +96,13 @@ class View:
         return cls(np.array([right, np.cross(towards, right), towards]))
 
     def flat(self, x: Array) -> Array:
-        """Returns points in the drawing, (d, n) → (2, n)."""
+        """Return the projections of points, (d, n) → (2, n)."""
         return self.axes[:2] @ x
 
     def order(self, x: Array, cells: NDArray[np.int64], shades: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Returns the triangles that face the eye, the farthest first (painter's algorithm); x are vertices, (d, n).
+        """Return the triangles that face the eye, the farthest first (painter's algorithm); x are vertices, (d, n).
 
-        In the plane, where no triangle hides another, all of them, sorted by shade.
+        In 2D no triangle hides another, so all are returned, sorted by shade.
         """
         if len(x) == 2:
             return np.argsort(shades, kind="stable")
@@ -120,10 +120,10 @@ class BodyScale:
     Attributes:
         view: the projection.
         size: the longest side of the body.
-        magnification: the factor of displacements.
-        limits: of the drawing, (2, 2): to the right and upwards.
+        magnification: the factor by which displacements are magnified.
+        limits: limits of the drawing, (2, 2): to the right and upwards.
         pressure, gap: the largest values shown.
-        stress: the limit of the colours.
+        stress: the upper limit of the colour scale.
     """
 
     view: View
@@ -136,7 +136,7 @@ class BodyScale:
 
     @classmethod
     def of(cls, picture: Picture) -> BodyScale:
-        """Returns a scale with room for every shape and for arrows of full length."""
+        """Return a scale with room for every shape and for arrows of full length."""
         view = View.of(picture)
         factor = magnification(picture.vertices, [shape.displacement for shape in picture.shapes])
         points = [picture.vertices] + [picture.vertices + factor * shape.displacement for shape in picture.shapes]
@@ -157,12 +157,12 @@ class BodyScale:
 
     @property
     def aspect(self) -> float:
-        """Height over width."""
+        """The height divided by the width."""
         return float(np.ptp(self.limits[1]) / np.ptp(self.limits[0]))
 
     @property
     def stress_colours(self) -> ScalarMappable:
-        """The colours from 0 to the limit, placed as by ``shade``."""
+        """The colours from 0 to the limit, at the positions that ``shade`` returns."""
         return ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", SHADES))
 
     @property
@@ -172,19 +172,19 @@ class BodyScale:
 
 
 def draw_deformed_mesh(axes: Axes, picture: Picture, shape: Shape, scale: BodyScale, width: float) -> None:
-    """Draws one shape with its pressure, in the plane with the foundation, in axes ``width`` inches wide."""
+    """Draw one shape with its pressure, in 2D with the foundation, in axes ``width`` inches wide."""
     instant = picture.nearest(shape.time)
     moved = picture.vertices + scale.magnification * shape.displacement
     shades, colours = cell_shades(picture, shape, scale)
     order = scale.view.order(moved, picture.cells, shades)
     flat = scale.view.flat(moved)
-    # A cell is about this many points wide; thicker lines would fill fine meshes.
+    # A cell is about this many points wide; thicker lines would cover fine meshes.
     cell = 72 * width / math.sqrt(len(order) / 2)
     axes.add_collection(_triangles(flat.T[picture.cells.T], order, shades, colours, cell), autolim=False)
     for face in picture.segments:
         _draw_foundation(axes, face, instant, scale)
     for polygon in picture.polygons:
-        # Only faces that are seen.
+        # Faces that point away from the eye are hidden.
         if scale.view.axes[2] @ polygon.normal > 0:
             touching = flat[:, polygon.nodes[polygon.touching[instant]]]
             axes.plot(*touching, "o", color=BLACK, ms=min(cell / 6, 2.0), mew=0, zorder=3)
@@ -193,7 +193,7 @@ def draw_deformed_mesh(axes: Axes, picture: Picture, shape: Shape, scale: BodySc
 
 
 def cell_shades(picture: Picture, shape: Shape, scale: BodyScale) -> tuple[NDArray[np.int64], Array]:
-    """Returns a number for each cell, (cells,), and the colours of these numbers: of stresses, then of pressures.
+    """Return a colour number for each cell, (cells,), and the list of colours: first of stresses, then of pressures.
 
     A facet of a contact face has the mean pressure of its corners.
     """
@@ -212,8 +212,8 @@ def cell_shades(picture: Picture, shape: Shape, scale: BodyScale) -> tuple[NDArr
 def _triangles(
     corners: Array, order: NDArray[np.int64], shades: NDArray[np.int64], colours: Array, cell: float
 ) -> PathCollection:
-    """Returns triangles with the given corners, (cells, 3, 2), in the given order."""
-    # One path for neighbouring cells of one shade: a path for each cell takes three times as long to write.
+    """Return triangles with the given corners, (cells, 3, 2), in the given order."""
+    # One path for neighbouring cells of one shade; a separate path for each cell takes three times as long to write.
     runs = np.split(order, np.flatnonzero(np.diff(shades[order])) + 1)
     closed = [np.concatenate([corners[run], corners[run, :1]], axis=1).reshape(-1, 2) for run in runs]
     triangle = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
@@ -227,9 +227,9 @@ def _triangles(
 
 
 def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) -> None:
-    """Draws the foundation, a thick line where the body lies on it, arrows of the pressure, and the gap.
+    """Draw the foundation, a thick line where the body is in contact, arrows of the pressure, and the gap.
 
-    The gap hangs below the surface, to its own scale: next to large displacements it would not be seen.
+    The gap is drawn below the surface with a separate scale, because it would be invisible next to large displacements.
     """
     ends = face.x[:, [face.s.argmin(), face.s.argmax()]]
     depth = THICKNESS * scale.size * face.normal[:, None]
@@ -252,7 +252,7 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
 def draw_shapes(
     figure: Figure, panels: Sequence[Axes], picture: Picture, width: float, columns: int, **layout: Any
 ) -> None:
-    """Draws each shape in its own axes, ``width`` inches wide, with colour bars and a legend in some columns."""
+    """Draw each shape in separate axes, ``width`` inches wide, with colour bars and a legend in ``columns`` columns."""
     scale = BodyScale.of(picture)
     for axes, shape in zip(panels, picture.shapes, strict=True):
         draw_deformed_mesh(axes, picture, shape, scale, width)
@@ -270,7 +270,7 @@ def draw_keys(
     more: Sequence[Artist] = (),
     **layout: Any,
 ) -> None:
-    """Adds a legend, with ``more`` entries, and the colours of the stress and, for a solid, of the pressure."""
+    """Add a legend, with ``more`` entries, and the colours of the stress and, for a solid, of the pressure."""
     ends = [0, scale.stress / 4, scale.stress]
     bar = figure.colorbar(scale.stress_colours, ax=panels, extend="max", ticks=ends, format="%.3g", **layout)
     bar.set_label(r"von Mises stress $\sqrt{3/2}\,|\mathrm{dev}\,\sigma|$")
@@ -293,11 +293,11 @@ def draw_keys(
 
 
 def draw_body(picture: Picture) -> Figure:
-    """Draws the magnified deformed mesh at the times of the shapes, coloured by its von Mises stress.
+    """Draw the magnified deformed mesh at the times of the shapes, coloured by its von Mises stress.
 
-    In the plane the foundation of each face is the undeformed line of its nodes, with the outer side grey; arrows are
-    the pressure of the foundation on the body, and the gap hangs below, each to one scale. A solid is seen through its
-    foundation, and the pressure colours its contact faces.
+    In 2D the foundation of each face is the undeformed line of its nodes, with the outer side grey. Arrows show the
+    pressure of the foundation on the body, and the gap is drawn below, each with one scale. A solid is seen through its
+    foundation, and the colour of its contact faces shows the pressure.
     """
     count, bars = len(picture.shapes), 2 if picture.polygons else 1
     aspect = BodyScale.of(picture).aspect
@@ -309,7 +309,7 @@ def draw_body(picture: Picture) -> Figure:
 
 
 def caption_body(picture: Picture) -> str:
-    """Returns the caption of ``draw_body``."""
+    """Return the caption of ``draw_body``."""
     scale = BodyScale.of(picture)
     shape = max(picture.shapes, key=lambda shape: float(shape.von_mises.max()))
     touching = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.instants]

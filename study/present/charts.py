@@ -1,30 +1,33 @@
-"""The charts of the study: what they show, computed from the data files, and their captions."""
+"""The charts of the study: charts as data, drawn by Matplotlib, and each chart with its caption from the data files.
+
+A chart is drawn by Matplotlib for figures, and as SVG on the report page. Texts are plain Unicode with scripts as in
+u^h and x_{ij}; each renderer typesets them.
+"""
 
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from itertools import cycle
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis as MatplotlibAxis
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, MaxNLocator, NullFormatter
+from numpy.typing import ArrayLike, NDArray
 
 from study.ledger.codes import GRADES, Codes
 from study.ledger.orders import RatesError, fit, orders
 from study.ledger.text import interval
-from study.present.chart import (
-    Array,
-    Axis,
-    Band,
-    Chart,
-    Curve,
-    LegendEntry,
-    SlopeTriangle,
-    Subplot,
-    linear_axis,
-    log_axis,
-)
+from study.present.drawing import COLUMN, entry, legend, mathtext
 from study.present.notation import counted
 from study.present.palette import (
     BLACK,
@@ -34,29 +37,278 @@ from study.present.palette import (
     GREEN,
     GREY,
     ORANGE,
+    OUTLINE,
+    TRIANGLE,
     VERMILLION,
     Stroke,
     Style,
     family_styles,
 )
 
+Array = NDArray[np.float64]
+MARGIN = 0.06
+"""Free space at each end of an axis, as a fraction of the range of the data."""
+_MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis from ``low`` to ``high``; the label is followed by ``symbol`` in italics.
+
+    A logarithmic axis has at least ``least`` ticks.
+    """
+
+    label: str
+    low: float
+    high: float
+    scale: Literal["linear", "log"] = "linear"
+    symbol: str = ""
+    least: int = 3
+
+    def position(self, value: float) -> float:
+        """Return the position of a value, from 0 to 1 on the axis; values without a logarithm are far below 0."""
+        if self.scale == "linear":
+            return (value - self.low) / (self.high - self.low)
+        return math.log10(max(value / self.low, 1e-9)) / math.log10(self.high / self.low)
+
+    def ticks(self) -> list[tuple[float, str]]:
+        """Return round values inside the axis with their texts: the coarsest choice that has enough values."""
+        if self.scale == "log":
+            decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+            write = "{:.4g}".format if self.low >= 1e-3 and self.high < 1e4 else _power_of_ten
+            for mantissas in _MANTISSAS:
+                ticks = [tick for k in decades for m in mantissas if self.low <= (tick := m * 10.0**k) <= self.high]
+                if len(ticks) >= self.least:
+                    return [(tick, write(tick)) for tick in ticks]
+        room = 1e-9 * (self.high - self.low)
+        values = MaxNLocator(6, steps=[1, 2, 5, 10]).tick_values(self.low, self.high)
+        return [(float(v), f"{v:.4g}") for v in values if self.low - room <= v <= self.high + room]
+
+
+def linear_axis(label: str, *values: ArrayLike, symbol: str = "") -> Axis:
+    """Return an axis around all values with a margin at each end."""
+    low, high = _range(values)
+    margin = MARGIN * (high - low) or 0.5
+    return Axis(label, low - margin, high + margin, symbol=symbol)
+
+
+def log_axis(label: str, *values: ArrayLike, symbol: str = "", least: int = 3) -> Axis:
+    """Return a logarithmic axis around all values with a margin at each end."""
+    low, high = _range(values)
+    decades = math.log10(high / low)
+    margin = 10 ** (MARGIN * decades if decades > 0.01 else 0.5)
+    return Axis(label, low / margin, high * margin, "log", symbol, least)
+
+
+def _range(values: Sequence[ArrayLike]) -> tuple[float, float]:
+    together = np.concatenate([np.ravel(np.asarray(each, dtype=float)) for each in values])
+    return float(np.nanmin(together)), float(np.nanmax(together))
+
+
+def _power_of_ten(tick: float) -> str:
+    exponent = math.floor(math.log10(tick) + 1e-9)
+    mantissa = tick / 10**exponent
+    power = f"10^{{{exponent}}}".replace("-", "−")
+    return power if abs(mantissa - 1) < 1e-9 else f"{mantissa:.3g}·{power}"
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """A line through points, (n,) each."""
+
+    x: Array
+    y: Array
+    style: Style
+
+
+@dataclass(frozen=True, eq=False)
+class Band:
+    """The area between two curves, (n,) each."""
+
+    x: Array
+    low: Array
+    high: Array
+    colour: str
+
+
+@dataclass(frozen=True, eq=False)
+class SlopeTriangle:
+    """A triangle that shows the expected slope.
+
+    Attributes:
+        corners: lower left, upper right, and upper left with the right angle, (3, 2).
+        beside, above: texts to the left of the left side and above the upper side.
+        top: the value of y up to which the axis must reach to show the triangle with its texts.
+    """
+
+    corners: Array
+    beside: str
+    above: str
+    top: float
+
+
+@dataclass(frozen=True, eq=False)
+class Subplot:
+    """One pair of axes with curves, bands behind the curves, a slope triangle, and horizontal lines at ``rules``."""
+
+    title: str
+    x: Axis
+    y: Axis
+    curves: Sequence[Curve]
+    bands: Sequence[Band] = ()
+    triangle: SlopeTriangle | None = None
+    rules: Sequence[float] = ()
+
+
+@dataclass(frozen=True)
+class LegendEntry:
+    """An entry of the legend."""
+
+    text: str
+    style: Style
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Subplots with one legend.
+
+    Attributes:
+        summary: one line for readers who cannot see the chart.
+        subplots: one above the other or, if ``columns`` is positive, row by row in a grid.
+        legend: the columns of the legend.
+        caption: describes what to see, with numbers.
+    """
+
+    summary: str
+    subplots: Sequence[Subplot]
+    legend: Sequence[Sequence[LegendEntry]]
+    caption: str
+    columns: int = 0
+
+
+HEIGHTS = {1: (1,), 2: (3, 2)}
+"""Relative heights of subplots that stand one above the other."""
+_STROKES: dict[str, dict[str, Any]] = {
+    "solid": {},
+    "dashed": {"ls": "--", "lw": 0.7},
+    "dotted": {"ls": ":", "lw": 0.9, "alpha": 0.8},
+}
+_BAND = 0.35
+"""Opacity of bands."""
+
+
+def draw_chart(chart: Chart) -> Figure:
+    """Draw a chart with Matplotlib."""
+    return _draw_grid(chart) if chart.columns else _draw_column(chart)
+
+
+def _draw_column(chart: Chart) -> Figure:
+    """Draw subplots one above the other, as wide as a column of text, with the legend below."""
+    count = len(chart.subplots)
+    figure = Figure(figsize=(COLUMN, 3.8 + 0.2 * count))
+    panels = figure.subplots(count, sharex=True, squeeze=False, height_ratios=HEIGHTS[count])[:, 0]
+    for axes, subplot in zip(panels, chart.subplots, strict=True):
+        _draw_subplot(axes, subplot)
+        axes.set_title(subplot.title)
+        axes.set_ylabel(mathtext(subplot.y.label))
+        axes.label_outer()
+    panels[-1].set_xlabel(_label(chart.subplots[-1].x))
+    # Matplotlib fills a legend column by column, so shorter columns need blank entries.
+    longest = max(map(len, chart.legend))
+    handles: list[Artist] = []
+    for column in chart.legend:
+        handles += [*map(_handle, column), *[entry(" ", ls="")] * (longest - len(column))]
+    legend(figure, handles, columns=len(chart.legend))
+    return figure
+
+
+def _draw_grid(chart: Chart) -> Figure:
+    """Draw small subplots row by row, with common labels and the legend above."""
+    columns, count = chart.columns, len(chart.subplots)
+    rows = math.ceil(count / columns)
+    width = max(COLUMN, 0.5 + 1.05 * columns)
+    figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * rows))
+    panels = figure.subplots(rows, columns, sharey="row", squeeze=False).ravel()
+    for i, (axes, subplot) in enumerate(zip(panels, chart.subplots, strict=False)):
+        _draw_subplot(axes, subplot, size=2.4)
+        axes.set_title(textwrap.fill(subplot.title, 22), fontsize=7, linespacing=0.95)
+        axes.tick_params(labelbottom=i + columns >= count)
+    for axes in panels[count:]:
+        axes.set_visible(False)
+    figure.supxlabel(_label(chart.subplots[0].x))
+    figure.supylabel(mathtext(chart.subplots[0].y.label))
+    # An entry of the legend takes about 1.15 inches.
+    handles = [_handle(one) for column in chart.legend for one in column]
+    legend(figure, handles, columns=max(2, int(width / 1.15)), side="upper")
+    return figure
+
+
+def _draw_subplot(axes: Axes, subplot: Subplot, size: float = 3.6) -> None:
+    """Draw the inside of the axes and the ticks, with markers of ``size`` points."""
+    axes.set(xscale=subplot.x.scale, yscale=subplot.y.scale)
+    axes.set(xlim=(subplot.x.low, subplot.x.high), ylim=(subplot.y.low, subplot.y.high))
+    _set_ticks(axes.xaxis, subplot.x)
+    _set_ticks(axes.yaxis, subplot.y)
+    axes.grid(True)
+    for value in subplot.rules:
+        axes.axhline(value, color=GREY, lw=0.6)
+    for band in subplot.bands:
+        axes.fill_between(band.x, band.low, band.high, color=band.colour, alpha=_BAND, lw=0)
+    if subplot.triangle:
+        triangle = subplot.triangle
+        axes.fill(*triangle.corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
+        (x0, y0), (x1, y1), _ = triangle.corners
+        text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 7}
+        axes.annotate(triangle.beside, (x0, np.sqrt(y0 * y1)), (-2, 0), ha="right", va="center", **text)
+        axes.annotate(triangle.above, (np.sqrt(x0 * x1), y1), (0, 1.5), ha="center", va="bottom", **text)
+    for curve in subplot.curves:
+        axes.plot(curve.x, curve.y, ms=size, **_line(curve.style))
+
+
+def _set_ticks(drawn: MatplotlibAxis, axis: Axis) -> None:
+    """Set labelled ticks and, on a logarithmic axis, small ticks without labels between them."""
+    ticks = axis.ticks()
+    drawn.set_major_locator(FixedLocator([value for value, _ in ticks]))
+    drawn.set_major_formatter(FixedFormatter([mathtext(text) for _, text in ticks]))
+    if axis.scale == "log":
+        drawn.set_minor_locator(LogLocator(subs=tuple(range(2, 10)), numticks=99))
+        drawn.set_minor_formatter(NullFormatter())
+
+
+def _line(style: Style) -> dict[str, Any]:
+    face = {"mfc": "white"} if style.hollow else {}
+    return {"color": style.colour, "marker": style.marker, **face, **_STROKES[style.stroke]}
+
+
+def _handle(one: LegendEntry) -> Artist:
+    if one.style.stroke == "band":
+        return Patch(color=one.style.colour, alpha=_BAND, label=mathtext(one.text))
+    return entry(mathtext(one.text), **_line(one.style))
+
+
+def _label(axis: Axis) -> str:
+    return mathtext(axis.label) + (f" ${axis.symbol}$" if axis.symbol else "")
+
+
+# The charts of the study.
+
 NEGLIGIBLE = 1e-3
-"""Values below this fraction of the smallest error are not shown, as they would flatten the errors."""
+"""Values below this fraction of the smallest error are not shown, because they would compress the range of errors."""
 MOST_COLUMNS = 5
 """The largest number of columns of a grid of subplots."""
 
 
 def by_family(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Yields the rows of each mesh family, from the coarsest level to the finest."""
+    """Yield the rows of each mesh family, from the coarsest level to the finest."""
     for family, rows in rates.groupby("family", sort=False):
         yield str(family), rows.sort_values("level")
 
 
 def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
-    """Returns family ↦ the order of ``error`` over the last refinements, or over as many as there are.
+    """Return for each mesh family the order of ``error`` over the last refinements, or over as many as there are.
 
     Families with a single level, or with errors that have no order, are left out. Over two refinements a fixed front,
-    or a jump of the material, has the same place in the cells of both meshes.
+    or a jump of the material, has the same position in the cells of both meshes.
     """
     found = {}
     for family, rows in by_family(rates):
@@ -68,25 +320,25 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
 
 
 def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
-    """Returns the orders over the last refinement: of all families that are not graded, and of graded ones."""
+    """Return the orders over the last refinement: of all mesh families that are not graded, and of graded ones."""
     found = finest_orders(rates, refinements=1)
     graded = [found.pop("graded")] if "graded" in found else []
     return list(found.values()), graded
 
 
 def spread(values: Sequence[float]) -> str:
-    """Returns the smallest and the largest value as a text, or the only value."""
+    """Return the smallest and the largest value as text, or the only value."""
     low, high = (f"{value:.3g}" for value in (min(values), max(values)))
     return low if low == high else f"{low} … {high}"
 
 
 def slope_triangle(curves: Sequence[Curve], slope: float, decades: float, small: bool = False) -> SlopeTriangle | None:
-    """Returns a triangle above the left end of the curves, which increasing curves leave free.
+    """Return a triangle above the left end of the curves, where increasing curves leave room.
 
     Parameters:
         slope: the expected slope.
-        decades: the height of the axes, from which distances are taken.
-        small: in a small chart the slope stands above the triangle, where there is room.
+        decades: the height of the axes in decades, from which distances are computed.
+        small: in a small chart the slope is written above the triangle, where there is room.
 
     Returns:
         None without an expected slope, or if every curve has a single point.
@@ -110,7 +362,7 @@ def slope_triangle(curves: Sequence[Curve], slope: float, decades: float, small:
 
 
 def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
-    """Returns the errors of one case: error, discrete error, and ``time_share`` × ``error`` on every mesh family.
+    """Return the errors of one case: error, discrete error, and ``time_share`` × ``error`` on every mesh family.
 
     Parameters:
         rates: the rows of one case in ``rates.csv``.
@@ -166,12 +418,12 @@ def _family_legend(styles: Mapping[str, Style]) -> list[LegendEntry]:
 
 
 def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
-    """Returns the errors of all cases, one subplot each; ``expected`` gives the order of each case.
+    """Return the errors of all cases, one subplot each; ``expected`` gives the order of each case.
 
-    All subplots share the horizontal axis, those of one row also the vertical axis.
+    All subplots share the horizontal axis; the subplots of one row also share the vertical axis.
     """
     cases = list(dict.fromkeys(rates["case"]))
-    # Near the square root, with few places left empty.
+    # A number of columns near the square root that leaves few positions of the grid empty.
     nearest = math.ceil(math.sqrt(len(cases)))
     columns = min((min(nearest, MOST_COLUMNS), min(nearest + 1, MOST_COLUMNS)), key=lambda n: -len(cases) % n)
     styles, subplots = family_styles(rates["family"]), []
@@ -213,9 +465,9 @@ def _all_cases(cases: Collection[str]) -> str:
 
 
 def collapsed_chart(rates: pd.DataFrame) -> Chart:
-    """Returns error/C and error/(C h) of all cases, with C h the leading term of ‖u − Π^h u‖_V on the finest mesh.
+    """Return error/C and error/(C h) of all cases, with C h the leading term of ‖u − Π^h u‖_V on the finest mesh.
 
-    C comes from second derivatives of u, (5.23), not from the errors: nothing is fitted.
+    C follows from second derivatives of u, (5.23), not from the errors, so nothing is fitted.
     """
     styles = family_styles(rates["family"])
     scaled, relative, last = [], [], dict[str, list[float]]()
@@ -247,19 +499,18 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
 
 
 def enclosure_charts(series: pd.DataFrame) -> Iterator[tuple[str, Chart]]:
-    """Yields case and chart for every case and mesh family with an enclosure in ``enclosures.csv``."""
+    """Yield case and chart for every case and mesh family with an enclosure in ``enclosures.csv``."""
     enclosed = series[series["trajectory"] == "enclosure"]
     for (case, family), rows in enclosed.groupby(["case", "family"], sort=False):
         yield str(case), enclosure_chart(rows, f"{case}, {family}")
 
 
 def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
-    """Returns the bands [d − y, d + y] of every level over time and, below, their ends divided by the error.
+    """Return the bands [d − y, d + y] of every level over time and, below, their ends divided by the error.
 
     Parameters:
         series: rows of ``enclosures.csv`` or of ``study bound``: ``level``, ``time``, ``distance`` d, ``bound`` y and,
-            where they are known, ``error`` and ``plain``, the bound from u_h alone. Where the error is unknown, d
-            takes its place.
+            if known, ``error`` and ``plain``, the bound from u_h alone. If the error is unknown, d is used instead.
     """
     known = bool(series["error"].notna().all())
     ends = series.assign(
@@ -303,9 +554,9 @@ def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
 
 
 def work_chart(statements: pd.DataFrame) -> Chart | None:
-    """Returns the root of the work of contact with the error and the excess over the linear problem.
+    """Return the square root of the work of contact with the error and the excess over the linear problem.
 
-    From ``statements.csv``; None if it has no rows of this statement.
+    The data are rows of ``statements.csv``; the result is None if there are no such rows.
     """
     strokes: dict[str, Stroke] = {"work": "solid", "error": "dotted", "excess": "dashed"}
     rows = statements[(statements["label"] == "beyond: work of contact") & statements["quantity"].isin(strokes)]
@@ -323,7 +574,7 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
             curves.append(Curve(h, values, Style(family_style.colour, family_style.marker, stroke, hollow)))
             if family == "one-diagonal" and len(table) > 1:
                 found[str(quantity)] += [float(order) for order in orders(h[-3:], values[-3:])]
-        # The subplots share axes on which every case has room.
+        # The subplots share axes on which every case must have room.
         triangle = slope_triangle(curves, 1.0, decades)
         y = log_axis("", rows["value"], [triangle.top] if triangle else [])
         x = log_axis("mesh size", rows["h"], symbol="h", least=2)
@@ -352,10 +603,10 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
 
 
 def rollers_chart(statements: pd.DataFrame) -> Chart | None:
-    """Returns the excess of contact over the linear problem where a narrow patch rolls along Γ3.
+    """Return a chart of the error that contact adds to the linear problem if a narrow patch rolls along Γ3.
 
-    On every mesh family, of shaken meshes the mean and the range; from ``statements.csv``. Each level has a roller of
-    its own width. None if there are no such rows.
+    There is a curve for every mesh family; for shaken meshes it is the mean, with the range. The data are rows of
+    ``statements.csv``, and the width of the roller depends on the level. The result is None if there are no such rows.
     """
     chosen = statements["label"].eq("beyond: rollers") & statements["quantity"].eq("excess")
     rows = statements[chosen & statements["case"].str.fullmatch(r"roller-\d+")]
@@ -390,7 +641,7 @@ def rollers_chart(statements: pd.DataFrame) -> Chart | None:
 
 
 def codes_chart(codes: Codes) -> Chart:
-    """Returns order in V and distance from the right solution against the error of the pressure, for contact codes.
+    """Return order in V and distance from the reference solution against the error of the pressure, for contact codes.
 
     Each point is a code with its parameters on one case and mesh family, on the finest mesh.
     """
@@ -429,9 +680,9 @@ def codes_chart(codes: Codes) -> Chart:
 
 
 def growth_chart(growth: pd.DataFrame) -> Chart:
-    """Returns the cost of a level against the number of unknowns: seconds above, memory per unknown below.
+    """Return the cost of a level against the number of unknowns: seconds above, memory per unknown below.
 
-    From ``benchmarks/growth.csv``, with a colour for every ``dim`` and ``solver``.
+    The data are ``benchmarks/growth.csv``, with a colour for every ``dim`` and ``solver``.
     """
     kib = 1024
     parts: dict[str, LegendEntry] = {
@@ -459,7 +710,7 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
             exponent, _ = np.polyfit(np.log(dofs), np.log(rows["level_seconds"]), 1)
             text += f", time growing like unknowns^{exponent:.2f}"
         seen.append(text)
-    # The line of slope 1 starts above the curves.
+    # The line of slope 1 starts above the curves so that it does not cover them.
     ends = np.array([growth["dofs"].min(), growth["dofs"].max()], dtype=float)
     first = growth["dofs"] == ends[0]
     line = Curve(ends, 1.6 * float((growth["level_seconds"] / growth["dofs"])[first].max()) * ends, Style(GREY))

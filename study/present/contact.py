@@ -1,4 +1,4 @@
-"""Contact zone, gap and pressure on the faces of Γ3: lines in the plane, maps seen from inside the body in space."""
+"""Contact zone, gap and pressure on the faces of Γ3: lines in 2D, maps seen from inside the body in 3D."""
 
 from __future__ import annotations
 
@@ -33,13 +33,13 @@ from study.present.picture import (
 )
 
 Paint = Callable[[Axes, int], Any]
-"""Draws a map at one of the times of the picture."""
+"""Function that draws a map at one of the times of the picture."""
 MOST_TIMES, MOST_MARKERS = 40, 24
-"""The approximate largest numbers of times shown as dots, and of markers on a line."""
+"""The approximate largest number of times shown as dots, and of markers on a line."""
 MAP_LEVELS = 10
 """The number of colours of a map."""
 HARMLESS = "where gap and pressure vanish to high order at a front, this hardly changes the error in the norm of V"
-"""Says what misplaced fronts mean for the error."""
+"""Text on how misplaced fronts affect the error."""
 LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
 """Colour and marker of each face."""
 INSIDE: dict[str, Any] = {"color": BLUE, "mew": 0}
@@ -49,10 +49,10 @@ FRONT: dict[str, Any] = {"color": VERMILLION, "lw": 1.0}
 
 
 def draw_zone(picture: Picture) -> Figure:
-    """Draws the contact zone of each face in the plane, with s to the right and t upwards, and the error of the zone.
+    """Draw the contact zone of each face in 2D, with s to the right and t upwards, and the error of the zone.
 
     The filled region is the exact zone; a dot is a node in contact, hollow outside the exact zone. If there are many
-    times, evenly chosen ones are shown. The last panel shows ``misplaced_length``.
+    times, only some evenly spaced ones are shown. The last panel shows ``misplaced_length``.
     """
     count = len(picture.segments)
     figure = Figure(figsize=(COLUMN + 0.8 * (count - 1), 3.2))
@@ -89,11 +89,11 @@ def _draw_zone_of_face(axes: Axes, face: Segment, times: Array, faces: int) -> N
     stride = max(1, round(len(times) / MOST_TIMES))
     stray = outside(face, times)[::stride]
     inside = face.touching[::stride] & ~stray
-    # A diameter in points that leaves white between neighbouring dots.
+    # A diameter in points that leaves white space between neighbouring dots.
     size = float(np.clip(0.55 * min(200 / (len(face.s) * faces), 150 / (len(times) // stride)), 0.7, 2.5))
     for nodes, style in ((inside, INSIDE), (stray, STRAY)):
         when, where = np.nonzero(nodes)
-        # An empty line would confuse the layout.
+        # An empty line would disturb the layout of Matplotlib.
         if len(when):
             axes.plot(face.s[where], times[::stride][when], "o", ms=size, clip_on=False, zorder=3, **style)
     if not (pieces or face.touching.any()):
@@ -103,7 +103,7 @@ def _draw_zone_of_face(axes: Axes, face: Segment, times: Array, faces: int) -> N
 
 
 def _zone_handles(picture: Picture) -> list[Artist]:
-    """Returns entries of the legend: the exact zone, the computed zone, and why some of its nodes lie outside."""
+    """Return entries of the legend: the exact zone, the computed zone, and nodes of it outside the exact zone."""
     exact = Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$")
     handles = [exact, dots(r"nodes in contact, $p^h>0$", ms=2.5, **INSIDE)]
     gap, pressure = _strays(picture)
@@ -114,9 +114,9 @@ def _zone_handles(picture: Picture) -> list[Artist]:
 
 
 def _strays(picture: Picture) -> tuple[float, float]:
-    """Returns the largest exact gap and computed pressure at nodes in contact outside the exact zone, in per cent.
+    """Return the largest exact gap and computed pressure at nodes in contact outside the exact zone, in per cent.
 
-    Relative to the largest gap and pressure on any face; 0 if there are no such nodes.
+    Both are relative to the largest value on any face, and 0 if there are no such nodes.
     """
     where = [outside(face, picture.times) for face in picture.faces]
     shares = []
@@ -129,7 +129,7 @@ def _strays(picture: Picture) -> tuple[float, float]:
 
 
 def caption_zone(picture: Picture) -> str:
-    """Returns the caption of ``draw_zone``."""
+    """Return the caption of ``draw_zone``."""
     errors = [misplaced_length(face, picture.times) for face in picture.segments]
     face, worst = max(zip(picture.segments, errors, strict=True), key=lambda pair: float(pair[1].max()))
     when = int(np.argmax(worst))
@@ -154,9 +154,9 @@ def caption_zone(picture: Picture) -> str:
 
 
 def draw_profiles(picture: Picture) -> Figure:
-    """Draws a row of gaps and a row of pressures for every face in the plane, at the times of the shapes.
+    """Draw a row of gaps and a row of pressures for every face in 2D, at the times of the shapes.
 
-    Lines are exact values, markers computed values at the nodes, at some of the nodes if there are many.
+    Lines are exact values. Markers are computed values at the nodes; if there are many nodes, only some have markers.
     """
     instants, rows = picture.instants, 2 * len(picture.segments)
     figure = Figure(figsize=(COLUMN, 0.9 + 1.1 * rows))
@@ -175,7 +175,7 @@ def draw_profiles(picture: Picture) -> Figure:
                 axes.tick_params(labelbottom=False)
             else:
                 axes.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
-        # From zero, so that round-off around a constant does not fill the panel.
+        # The axis includes zero, so that round-off around a constant does not fill the panel.
         low, high = min(exact.min(), computed.min(), 0.0), max(exact.max(), computed.max())
         high = high if high > ROUND_OFF else 1.0
         room = 0.06 * (high - low)
@@ -191,7 +191,7 @@ def draw_profiles(picture: Picture) -> Figure:
 
 
 def caption_profiles(picture: Picture) -> str:
-    """Returns the caption of ``draw_profiles``."""
+    """Return the caption of ``draw_profiles``."""
     gap, pressure = _largest_differences(picture)
     return (
         f"Gap and contact pressure along Γ3 at t = {picture.times_shown} ({picture.place}): lines are exact, markers "
@@ -202,9 +202,9 @@ def caption_profiles(picture: Picture) -> str:
 
 
 def _largest_differences(picture: Picture) -> tuple[str, str]:
-    """Returns max |computed − exact| of gap and of pressure at the nodes and the times of the shapes.
+    """Return the largest |computed − exact| of gap and of pressure at the nodes and the times of the shapes, as text.
 
-    In per cent of max |exact|, unless that is round-off.
+    They are in per cent of max |exact|, unless this maximum is round-off.
     """
     texts = []
     for name in ("gap", "pressure"):
@@ -218,9 +218,10 @@ def _largest_differences(picture: Picture) -> tuple[str, str]:
 
 
 def draw_fronts(picture: Picture) -> Figure:
-    """Draws a row of maps for every face in space: the exact zone and the nodes in contact at the times of the shapes.
+    """Draw a row of maps for every face in 3D: the exact zone and the nodes in contact at the times of the shapes.
 
-    Below are their numbers over time. The exact zone is where the linear interpolant of ``level`` is not negative.
+    The numbers of nodes over time are shown below. In the exact zone the linear interpolant of ``level`` is not
+    negative.
     """
     rows = len(picture.polygons)
     figure = Figure(figsize=(COLUMN, 2.2 + 1.25 * rows))
@@ -244,7 +245,7 @@ def draw_fronts(picture: Picture) -> Figure:
 
 
 def caption_fronts(picture: Picture) -> str:
-    """Returns the caption of ``draw_fronts``."""
+    """Return the caption of ``draw_fronts``."""
     wrong = [misplaced_nodes(face) for face in picture.polygons]
     face, worst = max(zip(picture.polygons, wrong, strict=True), key=lambda pair: int(pair[1].max()))
     when = int(np.argmax(worst))
@@ -263,7 +264,7 @@ def caption_fronts(picture: Picture) -> str:
 
 
 def draw_maps(picture: Picture) -> Figure:
-    """Draws a row of gaps and a row of pressures for every face in space; from left to right the times of the shapes.
+    """Draw a row of gaps and a row of pressures for every face in 3D; from left to right the times of the shapes.
 
     Surfaces are exact values, dots computed values at the nodes, in the same colours.
     """
@@ -286,7 +287,7 @@ def draw_maps(picture: Picture) -> Figure:
 
 
 def caption_maps(picture: Picture) -> str:
-    """Returns the caption of ``draw_maps``."""
+    """Return the caption of ``draw_maps``."""
     gap, pressure = _largest_differences(picture)
     displacement = max(float(np.linalg.norm(shape.displacement, axis=0).max()) for shape in picture.shapes)
     largest_gap = max(float(face.gap_exact[picture.instants].max()) for face in picture.polygons)
@@ -301,7 +302,7 @@ def caption_maps(picture: Picture) -> str:
 
 
 def draw_map(axes: Axes, face: Polygon, instant: int, paint: Paint) -> None:
-    """Draws the map of a face with its exact front at one time."""
+    """Draw the map of a face with its exact front at one time."""
     paint(axes, instant)
     level = face.level[instant]
     if level.min() < 0 <= level.max():
@@ -310,7 +311,7 @@ def draw_map(axes: Axes, face: Polygon, instant: int, paint: Paint) -> None:
 
 
 def paint_values(face: Polygon, name: str, top: float) -> Paint:
-    """Returns what paints gap or pressure: exact values as a surface, computed values as dots, from 0 to ``top``."""
+    """Return the function that paints gap or pressure from 0 to ``top``: exact as a surface, computed as dots."""
     exact, computed = getattr(face, f"{name}_exact"), getattr(face, name)
     levels = np.linspace(0, top, MAP_LEVELS + 1)
     style: dict[str, Any] = {"cmap": ramp(name), "norm": BoundaryNorm(levels, 256)}
@@ -338,7 +339,7 @@ def _paint_zone(face: Polygon, times: Array) -> Paint:
 
 
 def _draw_maps_of(row: Array, picture: Picture, face: Polygon, paint: Paint) -> None:
-    """Draws the maps of a face at the times of the shapes."""
+    """Draw the maps of a face at the times of the shapes."""
     for axes, instant in zip(row, picture.instants, strict=True):
         draw_map(axes, face, instant, paint)
     row[0].set_ylabel(rf"$s_2$ on ${picture.symbol(face)}$")
@@ -352,5 +353,5 @@ def _label_maps(panels: Array, picture: Picture) -> None:
 
 
 def _refined(face: Polygon) -> Triangulation:
-    """Returns the triangles between the points at which ψ is known."""
+    """Return the triangulation of the points at which ψ is known."""
     return Triangulation(*face.facets.refined(face.s), face.facets.quarters.T)

@@ -1,4 +1,4 @@
-"""How every figure is styled, labelled, drawn and saved with its caption."""
+"""Functions with which every figure is styled, labelled, drawn and saved with its caption."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _METADATA: dict[str, dict[str, None]] = {
 """Dates and versions are left out, so that equal data give equal files."""
 
 Progress = Callable[[int, int, str], None]
-"""Called after each figure with the number of finished figures, the total number, and the name of the figure."""
+"""Function that is called after each figure with the number of finished figures, their total, and the name."""
 
 
 @dataclass(frozen=True)
@@ -49,27 +49,27 @@ class Drawing:
 
 
 def in_style() -> AbstractContextManager[None]:
-    """Returns a context in which Matplotlib uses the style of the study and ignores the user's settings."""
+    """Return a context in which Matplotlib uses the style of the study and ignores the user's settings."""
     return rc_context({"axes.prop_cycle": cycler(color=[*COLOURS, BLACK])}, fname=STYLE)
 
 
 def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower") -> None:
-    """Adds a legend below the axes or, with ``side`` "upper", above them."""
+    """Add a legend below the axes or, if ``side`` is "upper", above them."""
     figure.legend(handles=handles, loc=f"outside {side} center", ncols=columns)
 
 
 def entry(label: str, **style: Any) -> Line2D:
-    """Returns a line for a legend."""
+    """Return a line for a legend."""
     return Line2D([], [], label=label, **style)
 
 
 def dots(label: str, **style: Any) -> Line2D:
-    """Returns a marker for a legend, a circle unless the style says otherwise."""
+    """Return a marker for a legend, a circle unless the style says otherwise."""
     return entry(label, **{"ls": "", "marker": "o", **style})
 
 
 def mathtext(text: str) -> str:
-    """Returns a text for Matplotlib, with its mathematics between dollar signs."""
+    """Return a text for Matplotlib, with its mathematics between dollar signs."""
     pieces = re.split(r"\\\((.*?)\\\)", encode(text))
     for i, piece in enumerate(pieces):
         if i % 2:
@@ -86,11 +86,11 @@ def draw_figures(
     run_map: Callable[..., Iterable[list[Path]]] = map,
     progress: Progress = lambda done, total, name: None,
 ) -> list[Path]:
-    """Draws figures into ``directory/figures`` as pdf, png and svg, with captions in txt files; returns the files.
+    """Draw figures into ``directory/figures`` as pdf, png and svg, with captions in txt files; return the files.
 
     Parameters:
-        directory: of a run.
-        choose: returns the figures of a directory: ``drawings`` all of them, ``overview`` those over all cases.
+        directory: directory of a run.
+        choose: returns the figures of a directory: ``drawings`` all of them, ``overview`` the figures over all cases.
         run_map: ``map``, or the ``map`` of an executor, which draws several figures at a time.
         progress: called after each figure.
 
@@ -106,7 +106,7 @@ def draw_figures(
 
 
 def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
-    """Draws one figure and saves it as pdf, png and svg, and its caption as txt; returns the files.
+    """Draw one figure and save it as pdf, png and svg, and its caption as txt; return the files.
 
     Raises:
         DataError: a name from the data would write the figure into another directory.
@@ -119,7 +119,7 @@ def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
     with in_style():
         figure = drawing.draw()
         png = FigureCanvasAgg(figure).print_png
-        # Lay out once, then draw once for each format; Figure.savefig would do both twice for each format.
+        # The figure is laid out once and drawn once for each format; Figure.savefig would lay it out for each format.
         layout = figure.get_layout_engine()
         assert layout is not None
         layout.execute(figure)
@@ -134,5 +134,5 @@ def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
 
 
 def caption_text(drawing: Drawing) -> str:
-    """Returns the text of the file with the caption of a figure."""
+    """Return the text of the file with the caption of a figure."""
     return textwrap.fill(drawing.caption, 100) + "\n"

@@ -1,4 +1,4 @@
-"""The figures of the data in a directory, and those figures that are neither charts nor pictures of contact."""
+"""The figures of the data in a directory, and the code of figures that are neither charts nor pictures of contact."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from study.ledger.codes import Codes
 from study.ledger.datafiles import DataError, made_by, read_csv, read_rates, read_table
 from study.present import body, charts, contact
 from study.present.body import GAP
-from study.present.chart import Array, Chart, draw_chart
+from study.present.charts import Array, Chart, draw_chart
 from study.present.drawing import COLUMN, PAGE, Drawing, dots, draw_figures, draw_one, entry, legend
 from study.present.notation import counted
 from study.present.palette import BLACK, BLUE, DARK, FOUNDATION, FOUNDATION_EDGE, GREEN, GREY, RAMPS, VERMILLION, Style
@@ -32,10 +32,11 @@ __all__ = ["AdaptedMesh", "Drawing", "adapted_mesh", "draw_figures", "draw_one",
 
 
 def drawings(directory: Path) -> list[Drawing]:
-    """Returns every figure of the data in a directory, not drawn yet: those of ``overview``, and those of each case.
+    """Return every figure of the data in a directory, not drawn yet: the figures of ``overview``, and those of each
+    case.
 
-    ``convergence-CASE`` for every case of ``rates.csv``, ``enclosure-CASE`` where there is one, and ``zone-CASE``,
-    ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` for every file in ``pictures``.
+    A case has the figures ``convergence-CASE`` if it is in ``rates.csv``, ``enclosure-CASE`` if there is an enclosure,
+    and ``zone-CASE``, ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` if it has a file in ``pictures``.
 
     Raises:
         DataError: a data file is missing or damaged.
@@ -49,7 +50,7 @@ def drawings(directory: Path) -> list[Drawing]:
     for case, chart in charts.enclosure_charts(read_csv(directory, "enclosures.csv", columns)):
         found.append(_of_chart(f"enclosure-{case}", chart))
     for picture in read_pictures(directory):
-        # Contact faces are lines in the plane and maps in space.
+        # Contact faces are lines in 2D and maps in 3D.
         kinds: dict[str, tuple[Callable[[Picture], Figure], Callable[[Picture], str]]] = {
             "body": (body.draw_body, body.caption_body),
             "energy": (draw_energy, caption_energy),
@@ -65,24 +66,25 @@ def drawings(directory: Path) -> list[Drawing]:
 
 
 def overview(directory: Path) -> list[Drawing]:
-    """Returns the figures over all cases; raises the errors of ``drawings``.
+    """Return the figures over all cases; raises the errors of ``drawings``.
 
-    ``problem``, a sketch; ``collapsed`` and ``convergence`` for the cases of Prop. 5.4 and ``convergence-prop-5-3`` for
-    the rough cases; ``contact-work`` and ``rollers`` where they were measured; ``effectivity`` of ``bounds.csv``;
-    ``growth`` of ``benchmarks/growth.csv`` and ``codes`` of ``codes/`` where they exist.
+    The figures are ``problem``, a sketch; ``collapsed`` and ``convergence`` for the cases of Prop. 5.4 and
+    ``convergence-prop-5-3`` for the rough cases; ``contact-work`` and ``rollers`` if they were measured;
+    ``effectivity`` from ``bounds.csv``; ``growth`` from ``benchmarks/growth.csv`` and ``codes`` from ``codes/`` if
+    these exist.
     """
     found: dict[str, Chart | None] = {}
     rates = read_rates(directory)
     orders = _expected_orders(directory, rates)
     for scheme, rows in rates.groupby("scheme", sort=False):
         suffix = _suffix(rates, scheme)
-        # The largest first: it takes longest to draw, and nothing should wait for it alone.
+        # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
         for claim, of_claim in sorted(rows.groupby("claim"), key=lambda group: -len(group[1])):
             name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", str(claim).lower()).strip("-")
             found[f"convergence{name}{suffix}"] = charts.overview_chart(of_claim, orders)
         smooth = rows[rows["claim"] == "Prop. 5.4"]
         found[f"collapsed{suffix}"] = charts.collapsed_chart(smooth) if len(smooth) else None
-    # Runs of a user's own cases have no file of statements.
+    # Runs of a user's own cases have no statements.csv.
     if (directory / "data" / "statements.csv").is_file():
         columns = ("label", "case", "family", "level", "h", "quantity", "value")
         statements = read_csv(directory, "statements.csv", columns)
@@ -103,7 +105,7 @@ def overview(directory: Path) -> list[Drawing]:
 
 
 def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
-    """Returns the figure of the enclosure of an error over time, from rows of ``study bound``."""
+    """Return the figure of the enclosure of an error over time, from rows of ``study bound``."""
     return _of_chart(name, charts.enclosure_chart(series, title))
 
 
@@ -112,12 +114,12 @@ def _of_chart(name: str, chart: Chart) -> Drawing:
 
 
 def _suffix(rates: pd.DataFrame, scheme: object) -> str:
-    """Returns the end of the names of figures if there are several time schemes."""
+    """Return the end of the names of figures, which is empty if there is only one time scheme."""
     return f"-{scheme}" if rates["scheme"].nunique() > 1 else ""
 
 
 def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
-    """Returns ``expected_order`` of every case with a rate."""
+    """Return ``expected_order`` of every case with a rate."""
     cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
     orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
     if unknown := sorted(set(rates["case"]) - set(orders)):
@@ -130,11 +132,13 @@ SCHEMES = {"backward-euler": Style(VERMILLION, "s"), "bdf2": Style(GREEN, "^"), 
 
 
 def draw_effectivity(known: pd.DataFrame) -> Figure:
-    """Draws a line per case: left the bound from u_h alone over the error, right both ends of the enclosure over it.
+    """Draw a line per case: left the bound from u_h alone over the error, right both ends of the enclosure over the
+    error.
 
     Parameters:
         known: the rows of ``bounds.csv`` whose error is known, with ``upper`` and ``lower``, the worst over the second
-            half of time. There is a marker per scheme, mesh family and level, larger on finer levels.
+        half
+            of time. There is a marker per scheme, mesh family and level, larger on finer levels.
     """
     cases = list(dict.fromkeys(known["case"]))
     row = {case: len(cases) - 1 - i for i, case in enumerate(cases)}
@@ -144,7 +148,7 @@ def draw_effectivity(known: pd.DataFrame) -> Figure:
     for axes, trajectory, columns in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
         for scheme, style in used.items():
             rows = known[(known["trajectory"] == trajectory) & (known["scheme"] == scheme)]
-            # Schemes are shifted, as their markers would hide each other.
+            # The markers of each scheme are shifted vertically, because they would hide each other.
             y = rows["case"].map(row) + 0.22 * (list(SCHEMES).index(scheme) - 1)
             for column in columns:
                 look: dict[str, Any] = {"s": _marker_area(rows["level"]), "marker": style.marker, "linewidth": 0.6}
@@ -169,7 +173,7 @@ def draw_effectivity(known: pd.DataFrame) -> Figure:
 
 
 def caption_effectivity(known: pd.DataFrame) -> str:
-    """Returns the caption of ``draw_effectivity``."""
+    """Return the caption of ``draw_effectivity``."""
     plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
     wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
     seen = [f"{counted(wrong, 'bound') if wrong else 'no bounds'} on the wrong side of the error"]
@@ -192,14 +196,14 @@ def caption_effectivity(known: pd.DataFrame) -> str:
 
 
 def _marker_area(level: Any) -> Any:
-    """Returns the area of a marker in square points."""
+    """Return the area of a marker in square points."""
     return 5.0 * np.log2(level) - 8
 
 
 def draw_energy(picture: Picture) -> Figure:
-    """Draws work of the load, dissipation, stored energy and work of contact since t = 0 and, below, their defect.
+    """Draw work of the load, dissipation, stored energy and work of contact since t = 0 and, below, their defect.
 
-    The defect is relative to the largest of them.
+    The defect is relative to the largest of these energies.
     """
     energy = picture.energy
     figure = Figure(figsize=(COLUMN, 3.4))
@@ -223,7 +227,7 @@ def draw_energy(picture: Picture) -> Figure:
 
 
 def caption_energy(picture: Picture) -> str:
-    """Returns the caption of ``draw_energy``."""
+    """Return the caption of ``draw_energy``."""
     energy, scale = picture.energy, _largest_energy(picture.energy)
     worst = int(np.argmax(abs(energy.defect)))
     stored, of_contact = (
@@ -244,7 +248,7 @@ def caption_energy(picture: Picture) -> str:
 
 
 def _largest_energy(energy: Energy) -> float:
-    """Returns the largest term of the balance over time, 1 if all vanish."""
+    """Return the largest term of the balance over time, 1 if all vanish."""
     terms = energy.stored - energy.stored[0], energy.dissipated, energy.contact, energy.work
     return float(max(abs(values).max() for values in terms)) or 1.0
 
@@ -258,7 +262,7 @@ class AdaptedMesh:
         edges: ends of the edges of Γ3, (2, 2, n).
         closed: whether an edge is in contact at the last time, (n,).
         rows: ``adaptive.csv``.
-        uniform: ``levels.csv`` of uniform meshes, empty if there is none.
+        uniform: ``levels.csv`` of uniform meshes, an empty table if there is none.
     """
 
     p: Array
@@ -270,7 +274,7 @@ class AdaptedMesh:
 
 
 def adapted_mesh(name: str, found: AdaptedMesh) -> Drawing:
-    """Returns the figure ``adaptive`` of a problem with a name."""
+    """Return the figure ``adaptive`` of a problem."""
     against = ", for meshes refined everywhere as well" if len(found.uniform) else ""
     caption = (
         f"{name}: the last mesh, with what of Γ3 is in contact at the last time in colour, and the bound of "
@@ -320,9 +324,9 @@ SKETCH = (
 
 
 def draw_sketch() -> Figure:
-    """Draws the problem for readers who have not met it; nothing is computed.
+    """Draw a sketch of the problem for new readers; nothing is computed.
 
-    Next to a front c the gap is (s − c)_+² and the pressure (c − s)_+.
+    Near a front c the gap is (s − c)_+² and the pressure (c − s)_+.
     """
     wide, high, front = 1.5, 0.62, 0.75
     figure = Figure(figsize=(COLUMN, 1.75))

@@ -19,7 +19,7 @@ BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest",
 SENSITIVITY = ["defect", "case", "family", "amount", "seen_by"]
 CONTROLS = ["defect", "what", "label", "quantity", "caught"]
 NAMED_CASES = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
-"""Cases that the article names; a run of chosen cases without them is not the run of the article."""
+"""Cases that the article names; a run without one of them is not used for the article."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class FullRun:
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:
-        """Returns the data of a full run of the catalogue with its controls and seeds, None for any other run.
+        """Return the data of a full run of the catalogue with its controls and seeds, None for any other run.
 
         Raises:
             DataError: a file is missing or lacks a column.
@@ -75,7 +75,7 @@ class FullRun:
         )
 
     def rows(self, label: str, key: str, case: str | None = None) -> pd.DataFrame:
-        """Returns the rows of the ledger with a label and a key, of all cases or of one.
+        """Return the rows of the ledger with a label and a key, of all cases or of one case.
 
         Raises:
             DataError: there are no such rows.

@@ -29,7 +29,7 @@ LEARNED = {
     ("beyond: fully discrete", "bdf2-error-in-k"): "Each vertex that changes contact costs BDF2, a two-step scheme, "
     "more than a one-step scheme: the order falls below 3/2.",
 }
-"""(label, part of the key) ↦ the lesson."""
+"""The lesson from a missed prediction, by the label and a part of the key of the check."""
 
 
 def missed_rows(claims: pd.DataFrame) -> list[list[str]]:
@@ -46,6 +46,6 @@ def missed_rows(claims: pd.DataFrame) -> list[list[str]]:
                 f"the prediction of {row['label']}, {row['key']} for {row['case']} was missed: say in {__name__}."
                 "LEARNED what was learned"
             )
-        predicted = str(row["expected"]).removeprefix("predicted ").partition("; no claim")[0]
+        predicted = str(row["expected"]).removeprefix("predicted ").partition(" (wrong)")[0]
         lines.append([row["label"], row["case"], row["quantity"], predicted, cell(row["observed"]), lessons[0]])
     return lines

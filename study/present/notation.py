@@ -1,7 +1,7 @@
-"""The plain Unicode text of the data files as LaTeX, HTML and SVG: ‖u − u^h‖_V becomes \\(\\|u-u^{h}\\|_{V}\\).
+"""Convert the plain Unicode text of the data files to LaTeX, HTML and SVG: ‖u − u^h‖_V becomes \\(\\|u-u^{h}\\|_{V}\\).
 
 In LaTeX a word is mathematics if it contains a mathematical character or a script (u^h, max_n); single letters and
-numbers between two such words join them. Everything else is prose and only escaped.
+numbers between two such words belong to the same formula. All other text is prose and only escaped.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ _PROSE = {
     "–": "--", "—": "---", "’": "'", "‘": "`", "“": "``", "”": "''", "…": r"\dots{}", "\u00a0": "~",
 }  # fmt: skip
 
-# Γ3,i, L∞ and e∞ are written on the line in plain text and with scripts in a formula.
+# Γ3,i, L∞ and e∞ have no script marks in plain text but scripts in a formula.
 _LITERAL = re.compile(r"Γ\d(?:,\w)?|L∞|\be∞")
 _LITERALS = {"Γ": "Γ_{{{}}}", "L": "L^{}", "e": "e_{}"}
 _SCRIPT = re.compile(r"(?:^|[^A-Za-z])(?:[A-Za-z]|max|min|sup|inf|lim)[\^_]|\d\^|[)\]}][\^_]|^O\(|^[=<>]$")
@@ -58,7 +58,7 @@ _WORD_OR_FORMULA = re.compile(r"\\\(.*?\\\)\S*|\S+")
 
 @cache
 def encode(text: str) -> str:
-    """Returns LaTeX of a line of prose with Unicode mathematics in it; cached, as columns repeat few texts."""
+    """Return LaTeX of a line of prose that contains Unicode mathematics; cached, because columns repeat few texts."""
     number = _NUMBER.fullmatch(text)
     if number:
         mantissa, exponent, sign_of_infinity = number.groups()
@@ -78,7 +78,7 @@ def encode(text: str) -> str:
 
 
 def encode_letters(text: str) -> str:
-    """Returns ``encode`` of a text in which single letters are mathematics, too."""
+    """Return ``encode`` of a text in which single letters are mathematics, too."""
     for sign, plain in _SPELLINGS.items():
         text = text.replace(sign, plain)
     found = _WORD_OR_FORMULA.findall(encode(_EXPONENT.sub(r"^{\1}", text)))
@@ -93,7 +93,7 @@ def encode_letters(text: str) -> str:
 
 
 def prose(text: str) -> str:
-    """Returns LaTeX of text without mathematics, such as names; unknown characters appear by their code."""
+    """Return LaTeX of text without mathematics, such as names; unknown characters are shown by their code."""
 
     def is_latin(c: str) -> bool:
         return c.isascii() or ("LATIN" in unicodedata.name(c, "") and ord(c) < 0x180)
@@ -102,23 +102,23 @@ def prose(text: str) -> str:
 
 
 def counted(number: int, noun: str) -> str:
-    """Returns a number with its noun in the singular or the plural: 1 case, 2 cases."""
+    """Return a number with its noun in the singular or the plural: 1 case, 2 cases."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def folding(width: float) -> str:
-    """Returns the alignment of a column that folds its text at a fraction of the width of the line."""
+    """Return the alignment of a column that folds its text at a fraction of the line width."""
     return rf">{{\raggedright\arraybackslash}}p{{{width}\linewidth}}"
 
 
 def tabular(headings: Sequence[str], alignment: str, rows: Iterable[Sequence[str]]) -> str:
-    """Returns a table to \\input into a float, from cells in LaTeX; it needs the packages booktabs and array."""
+    r"""Return a table to \\input into a float, from cells in LaTeX; it needs the packages booktabs and array."""
     lines = [rf"\begin{{tabular}}{{@{{}}{alignment}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
     return "\n".join([*lines, *map(_row, rows), r"\bottomrule", r"\end{tabular}", ""])
 
 
 def longtable(headings: Sequence[str], alignment: Sequence[str], groups: Sequence[tuple[str, list[list[str]]]]) -> str:
-    """Returns a table to \\input that may fill several pages, with a line above each group of rows.
+    """Return a table to \\input that may fill several pages, with a line above each group of rows.
 
     Headings, group titles and cells are in LaTeX; an empty title gives no line.
     """
@@ -128,7 +128,7 @@ def longtable(headings: Sequence[str], alignment: Sequence[str], groups: Sequenc
     for i, (title, rows) in enumerate(groups):
         # The star keeps LaTeX from breaking the page between a title and its first row.
         lines += [r"\addlinespace"] if i and title else []
-        # A title folds at the width of the line but does not widen the columns under it.
+        # A title folds at the line width but must not widen the columns below it.
         box = rf"\makebox[0pt][l]{{\parbox[t]{{\linewidth}}{{\raggedright {title}\strut}}}}"
         lines += [rf"\multicolumn{{{len(headings)}}}{{@{{}}l@{{}}}}{{{box}}} \\*"] if title else []
         lines += map(_row, rows)
@@ -140,7 +140,7 @@ def _row(cells: Sequence[str]) -> str:
 
 
 def _kinds(words: Sequence[str]) -> list[bool]:
-    """Returns for each word whether it is mathematics: it looks like it, or it is short and next to mathematics."""
+    """Return for each word whether it is mathematics: it looks so, or it is short and next to mathematics."""
     kinds = [_is_mathematics(word) for word in words]
     short = [bool(_SHORT.fullmatch(word)) for word in words]
     for i in range(1, len(words)):
@@ -158,7 +158,7 @@ def _is_mathematics(word: str) -> bool:
 
 
 def _run(words: Sequence[str]) -> str:
-    """Returns words of mathematics as one formula, with the final punctuation outside."""
+    """Return words of mathematics as one formula, with the final punctuation outside."""
     text = " ".join(words)
     tail = _TAIL.search(text)
     body = text[: tail.start()] if tail else text
@@ -166,14 +166,14 @@ def _run(words: Sequence[str]) -> str:
 
 
 def _formula(text: str) -> str:
-    """Returns LaTeX mathematics of Unicode mathematics."""
+    """Return LaTeX mathematics of Unicode mathematics."""
     out: list[str] = []
     for token in _TOKEN.findall(unicodedata.normalize("NFD", text)):
         if token in _ACCENTS and out:
             out[-1] = f"{_ACCENTS[token]}{{{out[-1]}}}"
         elif token[0] in "^_" and len(token) > 1:
             script = token[2:-1] if token[1] == "{" else token[1]
-            # Two letters are two names, as in e^{ct} and u^{hk}, and no word.
+            # Two letters are two variables, as in e^{ct} and u^{hk}, not a word.
             out.append(f"{token[0]}{{{script if _TWO.fullmatch(script) else _formula(script)}}}")
         else:
             out.append(_atom(token))
@@ -195,7 +195,7 @@ def _atom(token: str) -> str:
 
 
 def _joined(atoms: list[str]) -> str:
-    r"""Returns a formula: neighbouring scripts on one side are merged, and \nu and h give \nu h, not \nuh."""
+    r"""Return a formula: neighbouring scripts on one side are merged, and \nu and h give \nu h, not \nuh."""
     merged: list[str] = []
     for atom in atoms:
         # x² ³ or q_{3}_{1} would be a double script.
@@ -213,11 +213,11 @@ def _joined(atoms: list[str]) -> str:
 _HTML_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|[\w+−∞])")
 _TAGS = {"^": "sup", "_": "sub"}
 _SVG_OFFSETS, _SVG_SIZE = {"": 0.0, "^": -0.35, "_": 0.2}, 0.72
-"""How far the baseline of a script is below the line, and the size of a script, in font sizes of the line."""
+"""The distance of the baseline of a script below the line, and the size of a script, both in font sizes of the line."""
 
 
 def typeset(text: str) -> Markup:
-    """Returns escaped HTML in which x^y, x_y, x^∞, x^{yz}, x^1.5 and x^(1+s) have scripts, without braces."""
+    """Return escaped HTML in which x^y, x_y, x^∞, x^{yz}, x^1.5 and x^(1+s) have scripts, without braces."""
     out = Markup()
     for piece, script in _pieces(text):
         tag = Markup(_TAGS.get(script, ""))
@@ -226,7 +226,7 @@ def typeset(text: str) -> Markup:
 
 
 def typeset_svg(text: str) -> Markup:
-    """Returns the content of an SVG text element; scripts of scripts stand on their line."""
+    """Return the content of an SVG text element; scripts of scripts are put on their own line's baseline."""
     out, baseline = Markup(), 0.0
     for piece, script in _pieces(text):
         size = _SVG_SIZE if script else 1.0
@@ -237,7 +237,7 @@ def typeset_svg(text: str) -> Markup:
 
 
 def _pieces(text: str) -> Iterator[tuple[str, str]]:
-    """Yields pieces of a line, each with "^" or "_" for a script and "" for the line itself."""
+    """Yield pieces of a line, each with "^" or "_" for a script and "" for other text."""
     end = 0
     for match in _HTML_SCRIPT.finditer(text):
         if match.start() > end:

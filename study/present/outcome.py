@@ -1,4 +1,4 @@
-"""The outcome of a run: rates and ledger for a terminal, from the data files, and verdicts as JUnit XML."""
+"""The outcome of a run: rates and ledger as text for a terminal, and verdicts as JUnit XML."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import pandas as pd
 from tabulate import tabulate
 
-from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, read_rates
+from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, read_csv, read_rates
 from study.ledger.files import write_text
 from study.ledger.text import cell, is_narrow, significant, width
 from study.ledger.verdict import (
@@ -28,12 +28,15 @@ from study.ledger.verdict import (
 )
 from study.present.notation import counted
 
+CONTACT_TEST = "case", "family", "levels", "defect", "what", "holding", "noticed", "noticed_by"
+"""Columns of ``contact-test.csv``."""
+
 
 def rates_text(directory: Path) -> str:
-    """Returns a row per case and mesh family from ``rates.csv``, as wide as the terminal, at most 110 columns.
+    """Return one row per case and mesh family from ``rates.csv``, as wide as the terminal, at most 110 columns.
 
-    It has the finest level n and its error, the order of the discrete error between the two finest levels, the largest
-    time share of all levels, and the orders from level to level, the last ones if not all fit.
+    A row has the finest level n and its error, the order of the discrete error between the two finest levels, the
+    largest time share of all levels, and the orders from level to level; only the last orders if not all fit.
     """
     rates = read_rates(directory)
     schemes = rates["scheme"].nunique() > 1
@@ -48,10 +51,10 @@ def rates_text(directory: Path) -> str:
 
 
 def ledger_text(claims: pd.DataFrame) -> str:
-    """Return a row per statement of the ledger, as wide as ``rates_text``, every row that does not hold, and a summary.
+    """Return one row per statement of the ledger, then every check that does not hold, and a summary.
 
-    A statement has the number of its cases, and the numbers of its rows by verdict. The summary counts the rows that
-    hold by the kind of their evidence, and ends with a conclusion.
+    A row has the number of cases, and the numbers of checks by verdict. The summary counts the checks that hold by the
+    kind of their evidence, and ends with a conclusion.
     """
     rows = [
         [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]
@@ -64,7 +67,7 @@ def ledger_text(claims: pd.DataFrame) -> str:
             lines += _finding(row)
     count = count_verdicts(claims)
     counts = (
-        f"{counted(len(claims), 'row')}: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
+        f"{counted(len(claims), 'check')}: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
         f"{count[MISSED]} missed (our own prediction was wrong), {count[REPORTED]} reported without a claim"
     )
     for text in (counts, *([kinds_text(claims)] if count[HOLDS] else []), conclusion(count)):
@@ -73,23 +76,45 @@ def ledger_text(claims: pd.DataFrame) -> str:
 
 
 def kinds_text(claims: pd.DataFrame) -> str:
-    """Return a sentence that counts the rows that hold by the kind of their evidence."""
+    """Return a sentence that counts the checks that hold by the kind of their evidence."""
     counts = ", ".join(f"{count} {name}" for name, count in count_kinds(claims).items())
-    return f"evidence of the rows that hold: {counts} ({THEOREM} and {IDENTITY} fail only if the code is broken)"
+    return f"evidence of the checks that hold: {counts} ({THEOREM} and {IDENTITY} fail only if the code is broken)"
 
 
 def conclusion(count: Mapping[str, int]) -> str:
-    """Return what the verdicts say about the statements, in one sentence."""
+    """Return one sentence on whether the statements are confirmed."""
     if count[FAILS]:
-        return f"Conclusion: {counted(count[FAILS], 'row')} contradicted what a statement claims."
+        return f"Conclusion: {counted(count[FAILS], 'check')} contradicted a statement."
     if not count[HOLDS]:
         return "Conclusion: nothing was decided."
-    rest = f"; {counted(count[UNDECIDED], 'row')} could not be decided" if count[UNDECIDED] else ""
-    return f"Conclusion: no statement was contradicted, {counted(count[HOLDS], 'row')} confirmed their claims{rest}."
+    rest = f"; {counted(count[UNDECIDED], 'check')} could not be decided" if count[UNDECIDED] else ""
+    return f"Conclusion: no statement was contradicted, {counted(count[HOLDS], 'check')} confirmed their claims{rest}."
+
+
+def contact_test_text(directory: Path) -> str:
+    """Return how strongly each own case tests contact, from ``contact-test.csv``: what noticed each defect."""
+    table = read_csv(directory, "contact-test.csv", CONTACT_TEST)
+    lines = [text for _, rows in table.groupby("case", sort=False) for text in _contact_test(rows)]
+    return "\n".join(line for text in lines for line in textwrap.wrap(text, width(), subsequent_indent="    ")) + "\n"
+
+
+def _contact_test(rows: pd.DataFrame) -> list[str]:
+    first, missed = rows.iloc[0], rows[rows["noticed"] == 0]
+    where = f"{first['case']}, {first['family']} meshes, n = {first['levels']}"
+    if missed.empty:
+        return [
+            f"test of contact: {where}: a solver with a defect would be noticed:",
+            *(f"  {row['what']}: by {row['noticed_by']}" for _, row in rows.iterrows()),
+        ]
+    return [
+        f"weak test of contact: {where}: of {first['holding']} rows that hold, none notices "
+        f"{' or '.join(missed['what'])}. "
+        "Take a larger pressure relative to moduli and gap, a contact zone that is wider in cells, or finer levels."
+    ]
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:
-    """Writes one test case per verdict; fails is a failure; undecided, missed and reported are skipped."""
+    """Write one test case per verdict: *fails* is a failure; undecided, missed and reported are skipped."""
     count = Counter(verdict.verdict for verdict in verdicts)
     skipped = len(verdicts) - count[HOLDS] - count[FAILS]
     totals = {"tests": str(len(verdicts)), "failures": str(count[FAILS]), "skipped": str(skipped)}
@@ -122,7 +147,7 @@ def _rates_row(series: pd.DataFrame, schemes: bool, shown: int) -> list[str]:
 
 
 def _finding(row: pd.Series) -> list[str]:
-    """Returns the lines of a verdict that is not a pass, with its quantity, folded to the width."""
+    """Return the lines of a verdict that does not hold, with its quantity, folded to the terminal width."""
     expected, _, why = str(row["expected"]).partition(BECAUSE)
     observed = f"{cell(row['observed'])} in [{cell(row['low'])}, {cell(row['high'])}]"
     where = f"{row['label']}, {row['case']}" if row["case"] else str(row["label"])
@@ -132,7 +157,7 @@ def _finding(row: pd.Series) -> list[str]:
 
 
 def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[int], numbers: slice) -> str:
-    """Returns columns two spaces apart, with longer cells folded and numbers on the right."""
+    """Return columns two spaces apart, with longer cells folded and numbers aligned to the right."""
     sides = ["left"] * len(head)
     sides[numbers] = ["right"] * len(sides[numbers])
     return str(

@@ -1,6 +1,6 @@
-"""The tables and badges of README and documentation that come from the data.
+"""The tables and badges of README and documentation that are made from the data.
 
-python -m study.present.pages results README.md docs/explanation/results.md …
+Usage: python -m study.present.pages results README.md docs/explanation/results.md …
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 import re
 import sys
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import astuple, dataclass
 from itertools import groupby
 from pathlib import Path
@@ -43,33 +43,37 @@ from study.ledger.verdict import (
 )
 from study.ledger.window import STEEPER
 from study.present.article import two_digits_up
-from study.present.drawing import in_style
+from study.present.drawing import caption_text, in_style
+from study.present.figures import drawings
 from study.present.full_run import FullRun
-from study.present.marks import END, markdown, put
 from study.present.missed import missed_rows
 from study.present.notation import counted, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import with_every_shape
 from study.present.show import write_gif
+from study.present.tables import texts
 from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, changes
 
+TABLES, FIGURES, PAGES = "study tables --out {}", "study figures --out {}", "make pages"
+"""The commands that write tables and article, figures with their captions, and the README with its badges."""
 FILM, FILM_DPI = "hexagon", 75
-"""The case on the first screen of the README, and dots per inch of its film."""
+"""The case shown at the top of the README, and dots per inch of its animation."""
 ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling", "limit", "order", "order-graded")
-"""Keys of the rows that test a proposition itself; the other rows check the discrete solution."""
+"""Keys of the checks that test a proposition directly; the other checks test the discrete solution."""
 MISPRINTS = "slips"
-"""The label of the rows that list misprints."""
+"""The label of the checks that list misprints."""
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
 PLURAL = {HOLDS: "hold", FAILS: "fail"}
+END = "<!-- end -->"
 
 
 def main() -> None:
-    """Writes tables, badges and the film of the first screen: ``python -m study.present.pages RESULTS PAGE …``."""
+    """Write tables, badges and the animation: ``python -m study.present.pages RESULTS PAGE …``."""
     directory, *pages = map(Path, sys.argv[1:])
     data = FullRun.read(directory)
     if data is None:
-        raise DataError(f"{directory} is not that of a full run: `make full`, `make controls` and `make seeds` make it")
+        raise DataError(f"{directory} has no full run: `make full`, `make controls` and `make seeds` make it")
     film, picture = directory / "figures" / f"{FILM}.gif", directory / "data" / "pictures" / f"{FILM}.json"
     with in_style():
         write_gif(film, with_every_shape(json.loads(picture.read_text(encoding="utf-8"))), lambda: None, FILM_DPI)
@@ -79,7 +83,7 @@ def main() -> None:
 
 
 def refresh(page: Path, data: FullRun) -> bool:
-    """Writes the tables of a page again; returns whether the page changed.
+    """Write the tables of a page again; return whether the page changed.
 
     Raises:
         DataError: the page has no marks.
@@ -91,7 +95,7 @@ def refresh(page: Path, data: FullRun) -> bool:
 
 
 def refreshed(page: Path, data: FullRun) -> str:
-    """Returns the text of a page with its tables, between ``<!-- NAME -->`` and ``<!-- end -->``, from the data.
+    """Return the text of a page with its tables, between ``<!-- NAME -->`` and ``<!-- end -->``, made from the data.
 
     Raises:
         DataError: the page has no marks.
@@ -119,6 +123,44 @@ def refreshed(page: Path, data: FullRun) -> str:
     return text
 
 
+def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
+    """Return for each file of a run that follows from its data alone the text and the command that writes it.
+
+    These files are tables, inputs of the article and captions of figures; for a full run also the badges and the README
+    of the repository to which the run belongs. Files that do not exist are left out.
+
+    Raises:
+        DataError: a data file is missing or damaged.
+    """
+    found = {path: (text, TABLES) for path, text in texts(directory).items()}
+    for drawing in drawings(directory):
+        found[directory / "figures" / f"{drawing.name}.txt"] = caption_text(drawing), FIGURES
+    data, root = FullRun.read(directory), directory.resolve().parent
+    if data and (root / "pyproject.toml").is_file():
+        for name, badge in badges(data, root / "pyproject.toml").items():
+            found[directory / "badges" / name] = badge.svg(), PAGES
+        if (root / "README.md").is_file():
+            found[root / "README.md"] = refreshed(root / "README.md", data), PAGES
+    return {path: (text, made_by.format(directory)) for path, (text, made_by) in found.items() if path.is_file()}
+
+
+def put(text: str, name: str, table: str) -> str:
+    """Return a page with a table, or a few words, inserted between the marks of a name; unchanged without such marks.
+
+    A table begins on a new line; words stay in their sentence.
+    """
+    head, mark, rest = text.partition(f"<!-- {name} -->")
+    _, end, tail = rest.partition(END)
+    start = "\n" if "\n" in table else ""
+    return f"{head}{mark}{start}{table}{end}{tail}" if mark and end else text
+
+
+def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)
+
+
 # Answer and results: claim, prediction, observation, verdict
 
 
@@ -133,10 +175,10 @@ class Result:
 
 
 def answer(data: FullRun) -> str:
-    """Returns the claims of the paper, the tests and their result in a few sentences, in Markdown.
+    """Return the claims of the paper, the tests and their result in a few sentences, in Markdown.
 
-    The page that shows the sentences defines where the links [problem], [ledger], [results], [misprints] and
-    [bounds] lead.
+    The page that shows the sentences defines the targets of the links [problem], [ledger], [results], [misprints] and
+    [bounds].
     """
     smooth, rough = data.rows("Prop. 5.4", "order-extrapolated"), data.rows("Prop. 5.3", "order")
     predicted = data.cases.loc[rough["case"], "expected_order"]
@@ -145,54 +187,46 @@ def answer(data: FullRun) -> str:
     holding = verdicts_in_words(data.claims, "checks").partition("; ")[0].capitalize()
     claimed = data.claims[data.claims["verdict"].isin(CLAIMED)]
     of_paper = claimed[claimed["label"].map(is_of_the_paper)]
+    counts = count_kinds(of_paper)
+    tests = f"{counts[ORDER]} observed orders, {counts[SIZE]} sizes and {counts[ONE_SIDED]} one-sided bounds"
+    off = above(float((rough["observed"] - predicted.to_numpy()).abs().max()), 2)
     said = {
-        "Claimed": "A viscoelastic body is pressed onto a rigid foundation; where it touches is unknown and moves. "
-        "M. Barboteu, W. Han and M. Sofonea proved in 2002 that this problem has exactly one solution, which can be "
-        "computed from displacements or from stresses, and that the error of linear finite elements tends to 0, with "
-        "order 1 in the mesh size h if the solution is smooth. They computed nothing. ([Problem][problem])",
-        "Tested": "Every statement of their paper that a computation can test, on "
-        f"{counted(len(data.cases), 'exact solution')} with known contact zones: {counted(len(of_paper), 'check')}, "
-        f"each with a tolerance window. {kinds_of_evidence(of_paper)} {len(claimed) - len(of_paper)} further checks "
-        "are about theorems of this study, the contact force, and the program. ([All checks][ledger], "
-        "[windows that were changed after a measurement][windows])",
-        "Result": f"{holding}. Of {met.sum()} further predictions of this study, which no statement claims, "
-        f"{met['agrees']} were met, {met['undecided']} are undecided and {met['differs']} were wrong. "
-        "For smooth solutions "
-        f"({counted(smooth['case'].nunique(), 'case')}) the observed order, extrapolated to h → 0, is "
-        f"{_range(smooth)}; theory predicts 1. For solutions that are not smooth "
-        f"({counted(rough['case'].nunique(), 'case')}) the observed order over two refinements is {_range(rough)}; "
-        f"theory predicts {predicted.min():.3g} to {predicted.max():.3g}. ([Results][results])",
-        "Wrong in print": f"{len(misprint_rows(data))} places, among them one false remark: interpolants of a "
-        "continuous initial displacement need not converge to it in the energy norm. In our reading no theorem depends "
-        "on them. "
-        "([Misprints][misprints])",
-        "New": "In the plane, order 1 is proved under a weaker assumption. Backward Euler is proved to have the error "
-        "O(h + k), without a condition between the mesh size h and the time step k. The error can be bounded without "
-        "an exact solution. "
+        "Claimed": "A viscoelastic body (Kelvin–Voigt law, small strains) is pressed onto a rigid foundation without "
+        "friction; the contact zone is unknown and moves. M. Barboteu, W. Han and M. Sofonea proved in 2002 that this "
+        "problem has exactly one solution, that it has two equivalent formulations, for displacements and for "
+        "stresses, and that linear finite elements in space converge in the energy norm, uniformly in time, with order "
+        "1 in the mesh size h if the solution is smooth. Their paper has no computations. ([Problem][problem])",
+        "Tested": "Every statement of the paper that a computation can test, on "
+        f"{counted(len(data.cases), 'exact solution')} with known contact zones. A check compares a measured number "
+        f"with a tolerance window. {len(of_paper)} checks are about the paper: {tests}, which a correct program can "
+        f"fail if a claim is wrong, and {counts[THEOREM] + counts[IDENTITY]} relations, which fail only if the program "
+        f"is wrong. {len(claimed) - len(of_paper)} further checks are about theorems of this study, contact forces, "
+        "and the program. ([All checks][ledger], [windows that were changed after a measurement][windows])",
+        "Result": f"{holding}. For smooth solutions ({counted(smooth['case'].nunique(), 'case')}) the observed order, "
+        f"extrapolated to h → 0, is {_range(smooth)}; the paper predicts 1. For solutions that are not smooth "
+        f"({counted(rough['case'].nunique(), 'case')}) the paper predicts convergence without an order; their "
+        f"regularity predicts orders from {predicted.min():.3g} to {predicted.max():.3g}, and the observed orders "
+        f"differ from them by at most {off}. This study made {met.sum()} more predictions, which no statement of the "
+        f"paper claims: {met['met']} were met, {met['undecided']} are undecided, {met['wrong']} were wrong. "
+        "([Results][results])",
+        "Wrong in print": f"{len(misprint_rows(data))} places, among them one false remark: nodal interpolants of a "
+        "continuous initial displacement need not converge to it in the energy norm. In our reading, no theorem "
+        "depends on these places. ([Misprints][misprints])",
+        "New": "In the plane, order 1 holds without the assumption of the paper on the normal displacement on the "
+        "contact boundary (proved). Backward Euler has an error of at most C (h + k) for every mesh size h and time "
+        "step k (proved). The error of a computed displacement can be enclosed without the exact solution. "
         "([Problem][problem], [error bounds][bounds])",
     }
     return "".join(f"- **{lead}.** {_literal(text)}\n" for lead, text in said.items())
 
 
-def kinds_of_evidence(claims: pd.DataFrame) -> str:
-    """Returns the numbers of checks that hold, by the kind of evidence, in sentences."""
-    counts = count_kinds(claims)
-    can_fail = sum(counts[name] for name in CAN_FAIL)
-    return (
-        f"Of those that hold, {can_fail} could have failed although the program is right: {counts[ORDER]} orders and "
-        f"{counts[SIZE]} sizes with two-sided windows, and {counts[ONE_SIDED]} one-sided bounds. The others fail only "
-        f"if the program is wrong: {counts[THEOREM]} proved relations and {counts[IDENTITY]} identities."
-    )
-
-
 def headline(data: FullRun) -> str:
-    """Returns the main results with links to the code behind them, in Markdown; DataError if rows are missing."""
+    """Return the main results with links to the code behind them, in Markdown; DataError if checks are missing."""
     told = {
         "statements/prop_5_4.py": _prop_5_4,
         "statements/prop_5_3.py": _prop_5_3,
         "statements/thm_4_2_own_space.py": _own_space,
         "statements/enclosure.py": _bound,
-        "controls/alarms.py": _seeds,
     }
     lines = [
         [_literal(line.claim), _literal(line.observed), line.verdict, f"[code](study/{path})"]
@@ -202,7 +236,7 @@ def headline(data: FullRun) -> str:
 
 
 def results(data: FullRun) -> str:
-    """Returns claims, predictions, observations rounded outwards, and verdicts, in Markdown; DataError as above."""
+    """Return claims, predictions, observations rounded outwards, and verdicts, in Markdown."""
     beyond = _regularity, _work, _rollers, _time
     rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, *beyond, _defects, _seeds)
     lines = [[_literal(cell) for cell in astuple(row(data))] for row in rows]
@@ -231,9 +265,10 @@ def _prop_5_3(data: FullRun) -> Result:
         "Proposition 5.3: the error also tends to 0 if the solution is not smooth",
         f"error → 0; by regularity with orders {expected.min():.3g} to {expected.max():.3g}",
         f"{counted(seen['case'].nunique(), 'case')}: observed orders {_range(seen)} over two refinements, "
-        f"{below(steps.min(), 2)} to {above(steps.max(), 2)} over single ones. The limit of the error, fitted with the "
-        f"predicted order, is {negative} % to {limit} % of the errors on the two finest meshes; a negative limit means "
-        f"that errors fall faster than predicted. With an order larger by {STEEPER:g} the limit is at most {steeper} %",
+        f"{below(steps.min(), 2)} to {above(steps.max(), 2)} over single refinements. In a "
+        f"fit a + C h^p of the errors with the predicted order p, the limit a is {negative} % to {limit} % of the "
+        "errors on the two finest meshes; a negative limit means that errors fall faster than predicted. With p larger "
+        f"by {STEEPER:g}, a is at most {steeper} %",
         _two_groups(data, "Prop. 5.3", CONVERGENCE, "checks of convergence"),
     )
 
@@ -255,10 +290,11 @@ def _own_space(data: FullRun) -> Result:
     smooth, others = measured[meets], measured[~meets]
     each = "; ".join(f"{case}: {_range(rows)}" for case, rows in others.groupby("case", sort=False))
     return Result(
-        "Theorem 4.2, stresses computed without any displacement: they converge to the exact stress σ",
+        "Theorem 4.2: the stress formulation, solved without displacements, gives the stress of the displacement "
+        "formulation",
         "order 3/2 to 2 for smooth solutions, less for others",
-        f"{counted(smooth['case'].nunique(), 'case')} with (5.36): observed orders {_range(smooth)}; "
-        f"{counted(others['case'].nunique(), 'case')} without: {each}",
+        f"{counted(smooth['case'].nunique(), 'smooth case')}: the error of the stress has observed orders "
+        f"{_range(smooth)}, predicted 3/2 to 2; {counted(others['case'].nunique(), 'other case')}: {each}",
         _verdict(data, label),
     )
 
@@ -352,32 +388,34 @@ def _seeds(data: FullRun) -> Result:
 
 
 def _verdict(data: FullRun, label: str, among: set[str] | None = None) -> str:
-    """Returns the verdict on a statement and how many checks have it, in all cases or in some."""
+    """Return the verdict on a statement and the number of its checks, in all cases or in the given cases."""
     rows = data.claims[data.claims["label"] == label]
     return _judged(rows if among is None else rows[rows["case"].isin(among)], "checks")
 
 
 def _two_groups(data: FullRun, label: str, keys: tuple[str, ...], noun: str) -> str:
-    """Returns the verdict on the checks that test a proposition itself, then the counts of the further checks."""
+    """Return the verdict on the checks that test a proposition directly, then the counts of the further checks."""
     rows = data.claims[data.claims["label"] == label]
     tests = rows["key"].isin(keys)
     return f"{_judged(rows[tests], noun)}; {verdicts_in_words(rows[~tests], 'further checks of the same computations')}"
 
 
 def _judged(rows: pd.DataFrame, noun: str) -> str:
-    """Returns the worst verdict on the claims among rows, how many rows have each, and how many fail by errors only."""
+    """Return the worst verdict on claims among the checks, how many have each verdict, and how many cannot fail by
+    chance."""
     count = count_verdicts(rows)
     worst = [verdict for verdict in CLAIMED if count[verdict]]
     if not worst:
         return REPORTED
     holding = rows[rows["verdict"] == HOLDS].apply(kind, axis=1) if count[HOLDS] else pd.Series(dtype=str)
     safe = int((~holding.isin(CAN_FAIL)).sum())
-    rest = f"; {safe} of them can fail only if the program is wrong" if safe else ""
+    them = "they" if safe == len(rows) else f"{safe} of them"
+    rest = f"; {them} can fail only if the program is wrong" if safe else ""
     return f"{worst[0]}: {verdicts_in_words(rows, noun)}{rest}"
 
 
 def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
-    """Returns "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions."""
+    """Return "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions."""
     count = count_verdicts(rows)
     total = sum(count[verdict] for verdict in CLAIMED)
     text = f"all {total} {noun} hold"
@@ -389,33 +427,33 @@ def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
 
 
 def _range(rows: pd.DataFrame) -> str:
-    """Returns the least and the largest value, rounded outwards."""
+    """Return the least and the largest value, rounded outwards."""
     return f"{below(rows['low'].min(), 2)} to {above(rows['high'].max(), 2)}"
 
 
 def misprints(data: FullRun) -> str:
-    """Returns the places where the printed text of the paper is wrong, and how to read them, in Markdown."""
+    """Return the places where the printed text of the paper is wrong, and the corrected text, in Markdown."""
     rows = misprint_rows(data)[["case", "quantity", "expected"]].itertuples(index=False)
     lines = [[_literal(str(cell).removeprefix("read: ")) for cell in row] for row in rows]
     return markdown(["place", "printed", "read"], lines)
 
 
 def misprint_rows(data: FullRun) -> pd.DataFrame:
-    """Returns the rows of the ledger that list misprints."""
+    """Return the rows of the ledger that list misprints."""
     return data.claims[data.claims["label"] == MISPRINTS]
 
 
 def missed(data: FullRun) -> str:
-    """Returns the wrong predictions of this study and what was learned from them, in Markdown."""
+    """Return the wrong predictions of this study and what was learned from them, in Markdown."""
     lines = [[_literal(str(text)) for text in line] for line in missed_rows(data.claims)]
     return markdown(["statement", "case", "quantity", "predicted", "observed", "what was learned"], lines)
 
 
-# Lists: statements, numbered formulas, other codes, changed windows
+# Lists: statements, numbered formulas, other codes, changed windows.
 
 
 def statements(data: FullRun) -> str:
-    """Returns every statement with its verdicts, the file of the code that judges it and its data, in Markdown."""
+    """Return every statement with its verdicts, the file of the code that judges it and its data, in Markdown."""
     lines = []
     for label, claim, rows in by_claim(data.claims):
         where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
@@ -430,15 +468,15 @@ def _verdicts(rows: pd.DataFrame) -> str:
 
 
 def formulas(data: FullRun) -> str:
-    """Returns every numbered formula and statement of the source with its rows or why it has none, in Markdown."""
+    """Return every numbered formula and statement of the paper with its checks or the reason for none, in Markdown."""
     lines = [[numbers, _literal(says), _literal(rows)] for numbers, says, rows in numbered_lines(data.claims)]
     return markdown(["number", "says", "rows, or why there are none"], lines)
 
 
 def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
-    """Yields numbers, their content, and their checks or the reason for none, in the order of the paper.
+    """Yield numbers, their content, and their checks or the reason for none, in the order of the paper.
 
-    Neighbours with equal content share a line.
+    Consecutive numbers with equal content share a line.
 
     Raises:
         DataError: a number has no checks and no reason.
@@ -453,7 +491,7 @@ def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
 
 
 def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
-    """Returns number ↦ (content, checks or reason) of each statement of the ledger that names the number."""
+    """Return for each number the content and the checks, or the reason for none, of statements that name it."""
     found: dict[str, list[tuple[str, str]]] = {number: [] for number in NUMBERED}
     without = claims["label"].isin((NO_ROW, NOT_TESTED))
     entries = [
@@ -469,17 +507,17 @@ def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
 
 
 def cases(data: FullRun) -> str:
-    """Returns the number of cases, for a sentence."""
+    """Return the number of cases as text, for a sentence."""
     return str(len(data.cases))
 
 
 def codes(data: FullRun) -> str:
-    """Returns other people's contact codes with their parameters: classes and the worst of each, in Markdown."""
+    """Return other people's contact codes with their parameters: classes and worst values of each, in Markdown."""
     return _codes_table(data.codes)
 
 
 def marches(data: FullRun) -> str:
-    """Returns the same table for codes that went through time by the midpoint rule."""
+    """Return the table of ``codes`` for codes that solved the problem in time by the midpoint rule."""
     return _codes_table(data.marches)
 
 
@@ -503,12 +541,14 @@ def _codes_table(found: Codes | None) -> str:
 
 
 def windows(data: FullRun) -> str:
-    """Returns the windows that changed since the first round, in Markdown; DataError if one has no stated reason."""
+    """Return the tolerance windows that changed since the first round, in Markdown; DataError if a reason is
+    missing."""
     return _changes_table(changes(_record(data.earlier, FIRST), data.claims))
 
 
 def released_windows(data: FullRun) -> str:
-    """Returns the windows that changed since the last release, in Markdown; DataError if one has no stated reason."""
+    """Return the tolerance windows that changed since the last release, in Markdown; DataError if a reason is
+    missing."""
     return _changes_table(changes(_record(data.released, RELEASED), data.claims))
 
 
@@ -522,7 +562,7 @@ def _changes_table(found: Sequence[Change]) -> str:
 
 
 def new_windows(data: FullRun) -> str:
-    """Returns rows that are claimed today and were not known then, in Markdown."""
+    """Return the checks that are claimed today and did not exist at the first round, in Markdown."""
     lines = [
         [_changed(one), _literal(one.today), _literal(one.why)]
         for one in added(_record(data.earlier, FIRST), data.claims)
@@ -541,7 +581,7 @@ def _record(then: pd.DataFrame | None, name: str) -> pd.DataFrame:
 
 
 def _literal(text: str) -> str:
-    """Returns a text with its scripts raised and lowered, and nothing in it that Markdown takes for emphasis."""
+    """Return a text with its scripts raised and lowered, and with emphasis characters of Markdown escaped."""
     return re.sub(r"([*_])", r"\\\1", typeset(text))
 
 
@@ -550,14 +590,14 @@ def _literal(text: str) -> str:
 
 @dataclass(frozen=True)
 class Badge:
-    """A small picture above the README: a name, a text, and the colour behind the text."""
+    """A small picture at the top of the README: a name, a text, and the colour behind the text."""
 
     name: str
     says: str
     colour: str
 
     def svg(self) -> str:
-        """Returns the badge as a picture; letters are fitted into the width that they have on average."""
+        """Return the badge as SVG; letters are fitted into their average width."""
         margin, height = 6, 20
         left, right = (round(6.4 * len(text)) + 2 * margin for text in (self.name, self.says))
         name, says = escape(self.name), escape(self.says)
@@ -575,7 +615,7 @@ class Badge:
 
 
 def badges(data: FullRun, project: Path) -> dict[str, Badge]:
-    """Returns file name ↦ badge: verdicts of the ledger, caught defects, and what ``pyproject.toml`` states."""
+    """Return the badges by file name: verdicts of the ledger, noticed defects, and entries of ``pyproject.toml``."""
     stated = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
     count, (found, injected) = count_verdicts(data.claims), count_caught(data.controls)
     ledger = VERMILLION if count[FAILS] else ORANGE if count[UNDECIDED] else GREEN
@@ -590,7 +630,7 @@ def badges(data: FullRun, project: Path) -> dict[str, Badge]:
 
 
 def write_badges(directory: Path, data: FullRun, project: Path) -> list[Path]:
-    """Writes all badges into a directory; returns their files."""
+    """Write all badges into a directory; return their files."""
     return [write_text(directory / name, badge.svg()) for name, badge in badges(data, project).items()]
 
 

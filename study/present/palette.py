@@ -1,4 +1,4 @@
-"""Every colour of figures, films and the report page, and the line style of each mesh family."""
+"""Every colour of figures, animations and the report page, and the line style of each mesh family."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Literal
 
-# Okabe and Ito, Color Universal Design (2008); their yellow is too light for lines.
+# Colours of Okabe and Ito, Color Universal Design (2008); their yellow is too light for lines.
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, BLACK = "#E69F00", "#56B4E9", "#000000"
 GREY, DARK = "#8C8C8C", "#4D4D4D"
 OUTLINE, RIM, SURFACE = "0.35", "0.4", "0.6"
 FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
-"""Colours of lines, in the order in which they are taken."""
+"""Colours of lines, in the order in which they are used."""
 
 RAMPS = {
     "stress": ("#ffffd9", "#edf8b1", "#c7e9b4", "#7fcdbb", "#41b6c4", "#1d91c0", "#225ea8", "#253494", "#081d58"),
@@ -23,7 +23,7 @@ RAMPS = {
 }
 """Colours from zero to the largest value: YlGnBu, OrRd and PuBu of ColorBrewer (Harrower and Brewer 2003).
 
-They darken monotonically, so they also read in grey, and small values leave a mesh visible.
+They darken monotonically, so they are readable in grey, too, and the mesh stays visible for small values.
 """
 _LIGHT = {
     "paper": "#fff", "ink": "#1a1a1a", "soft": "#595959", "rule": "#d0d0d0", "shade": "#f4f4f2", "link": "#00558a",
@@ -44,7 +44,7 @@ Stroke = Literal["solid", "dashed", "dotted", "band"]
 
 @dataclass(frozen=True)
 class Style:
-    """How a curve or, in the legend, a band is drawn; ``marker`` is a Matplotlib name, "" for none."""
+    """The style of a curve or, in the legend, of a band; ``marker`` is a Matplotlib name, empty for none."""
 
     colour: str
     marker: str = ""
@@ -63,7 +63,7 @@ _OTHERS = (Style(SKY, "P"), Style(BLACK, "X"), Style(GREY, "h"))
 
 
 def family_styles(families: Iterable[str]) -> dict[str, Style]:
-    """Returns the style of each mesh family; unknown families get spare styles in alphabetical order."""
+    """Return the style of each mesh family; unknown families get spare styles in alphabetical order."""
     names = set(families)
     known = {name: style for name, style in _FAMILIES.items() if name in names}
     return known | dict(zip(sorted(names - set(known)), cycle(_OTHERS), strict=False))

@@ -1,4 +1,4 @@
-"""One run in space and time, computed and exact, as ``data/pictures/CASE.json`` holds it."""
+"""One run in space and time, computed and exact, as stored in ``data/pictures/CASE.json``."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class FaceHistory:
     Attributes:
         number: i of Γ3,i.
         normal: ν, outward, (d,).
-        s: coordinates of the nodes on the face, (nodes,) in the plane and (2, nodes) in space.
+        s: coordinates of the nodes on the face, (nodes,) in 2D and (2, nodes) in 3D.
         x: the nodes, (d, nodes).
         gap, gap_exact: −u_ν, (times, nodes).
         pressure, pressure_exact: −σ_ν, (times, nodes).
@@ -45,7 +45,7 @@ class FaceHistory:
 
     @property
     def contact_threshold(self) -> float:
-        """Nodes with a larger pressure are in contact."""
+        """The pressure above which a node counts as in contact."""
         return CONTACT * float(self.pressure.max(initial=0.0))
 
     @property
@@ -56,7 +56,7 @@ class FaceHistory:
 
 @dataclass(frozen=True, eq=False)
 class Segment(FaceHistory):
-    """A face of Γ3 in the plane.
+    """A face of Γ3 in 2D.
 
     Attributes:
         zone_times: times at which the exact contact zone is known.
@@ -73,18 +73,18 @@ class Segment(FaceHistory):
 
     @property
     def spacing(self) -> float:
-        """The mean distance of neighbouring nodes, the length of a cell."""
+        """The mean distance of neighbouring nodes, which is the length of a cell."""
         return float(np.ptp(self.s)) / (len(self.s) - 1)
 
     def computed_zone(self, instant: int) -> list[Interval]:
-        """Returns the part of the face whose nearest node is in contact, as intervals between midpoints of nodes."""
+        """Return the part of the face whose nearest node is in contact, as intervals between midpoints of nodes."""
         middle = (self.s[1:] + self.s[:-1]) / 2
         ends = np.concatenate([self.s[:1], middle, self.s[-1:]])
         change = np.flatnonzero(np.diff(self.touching[instant], prepend=False, append=False))
         return [(float(ends[a]), float(ends[b])) for a, b in zip(change[::2], change[1::2], strict=True)]
 
     def exact_zone(self, time: float) -> list[Interval]:
-        """Returns the exact zone at a time, linearly interpolated between the times at which it is known."""
+        """Return the exact zone at a time, linearly interpolated between the times at which it is known."""
         columns = [np.array(strand).T for strand in strands(self.zone_times, self.zone)]
         return [
             (float(np.interp(time, t, left)), float(np.interp(time, t, right)))
@@ -93,17 +93,17 @@ class Segment(FaceHistory):
         ]
 
     def point(self, s: Array) -> Array:
-        """Returns the points at positions s, (2, ...)."""
+        """Return the points at positions s, (2, ...)."""
         return np.array([np.interp(s, self.s, component) for component in self.x])
 
 
 @dataclass(frozen=True, eq=False)
 class Polygon(FaceHistory):
-    """A face of Γ3 in space.
+    """A face of Γ3 in 3D.
 
     Attributes:
-        facets: the triangles between its nodes; triangles with a corner on Γ1, which is no node, are left out.
-        nodes: the indices of its nodes among the vertices of the picture, (nodes,).
+        facets: the triangles between the nodes; triangles with a corner on Γ1, which is not a node, are left out.
+        nodes: the indices of the nodes among the vertices of the picture, (nodes,).
         level: ψ at the nodes and at the midpoints between them, (times, nodes + edges); the exact zone is {ψ ≥ 0}.
     """
 
@@ -128,9 +128,9 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Energy:
-    """The balance of energy, (times,) each: the stored energy, and the other terms summed since t = 0.
+    """The energy balance, (times,) each: the stored energy, and the other terms summed since t = 0.
 
-    The defect, stored − stored(0) + dissipated + contact − work, is zero without discretisation in time.
+    Without discretisation in time the defect, stored − stored(0) + dissipated + contact − work, would be zero.
     """
 
     times: Array
@@ -143,10 +143,10 @@ class Energy:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """One run: the mesh, the deformed body at some times, the faces of Γ3 and the energy over time.
+    """One run: the mesh, the deformed body at selected times, the faces of Γ3 and the energy over time.
 
-    ``cells`` are the triangles of the mesh in the plane or of its surface in space, where their corners run
-    counter-clockwise seen from outside, (3, cells).
+    ``cells`` are the triangles of the mesh in 2D, or of its surface in 3D, counter-clockwise seen from outside, (3,
+    cells).
     """
 
     case: str
@@ -161,10 +161,10 @@ class Picture:
 
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> Picture:
-        """Returns the picture that a JSON file holds.
+        """Return the picture in a JSON file.
 
         Raises:
-            KeyError, TypeError, ValueError: the content is not what ``study run`` writes.
+            KeyError, TypeError, ValueError: the content was not written by ``study run``.
         """
         times = np.array(record["times"], dtype=float)
         displacement, von_mises = (Packed.read(record[name]).values for name in ("displacement", "von_mises"))
@@ -185,12 +185,12 @@ class Picture:
 
     @property
     def segments(self) -> list[Segment]:
-        """The faces of a body in the plane."""
+        """The faces of a 2D body."""
         return [face for face in self.faces if isinstance(face, Segment)]
 
     @property
     def polygons(self) -> list[Polygon]:
-        """The faces of a body in space."""
+        """The faces of a 3D body."""
         return [face for face in self.faces if isinstance(face, Polygon)]
 
     @property
@@ -204,7 +204,7 @@ class Picture:
         return [self.nearest(shape.time) for shape in self.shapes]
 
     def nearest(self, time: float) -> int:
-        """Returns the index of the time node nearest to a time."""
+        """Return the index of the time node nearest to a time."""
         return int(np.argmin(abs(self.times - time)))
 
     @property
@@ -228,21 +228,21 @@ class Picture:
         return ", ".join(map(self.name, self.faces))
 
     def name(self, face: FaceHistory) -> str:
-        """Returns Γ3, or Γ3,i if there are several faces, for captions."""
+        """Return Γ3, or Γ3,i if there are several faces, for captions."""
         return f"Γ3,{face.number}" if len(self.faces) > 1 else "Γ3"
 
     def symbol(self, face: FaceHistory) -> str:
-        """Returns the name of a face as TeX mathematics."""
+        """Return the name of a face as TeX mathematics."""
         return rf"\Gamma_{{3,{face.number}}}" if len(self.faces) > 1 else r"\Gamma_3"
 
 
 def read_values(entry: Any) -> Array:
-    """Returns numbers that are packed, or written as they are."""
+    """Return an array from packed numbers, or from a list of numbers."""
     return Packed.read(entry).values if isinstance(entry, Mapping) else np.array(entry, dtype=float)
 
 
 def _face(record: Mapping[str, Any], cells: NDArray[np.int64], plane: bool) -> FaceHistory:
-    """Returns a face from one entry of ``faces``."""
+    """Return a face from one entry of ``faces``."""
     names = [field.name for field in fields(FaceHistory) if field.name != "number"]
     common: dict[str, Any] = {"number": int(record["face"])} | {name: read_values(record[name]) for name in names}
     if not plane:
@@ -260,7 +260,7 @@ def _face(record: Mapping[str, Any], cells: NDArray[np.int64], plane: bool) -> F
 
 
 def read_pictures(directory: Path) -> list[Picture]:
-    """Returns the pictures of the cases in ``cases.csv``, in that order; files of other runs are ignored.
+    """Return the pictures of the cases in ``cases.csv``, in their order there; files of other runs are ignored.
 
     Raises:
         DataError: there is no such directory, or a file in it is not a picture.
@@ -280,10 +280,10 @@ def read_pictures(directory: Path) -> list[Picture]:
 
 
 def over_time(record: Mapping[str, Any]) -> tuple[Packed, Packed]:
-    """Returns the displacement of the vertices, (times, d, vertices), and the stress of the cells, (times, cells).
+    """Return the displacement of the vertices, (times, d, vertices), and the stress of the cells, (times, cells).
 
     Raises:
-        KeyError, TypeError, ValueError: the content of the file lacks them, or has them on another mesh.
+        KeyError, TypeError, ValueError: the file lacks them, or has them on another mesh.
     """
     times, vertices, cells = len(record["times"]), np.shape(record["vertices"]), np.shape(record["cells"])
     packed = Packed.read(record["displacement"]), Packed.read(record["von_mises"])
@@ -294,24 +294,28 @@ def over_time(record: Mapping[str, Any]) -> tuple[Packed, Packed]:
 
 
 def with_every_shape(record: Mapping[str, Any]) -> Picture:
-    """Returns the picture with a shape at each of its times; raises the errors of ``over_time``."""
+    """Return the picture with a shape at each of its times; raises the errors of ``over_time``."""
     picture, (displacement, von_mises) = Picture.of(record), over_time(record)
     every = zip(picture.times, displacement.values, von_mises.values, strict=True)
     return replace(picture, shapes=[Shape(float(time), u, stress) for time, u, stress in every])
 
 
-# The exact contact zone in the plane over time. A zone is a union of intervals for every time. It changes its number
-# of intervals in events: an interval appears or disappears, two intervals merge, or one splits.
+# The exact contact zone in 2D over time.
 
 Strand = list[tuple[float, float, float]]
-"""One interval of a zone from event to event: (t, s0, s1) in increasing time."""
+"""One interval of a zone from event to event: (t, s0, s1) in increasing time.
+
+At every time the zone is a union of intervals. Their number changes in events: an interval appears or disappears, two
+intervals merge, or one splits.
+"""
 
 
 def misplaced_length(face: Segment, times: Array) -> Array:
-    """Returns |Z(t) Δ Z^h(t)|/h at the times after the first: the distances of all fronts in cells, (times − 1,).
+    """Return |Z(t) Δ Z^h(t)|/h at the times after the first: the sum of the errors of all fronts in cells, (times −
+    1,).
 
-    Z^h is ``Segment.computed_zone``. The measure of the symmetric difference is defined through all events, and no
-    node on the wrong side is overlooked. Clamped ends of a face, which have no node, do not count.
+    Z^h is ``Segment.computed_zone``. The measure of the symmetric difference is defined even during events, and it
+    includes every node on the wrong side. Clamped ends of a face, which have no node, do not count.
     """
     low, high = float(face.s.min()), float(face.s.max())
     lengths = []
@@ -327,12 +331,12 @@ def misplaced_length(face: Segment, times: Array) -> Array:
 
 
 def misplaced_nodes(face: Polygon) -> Array:
-    """Returns how many nodes are in contact outside the exact zone or free inside, after the first time."""
+    """Return how many nodes are in contact outside the exact zone or not in contact inside, after the first time."""
     return np.asarray((face.touching != face.inside)[1:].sum(axis=1))
 
 
 def outside(face: FaceHistory, times: Array) -> NDArray[np.bool_]:
-    """Returns whether a node is in contact outside the exact zone, after the first time, (times, nodes)."""
+    """Return whether a node is in contact outside the exact zone, after the first time, (times, nodes)."""
     if isinstance(face, Segment):
         zones = map(face.exact_zone, times)
         inside = np.array([[any(a <= s <= b for a, b in zone) for s in face.s] for zone in zones])
@@ -345,7 +349,7 @@ def outside(face: FaceHistory, times: Array) -> NDArray[np.bool_]:
 
 
 def strands(times: Array, zone: Sequence[Sequence[Interval]]) -> list[Strand]:
-    """Returns the strands of a zone; an event between two known times is assumed half-way between them."""
+    """Return the strands of a zone; an event between two known times is assumed halfway between them."""
     done: list[Strand] = []
     growing: list[Strand] = []
     for i, intervals in enumerate(zone):
@@ -364,22 +368,23 @@ def strands(times: Array, zone: Sequence[Sequence[Interval]]) -> list[Strand]:
 
 
 def caps(pieces: Sequence[Strand]) -> list[tuple[float, float, float]]:
-    """Returns the boundary of a zone at constant t: (t, s0, s1) where a single strand begins or ends."""
+    """Return the boundary of a zone at constant t: (t, s0, s1) where a single strand begins or ends."""
     tips = [tip for piece in pieces for tip in (piece[0], piece[-1])]
     found = []
     for t in sorted({tip[0] for tip in tips}):
         here = [(left, right) for time, left, right in tips if time == t]
         for left, right in pairwise(sorted({end for interval in here for end in interval})):
-            # Strands before an event do not overlap, nor do strands after it: what two cover lies inside the zone.
+            # No two strands on the same side of an event overlap, so an interval covered by two lies inside the zone.
             if sum(a <= left and right <= b for a, b in here) == 1:
                 found.append((t, left, right))
     return found
 
 
 def _tip(interval: Interval, across: Sequence[Interval], along: Sequence[Interval]) -> Interval:
-    """Returns the end of a strand at an event, from the intervals beyond the event and those along the strand.
+    """Return the end of a strand at an event, from the intervals beyond the event and the intervals along the strand.
 
-    This is the whole interval if it meets another strand or begins at once over its whole length, else its midpoint.
+    The end is the whole interval if it meets another strand or appears at once over its whole length, else its
+    midpoint.
     """
     if any(_meet(interval, other) for other in across) or interval in along:
         return interval

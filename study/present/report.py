@@ -1,4 +1,4 @@
-"""One HTML page from the data files, which fetches nothing: ledger, tables, charts, and every case in motion."""
+"""One HTML page from the data files, without external files: ledger, tables, charts, and animated cases."""
 
 from __future__ import annotations
 
@@ -21,8 +21,16 @@ from study.ledger.text import significant
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNDECIDED
 from study.present import palette
 from study.present.body import ARROW, THICKNESS, BodyScale, shade
-from study.present.chart import Array, Axis, Chart, Subplot
-from study.present.charts import collapsed_chart, convergence_chart, enclosure_charts, finest_orders
+from study.present.charts import (
+    Array,
+    Axis,
+    Chart,
+    Subplot,
+    collapsed_chart,
+    convergence_chart,
+    enclosure_charts,
+    finest_orders,
+)
 from study.present.notation import typeset, typeset_svg
 from study.present.palette import BLACK, DARK, Style, family_styles
 from study.present.picture import FaceHistory, Polygon, Segment, over_time, with_every_shape
@@ -42,7 +50,7 @@ CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_
 ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]
 LEDGER = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
 HIGHEST_ORDER, STRIP = 1.5, 150
-"""The right end of a strip of orders, and its width in the units of its view box."""
+"""The right end of a strip of orders, and its width in SVG units."""
 
 MEANINGS = {
     HOLDS: "the value lies in a window that was fixed beforehand",
@@ -109,7 +117,7 @@ LETTERS = {
         "∫ c": "work of contact, each over time: the parts of the bound",
     },
 }
-"""Place on the page, or table ↦ symbol ↦ meaning."""
+"""The symbols of each table or place on the page, with their meanings."""
 
 
 @dataclass(frozen=True)
@@ -125,10 +133,10 @@ class LedgerGroup:
 
 @dataclass(frozen=True)
 class CasePage:
-    """One case: facts, verdicts, orders, charts, motion and tables.
+    """One case: facts, verdicts, orders, charts, animation and tables.
 
-    ``strip`` holds the coordinates of the predicted order and of the observed orders with the colours of the mesh
-    families.
+    ``strip`` has the horizontal positions of the predicted order and of the observed orders, with the colours of the
+    mesh families.
     """
 
     name: str
@@ -142,15 +150,15 @@ class CasePage:
 
 
 def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
-    """Writes ``directory/report.html`` from the files under ``directory/data``; returns its path.
+    """Write ``directory/report.html`` from the files under ``directory/data``; return its path.
 
     Parameters:
-        directory: of a run.
+        directory: directory of a run.
         provenance: the content of ``data/provenance.json``, which the command has read and checked.
 
     Raises:
         StoreError: the directory cannot be written.
-        DataError: a data file is missing, damaged or older than the page needs; then nothing is written.
+        DataError: a data file is missing, damaged or written by an older version; then nothing is written.
     """
     loader = PackageLoader("study.present", "page")
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
@@ -158,7 +166,7 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
     claims, rates = read_claims(directory), read_rates(directory)
     smooth = rates[rates["claim"] == "Prop. 5.4"]
     judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
-    # A label that stands for two statements makes two groups.
+    # A label with two statements gives two groups.
     groups = [
         LedgerGroup(label, says, count_verdicts(rows), judges.get(label, []), rows[LEDGER].to_numpy().tolist())
         for label, says, rows in by_claim(ledger_table(directory).cells)
@@ -169,13 +177,13 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         letters=LETTERS,
         meanings=MEANINGS,
         counts=count_verdicts(claims),
-        # The case with most contact faces in the plane shows most.
+        # The page opens with the 2D case that has the most contact faces.
         shown=max(cases, key=lambda case: (len(case.film["view"]) == 2) * len(case.film["faces"])),
         collapsed=svg_chart(collapsed_chart(smooth)) if len(smooth) else "",
         rows=len(claims),
         groups=groups,
         labels=list(dict.fromkeys(group.label for group in groups)),
-        # Rows are about cases, or about places in the paper.
+        # A row is about a case, or about a place in the paper.
         places=list(dict.fromkeys(row[0] for group in groups for row in group.rows if row[0])),
         cases=cases,
         names={case.name for case in cases},
@@ -189,7 +197,7 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
 
 
 def _files(directory: Path) -> Table:
-    """Returns the data files behind the page with their hashes."""
+    """Return the data files behind the page with their hashes."""
     data = directory / "data"
     paths = sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json")])
     contents = {path.relative_to(data).as_posix(): path.read_bytes() for path in paths}
@@ -202,7 +210,7 @@ def _files(directory: Path) -> Table:
 
 
 def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[CasePage]:
-    """Returns the cases in the order of ``cases.csv``; raises DataError for a data file that is missing or damaged."""
+    """Return the cases in the order of ``cases.csv``; raises DataError for a data file that is missing or damaged."""
     enclosures = read_csv(directory, "enclosures.csv", ENCLOSURES)
     tables = [
         (rates_table(directory), "Errors on every mesh", ["case", "claim"]),
@@ -248,16 +256,16 @@ def _strip(order: float) -> float:
 
 
 def read_film(directory: Path, case: str) -> dict[str, Any]:
-    """Returns the picture of a case in the form that the script of the page reads.
+    """Return the picture of a case in the form that the script of the page reads.
 
-    ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y, then all z; ``shades``: of the
-    stress τ of each cell, 8 bit, 255 (τ/brightest)^½; both in base64. ``magnification`` is the factor of displacements,
-    ``size`` the body's longest side, of which ``arrow`` and ``foundation`` are fractions, ``room`` has the limits of
-    the drawing, ``highest`` and ``widest`` are the largest pressure and gap, and ``view`` has the rows of the
-    projection, two in the plane and three in space.
+    ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y, then all z. ``shades``: of the
+    stress τ of each cell, 8 bit, 255 (τ/brightest)^½. Both are in base64. ``magnification`` is the factor of
+    displacements; ``size`` is the longest side of the body, and ``arrow`` and ``foundation`` are fractions of it.
+    ``room`` has the limits of the drawing, ``highest`` and ``widest`` are the largest pressure and gap, and ``view``
+    has the rows of the projection, two in 2D and three in 3D.
 
     Raises:
-        DataError: there is no such file, it is no picture, or it was written by an older version, without motion.
+        DataError: there is no such file, it is not a picture, or it was written by an older version, without motion.
     """
     path = directory / "data" / "pictures" / f"{case}.json"
     if not path.is_file():
@@ -293,7 +301,7 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
 
 
 def _face(face: FaceHistory) -> dict[str, Any]:
-    """Returns a contact face for the script of the page."""
+    """Return a contact face for the script of the page."""
     record = {name: short(getattr(face, name)) for name in ("s", "x", "gap", "pressure")}
     record |= {"face": face.number, "normal": face.normal.tolist(), "touches": face.contact_threshold}
     if isinstance(face, Segment):
@@ -302,12 +310,12 @@ def _face(face: FaceHistory) -> dict[str, Any]:
     assert isinstance(face, Polygon)
     record |= {name: short(getattr(face, name)) for name in ("gap_exact", "pressure_exact", "level")}
     record |= {"nodes": face.nodes.tolist(), "cells": face.facets.cells.tolist()}
-    # The points at the corners of each facet, edge or quarter, one after the other.
+    # The corners of each facet, edge or quarter, one after the other.
     parts = {"facets": face.facets.corners, "edges": face.facets.edges, "quarters": face.facets.quarters}
     return record | {name: corners.T.ravel().tolist() for name, corners in parts.items()}
 
 
-# Charts as SVG, much smaller than those of Matplotlib: the page has about 50 charts in 6 MB.
+# Charts as SVG, which is much smaller than SVG from Matplotlib: the page has about 50 charts in 6 MB.
 
 LEFT, RIGHT, TOP, HEIGHTS, BETWEEN, BELOW = 58, 350, 10, (222, 120), 14, 38
 """Horizontal ends and top of the subplots, their heights, and the heights between and below them."""
@@ -318,11 +326,11 @@ MARKERS = {
     "v": "M0,4L3.8,-3H-3.8z",
     "D": "M0,-4.2L4.2,0L0,4.2L-4.2,0z",
 }
-"""Paths of markers around 0; other markers are drawn as circles."""
+"""SVG paths of markers around 0; other markers are drawn as circles."""
 
 
 def svg_chart(chart: Chart) -> Markup:
-    """Returns a chart as a figure with legend and caption."""
+    """Return a chart as a figure with legend and caption."""
     parts, top = [], TOP
     for subplot, height in zip(chart.subplots, HEIGHTS, strict=False):
         parts += _svg_subplot(subplot, top, top + height, subplot is chart.subplots[-1])
@@ -341,7 +349,7 @@ def svg_chart(chart: Chart) -> Markup:
 
 
 def _svg_subplot(subplot: Subplot, top: float, bottom: float, last: bool) -> list[str]:
-    """Returns the elements of one pair of axes, with labels of the horizontal axis if it is the last one."""
+    """Return the elements of one pair of axes, with labels of the horizontal axis in the last subplot."""
 
     def x_at(value: float) -> float:
         return round(LEFT + float(np.clip(subplot.x.position(value), -2, 3)) * (RIGHT - LEFT), 2)
@@ -367,7 +375,7 @@ def _svg_subplot(subplot: Subplot, top: float, bottom: float, last: bool) -> lis
     parts.append(f'<text transform="{turn}" text-anchor="middle">{_label(subplot.y)}</text>')
     if last:
         parts.append(text((LEFT + RIGHT) / 2, bottom + 32, _label(subplot.x)))
-    # An inner picture clips what lies outside the axes.
+    # An inner SVG element clips everything outside the axes.
     width, height = RIGHT - LEFT, bottom - top
     box = f'x="{LEFT}" y="{top}" width="{width}" height="{height}" viewBox="{LEFT} {top} {width} {height}"'
     parts.append(f"<svg {box}>")
@@ -395,14 +403,14 @@ def _line(path: str, style: Style) -> str:
 
 
 def _marker(x: float, y: float, style: Style) -> str:
-    """Returns a marker at a point; nothing for a style without markers."""
+    """Return a marker at a point; an empty text for a style without markers."""
     path, fill = MARKERS.get(style.marker, MARKERS["o"]), "var(--paper)" if style.hollow else _ink(style)
     marker = f'<path d="{path}" transform="translate({x} {y})" fill="{fill}" stroke="{_ink(style)}"/>'
     return marker if style.marker else ""
 
 
 def _ink(style: Style) -> str:
-    """Returns the colour of a style; black and dark grey become the colour of the text, also on dark pages."""
+    """Return the colour of a style; black and dark grey become the colour of the text, also on dark pages."""
     return "currentColor" if style.colour in (BLACK, DARK) else style.colour
 
 

@@ -31,28 +31,28 @@ MOMENTS, COLUMNS = 6, 3
 """The number of images of the storyboard, and its columns."""
 STORYBOARD_DPI, FILM_DPI = 200, 110
 COLOURS = 128
-"""The number of colours of a GIF: enough that small arrows keep theirs beside the shades of the stress."""
+"""The number of colours of a GIF: enough that small arrows keep their colour next to the shades of the stress."""
 PER_SECOND, HOLD = 8, 1000
 """Frames per second, and the milliseconds for which a GIF shows the last time."""
 
 
 @dataclass(frozen=True)
 class Shown:
-    """The files that were written, and what was left out with the reason."""
+    """The files that were written, and the files that were left out with the reason."""
 
     written: list[Path]
     left_out: list[str]
 
 
 def count_images(record: Mapping[str, Any]) -> int:
-    """Returns how often ``draw_show`` notifies: for the storyboard, and for every frame of the animation."""
+    """Return how often ``draw_show`` notifies: for the storyboard, and for every frame of the animation."""
     return 1 + len(record["times"])
 
 
 def draw_show(
     record: Mapping[str, Any], series: MeshSeries, directory: Path, notify: Callable[[], object] = lambda: None
 ) -> Shown:
-    """Writes ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
+    """Write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
 
     Parameters:
         record: a picture as in ``pictures/CASE.json``.
@@ -77,7 +77,7 @@ def draw_show(
 
 
 def draw_storyboard(picture: Picture) -> Figure:
-    """Draws six shapes of a picture, from the first to the last: the deformed body with stress and contact."""
+    """Draw six shapes of a picture, from the first to the last: the deformed body with stress and contact."""
     chosen = np.linspace(0, len(picture.shapes) - 1, MOMENTS).round().astype(int)
     picture = replace(picture, shapes=[picture.shapes[n] for n in chosen])
     rows, width = MOMENTS // COLUMNS, (PAGE - 0.8) / COLUMNS
@@ -87,7 +87,7 @@ def draw_storyboard(picture: Picture) -> Figure:
 
 
 def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI) -> Path:
-    """Writes one frame for every shape of the picture; ``notify`` is called after each."""
+    """Write one frame for every shape of the picture; ``notify`` is called after each."""
     figure = Figure(figsize=_size(picture), dpi=dpi)
     canvas = FigureCanvasAgg(figure)
     images = []
@@ -95,7 +95,7 @@ def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: i
         canvas.draw()
         images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
         notify()
-    # All frames share a few colours, without dither, so that what does not move is written once.
+    # All frames share a few colours, without dither, so that parts that do not move are stored once.
     together = Image.fromarray(np.concatenate([np.asarray(image) for image in images]))
     palette = together.quantize(COLOURS, dither=Image.Dither.NONE)
     first, *others = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
@@ -106,12 +106,12 @@ def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: i
 
 
 def write_mp4(path: Path, picture: Picture) -> Path | None:
-    """Writes the same frames as a film; returns None if there is no ffmpeg."""
+    """Write the same frames as a film; return None if ffmpeg is not installed."""
     if not FFMpegWriter.isAvailable():
         return None
     figure = Figure(figsize=_size(picture), dpi=FILM_DPI)
     FigureCanvasAgg(figure)
-    # The temporary name of the file does not tell ffmpeg the format.
+    # The file has a temporary name that does not tell ffmpeg the format.
     writer = FFMpegWriter(fps=PER_SECOND, extra_args=["-f", "mp4"])
 
     def write(part: Path) -> None:
@@ -123,12 +123,12 @@ def write_mp4(path: Path, picture: Picture) -> Path | None:
 
 
 def _size(picture: Picture) -> tuple[float, float]:
-    """Returns width and height in inches, with room for the body and for a panel for every face."""
+    """Return width and height in inches, with room for the body and for a panel for every face."""
     return PAGE, 1.2 + max(0.45 * PAGE * min(BodyScale.of(picture).aspect, 1.2), 1.2 * len(picture.faces))
 
 
 def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
-    """Draws one shape after the other: the body, and the pressure on its faces; the caller saves each in turn."""
+    """Draw one shape after the other: the body, and the pressure on its faces; the caller saves each frame."""
     scale = BodyScale.of(picture)
     grid = figure.add_gridspec(1, 2, width_ratios=(3, 2))
     left = figure.add_subplot(grid[0])
@@ -155,14 +155,14 @@ def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
             _draw_pressure(axes, face, picture, picture.nearest(shape.time), scale)
         figure.suptitle(f"{picture.heading},  $t={shape.time:.2f}$")
         if number == 0:
-            # Later frames keep the layout of the first one, so that nothing jumps.
+            # Later frames keep the layout of the first frame, so that nothing jumps.
             figure.canvas.draw()
             figure.set_layout_engine("none")
         yield
 
 
 def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int, scale: BodyScale) -> None:
-    """Draws the exact pressure as a line or surface, the computed pressure as dots, and the exact contact zone."""
+    """Draw the exact pressure as a line or surface, the computed pressure as dots, and the exact contact zone."""
     name = picture.symbol(face)
     if isinstance(face, Polygon):
         draw_map(axes, face, instant, paint_values(face, "pressure", scale.pressure or 1.0))
@@ -179,7 +179,7 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
 
 
 def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
-    """Writes ``name-000.vtu``, ``name-001.vtu``, …, one for every time, and ``name.pvd``, which lists them."""
+    """Write ``name-000.vtu``, ``name-001.vtu``, …, one for every time, and ``name.pvd``, which lists them."""
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection, files = ElementTree.SubElement(root, "Collection"), []
     for number, fields in enumerate(series.fields):
@@ -193,7 +193,7 @@ def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
 
 
 def mesh_of(series: MeshSeries, fields: MeshFields) -> meshio.Mesh:
-    """Returns the undeformed mesh with the fields of one time.
+    """Return the undeformed mesh with the fields of one time.
 
     Plane vectors get a third component 0; σ_33, which a plane problem does not have, is written as 0, too.
     """
@@ -206,7 +206,7 @@ def mesh_of(series: MeshSeries, fields: MeshFields) -> meshio.Mesh:
 
 
 def _padded(values: Array) -> Array:
-    """Returns values with components of space: scalars (n,), vectors (d, n) → (n, 3), matrices (d, d, n) → (n, 9)."""
+    """Return values padded to three components: scalars (n,), vectors (d, n) → (n, 3), matrices (d, d, n) → (n, 9)."""
     components = values.shape[:-1]
     padded = np.pad(values, [*((0, 3 - d) for d in components), (0, 0)])
     return np.moveaxis(padded, -1, 0).reshape(values.shape[-1], -1) if components else values

@@ -22,7 +22,7 @@ ORDER = "{:.3f}"
 
 
 def write_tables(directory: Path) -> list[Path]:
-    """Writes every table as csv, md and tex under ``directory/tables``, and the inputs of the article for a full run.
+    """Write every table as csv, md and tex under ``directory/tables``, and the inputs of the article for a full run.
 
     Raises:
         DataError: a data file is missing or lacks a column; then nothing is written.
@@ -31,7 +31,7 @@ def write_tables(directory: Path) -> list[Path]:
 
 
 def texts(directory: Path) -> dict[Path, str]:
-    """Returns path ↦ text of the files that ``write_tables`` writes; raises DataError as there."""
+    """Return the texts of the files that ``write_tables`` writes, by path; raises the same errors."""
     makers = rates_table, short_ledger, equivalence_table, stress_table, bounds_table
     of_controls = controls_table(directory), sensitivity_table(directory)
     made = [*(make(directory) for make in makers), *filter(None, of_controls)]
@@ -44,11 +44,11 @@ class Column:
     """A column of a table.
 
     Attributes:
-        name: in the CSV file.
-        heading: in the other files.
-        alignment: in LaTeX.
+        name: name in the CSV file.
+        heading: heading in the other files.
+        alignment: alignment in LaTeX.
         names: whether the cells are identifiers, in which LaTeX must not look for mathematics.
-        form: the format of numbers that are not shown to four digits.
+        form: the format of numbers that are not shown with four digits.
     """
 
     name: str
@@ -58,32 +58,32 @@ class Column:
     form: str = ""
 
     def text(self, value: Hashable) -> str:
-        """Returns the text of a cell of this column."""
+        """Return the text of a cell of this column."""
         return self.form.format(value) if self.form and not pd.isna(value) else cell(value)
 
     def latex(self, text: str) -> str:
-        """Returns the text of a cell as LaTeX."""
+        """Return the text of a cell as LaTeX."""
         return prose(text) if self.names else encode(text)
 
 
 def words(**headings: str) -> list[Column]:
-    """Returns columns of prose."""
+    """Return columns of prose."""
     return [Column(name, heading, "l") for name, heading in headings.items()]
 
 
 def names(**headings: str) -> list[Column]:
-    """Returns columns of identifiers."""
+    """Return columns of identifiers."""
     return [Column(name, heading, "l", names=True) for name, heading in headings.items()]
 
 
 def numbers(form: str = "", **headings: str) -> list[Column]:
-    """Returns columns of numbers."""
+    """Return columns of numbers."""
     return [Column(name, heading, form=form) for name, heading in headings.items()]
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of text cells, shown below a heading for each group, which has the first ``grouped`` columns."""
+    """A table of text cells. The first ``grouped`` columns are headings of groups of rows."""
 
     name: str
     columns: Sequence[Column]
@@ -92,7 +92,7 @@ class Table:
 
     @classmethod
     def of(cls, name: str, columns: Sequence[Column], frame: pd.DataFrame, grouped: int = 0) -> Table:
-        """Returns a table of data that have these columns."""
+        """Return the table of the given columns of a data frame."""
         text = {column.name: [column.text(value) for value in frame[column.name]] for column in columns}
         return cls(name, columns, pd.DataFrame(text, dtype=str), grouped)
 
@@ -102,12 +102,12 @@ class Table:
         return self.cells[[column.name for column in self.columns]].to_numpy().tolist()
 
     def of_case(self, case: str, without: Sequence[str]) -> Table:
-        """Returns the rows of one case, without some columns."""
+        """Return the rows of one case, without the named columns."""
         columns = [column for column in self.columns if column.name not in without]
         return Table(self.name, columns, self.cells[self.cells["case"] == case])
 
     def texts(self, directory: Path) -> dict[Path, str]:
-        """Returns path ↦ text of the CSV, Markdown and LaTeX files."""
+        """Return path ↦ text of the CSV, Markdown and LaTeX files."""
         keys, rest = self.columns[: self.grouped], self.columns[self.grouped :]
         rule = ["--:" if column.alignment == "r" else ":--" for column in rest]
         lines, groups = [], []
@@ -129,12 +129,12 @@ class Table:
 
 
 def _plain(text: str) -> str:
-    """Returns a text in which no character has a meaning in Markdown."""
+    """Return a text in which characters with a meaning in Markdown are escaped."""
     return re.sub(r"([\\|*_<#])", r"\\\1", text)
 
 
 def rates_table(directory: Path) -> Table:
-    """Returns the errors of every level, grouped by claim, case, family and scheme, from ``rates.csv``."""
+    """Return the errors of every level, grouped by claim, case, family and scheme, from ``rates.csv``."""
     rates = read_rates(directory)
     columns = [
         *words(claim="claim"),
@@ -149,7 +149,7 @@ def rates_table(directory: Path) -> Table:
 
 
 def ledger_table(directory: Path) -> Table:
-    """Returns every verdict with its expectation and interval, grouped by statement, from ``claims.csv``."""
+    """Return every verdict with its expectation and interval, grouped by statement, from ``claims.csv``."""
     columns = [
         *words(label="statement", statement="what it says"),
         Column("case", "case", folding(0.17), names=True),
@@ -162,7 +162,7 @@ def ledger_table(directory: Path) -> Table:
 
 
 def short_ledger(directory: Path) -> Table:
-    """Returns the ledger with one line for all cases that share statement, quantity, expectation and verdict.
+    """Return the ledger with one line for all cases that share statement, quantity, expectation and verdict.
 
     The line has the range of the observed values, the least low end and the greatest high end of these cases.
     Each case has its own row in ``claims.csv``.
@@ -185,13 +185,13 @@ def short_ledger(directory: Path) -> Table:
 
 
 def _some_names(cases: pd.Series) -> str:
-    """Returns the names of at most three cases, or how many cases there are."""
+    """Return the names of at most three cases, or how many cases there are."""
     names = list(dict.fromkeys(cases))
     return ", ".join(names) if len(names) <= 3 else f"{len(names)} cases"
 
 
 def equivalence_table(directory: Path) -> Table:
-    """Returns the distance of Problems 3.2 and 3.1, grouped by case and form, from ``equivalence.csv``."""
+    """Return the distance of Problems 3.2 and 3.1, grouped by case and form, from ``equivalence.csv``."""
     columns = [
         *names(case="case"),
         *words(form="form of Problem 3.2"),
@@ -203,7 +203,7 @@ def equivalence_table(directory: Path) -> Table:
 
 
 def bounds_table(directory: Path) -> Table:
-    """Returns the bounds and their ratios to the error, grouped by kind and case, from ``bounds.csv``."""
+    """Return the bounds and their ratios to the error, grouped by kind and case, from ``bounds.csv``."""
     columns = [
         *words(trajectory="kind"),
         *names(case="case", family="meshes", scheme="scheme"),
@@ -215,9 +215,9 @@ def bounds_table(directory: Path) -> Table:
 
 
 def controls_table(directory: Path) -> Table | None:
-    """Returns every deliberate defect and the row that has to fail, grouped by statement, from ``controls.csv``.
+    """Return every deliberate defect and the check that must fail, grouped by statement, from ``controls.csv``.
 
-    None if there is no such file.
+    The result is None if there is no such file.
     """
     if not (directory / "data" / "controls.csv").is_file():
         return None
@@ -235,7 +235,7 @@ def controls_table(directory: Path) -> Table | None:
 
 
 def sensitivity_table(directory: Path) -> Table | None:
-    """Returns the smallest defects that a row sees, in per cent, from ``sensitivity.csv``; None without the file."""
+    """Return the smallest noticed defects in per cent, from ``sensitivity.csv``; None without the file."""
     if not (directory / "data" / "sensitivity.csv").is_file():
         return None
     columns = [*names(case="case", family="meshes"), *words(defect="what is wrong"), *numbers(level="level")]
@@ -245,7 +245,7 @@ def sensitivity_table(directory: Path) -> Table | None:
 
 
 def stress_table(directory: Path) -> Table:
-    """Returns the errors of Problem 3.2 on its own stress space, grouped by case and mesh family."""
+    """Return the errors of Problem 3.2 on a separate stress space, grouped by case and mesh family."""
     first = [
         *names(case="case", family="meshes"),
         *numbers(level="level", steps="steps", unknowns="unknowns", stress="‖σ − σ^h‖_Q"),

@@ -1,9 +1,10 @@
-"""The windows of the ledger that changed since the end of the first round or since the last release, and why.
+"""The tolerance windows of the ledger that changed since the end of the first round or since the last release, and why.
 
-``results/history/windows.csv`` has the windows of the rows that were claimed at the end of the first round,
-``released.csv`` those of the last release; ``python -m study.present.windows results`` writes the second file when a
-version is released. A window that changed without a reason in ``WHY``, or a row that is no longer claimed, is an
-error, so that no window is loosened unseen.
+``results/history/windows.csv`` has the windows of the checks that were claimed at the end of the first round, and
+``released.csv`` the windows of the last release; ``python -m study.present.windows results`` writes the second file
+when
+a version is released. If a window changed without a reason in ``WHY``, or a check is no longer claimed, an error is
+raised, so that no window is widened unnoticed.
 """
 
 from __future__ import annotations
@@ -49,12 +50,12 @@ WHY: dict[tuple[str, str], str] = {
     (OWN_SPACE, "time-share"): "narrower, and quadrature counts as well: the second computation integrates f_0 with a "
     "finer rule",
 }  # fmt: skip
-"""The reasons by label and key, unless only the low end changed from 0 to the smallest positive value."""
+"""The reasons by label and key, unless only the lower end changed from 0 to the smallest positive value."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """A number of rows of one label and key with the same change of their window."""
+    """A number of checks with one label and key and the same change of their window."""
 
     label: str
     key: str
@@ -65,7 +66,7 @@ class Change:
 
 
 def earlier(directory: Path, name: str = FIRST) -> pd.DataFrame | None:
-    """Returns the rows that were claimed then: label, key, case, family, then_low, then_high; None without a record."""
+    """Return the checks claimed then: label, key, case, family, then_low, then_high; None without a record."""
     path = directory / "history" / name
     if not path.is_file():
         return None
@@ -77,7 +78,7 @@ def earlier(directory: Path, name: str = FIRST) -> pd.DataFrame | None:
 
 
 def release(directory: Path) -> Path:
-    """Write the windows of all claimed rows of a run into ``history/released.csv``, in the format of ``earlier``."""
+    """Write the windows of all claimed checks of a run into ``history/released.csv``, in the format of ``earlier``."""
     claims = read_claims(directory)
     claimed = claims[~claims["verdict"].isin(UNCLAIMED)].fillna({"family": ""})
     family = claimed["family"].where(claimed["family"] == "", "@" + claimed["family"])
@@ -90,13 +91,13 @@ def release(directory: Path) -> Path:
 
 
 def changes(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
-    """Returns the changes, in the order of the ledger; raises DataError if a change has no reason."""
+    """Return the changes, in the order of the ledger; raises DataError if a change has no reason."""
     both = then.merge(claims.fillna({"family": ""}), on=[*ROW_KEY], how="left", validate="one_to_one")
     return [Change(*found, rows) for found, rows in Counter(_differences(both)).items()]
 
 
 def added(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
-    """Returns labels and keys that are claimed today and were not known then."""
+    """Return labels and keys that are claimed today and were not known then."""
     known = set(then[["label", "key"]].itertuples(index=False, name=None))
     claimed = claims[~claims["verdict"].isin(UNCLAIMED)]
     found = []

@@ -1,6 +1,6 @@
-"""``study check``: compare the data of a run with what can be derived or measured again.
+"""``study check``: compare the data of a run with other data from which they follow, or with a new measurement.
 
-Without a new measurement: the recorded plan is compared with the plan that its scope gives now, the rows with the plan,
+Without a new measurement, the recorded plan is compared with the plan that its scope gives now, the rows with the plan,
 ``cases.csv`` with the catalogue, and columns with each other (``relations``); no derived column is trusted. With
 ``--again N`` a random sample of the rows is measured again.
 """
@@ -30,12 +30,12 @@ from study.run.store import Store
 from study.statements.enclosure import BOUNDS, ENCLOSURES
 
 SHOWN = 3
-"""Breaches that a message lists of each relation."""
+"""Number of breaches that a message lists for each relation."""
 
 
 @dataclass(frozen=True)
 class Verified:
-    """Numbers of what was compared, and the cases whose files are gone."""
+    """Numbers of compared items, and the cases whose files no longer exist."""
 
     rows: int
     files: int
@@ -45,9 +45,9 @@ class Verified:
     gone: tuple[str, ...]
 
     def __str__(self) -> str:
-        rest = f"; not looked up, as their files are gone: {', '.join(self.gone)}" if self.gone else ""
+        rest = f"; not compared, because their files no longer exist: {', '.join(self.gone)}" if self.gone else ""
         return (
-            f"{self.rows} rows in {self.files} files are those of the {self.planned} measurements planned; "
+            f"{self.rows} rows in {self.files} files belong to the {self.planned} planned measurements; "
             f"{self.relations} relations hold in all of them; predictions of {self.cases} cases{rest}"
         )
 
@@ -57,21 +57,21 @@ def verify(directory: Path) -> Verified:
 
     Raises:
         UsageError: the directory has no data.
-        StoreError, DataError: data are of another format, missing, damaged or edited; names file, line and column, the
-            value there and the expected one.
+        StoreError, DataError: data are of another format, missing, damaged or edited; the message names file, line and
+            column, the value and the expected value.
     """
     record = read_provenance(directory)
-    again = f"make them again with `{made_by(directory)}`; what is measured is kept"
+    again = f"make them again with `{made_by(directory)}`; finished measurements are kept"
     expectation = Expectation.of(record, directory)
     planned = _plan(directory, record, expectation, again)
     tables = read_tables(directory)
     for file, table in tables.items():
         _refuse_unplanned(directory, file, table, planned, again)
-    # Predictions: of the catalogue, of the file of a case, or of the record of the run if that file is gone.
+    # Predictions come from the catalogue or the file of a case, or from the record of the run if that file is gone.
     path = directory / "data" / "cases.csv"
     read_csv(directory, path.name, PREDICTED)
     if found := difference(path, table_text(pd.DataFrame(expectation.lines))):
-        raise DataError(f"{found}: the catalogue, or the file of the case, predicts the latter; {again}")
+        raise DataError(f"{found}: the second is the prediction of the catalogue or of the case's file; {again}")
     broken = [[*map(str, relation(tables, expectation))] for relation in RELATIONS]
     of_codes = [(codes, folder) for folder in FOLDERS if (codes := Codes.read(directory, folder))]
     broken += [[*map(str, relation(*data))] for data in of_codes for relation in CODE_RELATIONS]
@@ -83,17 +83,17 @@ def verify(directory: Path) -> Verified:
 
 
 def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, again: str) -> set[tuple[str, ...]]:
-    """Return the recorded plan; DataError if it is empty, repeats itself, or its scope gives another plan now."""
+    """Return the recorded plan; DataError if it is empty, has repeated entries, or differs from its scope's plan."""
     recorded = [tuple(key) for key in record["planned"]]
     where = f"{directory}/data/provenance.json"
     if not recorded:
-        raise DataError(f"{where} plans nothing, so that nothing could be missing: {again}")
+        raise DataError(f"{where} has an empty plan: {again}")
     if repeated := [key for key, count in Counter(recorded).items() if count > 1]:
         raise DataError(f"{where} plans {' '.join(repeated[0])} twice: {again}")
     if expectation.plan and (other := set(recorded) ^ set(expectation.plan.keys())):
         first, plans = min(other), "plans" if min(other) in recorded else "does not plan"
         raise DataError(
-            f"{where} {plans} {' '.join(first)}, its scope does otherwise ({len(recorded)} rows are recorded, "
+            f"{where} {plans} {' '.join(first)}, which disagrees with its scope ({len(recorded)} rows are recorded, "
             f"{len(expectation.plan.keys())} follow from the scope): {again}"
         )
     return set(recorded)
@@ -102,7 +102,7 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
 def _refuse_unplanned(
     directory: Path, file: CsvFile, table: pd.DataFrame, planned: set[tuple[str, ...]], again: str
 ) -> None:
-    """Refuse rows that are not planned; values over time belong to bounds. Missing rows are for the ledger."""
+    """Refuse rows that are not planned; values over time belong to bounds. Missing rows are reported by the ledger."""
     name = BOUNDS.name if file == ENCLOSURES else file.name
     keys = zip(*(table[column].astype(str) for column in file.key), strict=True)
     for row, key in enumerate(keys):
@@ -113,31 +113,30 @@ def _refuse_unplanned(
             )
 
 
-# Measured again.
+# Measuring again.
 
 LEAST_COST = 0.3e6
-"""Cost in µs that a cheaper measurement counts with: no measurement takes less, and without this the cheapest few
-measurements would be drawn again and again."""
+"""Least cost in µs with which a measurement is weighted; otherwise the cheapest few would be drawn too often."""
 
 
 def planned_jobs(directory: Path) -> tuple[Job, ...]:
-    """Returns every measurement that gives rows to the tables in a directory.
+    """Return every measurement that gives rows to the tables in a directory.
 
-    Pictures are left out: on unstructured meshes of bodies with symmetries the cells are numbered otherwise on another
-    processor.
+    Pictures are left out, because other processors number the cells of unstructured meshes of symmetric bodies
+    differently.
 
     Raises:
-        UsageError: there are no data, or the file of a user's own case is gone.
+        UsageError: there are no data, or the file of a user's case no longer exists.
     """
     expectation = Expectation.of(read_provenance(directory), directory)
     if expectation.plan is None:
         gone = ", ".join(sorted(expectation.gone))
-        raise UsageError(f"--again needs the files of all cases, and those of {gone} are gone; put them back")
+        raise UsageError(f"--again needs the files of all cases; the files of {gone} no longer exist: put them back")
     return tuple(job for job in expectation.plan.jobs if isinstance(job.statement.file, CsvFile))
 
 
 def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
-    """Returns a random sample of measurements without repetition; the same seed gives the same sample.
+    """Return a random sample of measurements without repetition; the same seed gives the same sample.
 
     A measurement is drawn with probability proportional to 1 / cost. The expected time of one draw is then the harmonic
     mean of all costs, about 0.4 s for the full study, however long the most expensive measurement takes.
@@ -154,20 +153,20 @@ def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
 
 
 def expected_seconds(jobs: Sequence[Job]) -> float:
-    """Returns the expected computing time of some measurements in seconds."""
+    """Return the expected computing time of measurements in seconds."""
     return float(np.maximum([job.cost for job in jobs], LEAST_COST).sum()) / 1e6
 
 
 def compare_again(
     directory: Path, jobs: Sequence[Job], pool: Pool, tolerance: Tolerance, notify: Callable[[float], None]
 ) -> Comparison:
-    """Measures again and compares the measured columns with the rows on disk; derived columns are not compared.
+    """Measure again and compare the measured columns with the rows on disk; derived columns are not compared.
 
     Returns:
         The differences; ``old`` are the rows in ``directory``, ``new`` the rows measured now.
 
     Raises:
-        UsageError: a measurement needs more memory than there is.
+        UsageError: a measurement needs more memory than is available.
         JobsError: a measurement failed.
         DataError: a data file is missing or damaged.
     """
@@ -185,7 +184,7 @@ def compare_again(
         for file, measured in rows.items():
             table = pd.DataFrame(measured, columns=list(file.columns))
             write_csv(new / "data" / file.name, table)
-            # The rows on disk with the keys of the measured rows, without derived columns.
+            # Only the rows on disk that were measured again are compared, without derived columns.
             committed, key = file.read(directory), list(file.key)
             on_disk, wanted = (pd.MultiIndex.from_frame(rows_of[key].astype(str)) for rows_of in (committed, table))
             write_csv(old / "data" / file.name, committed.loc[on_disk.isin(wanted), list(file.columns)])

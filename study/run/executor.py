@@ -1,8 +1,8 @@
-"""Run the jobs that the store does not hold, on local processes or on any other executor, within the memory.
+"""Run the jobs whose results are not stored, on local processes or on any other executor, within the available memory.
 
-The limit is simple: every job states how many bytes it takes at most (``study.statements.shared.estimates``), and a job
-starts only if its bytes and those of all running jobs are available. A job that needs more than there is ends the run
-before it starts. A worker that is killed all the same costs no other job its result.
+Every job states how many bytes it takes at most (``study.statements.shared.estimates``). It starts only if its bytes
+and those of all running jobs are available. If a job needs more memory than is available, the run ends before it
+starts. If a worker is killed nevertheless, no other job loses its result.
 """
 
 from __future__ import annotations
@@ -33,17 +33,17 @@ from study.statements.enclosure import resolve_problem
 P = ParamSpec("P")
 T = TypeVar("T")
 Notify = Callable[[float], None]
-"""Called with the cost of each finished job."""
+"""Function that is called with the cost of each finished job."""
 GIB = 2.0**30
 CROWDED = 1.0 * GIB
-"""A worker that holds more memory after a job collects its cyclic garbage: large arrays may be part of it."""
+"""Memory of a worker above which it runs the garbage collector after a job, because cycles may hold large arrays."""
 
 
 class Processes(Executor):
-    """Worker processes on this machine, as many as ``workers``.
+    """Worker processes on this machine.
 
-    A standard ``ProcessPoolExecutor`` refuses all work once a worker has been killed; this one starts new workers for
-    the next job. When this process ends, however it ends, its workers end, too.
+    A standard ``ProcessPoolExecutor`` refuses all work once a worker has been killed; this class starts new workers for
+    the next job. When this process ends for any reason, its workers end, too.
     """
 
     def __init__(self, workers: int) -> None:
@@ -52,12 +52,12 @@ class Processes(Executor):
 
     def _start(self) -> ProcessPoolExecutor:
         pool = ProcessPoolExecutor(self.workers, initializer=_end_with_parent)
-        # The first submission forks all workers: it has to come before this process has threads that hold locks.
+        # The first submission forks all workers and must come before this process has threads that hold locks.
         pool.submit(os.getpid)
         return pool
 
     def submit(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
-        """Submit a call to the workers, to new ones if one of them was killed."""
+        """Submit a call to the workers; if a worker was killed, start new ones first."""
         try:
             return self._pool.submit(function, *args, **kwargs)
         except BrokenExecutor:
@@ -66,16 +66,16 @@ class Processes(Executor):
             return self._pool.submit(function, *args, **kwargs)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = True) -> None:
-        """End the workers and drop all calls that have not begun.
+        """End the workers and cancel all calls that have not begun.
 
-        Without ``cancel_futures``, a standard pool of Python before 3.11.4 waits for ever for cancelled calls
+        Without ``cancel_futures``, a standard pool before Python 3.11.4 waits forever for cancelled calls
         (python/cpython#94440).
         """
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
 
 
 def _end_with_parent() -> None:
-    """In a worker: end as soon as the parent process has ended."""
+    """End this worker as soon as its parent process has ended."""
     parent = multiprocessing.parent_process()
     assert parent is not None
 
@@ -92,7 +92,7 @@ class Pool:
 
     Attributes:
         executor: runs the jobs.
-        workers: how many jobs run at a time, each with one thread.
+        workers: largest number of jobs that run at a time, each with one thread.
         each: bytes that one job may take.
         together: bytes that all running jobs may take.
     """
@@ -110,27 +110,27 @@ class Pool:
 
 
 def unfinished(jobs: Sequence[Job], store: Store) -> list[Job]:
-    """Return the jobs that the store does not hold, most expensive first."""
+    """Return the jobs whose results are not stored, most expensive first."""
     missing = [job for job in jobs if store.load(job.key, job.fingerprint()) is None]
     return sorted(missing, key=lambda job: -job.cost)
 
 
 def refuse_too_large(jobs: Sequence[Job], pool: Pool) -> None:
-    """Refuse jobs that need more memory than there is; UsageError names the largest one."""
+    """Raise UsageError if the largest job needs more memory than is available."""
     if jobs:
         largest = max(jobs, key=lambda job: job.memory)
         require(largest.key, largest.memory, pool.each)
 
 
 def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> None:
-    """Run the jobs that the store does not hold, most expensive first, and store each result as its job ends.
+    """Run the jobs whose results are not stored, most expensive first, and store each result as its job ends.
 
-    When a worker is killed, nobody can tell which of the running jobs was too much for it. These jobs wait until all
-    others have ended; then they run one by one, so that a second death names one job.
+    When a worker is killed, it is unknown which of the running jobs took too much memory. These jobs wait until all
+    others have ended. Then they run one by one, so that a second killed worker identifies the job.
 
     Raises:
-        UsageError: a job needs more memory than there is; no job has started.
-        JobsError: after all other jobs have ended; names each failed job and its error.
+        UsageError: a job needs more memory than is available; no job has started.
+        JobsError: raised after all other jobs have ended; names each failed job and its error.
         BrokenExecutor: a worker of a standard pool was killed.
     """
     waiting = unfinished(jobs, store)
@@ -140,7 +140,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
     suspects: set[str] = set()
     failures: list[str] = []
     try:
-        # Some executors run jobs in threads of this process.
+        # The limit is needed for executors that run jobs in threads of this process.
         with threadpool_limits(1):
             while waiting or running:
                 for job in startable(waiting, running.values(), suspects, pool):
@@ -162,7 +162,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
 
 
 def startable(waiting: Sequence[Job], running: Iterable[Job], suspects: set[str], pool: Pool) -> Iterator[Job]:
-    """Yield the jobs that may start now: while workers and memory last, and suspects only alone."""
+    """Yield the jobs that may start now, within the limits of workers and memory; suspects start only alone."""
     started = [*running]
     for job in [*waiting]:
         if started:
@@ -177,7 +177,7 @@ def startable(waiting: Sequence[Job], running: Iterable[Job], suspects: set[str]
 
 
 def run_job(job: Job) -> Mapping[str, Any]:
-    """In a worker: run a job with one thread, as the processes share the cores already."""
+    """Run a job in a worker, with one thread because the worker processes already share the cores."""
     try:
         with threadpool_limits(1):
             return job.run()
@@ -187,9 +187,9 @@ def run_job(job: Job) -> Mapping[str, Any]:
 
 
 def _finish(job: Job, future: Future[Mapping[str, Any]], store: Store, notify: Notify) -> list[str]:
-    """Store the result of a job that has ended, or return why it has none."""
+    """Store the result of a job that has ended, or return a list with the reason why it has none."""
     if future.cancelled():
-        return [f"{job.key}: its cluster is gone; the same command does it"]
+        return [f"{job.key}: its cluster no longer answers; run the same command again"]
     error = future.exception()
     if error is None:
         store.save(job.key, job.fingerprint(), future.result())
@@ -203,10 +203,10 @@ def _finish(job: Job, future: Future[Mapping[str, Any]], store: Store, notify: N
 
 
 def require(what: str, need: float, room: float) -> None:
-    """Refuse, before time is spent, what needs more bytes than there are.
+    """Refuse a task that needs more memory than is available, before time is spent.
 
     Raises:
-        UsageError: says what is needed, and what there is.
+        UsageError: states the needed and the available memory.
     """
     if need > room:
         raise UsageError(
@@ -216,16 +216,16 @@ def require(what: str, need: float, room: float) -> None:
 
 
 def available(root: Path = Path("/")) -> float:
-    """Return how many bytes can be used without swapping: free on the machine and in all its control groups.
+    """Return the number of bytes that can be used without swapping, on the machine and in all control groups.
 
-    Linux tells the control groups of this process and their limits in /proc and /sys below ``root``; page cache that
-    can be dropped counts as free. Other systems have none.
+    On Linux the control groups of this process and their limits are read from /proc and /sys below ``root``; page cache
+    that can be dropped counts as free. Other systems have no control groups.
     """
     return min([float(psutil.virtual_memory().available), *_free_in_control_groups(root)])
 
 
 def _free_in_control_groups(root: Path) -> Iterator[float]:
-    """Yield the free bytes of each control group with a limit, from that of this process up to the topmost."""
+    """Yield the free bytes of each control group with a limit, from the group of this process up to the topmost."""
     mounted = root / "sys/fs/cgroup"
     for line in _read(root / "proc/self/cgroup").splitlines():
         _, controllers, path = line.split(":", 2)
@@ -249,28 +249,28 @@ def _read(path: Path) -> str:
     return path.read_text() if path.is_file() else ""
 
 
-# Jobs on more than one machine: the workers of a running Dask cluster.
-#
-# Functions and results are exchanged as pickles. Whoever reaches the port of the scheduler or of a worker can run any
-# code there, and a hostile scheduler can run any code in this process. Dask's TLS certificates, or a network in which
-# every machine is trusted, are the only protection.
+# Jobs on several machines: the workers of a running Dask cluster.
 
 PATIENCE = 10
-"""Seconds within which a scheduler has to answer and to have a worker."""
+"""Seconds within which a scheduler must answer and have a worker."""
 START = "dask worker {address} --nworkers 2 --nthreads 1"
 
 
 @contextmanager
 def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
-    """Yield the workers of the cluster at an address, once each has shown that it would compute the same.
+    """Yield the workers of the cluster at an address, after checking that each of them would compute the same results.
+
+    Functions and results are exchanged as pickles. Anybody who can reach the port of the scheduler or of a worker can
+    run any code there, and a hostile scheduler can run any code in this process. The only protection is Dask's TLS
+    certificates, or a network in which every machine is trusted.
 
     Args:
-        address: of the scheduler, tcp://HOST:PORT.
-        references: the cases of the run; FILE.py:NAME has to be the same file at the same path on every machine.
+        address: address of the scheduler, tcp://HOST:PORT.
+        references: the cases of the run; FILE.py:NAME must be the same file at the same path on every machine.
 
     Raises:
-        UsageError: Dask is not installed, nothing answers at the address, there are no workers, one of them runs
-            several threads, or has other versions or cases.
+        UsageError: Dask is not installed, nothing answers at the address, there are no workers, or a worker has several
+            threads, other versions or other cases.
     """
     try:
         from distributed import Client
@@ -280,7 +280,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
             f"--cluster needs Dask ({error}): python -m pip install '.[study,cluster]' in a clone of the repository"
         ) from error
     try:
-        # A client of Dask waits long for an address where nothing listens; a socket is refused at once.
+        # Opening a socket fails at once if nothing listens; a client of Dask would wait for a long time.
         socket.create_connection(get_address_host_port(address), PATIENCE).close()
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -306,7 +306,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
     try:
         answers = client.run(identity, references)
     except Exception as error:
-        # A worker with another version of this package, or without it, may raise anything.
+        # A worker with another version of this package, or without it, may raise any exception.
         raise UsageError(f"a worker at {address} cannot run this study ({error}); install it there, too") from error
     for name, theirs in answers.items():
         other = [f"{key} {theirs.get(key)}, here {mine}" for key, mine in expected.items() if theirs.get(key) != mine]
@@ -316,13 +316,13 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
                 "versions, and the files of your cases at the same paths, and start the workers again"
             )
     each = min(float(worker["memory_limit"] or "inf") for worker in workers.values())
-    # Workers that join later have not been compared.
+    # Workers that join later are not used, because they have not been compared.
     executor = client.get_executor(pure=False, workers=list(workers), allow_other_workers=False)
     return Pool(executor, len(workers), each, float("inf"))
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:
-    """Return what results depend on: versions, the code, and the problems of the cases as this process knows them."""
+    """Return what results depend on: versions, the code, and the problems of the cases as this process reads them."""
     for cached in (resolve, resolve_problem, problem):
         cached.cache_clear()
     problems = {reference: _problem(reference) for reference in references}

@@ -1,8 +1,8 @@
 """Cache key of a result: a hash of the code that computes it, of library versions, of the problem and the setting.
 
-The code is that of all modules in ``COMPUTING``, without docstrings, comments and tolerance windows: a change in it
-computes every result anew, a change of words or of a window computes none. The kernels that a BLAS chooses for a
-processor are not part of the key, so that last digits may differ between processors.
+The code consists of all modules in ``COMPUTING``, without docstrings, comments and tolerance windows. So a change of
+code makes every result be computed anew, and a change of words or of a window does not. The BLAS kernels for a
+processor are not part of the key, so last digits may differ between processors.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ COMPUTING = (
     *(f"study/{package}/**/*.py" for package in ("fem", "solve", "stresses", "bound", "statements")),
     "study/ledger/pictures.py",
 )
-"""The modules that decide on results; the last one rounds the numbers of pictures."""
+"""The modules on which results depend; the last one rounds the numbers of pictures."""
 WINDOWS = ("Window", "positive_at_most", "around", "at_least", "at_most", "between")
-"""Functions that make tolerance windows in statements."""
+"""Names of the functions that make tolerance windows in statements."""
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
 
 
@@ -44,18 +44,18 @@ def fingerprint(statement: Statement, setting: Setting) -> str:
 
 
 def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
-    """Return the cache key of what is computed for a problem, or a case, in a setting of frozen values."""
+    """Return the cache key of a result for a problem or a case, in a setting of frozen values."""
     return _hash([_value_of(data, case), by_value(list(setting))])
 
 
 def of_everything() -> str:
-    """Return the cache key of what depends on any code of the project, judging included."""
+    """Return the cache key of a result that depends on all code of the project, including the judging."""
     return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py"), windows=True))
 
 
 @cache
 def problem(reference: str) -> str:
-    """Return the name of a problem of the project; the hash of its file and of its value for FILE.py:NAME."""
+    """Return the name of a problem of the project; for FILE.py:NAME, a hash of the file and of the problem's value."""
     file, colon, _ = reference.rpartition(":")
     if not colon:
         return reference
@@ -66,7 +66,7 @@ def problem(reference: str) -> str:
 
 @cache
 def code_hash(patterns: tuple[str, ...] = COMPUTING, windows: bool = False) -> str:
-    """Return the hash of some modules of the project, without docstrings, comments and, unless wanted, windows."""
+    """Return the hash of modules of the project, without docstrings, comments and, by default, tolerance windows."""
     files = sorted(path for pattern in patterns for path in ROOT.glob(pattern))
     code = [
         (str(path.relative_to(ROOT)), without_docstrings(path.read_text(encoding="utf-8"), windows)) for path in files
@@ -75,7 +75,7 @@ def code_hash(patterns: tuple[str, ...] = COMPUTING, windows: bool = False) -> s
 
 
 def without_docstrings(text: str, windows: bool = True) -> str:
-    """Return the syntax tree of a module as text, without strings that stand alone: docstrings of any kind.
+    """Return the syntax tree of a module as text, without strings that stand alone, such as docstrings.
 
     Without ``windows``, calls that make tolerance windows are left out as well.
     """
@@ -88,7 +88,7 @@ def without_docstrings(text: str, windows: bool = True) -> str:
 
 
 class _WithoutWindows(ast.NodeTransformer):
-    """Replaces the calls that make tolerance windows, which judge numbers and do not change them."""
+    """Replaces the calls that make tolerance windows, because windows do not change measured numbers."""
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         is_window = isinstance(node.func, ast.Name) and node.func.id in WINDOWS

@@ -39,27 +39,27 @@ from study.statements.shared.base import LISTED, REPORTED, Statement
 from study.statements.unmeasured import Listed
 
 WITHIN = {LISTED.name: ["quantity"], ENCLOSURES.name: ["time"]}
-"""The columns that tell the rows of one measurement apart."""
+"""Columns that distinguish the rows of one measurement."""
 MAY_BE_EMPTY = {
     BOUNDS.name: ["expected_order", "error", "above", "below", "upper", "lower"],
     ENCLOSURES.name: ["error"],
 }
-"""Columns of numbers that are empty where the exact solution is unknown."""
+"""Columns of numbers that are empty if the exact solution is unknown."""
 EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
-"""The files with measurements of every case of a run."""
+"""Names of the files that have measurements of every case of a run."""
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
-"""Columns of ``cases.csv`` that are fixed before anything is measured."""
+"""Columns of ``cases.csv`` that are fixed before the measurement."""
 
 
 def data_files() -> list[DataFile]:
-    """Return all files that measurements are written to."""
+    """Return all files to which measurements are written."""
     return list(dict.fromkeys([*(statement.file for statement in STATEMENTS), ENCLOSURES]))
 
 
-def collect(plan: Plan, store: Store) -> None:
-    """Write the data files of a plan, and its provenance, from the stored results of its jobs."""
+def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
+    """Write the data files of a plan from the stored results of its jobs, and the provenance of these and of others."""
     rows: dict[DataFile, list[Row]] = {file: [] for file in data_files()}
-    written: list[Path] = []
+    written = list(others)
     for job in plan.jobs:
         result = store.load(job.key, job.fingerprint())
         assert result is not None, job.key
@@ -76,7 +76,7 @@ def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
     """Return all tables of measurements of a run.
 
     Raises:
-        DataError: a table is missing or damaged, has no number where one belongs, or a row twice; names file and line.
+        DataError: a table is missing or damaged, a number is missing, or a row is repeated; names file and line.
     """
     tables, remedy = {}, f"make it again with `{made_by(directory)}`"
     for file in (file for file in data_files() if isinstance(file, CsvFile)):
@@ -109,7 +109,7 @@ def claims(found: Sequence[Verdict]) -> pd.DataFrame:
 
 
 def verdicts(directory: Path) -> list[Verdict]:
-    """Judge the data of a run; solves nothing and writes nothing.
+    """Judge the data of a run without solving or writing anything.
 
     Raises:
         UsageError: the directory has no data.
@@ -121,7 +121,7 @@ def verdicts(directory: Path) -> list[Verdict]:
     _refuse_gaps(directory, tables, cases)
     measured = set().union(*(file.keys(table) for file, table in tables.items()))
     judged = {file: predicted(table, cases) for file, table in tables.items()}
-    # Files that statements are compared with and that no run writes.
+    # Statements are also compared with files that no run writes.
     external = {statement.joined_file for statement in STATEMENTS if statement.joined_file} - set(tables)
     judged |= {file: file.read(directory) for file in external}
     rows = [Complete().judge(planned, measured)]
@@ -132,13 +132,13 @@ def verdicts(directory: Path) -> list[Verdict]:
 
 
 def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
-    """Return a table with the predictions for its cases and the column ``known``: the exact solution is known."""
+    """Return a table with its predictions, and a column ``known``: whether the exact solution is known."""
     new = [name for name in PREDICTED if name not in table or name == "case"]
     return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
 
 
 def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.DataFrame:
-    """Return the rows that a statement is judged by, joined with those of its reference file if it has one."""
+    """Return the rows by which a statement is judged, joined with the rows of its reference file if it has one."""
     assert isinstance(statement.file, CsvFile)
     mine, key = tables[statement.file], list(statement.file.key)
     if statement.joined_file is None:
@@ -148,21 +148,21 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
 
 
 def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:
-    """Return the verdicts; those on a user's case fail only if the data contradict the statement."""
+    """Return the verdicts; a verdict on a user's case fails only if the data contradict the statement."""
     own = {str(case): rows for case, rows in rates.groupby("case") if case not in {known.name for known in catalogue()}}
     judged = {case: iter(judge_own([v for v in verdicts if v.case == case], rows)) for case, rows in own.items()}
     return [next(judged[verdict.case]) if verdict.case in judged else verdict for verdict in verdicts]
 
 
 def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
-    """Return the verdicts of a statement; none if it has no rows."""
+    """Return the verdicts of a statement; an empty list if it has no rows."""
     of_all = statement.file != LISTED or isinstance(statement, Listed)
     mine = rows if of_all else rows[rows["label"] == statement.label]
     return statement.judge(mine) if len(mine) else []
 
 
 def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame], cases: pd.DataFrame) -> None:
-    """Refuse measurements of cases that ``cases.csv`` lacks, and bounds without their values over time."""
+    """Refuse measurements of cases that are missing in ``cases.csv``, and bounds without values over time."""
     again = f"make it with `{made_by(directory)}`"
     measured = {case for file, table in tables.items() if file.name in EVERY_CASE for case in table["case"]}
     if unknown := sorted(measured - set(cases["case"])):

@@ -23,7 +23,7 @@ from study.statements.shared.scope import SLOW, Levels, Scope
 
 @dataclass(frozen=True)
 class Job:
-    """One statement, measured in one setting; small enough to be sent to other processes."""
+    """The measurement of one statement in one setting; small enough to be sent to other processes."""
 
     statement: Statement
     setting: Setting
@@ -37,18 +37,18 @@ class Job:
 
     @property
     def key(self) -> str:
-        """The name of the file with the result."""
+        """The name of the file with the result, without its ending."""
         kind, *key = (re.sub(r"[^\w.]+", "-", part).strip("-") for part in self.identity)
         return "__".join([kind.removesuffix(".csv"), *(f"{part:0>5}" if part.isdigit() else part for part in key)])
 
     @property
     def cost(self) -> float:
-        """Expected time in µs; decides the order of the jobs."""
+        """The expected time in µs; expensive jobs start first."""
         return self.statement.cost(self.setting)
 
     @property
     def memory(self) -> float:
-        """Bytes of memory that the process of this job takes at most."""
+        """The largest number of bytes that the process of this job takes."""
         return self.statement.memory(self.setting)
 
     def fingerprint(self) -> str:
@@ -56,7 +56,7 @@ class Job:
         return fingerprint(self.statement, self.setting)
 
     def run(self) -> Mapping[str, Any]:
-        """Measure; returns numbers by their names."""
+        """Measure; return numbers by their names."""
         return self.statement.measure(self.setting)
 
     def records(self, result: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
@@ -66,20 +66,24 @@ class Job:
 
 @dataclass(frozen=True)
 class Plan:
-    """The jobs of a study, from its scope: cases, mesh families, levels and time scheme."""
+    """The jobs of a study, and its scope: cases, mesh families, levels and time scheme."""
 
     scope: Scope
     jobs: tuple[Job, ...]
 
     @classmethod
     def of(cls, scope: Scope) -> Plan:
-        """Return the jobs of all statements that measure something in a scope."""
-        statements = [statement for statement in STATEMENTS if scope.statements or statement.of_every_case]
-        jobs = [Job(statement, setting) for statement in statements for setting in statement.settings(scope)]
+        """Return the jobs of all statements that have measurements in a scope."""
+        statements = [
+            statement
+            for statement in STATEMENTS
+            if scope.statements or statement.of_every_case or statement.of_own_cases
+        ]
+        jobs = [Job(statement, setting) for statement in statements for setting in statement.planned(scope)]
         return cls(scope, tuple(jobs))
 
     def keys(self) -> list[tuple[str, ...]]:
-        """Return (file name, key of the row, …) of all rows of the tables, sorted."""
+        """Return tuples (file name, key of the row, …) of all rows of the tables, sorted."""
         return sorted(job.identity for job in self.jobs if isinstance(job.statement.file, CsvFile))
 
     def check(self, spread: Callable[..., Iterable[Any]] = map) -> None:
@@ -88,26 +92,26 @@ class Plan:
         Raises:
             UsageError: the scope is refused by ``Scope.check``, or a user's case has the name of a catalogue case.
             SelfProofError: a case is not an exact solution.
-            MeshError: a mesh does not fit the boundary parts of a body, or no cell rule serves the places where a
-                solution is rough.
+            MeshError: a mesh does not fit the boundary parts of a body, or no cell rule exists for the places where a
+                solution is not smooth.
         """
         self.scope.check()
-        # Solids first: they take longest, and the last of them would be waited for alone.
+        # Solids first, because they take longest and would otherwise delay the end.
         cases = sorted(self.scope.cases, key=lambda reference: -resolve(reference).solution.body.dim)
         findings = spread(violations, cases)
-        # Now, while other processes check the solutions.
+        # Meshes are checked while other processes check the solutions.
         self._check_meshes()
         for reference, violated in zip(cases, findings, strict=True):
             if violated:
                 raise SelfProofError(f"case {resolve(reference).name}", violated)
-        # Results are told apart by the names of cases.
+        # Results are stored under the names of cases, so the names must differ.
         known = {case.name for case in catalogue()}
         for reference in self.scope.cases:
             if reference not in known and (name := resolve(reference).name) in known:
-                raise UsageError(f"{reference} is called {name}, as a case of the catalogue is; give it another name")
+                raise UsageError(f"{reference} has the name {name} of a case of the catalogue; give it another name")
 
     def _check_meshes(self) -> None:
-        """Refuse meshes that do not fit a body, or whose cells do not fit the lines where a solution is rough."""
+        """Refuse meshes that do not fit a body, or whose cells do not fit lines at which a solution is not smooth."""
         groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
         for case, family, level in self.meshes():
             body = case.solution.body
@@ -124,7 +128,7 @@ class Plan:
                 raise MeshError(f"{case.name}, {family}, level {level}: {error}") from error
 
     def meshes(self) -> Iterator[tuple[Case, str, int]]:
-        """Yield (case, mesh family, level) of the statements about every case; all others choose meshes that fit."""
+        """Yield (case, mesh family, level) for statements about every case; other statements choose meshes that fit."""
         for job in self.jobs:
             if job.statement.of_every_case:
                 yield resolve(job.setting.case), job.setting.family, job.setting.level
@@ -136,15 +140,15 @@ def violations(reference: str) -> list[Finding]:
 
 
 NARROW = ("merging-patches", "layered")
-"""Cases with contact zones or layers that are three or four cells wide at n = 8: there the observed order depends on
+"""Cases with contact zones or layers that are three or four cells wide at n = 8. There the observed order depends on
 the mesh, so these cases start at a finer level. Solids start at n = 9 for the same reason: at n = 6 a disc is three
 cells wide, and the observed order misses its tolerance window on one random mesh in twenty."""
 FINEST = ("fixed-front-off-vertex", "advance-recede")
-"""Cases that are measured on one more level."""
+"""Cases that are measured on one level more."""
 
 
 def quick() -> Scope:
-    """Return the scope of the quick study, a minute: enough levels for every verdict, one mesh family for each case."""
+    """Return the scope of the quick study, about a minute: all verdicts, one mesh family for each case."""
     return Scope(
         name="quick",
         cases=tuple(case.name for case in catalogue() if case.name not in SLOW),
@@ -159,7 +163,7 @@ def quick() -> Scope:
 
 
 def full() -> Scope:
-    """Return the scope of the full study, half an hour: the levels of the committed results."""
+    """Return the scope of the full study, about half an hour: the levels of the committed results."""
     return replace(
         quick(),
         plane=Levels((8, 16, 32, 64), (128,)),

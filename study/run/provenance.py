@@ -1,7 +1,8 @@
-"""The provenance of the data of a run: what was planned, which code and versions made the data, and their checksums.
+"""The provenance of the data of a run: the plan, the code and versions that made the data, and checksums.
 
-A run records its scope in ``data/provenance.json``. The scope, the catalogue and the files of the user's cases
-determine the plan and the predictions again (``Expectation``). If the file of a case is gone, the record is believed.
+A run records its scope in ``data/provenance.json``. The plan and the predictions can be computed again from the scope,
+the catalogue and the files of the user's cases (``Expectation``). If the file of a case no longer exists, the recorded
+values are used.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ from study.statements.shared.scope import Levels, Scope
 from study.statements.unmeasured import Listed
 
 SUMS = "sha256"
-"""The entry of ``provenance.json`` with the checksums: name of a file in ``data`` ↦ SHA-256 of its text."""
+"""The key of ``provenance.json`` for the checksums: names of files in ``data`` and the SHA-256 of their text."""
 
 
 def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
@@ -58,7 +59,7 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
 
 
 def sources() -> dict[str, dict[str, Any]]:
-    """Return for each label the files of its ``code``, from the root of the repository, and its ``data`` files."""
+    """Return for each label its ``code`` files, relative to the root of the repository, and its ``data`` files."""
     complete = Path(inspect.getfile(Complete)).relative_to(ROOT).as_posix()
     entries: dict[str, dict[str, Any]] = {Complete.label: {"code": [complete], "data": ["provenance.json"]}}
     for statement in STATEMENTS:
@@ -87,7 +88,7 @@ def read_provenance(directory: Path) -> dict[str, Any]:
 
 
 def refuse_to_replace(plan: Plan, directory: Path) -> None:
-    """Refuse a run that would replace a larger one; UsageError if the run on disk has rows that the plan lacks."""
+    """Raise UsageError if the run on disk has rows that the plan lacks, because a new run would lose them."""
     if (directory / "data" / "provenance.json").exists():
         lost = {tuple(key) for key in read_provenance(directory)["planned"]} - set(plan.keys())
         if lost:
@@ -99,13 +100,13 @@ def refuse_to_replace(plan: Plan, directory: Path) -> None:
 
 @dataclass(frozen=True)
 class Complete:
-    """The first row of the ledger: a missing mesh family or level would make other rows easier to satisfy."""
+    """The first check of the ledger: a missing mesh family or level would make other checks easier to satisfy."""
 
     label: str = "data"
     claim: str = "all planned measurements are present"
 
     def judge(self, planned: set[tuple[str, ...]], measured: set[tuple[str, ...]]) -> Verdict:
-        """Return the row; undecided if planned rows are missing."""
+        """Return the check; it is undecided if planned rows are missing."""
         missing = sorted(planned - measured)
         quantity = "missing measurements" + (f", first {' '.join(missing[0])}" if missing else "")
         judged = *exactly(len(missing)), UNDECIDED if missing else HOLDS
@@ -114,11 +115,11 @@ class Complete:
 
 @dataclass(frozen=True)
 class Expectation:
-    """What the data of a run must say, as far as nothing has to be measured for it.
+    """The values in the data of a run that are known without a measurement.
 
     Attributes:
-        plan: the jobs; None if the file of a user's case is gone.
-        cases: the cases that can be looked up, by name.
+        plan: the jobs; None if the file of a user's case no longer exists.
+        cases: the cases that can be resolved, by name.
         lines: the lines of ``cases.csv``.
     """
 
@@ -132,12 +133,12 @@ class Expectation:
 
         Raises:
             DataError: an older version wrote the provenance, without the scope.
-            UsageError: the file of a user's case does not define it any longer.
+            UsageError: the file of a user's case no longer defines it.
         """
         if not {"scope", "own_cases"} <= set(record):
             raise DataError(
-                f"{directory}/data/provenance.json does not say what the run was about, as an older version wrote it: "
-                f"`{made_by(directory)}` with the options of then writes it again; what is measured is kept"
+                f"{directory}/data/provenance.json has no scope, because an older version wrote it: "
+                f"`{made_by(directory)}` with the same options writes it again; finished measurements are kept"
             )
         scope, own = record["scope"], record["own_cases"]
         references = [resolve_path(reference, directory) for reference in scope["cases"]]
@@ -148,23 +149,23 @@ class Expectation:
 
     @property
     def gone(self) -> set[str]:
-        """The names of the cases whose file is gone."""
+        """The names of the cases whose file no longer exists."""
         return {str(line["case"]) for line in self.lines} - set(self.cases)
 
     def proposition(self, case: str) -> str:
-        """Return the proposition whose hypotheses a case satisfies; "" for a case that is not part of the run."""
+        """Return the proposition whose hypotheses a case satisfies; an empty text if the case is not in the run."""
         statements = [line["statements"] for line in self.lines if line["case"] == case]
         return str(statements[0]).partition(", ")[0] if statements else ""
 
 
 def relative_reference(reference: str, directory: Path) -> str:
-    """Return FILE.py:NAME with the path relative to a directory; other references unchanged."""
+    """Return FILE.py:NAME with the path relative to a directory; return other references unchanged."""
     file, colon, name = reference.rpartition(":")
     return f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference
 
 
 def resolve_path(reference: str, directory: Path) -> str | None:
-    """Return a recorded reference with its full path, None if its file is gone; catalogue names unchanged."""
+    """Return a recorded reference with its full path; None if its file is gone; catalogue names are unchanged."""
     file, colon, name = reference.rpartition(":")
     if not colon:
         return reference
@@ -184,17 +185,17 @@ def read_scope(values: Mapping[str, Any]) -> Scope:
 
 
 def text_sum(path: Path) -> str:
-    """Return the SHA-256 of a text file with Unix line ends, whatever line ends git has given it."""
+    """Return the SHA-256 of a text file with Unix line ends, because git may change line ends."""
     return hashlib.sha256(path.read_bytes().replace(b"\r\n", b"\n")).hexdigest()
 
 
 def sums_of(data: Path, paths: Iterable[Path]) -> dict[str, str]:
-    """Return the checksums of some files in a data directory, by their names relative to it."""
+    """Return the checksums of files in a data directory, by their names relative to it."""
     return {path.relative_to(data).as_posix(): text_sum(path) for path in sorted(paths)}
 
 
 def compare_sums(directory: Path) -> set[Path]:
-    """Compare the data files of a run with the checksums in its provenance; returns the files that have one.
+    """Compare the data files of a run with the checksums in its provenance; return the files that have a checksum.
 
     Raises:
         DataError: a file is missing or was changed after the run.

@@ -1,6 +1,6 @@
-"""Relations between columns and files that hold for every measurement: a file that breaks one was edited or damaged.
+"""Relations between columns and files that hold for every measurement. A file that violates one was edited or damaged.
 
-The relations need no solution. Examples: h is the mesh size of the family and level; an observed order follows from
+The relations need no solution. Examples: h is the mesh size of the family and level; an observed order follows from the
 errors; three norms satisfy the triangle inequality; a bound is the extreme of its values over time. The second half of
 the file has the relations between the columns of other people's contact codes.
 """
@@ -27,22 +27,22 @@ from study.statements.prop_5_4 import RATES
 Tables = Mapping[CsvFile, pd.DataFrame]
 Numbers = NDArray[np.float64]
 DIGITS = 1e-10
-"""Relative room for columns with twelve digits."""
+"""Relative tolerance for columns with twelve digits."""
 SAMPLED_RTOL = 2e-5
-"""Relative room for values over time, stored with six digits: 5e-6 for each of three numbers in a quotient."""
+"""Relative tolerance for values over time, stored with six digits: 5e-6 for each of three numbers in a quotient."""
 MIN_SAMPLED_MAX = 0.9
-"""Minimum ratio of the largest error at TIMES evenly spread times to the largest error at all times."""
+"""Minimum ratio of the largest error at TIMES evenly spaced times to the largest error at all times."""
 ORIGIN = 1e-9
-"""Part of T below which a time is 0."""
+"""Fraction of T up to which a time counts as 0."""
 CODE_RTOL = 2e-3
-"""Relative room in the files of other codes, most of whose columns have three digits."""
+"""Relative tolerance in the files of other codes, most of whose columns have three digits."""
 CODE_ORDER_ROOM = 0.02
-"""Room that these digits need in an observed order between two meshes with h and h/2."""
+"""The error of an observed order between meshes with h and h/2 that three digits can cause."""
 
 
 @dataclass(frozen=True)
 class Breach:
-    """A cell that breaks a relation."""
+    """A cell that violates a relation."""
 
     file: str
     row: int
@@ -65,27 +65,27 @@ def breaches(file: str, table: pd.DataFrame, column: str, holds: pd.Series, expe
 
 
 def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series, room: float = DIGITS) -> Iterator[Breach]:
-    """A column has the expected values up to rounding, and is empty where they are NaN."""
+    """Check that a column has the expected values up to rounding, and is empty where they are NaN."""
     stands, wanted = table[column].to_numpy(dtype=float), expected.to_numpy(dtype=float)
     holds = pd.Series(np.isclose(stands, wanted, rtol=room, atol=room, equal_nan=True))
     yield from breaches(file, table, column, holds, expected.map("{:.12g}".format))
 
 
 def at_most(file: str, table: pd.DataFrame, column: str, bound: pd.Series, what: str) -> Iterator[Breach]:
-    """A column is at most a bound; rows without a bound are skipped."""
+    """Check that a column is at most a bound; rows without a bound are skipped."""
     holds = ~(table[column] > bound + DIGITS * abs(bound))
     yield from breaches(file, table, column, holds, bound.map(f"at most {{:.12g}}, {what}".format))
 
 
 def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """The proposition in ``rates.csv`` is the one whose hypotheses the case satisfies."""
+    """Check that the proposition in ``rates.csv`` is the one whose hypotheses the case satisfies."""
     rates = tables[RATES]
     expected = rates["case"].map(expectation.proposition)
     yield from breaches(RATES.name, rates, "claim", rates["claim"] == expected, expected)
 
 
 def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Steps, their size and the dimension are those of the plan."""
+    """Check that steps, their size and the dimension agree with the plan."""
     rates = tables[RATES]
     cases = rates["case"].map(expectation.cases)
     known = rates[cases.notna()].reset_index()
@@ -106,20 +106,20 @@ def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def orders(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """The order in ``rates.csv`` follows from its errors and mesh sizes."""
+    """Check that the order in ``rates.csv`` follows from its errors and mesh sizes."""
     rates = tables[RATES]
     yield from equal(RATES.name, rates, "order", in_series(rates, "error"))
 
 
 def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """``time_share`` and ``discrete_time_share`` are the same time error, relative to different errors."""
+    """Check that ``time_share`` and ``discrete_time_share`` are the same time error, relative to different errors."""
     rates = tables[RATES]
     expected = rates["time_share"] * rates["error"] / rates["discrete_error"]
     yield from equal(RATES.name, rates, "discrete_time_share", expected)
 
 
 def triangles(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """The three errors satisfy the triangle inequality; the error at t = 0 is at most the maximum over time."""
+    """Check the triangle inequality of the three errors, and that the initial error is at most the maximum."""
     rates, sides = tables[RATES], ["error", "interpolation_error", "discrete_error"]
     for side in sides:
         others = rates[[other for other in sides if other != side]].sum(axis=1)
@@ -141,7 +141,7 @@ MEASURED = {
 
 
 def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Measured columns are positive: a value of exactly 0 means that nothing was measured."""
+    """Check that measured columns are positive: a value of exactly 0 means that nothing was measured."""
     for file, table in tables.items():
         for column in MEASURED.get(file.name, ()):
             wanted = pd.Series("a positive number, as it is measured", table.index)
@@ -149,7 +149,7 @@ def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """h is the mesh size of the family and level (``size_of``)."""
+    """Check that h is the mesh size of the family and level (``size_of``)."""
     known: dict[tuple[object, str, int], float] = {}
     for file, table in tables.items():
         if "h" in table:
@@ -161,7 +161,7 @@ def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 def _size(
     known: dict[tuple[object, str, int], float], expectation: Expectation, case: str, family: str, n: int
 ) -> float:
-    """Return h, computed once for all cases on one body; NaN if the case cannot be looked up."""
+    """Return h, computed once for all cases on one body; NaN if the file of the case no longer exists."""
     if case in expectation.gone:
         return float("nan")
     body = expectation.cases[case].solution.body if case in expectation.cases else resolve_problem(case).data.body
@@ -173,7 +173,7 @@ def _size(
 
 
 def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Errors on meshes of two families differ. Graded meshes are skipped: a coarse one may equal a uniform mesh."""
+    """Check that errors on two mesh families differ. Graded meshes are skipped: a coarse one may be uniform."""
     rates = tables[RATES]
     place, uniform = [rates[name] for name in ("case", "scheme", "level")], rates["family"] != GRADED
     for column in ("error", "discrete_error"):
@@ -184,7 +184,7 @@ def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """The order in ``bounds.csv`` is that of the problem; errors are empty exactly if the solution is unknown."""
+    """Check the order in ``bounds.csv``, and that errors are empty exactly if the solution is unknown."""
     bounds = tables[BOUNDS]
     problems = [resolve_problem(case) for case in bounds["case"]]
     orders = pd.Series([problem.order for problem in problems], dtype=float)
@@ -200,7 +200,7 @@ def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breac
 
 
 def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Every row of ``bounds.csv`` is the extreme of the values over time in ``enclosures.csv``."""
+    """Check that every row of ``bounds.csv`` is the extreme of the values over time in ``enclosures.csv``."""
     bounds, times = tables[BOUNDS], tables[ENCLOSURES]
     upper, room = times["distance"] + times["bound"], SAMPLED_RTOL * (times["distance"] + times["bound"])
     lower = (times["distance"] - times["bound"]).clip(lower=0)
@@ -226,7 +226,7 @@ def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def _at(known: pd.DataFrame, found: Iterator[Breach]) -> Iterator[Breach]:
-    """Yield breaches of a table of some rows, with their row numbers in the whole table."""
+    """Yield breaches of a table of selected rows, with their row numbers in the whole table."""
     for breach in found:
         row = int(known["index"].iloc[breach.row])
         yield Breach(breach.file, row, breach.column, breach.stands, breach.expected)
@@ -238,7 +238,7 @@ RELATIONS: tuple[Relation, ...] = (
 
 
 def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
-    """The errors of the discrete solution in K^h and of its pressure depend on the mesh, not on the code."""
+    """Check that the errors of the discrete solution in K^h and of its pressure depend on the mesh, not on the code."""
     errors = codes.errors
     for column in ("h", "best", "best_pressure"):
         first = errors.groupby(MESH)[column].transform("median")
@@ -248,7 +248,7 @@ def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
 
 
 def code_triangle(codes: Codes, folder: str) -> Iterator[Breach]:
-    """The errors of a code and of the discrete solution in K^h differ by at most the distance between the two."""
+    """Check that the errors of a code and of the solution in K^h differ by at most the distance of the solutions."""
     errors = codes.errors
     room = CODE_RTOL * (errors["best"] + errors["distance"])
     holds = abs(errors["error"] - errors["best"]) <= errors["distance"] + room
@@ -260,7 +260,7 @@ CODE_ORDERS = {"order_in_v": "error", "order_of_distance": "distance", "order_of
 
 
 def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Orders are observed on the two finest meshes."""
+    """Check that orders are observed on the two finest meshes."""
     finest: dict[object, dict[str, float]] = {}
     for number, rows in codes.errors.sort_values("level").groupby("series", sort=False):
         h, *errors = (rows[name].to_numpy()[-2:] for name in ("h", *CODE_ORDERS.values()))
@@ -276,7 +276,7 @@ def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
 
 
 def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Every series has a class, and errors unless the code cannot express the problem."""
+    """Check that every series has a class, and errors unless the code cannot express the problem."""
     there, left_out = codes.classes["series"].isin(codes.errors["series"]), codes.classes["class"] == NOT_EXPRESSED
     wanted = there.map({True: "a class, as there are errors", False: f"{NOT_EXPRESSED}, as there are no errors"})
     yield from breaches(f"{folder}/classes.csv", codes.classes, "class", there != left_out, wanted)

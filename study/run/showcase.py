@@ -1,4 +1,4 @@
-"""A case to look at, solved on one moderate mesh: its picture, and fields for ParaView."""
+"""A case for display, solved on one moderate mesh: its picture, and fields for ParaView."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ from study.statements.shared import estimates
 from study.statements.shared.scope import regular
 
 EVERY = 2
-"""One of so many frames is shown."""
+"""Every second frame is shown."""
 STEPS = pictures.STEPS
 LEVELS = {2: pictures.LEVEL, 3: 9}
-"""By dimension: moderate, and a multiple of what divides the faces of our cubes."""
+"""The level for each dimension: moderate, and in 3D a multiple of the number that divides the faces of the cubes."""
 
 
 @dataclass(frozen=True, eq=False)
 class Showcase:
-    """What is shown of a case: its picture in the form of ``pictures/CASE.json``, and fields on the whole mesh."""
+    """A case for display: its picture in the form of ``pictures/CASE.json``, and fields on the whole mesh."""
 
     picture: dict[str, Any]
     series: MeshSeries
 
 
 def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[], object] = lambda: None) -> Showcase:
-    """Solve a case to be shown in a directory; ``notify`` is called after each of the STEPS + 1 frames.
+    """Solve a case for display; ``notify`` is called after each of the STEPS + 1 frames.
 
     Raises:
-        UsageError: no mesh family serves the body, or there is not the memory for this level.
-        StoreError: the directory cannot be written; said before anything is solved.
+        UsageError: no mesh family can mesh the body, or there is not enough memory for this level.
+        StoreError: the directory cannot be written; raised before anything is solved.
         MeshError: the mesh of this level does not fit the body.
     """
     family = affordable_family(case, level)
@@ -50,10 +50,10 @@ def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[],
 
 
 def affordable_family(case: Case, level: int) -> MeshFamily:
-    """The meshes on which a case is shown.
+    """Return the mesh family with which a case is shown.
 
     Raises:
-        UsageError: no mesh family serves the body, or there is not the memory for this level.
+        UsageError: no mesh family can mesh the body, or there is not enough memory for this level.
     """
     dim = case.solution.body.dim
     family = pictures.FAMILY if dim == 2 else regular(case)
@@ -62,10 +62,10 @@ def affordable_family(case: Case, level: int) -> MeshFamily:
 
 
 def mesh_series(motion: Motion, every: int) -> MeshSeries:
-    """One of ``every`` frames of a motion.
+    """Return every ``every``-th frame of a motion as fields on the mesh.
 
-    At the vertices: ``displacement``, ``velocity``, and on Γ3 ``gap`` and ``pressure`` (``gap_1``, ``gap_2``, … where
-    Γ3 has several faces). In the cells, where they are constant: ``stress`` and ``von_mises``.
+    Fields at the vertices are ``displacement``, ``velocity``, and on Γ3 ``gap`` and ``pressure`` (``gap_1``, ``gap_2``,
+    … if Γ3 has several faces). Fields on the cells, constant on each, are ``stress`` and ``von_mises``.
     """
     weights, mesh = pictures.contact_weights(motion.space), motion.space.mesh
     return MeshSeries(mesh.p, mesh.t, [_fields(motion, frame, weights) for frame in motion.frames[::every]])
@@ -82,7 +82,7 @@ def _fields(motion: Motion, frame: Frame, weights: Array) -> MeshFields:
 
 
 def _on_contact(motion: Motion, values: dict[str, Array]) -> Iterator[tuple[str, Array]]:
-    """Values at the contact vertices, (m,), as fields over all vertices, a field for each face of Γ3."""
+    """Yield values at the contact vertices, (m,), as fields over all vertices, one field for each face of Γ3."""
     faces, start = motion.space.contact, 0
     for number, (_, vertices) in enumerate(faces, start=1):
         rows = slice(start, start + len(vertices))

@@ -1,8 +1,8 @@
-"""The results of finished jobs on disk: one small file per job, each written whole or not at all.
+"""The results of finished jobs on disk: one small file per job, written completely or not at all.
 
-A file holds the format number, the key of the job, the cache key of its result (``fingerprint``), the result and its
-checksum. A run that is killed keeps the results of all finished jobs, and the same command runs the other jobs. A file
-that is truncated or altered, or whose keys differ, is ignored and its job runs again.
+A file contains the format number, the key of the job, the cache key of its result (``fingerprint``), the result and its
+checksum. If a run is killed, the results of finished jobs remain, and the same command runs the other jobs. A file that
+is truncated or altered, or whose keys differ, is ignored and its job runs again.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ if sys.platform != "win32":
     import fcntl
 
 FORMAT = 2
-"""Version of the data files; changes when older files can no longer be read."""
+"""Version of the data files; it changes when older files can no longer be read."""
 
 
 WRITTEN = ("data", "tables", "figures", "article", "report.html")
-"""The files and folders that a run and the commands that start from it write."""
+"""The files and folders that a run, and the commands that use its data, write."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Store:
 
     Attributes:
         directory: DIR.
-        written: files and folders in it that are written; "." if the whole directory belongs to one command.
+        written: files and folders in DIR that are written; "." if the whole directory belongs to one command.
     """
 
     directory: Path
@@ -56,14 +56,14 @@ class Store:
 
     @property
     def marks(self) -> tuple[Path, ...]:
-        """Files of which one exists wherever the study has written before."""
+        """Files of which at least one exists if the study has written to the directory before."""
         return self.lock, self.data / "provenance.json"
 
     def path(self, key: str) -> Path:
         return self.data / "jobs" / f"{key}.json"
 
     def refuse_foreign(self) -> None:
-        """Refuse to write among files that the study did not write; StoreError names the first one."""
+        """Raise StoreError if the directory contains files that the study did not write."""
         if any(mark.exists() for mark in self.marks):
             return
         for place in self.written:
@@ -72,12 +72,12 @@ class Store:
             foreign = next((path for path in files if not path.name.startswith(".")), None)
             if foreign:
                 raise StoreError(
-                    f"{foreign} was not written by a study, and might be overwritten: give a directory of its own with "
+                    f"{foreign} was not written by a study, and might be overwritten: give another directory with "
                     "--out, such as --out build/study"
                 )
 
     def check(self) -> None:
-        """Refuse, before anything is computed, a directory that cannot be written or has data of another format.
+        """Refuse a directory that cannot be written or has data of another format, before anything is computed.
 
         Raises:
             StoreError: names the directory or the file, and the remedy.
@@ -92,10 +92,10 @@ class Store:
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Lock the directory against other runs, and remove the temporary files of killed ones.
+        """Lock the directory against other runs, and remove temporary files of killed runs.
 
-        The system releases the lock when this process ends, however it ends, and its child processes do not inherit
-        it. Windows has no such locks: two runs on one directory are not noticed there.
+        The system releases the lock when this process ends for any reason, and its child processes do not inherit it.
+        Windows has no such locks: there, two runs on one directory are not noticed.
 
         Raises:
             StoreError: another run works on the directory, or it cannot be written.
@@ -108,7 +108,7 @@ class Store:
             raise unwritable(self.lock, error) from error
         with file:
             self._hold(file)
-            # The temporary files of processes that are gone.
+            # Remove temporary files whose processes no longer exist.
             for part in [part for depth in ("", "*/", "data/*/") for part in self.directory.glob(f"{depth}.*.part")]:
                 owner = part.name.split(".")[-2]
                 if owner.isdigit() and not psutil.pid_exists(int(owner)):
@@ -135,7 +135,7 @@ class Store:
         Data that do not exist, or that this user may not write, are not locked.
 
         Raises:
-            StoreError: another run works on the directory, or its data can be written and its lock cannot.
+            StoreError: another run works on the directory, or its data can be written but its lock cannot.
         """
         changes = any(os.access(path, os.W_OK) for path in (self.data, self.lock))
         return self.locked() if changes else nullcontext()
@@ -155,7 +155,7 @@ class Store:
         """Return the result of a job; None if its file is missing or damaged, or its keys differ.
 
         Raises:
-            StoreError: the file was written in another format, or may not be read.
+            StoreError: the file has another format, or cannot be read.
         """
         path = self.path(key)
         content = self.read(path)
@@ -173,11 +173,11 @@ class Store:
         """Return the JSON object in a file; None if the file is missing or damaged.
 
         Raises:
-            StoreError: the file may not be read.
+            StoreError: the file cannot be read.
         """
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-        # No JSON or no UTF-8, numbers of too many digits, brackets nested too deeply; no file.
+        # The file is not JSON in UTF-8, has too many digits or nested brackets, or does not exist.
         except (ValueError, RecursionError, FileNotFoundError, IsADirectoryError, NotADirectoryError):
             return None
         except OSError as error:
@@ -194,7 +194,7 @@ def _checksum(result: object) -> str:
 
 
 def require_format(path: Path, content: dict[str, Any] | None) -> None:
-    """Refuse data of another version.
+    """Refuse data of another format.
 
     Raises:
         StoreError: names the file and both format numbers.

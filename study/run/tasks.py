@@ -1,4 +1,4 @@
-"""Contact problems as files for other codes: the format ``contact-task`` (docs/reference/tasks.md)."""
+"""Contact problems as files for other codes, in the format ``contact-task`` (docs/reference/tasks.md)."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ MARGIN, DEPTH = 0.25, 0.25
 """How far a meshed foundation extends beyond its face, and its thickness, relative to the length of the face."""
 SUMS = "SHA256SUMS"
 DIGITS = 13
-"""Decimal digits of the largest number of an array; smaller numbers have as many decimal places."""
+"""Significant digits of the largest number of an array; smaller numbers have as many decimal places."""
 FINER = {"reference": 14}
-"""Digits of the reference displacement: distances from it may be zero, and their rounding errors grow like 1/h."""
+"""Digits of the reference displacement: distances to it may be zero, and their rounding errors grow like 1/h."""
 
 
 def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
-    """Return the static problems at some instants, with the data that answers are judged by."""
+    """Return the static problems at the given instants, with the data by which solutions are judged."""
     require_instants(instants, task.solution.body.T)
     loads = [
         {
@@ -49,19 +49,19 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
 
 
 def require_instants(instants: Sequence[float], T: float) -> None:
-    """Raise UsageError for instants outside [0, T], or none."""
+    """Raise UsageError if there are no instants, or one lies outside [0, T]."""
     if not instants or min(instants) < 0 or max(instants) > T:
         raise UsageError(f"--instants must lie in [0, {T:g}], got {', '.join(f'{t:g}' for t in instants)}")
 
 
 def require_scale(scale: float) -> None:
-    """Raise UsageError for a factor of loads that is not positive."""
+    """Raise UsageError if the factor of the loads is not positive."""
     if not 0 < scale < float("inf"):
         raise UsageError(f"--scale must be a positive number, got {scale:g}")
 
 
 def march(task: Task, steps: int, scale: float = 1.0) -> Data:
-    """Return the evolution by the midpoint rule with equal steps: the load at t_{n−1/2}, the answer at t_n."""
+    """Return the evolution by the midpoint rule with equal steps: loads at t_{n−1/2}, solutions at t_n."""
     problem, states = task.march(steps)
     k, judge, loads = problem.T / steps, [], []
     for n, state in enumerate(states):
@@ -74,7 +74,7 @@ def march(task: Task, steps: int, scale: float = 1.0) -> Data:
 
 
 def _judged(task: Task, time: float, balanced: float, reference: Array) -> Data:
-    """Return the data that an answer at one time is judged by; contact forces are those at the time ``balanced``."""
+    """Return the data by which a solution at one time is judged; contact forces are taken at the time ``balanced``."""
     sample = task.v_norm.sample(time)
     return {
         "time": float(time),
@@ -109,8 +109,8 @@ def _head(task: Task, mode: str, scale: float) -> Data:
         "cells": oriented(mesh.p, mesh.t).T,
         "clamped": np.unique(np.concatenate(clamped)),
         "contact": [
-            {"normal": part.normal, "facets": mesh.facets[:, space.facets(part)].T, "vertices": vertices}
-            for part, vertices in space.contact
+            {"normal": part.normal, "facets": mesh.facets[:, space.facets(part)].T, "vertices": vertices} | gap
+            for (part, vertices), gap in zip(space.contact, _gaps(task, scale), strict=True)
         ],
         "loaded": [
             {"normal": part.normal, "facets": mesh.facets[:, facets].T} for part, facets in space.on(Kind.LOADED)
@@ -119,8 +119,16 @@ def _head(task: Task, mode: str, scale: float) -> Data:
     }
 
 
+def _gaps(task: Task, scale: float) -> list[Data]:
+    """Return the initial gap at the vertices of each piece of Γ3; nothing if there is none."""
+    counts = [len(vertices) for _, vertices in task.space.contact]
+    if not task.solution.has_initial_gap:
+        return [{} for _ in counts]
+    return [{"gap": scale * gap} for gap in np.split(task.gap, np.cumsum(counts)[:-1])]
+
+
 def oriented(points: Array, cells: Array) -> Array:
-    """Return the cells with positive volumes, (d + 1, cells)."""
+    """Return the cells with vertices ordered so that volumes are positive, (d + 1, cells)."""
     corners = points[:, cells]
     negative = np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)) < 0
     turned = cells.copy()
@@ -146,7 +154,7 @@ def require_segments(segments: int, dim: int) -> None:
 
 
 def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
-    """Return a rigid foundation as a meshed body: two triangles for each of some equal segments below a straight face.
+    """Return a rigid foundation as a meshed body: two triangles for each of the equal segments below a straight face.
 
     Args:
         face: vertices of the face, (n, 2).
@@ -157,7 +165,7 @@ def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
         UsageError: the body is a solid, or there is fewer than one segment.
     """
     require_segments(segments, face.shape[1])
-    # With the body below, the axes (along, −ν) are right-handed.
+    # The axes (along, −ν) are right-handed if the slab is below the body.
     along = np.array([-normal[1], normal[0]])
     s = face @ along
     length = float(np.ptp(s))
@@ -181,7 +189,7 @@ def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class TaskStore(Store):
-    """A directory with tasks and their checksums only, as people copy it: the lock is removed at the end."""
+    """A directory with tasks and their checksums only, for people to copy; so the lock is removed at the end."""
 
     written: tuple[str, ...] = (".",)
 
@@ -195,21 +203,21 @@ class TaskStore(Store):
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """``Store.locked``; the lock is removed at the end."""
+        """Lock the directory as ``Store.locked`` does, and remove the lock at the end."""
         with super().locked():
             try:
                 yield
             finally:
-                # Windows removes no file that is open.
+                # Windows cannot remove an open file.
                 with suppress(PermissionError):
                     self.lock.unlink(missing_ok=True)
 
 
 def write_task(directory: Path, data: dict[str, Any]) -> Path:
-    """Write NAME.json.xz, the same bytes for the same data, and its line in SHA256SUMS; returns the path.
+    """Write NAME.json.xz, with identical bytes for the same data, and its line in SHA256SUMS; return the path.
 
     Raises:
-        StoreError: the directory cannot be written, or SHA256SUMS has a line of another form.
+        StoreError: the directory cannot be written, or SHA256SUMS has a malformed line.
     """
     scale = "" if data["scale"] == 1 else f"-times-{data['scale']:g}"
     path = directory / f"{data['case']}-{data['family']}-{data['mode']}-{data['level']}{scale}.json.xz"
@@ -221,7 +229,7 @@ def write_task(directory: Path, data: dict[str, Any]) -> Path:
 
 
 def _sums(path: Path) -> dict[str, str]:
-    """Return name of a file ↦ checksum from a file of ``sha256sum``."""
+    """Return the checksums of files by name, from a file of ``sha256sum``."""
     sums = {}
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines() if path.exists() else [], 1):
         parts = line.split()
@@ -232,7 +240,7 @@ def _sums(path: Path) -> dict[str, str]:
 
 
 def plain(value: Any, digits: int = DIGITS) -> Any:
-    """Return nested data with arrays as lists, rounded to some digits of the largest number of each array."""
+    """Return nested data with arrays as lists, rounded relative to the largest number of each array."""
     if isinstance(value, dict):
         return {key: plain(one, FINER.get(key, DIGITS)) for key, one in value.items()}
     if isinstance(value, list):

@@ -1,4 +1,4 @@
-"""The balance of energy of a computed motion: stored energy, dissipation, contact and load."""
+"""The energy balance of a computed motion: stored energy, dissipation, and work of contact and load."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from manufactured.tensors import Array, Tensors
 
 @dataclass(frozen=True, eq=False)
 class Power:
-    """The energy at one time and the powers that change it, integrals over Ω.
+    """The stored energy and the powers at one time, integrated over Ω.
 
     Attributes:
         stored: the energy ∫ W(ε(u)) with W' = G.
-        elastic: its rate (G ε(u), ε(δu))_Q.
+        elastic: the rate of the stored energy, (G ε(u), ε(δu))_Q.
         viscous: the dissipation (A ε(δu), ε(δu))_Q.
-        contact: λ·N δu; zero but where a vertex changes between contact and release.
+        contact: λ·N δu; nonzero only if a vertex comes into contact or loses it.
         load: F·δu, the sum of the last three.
     """
 
@@ -31,13 +31,13 @@ class Power:
 
 
 def density(G: Elasticity, strain: Tensors, stress: Tensors) -> Array:
-    """W(ε), (...), from ε and G(ε), (D, ...) each.
+    """Return the energy density W(ε), (...), from ε and G(ε), (D, ...) each.
 
-    ½ G ε·ε of a linear law; β/2 dist(ε, K)² = |G(ε)|²/(2β) of law (3.3), as ½ dist² has the gradient ε − P_K ε; both
-    and S·ε where G is combined of them.
+    For a linear law W = ½ G ε·ε. For law (3.3) W = β/2 dist(ε, K)² = |G(ε)|²/(2β), because ½ dist² has the gradient
+    ε − P_K ε. A combined G has the sum of both plus S·ε.
 
     Raises:
-        LawError: G has no potential, so that no energy is stored.
+        LawError: G has no potential, so there is no stored energy.
     """
     if isinstance(G, NonSymmetric):
         raise LawError("G is not symmetric and has no potential W; an energy balance needs a symmetric G")
@@ -49,11 +49,12 @@ def density(G: Elasticity, strain: Tensors, stress: Tensors) -> Array:
 
 
 def balance(times: Array, powers: Sequence[Power]) -> dict[str, Array]:
-    """Energies at the ``times``, (times,) each.
+    """Return energies at the ``times``, (times,) each, as a dict.
 
-    ``stored``, and what dissipation, contact and load have done since the first one: ``dissipated``, ``contact``,
-    ``work``. Powers are integrated by the trapezoidal rule, so ``defect``, stored − stored(0) + dissipated + contact −
-    work, is of the second order in the time step, and not zero: it is not what the scheme solves.
+    Keys: ``stored``; the energy changes since the first time due to dissipation, contact and load, ``dissipated``,
+    ``contact`` and ``work``; and ``defect`` = stored − stored(0) + dissipated + contact − work. Powers are integrated
+    by the trapezoidal rule, so the defect is of second order in the time step and nonzero; the time scheme does not
+    conserve energy exactly.
     """
 
     def since_start(name: str) -> Array:

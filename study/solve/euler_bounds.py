@@ -1,15 +1,15 @@
-"""Error bounds for backward Euler with steps of any size, where Problem 5.1 need not be a gradient flow.
+"""Error bounds for backward Euler with steps of variable size, if Problem 5.1 need not be a gradient flow.
 
 Problem 5.1 is u̇ + Bu + N_K(u) ∋ f in V^h with ‖Bv − Bw‖ ≤ κ ‖v − w‖ and (Bv − Bw, v − w) ≥ −γ ‖v − w‖², 0 ≤ γ ≤ κ,
-norms and products those of V. Backward Euler on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and γk < 1
-gives U_n, δ_n = (U_n − U_{n−1})/k_n and ξ_n = f(t_n) − BU_n − δ_n ∈ N_K(U_n). Let û be the piecewise linear
+in the norm and inner product of V. Backward Euler on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and
+γk < 1 gives U_n, δ_n = (U_n − U_{n−1})/k_n and ξ_n = f(t_n) − BU_n − δ_n ∈ N_K(U_n). Let û be the piecewise linear
 interpolant of the U_n, V = Var f, z = u̇(0+), F_n = ∫_{t_{n−1}}^{t_n} ‖f(t) − f(t_n)‖ dt and P = Π_n (1 − γk_n)^{−1}.
 Then max_t ‖u(t) − û(t)‖ is at most
 
     (Σ_n e^{2γ(T − t_{n−1})} k_n² (ξ_n, δ_n))^{1/2} + Σ_n e^{γ(T − t_{n−1})} (F_n + κ k_n² ‖δ_n‖/2)
         ≤ kP/(1 − γk) · ((1/√2 + κT/2) ‖z‖ + (2 + κT/2) V).
 
-The first bound needs the computed solution, the second the data; both hold on every mesh. The proof is in
+The first bound needs the computed solution, the second only the data; both hold on every mesh. The proof is in
 paper/proofs_euler.tex.
 """
 
@@ -29,10 +29,10 @@ from study.solve.tableau import BACKWARD_EULER
 
 
 def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
-    """Return U_0, …, U_N of backward Euler at t_0 = 0, …, t_N for steps of any size, (N + 1, n).
+    """Return U_0, …, U_N of backward Euler at t_0 = 0, …, t_N for steps of variable size, (N + 1, n).
 
     Raises:
-        StepsError: a step is so long that it need not have one solution.
+        StepsError: a step of this length may have several solutions.
     """
     end = times[0]
     held = replace(problem, load=lambda _: problem.load(end))
@@ -48,12 +48,12 @@ def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class EulerBounds:
-    """Both bounds for Problem 5.1 on one mesh.
+    """Both error bounds for Problem 5.1 on one mesh.
 
     Attributes:
         flow: the problem with its load on a fine grid in time; gives ‖z‖ and Var f.
         kappa: κ, a Lipschitz constant of B, such as L_G/m_A.
-        growth: γ, 0 where G is monotone, at most κ.
+        growth: γ, 0 if G is monotone, at most κ.
     """
 
     flow: GradientFlow
@@ -61,19 +61,19 @@ class EulerBounds:
     growth: float
 
     def a_priori(self, longest: float, product: float) -> float:
-        """Return the bound by the data, for the longest step k and the product P."""
+        """Return the bound from the data, for the longest step k and the product P."""
         T, z, variation = self.flow.problem.T, self.flow.first, self.flow.variation
         half = self.kappa * T / 2
         terms = (1 / math.sqrt(2) + half) * z + (2 + half) * variation
         return longest * product / (1 - self.growth * longest) * terms
 
     def by_data(self, nodes: Array) -> float:
-        """Return the bound by the data for steps that end at some nodes of the grid, indices (N + 1,)."""
+        """Return the bound from the data for steps that end at the given nodes of the grid, indices (N + 1,)."""
         steps = self._steps(nodes)
         return self.a_priori(float(steps.max()), float(np.prod(1 / (1 - self.growth * steps))))
 
     def by_solution(self, nodes: Array, states: Array) -> float:
-        """Return the bound by U_0, …, U_N, (N + 1, n), at some nodes of the grid, indices (N + 1,)."""
+        """Return the bound from U_0, …, U_N, (N + 1, n), at the given nodes of the grid, indices (N + 1,)."""
         problem, steps = self.flow.problem, self._steps(nodes)
         rates = np.diff(states, axis=0) / steps[:, None]
         viscous = (problem.M @ rates.T).T
@@ -89,10 +89,10 @@ class EulerBounds:
         return nodes * (self.flow.problem.T / (len(self.flow.loads) - 1))
 
     def _steps(self, nodes: Array) -> Array:
-        """k_1, …, k_N."""
+        """Return the step sizes k_1, …, k_N."""
         return np.diff(self._time(nodes))
 
     def _delay(self, begin: int, end: int) -> float:
-        """F_n from above: by the larger end of every interval of the grid."""
+        """Return an upper bound of F_n: on each interval of the grid the larger value at its ends is used."""
         away = self.flow.distance(np.arange(begin, end + 1), np.full(end + 1 - begin, end))
         return float(np.maximum(away[1:], away[:-1]).sum()) * self.flow.problem.T / (len(self.flow.loads) - 1)

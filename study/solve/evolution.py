@@ -1,12 +1,13 @@
 """Problem 5.1, continuous in time on one mesh: M u̇ + G(u) + N_{K^h}(u) ∋ F.
 
-G is bounded relative to M uniformly in h, (5.5), so the system is not stiff: no step restriction links k to h.
+K^h = {v : N v ≤ g} has the initial gap g at the vertices of Γ3, which is 0 in the paper. G is bounded relative to M
+uniformly in h, (5.5), so the system is not stiff, and the step k need not be small relative to h.
 
-One time step of Problem 5.1: (w/k) M u + G(θu + (1 − θ)u_{n−1}) + N_{K^h}(u) ∋ b for u = u_n.
+One time step of Problem 5.1 is (w/k) M u + G(θu + (1 − θ)u_{n−1}) + N_{K^h}(u) ∋ b for u = u_n.
 
 S = (w/k) M + θ G_ref is factorised once for all steps with the same w/k. G_ref is the constant reference tensor of the
-law; what G differs from it is treated by a fixed-point iteration that contracts like k ‖G − G_ref‖/m_A, and vanishes
-for a linear law.
+law. The difference between G and G_ref is treated by a fixed-point iteration, which contracts like k ‖G − G_ref‖/m_A. A
+linear law needs no iteration.
 """
 
 from __future__ import annotations
@@ -40,12 +41,13 @@ class SemiDiscrete:
         M: matrix of (·,·)_V on V^h, (n, n).
         reference: matrix of G_ref, (n, n).
         remainder: v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,); None for a linear law.
-        N: K^h = {v : Nv ≤ 0}, (m, n).
+        N: K^h = {v : Nv ≤ g}, (m, n).
         load: t ↦ F(t), (n,).
         u0: u_0^h ∈ K^h, (n,).
         T: final time.
-        solver: (S, N) ↦ the contact solve of one step.
-        growth: max(−m, 0)/m_A of the law, 0 for monotone G: what steps have to be short for.
+        solver: function from S and N to the contact solver of one step; an initial gap is passed as ``gap=g``.
+        growth: max(−m, 0)/m_A of the law, 0 for a monotone G; it limits the length of steps.
+        gap: the initial gap g ≥ 0 at the contact vertices, (m,), or the number 0 as in the paper.
     """
 
     M: sps.csc_array
@@ -55,12 +57,20 @@ class SemiDiscrete:
     load: Callable[[float], Array]
     u0: Array
     T: float
-    solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver] = Signorini
+    solver: Callable[..., ContactSolver] = Signorini
     growth: float = 0.0
+    gap: Array | float = 0.0
 
     @classmethod
-    def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> SemiDiscrete:
-        """The problem for a law, a load and a start on a space."""
+    def of(
+        cls,
+        space: Space,
+        law: KelvinVoigt,
+        load: Callable[[float], Array],
+        u0: Array,
+        gap: Array | float = 0.0,
+    ) -> SemiDiscrete:
+        """Return the problem on a space for a law, a load, an initial value and an initial gap."""
         factor = means(space, law.G.factor)
         return cls(
             M=form(space, law.A),
@@ -72,24 +82,29 @@ class SemiDiscrete:
             T=space.body.T,
             solver=contact_solver(space),
             growth=law.growth,
+            gap=gap,
         )
 
+    def contact(self, S: sps.csc_array) -> ContactSolver:
+        """Return the contact solver in K^h for a matrix."""
+        return self.solver(S, self.N, gap=self.gap) if np.any(self.gap) else self.solver(S, self.N)
+
     def initial(self) -> State:
-        """u_0^h; no contact force is known there."""
+        """Return the initial state u_0^h with zero contact forces, which are unknown at t_0."""
         return State(0.0, self.u0, np.zeros(self.N.shape[0]), 0, lambda: 0.0)
 
     def elastic(self, v: Array) -> Array:
-        """(G ε(v), ε(·))_Q, (n,)."""
+        """Return the functional (G ε(v), ε(·))_Q, (n,)."""
         linear: Array = self.reference @ v
         return linear if self.remainder is None else linear + self.remainder(v)
 
     def stepper(self, scheme: Tableau, k: float) -> ContactStep:
-        """(n, the states before) ↦ the state at t_n."""
+        """Return the function (n, previous states) ↦ state at t_n."""
         return ContactStep(self, scheme, k)
 
 
 def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[Array], Array] | None:
-    """What G differs by from its reference, as ``SemiDiscrete`` has it, for its factor where strains are stored."""
+    """Return the function ``SemiDiscrete.remainder`` for G with the factor at the points where strains are stored."""
     if isinstance(G, Linear):
         return None
     at_points = G.scaled(factor)
@@ -102,7 +117,8 @@ def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[A
 
 
 def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[tuple[State, Array]]:
-    """The states at t_0, …, t_steps with δu_n; δu_0, of which the scheme knows nothing, is δu_1."""
+    """Yield the states at t_0, …, t_steps with velocities δu_n; δu_0, which the scheme does not define, is set to
+    δu_1."""
     k = step_size(problem.T, steps)
     states = scheme.march(problem, steps)
     first = next(states)
@@ -116,7 +132,7 @@ def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[t
 
 
 class Scheme(Protocol):
-    """A way to march through Problem 5.1: a ``Tableau``, or what stands in for one."""
+    """A time scheme for Problem 5.1: a ``Tableau``, or another class with these methods."""
 
     @property
     def name(self) -> str: ...
@@ -124,34 +140,36 @@ class Scheme(Protocol):
     def order(self) -> float: ...
 
     def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
-        """The states at t_0, t_1, …, t_steps."""
+        """Yield the states at t_0, t_1, …, t_steps."""
         ...
 
 
 FIXED_POINT = ROUNDING / 10
-"""Relative distance in ‖·‖_M to the fixed point of a nonlinear law at which its iteration stops. The residual
-that this leaves is measured in another norm and reaches five times as much in the sweeps: half of what is allowed."""
+"""Relative distance in ‖·‖_M to the fixed point of a nonlinear law at which its iteration stops. The residual is
+measured in another norm and was up to five times as large in the parameter sweeps, half of the permitted residual."""
 ITERATIONS = 60
 TINY = 1e-150
-"""Stands for zero in denominators; its square is still positive."""
+"""Replaces zero in denominators; its square is still positive."""
 
 
 class EvolutionError(RuntimeError):
-    """A time step could not be solved."""
+    """Raised if a time step could not be solved."""
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """One time node of a trajectory.
+    """The solution of Problem 5.1 at one time node.
 
     Attributes:
         time: t_n.
         u: u_n ∈ K^h, (n,).
         multipliers: λ_n ≥ 0, nodal contact forces, (m,).
-        iterations: contact solves spent.
-        residual: () ↦ the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u)_+ and |λ·N u| and λ_−, relative to the
-            size of u and λ: zero for an exact contact solve. Found when it is asked for, which takes as long as a step
-            on a coarse mesh.
+        iterations: number of contact solves.
+        residual: function that returns the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u − g)_+, |λ·(N u − g)| and λ_−, relative
+            to
+            the size of u and λ: zero for an exact contact solve. It is a function because computing it takes as long as
+            a
+            step on a coarse mesh.
     """
 
     time: float
@@ -162,30 +180,31 @@ class State:
 
 
 class ContactStep:
-    """The steps of one scheme with one k.
+    """The time steps of one scheme with one step size k.
 
     Attributes:
-        S: what is factorised.
-        known: w_j M/k, the first less (1 − θ) G_ref: what u_{n−1}, u_{n−2}, … add to the right side.
+        S: the matrix that is factorised.
+        known: the matrices w_j M/k that multiply u_{n−1}, u_{n−2}, … on the right-hand side; (1 − θ) G_ref is
+            subtracted from the first.
 
     Raises:
-        StepsError: steps so long need not have one solution, as G is not monotone.
+        StepsError: a step of this length may have several solutions, because G is not monotone.
     """
 
     def __init__(self, problem: SemiDiscrete, scheme: Tableau, k: float) -> None:
         scheme.require_unique(k, problem.growth)
         self.problem, self.scheme, self.k = problem, scheme, k
         self.S = sps.csc_array(scheme.newest / k * problem.M + scheme.theta * problem.reference)
-        self.solve, self.forces = problem.solver(self.S, problem.N), problem.N.T
+        self.solve, self.forces = problem.contact(self.S), problem.N.T
         self.known = [sps.csc_array(weight / k * problem.M) for weight in scheme.past]
         if scheme.theta < 1:
             self.known[0] = sps.csc_array(self.known[0] - (1 - scheme.theta) * problem.reference)
 
     def __call__(self, n: int, past: Sequence[State]) -> State:
-        """The state at t_n.
+        """Return the state at t_n.
 
         Raises:
-            EvolutionError: the iteration of a nonlinear law did not settle, or values are not finite.
+            EvolutionError: the iteration of a nonlinear law did not converge, or values are not finite.
         """
         before = [state.u for state in past]
         load = self.problem.load(self.scheme.balanced(n, self.k))
@@ -197,7 +216,7 @@ class ContactStep:
     def _nonlinear(
         self, time: float, constant: Array, before: Sequence[Array], remainder: Callable[[Array], Array]
     ) -> State:
-        """The fixed point of v ↦ u with S u + Nᵀλ = constant − remainder(θv + (1 − θ) u_{n−1})."""
+        """Return the fixed point of v ↦ u with S u + Nᵀλ = constant − remainder(θv + (1 − θ) u_{n−1})."""
         problem, theta = self.problem, self.scheme.theta
         base = (1 - theta) * before[-1]
         multipliers = np.zeros(problem.N.shape[0])
@@ -216,15 +235,15 @@ class ContactStep:
         return self._state(time, u, multipliers, constant - remainder(theta * u + base), taken)
 
     def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
-        # A sum is finite only if all of its terms are.
+        # A sum is finite only if all of its terms are, so one test suffices.
         if not math.isfinite(u.sum() + multipliers.sum()):
             raise EvolutionError(f"the step to t = {time:.6g} produced values that are not finite")
         return State(time, u, multipliers, iterations, partial(self._residual, u, multipliers, b))
 
     def _residual(self, u: Array, multipliers: Array, b: Array) -> float:
-        """As in ``State``."""
+        """Return the residual that ``State`` describes."""
         defect = self.S @ u + self.forces @ multipliers - b
-        normal = self.problem.N @ u
+        normal = self.problem.N @ u - self.problem.gap
         size, force = _largest(u), _largest(multipliers)
         parts = (
             math.sqrt(defect @ defect) / max(math.sqrt(b @ b), TINY),
@@ -232,16 +251,16 @@ class ContactStep:
             float(-multipliers.min(initial=0.0)) / force,
             float(abs(normal * multipliers).max(initial=0.0)) / (size * force),
         )
-        # NumPy's maximum is NaN if one part is; Python's max may hide it.
+        # NumPy's maximum is NaN if any value is; Python's max may hide a NaN.
         return float(np.max(parts))
 
 
 def _largest(v: Array) -> float:
-    """max |v_i|, or what stands for zero."""
+    """Return the largest absolute value, or TINY for a zero vector."""
     return max(float(v.max(initial=0.0)), -float(v.min(initial=0.0)), TINY)
 
 
 def _extrapolated(before: Sequence[Array]) -> Array:
-    """The next value of the polynomial through the last three at equal steps, or as many as there are."""
+    """Return the next value of the polynomial through the last states at equal steps, at most three."""
     weights = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(before)]
     return sum((weight * u for weight, u in zip(weights, before, strict=True)), np.zeros_like(before[0]))

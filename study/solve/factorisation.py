@@ -14,24 +14,24 @@ from manufactured.tensors import Array, Points
 Integers = NDArray[np.int64]
 
 LEAF = 32
-"""Points in a part that nested dissection does not divide any further."""
+"""Number of points up to which nested dissection does not divide a part."""
 
 
 class Cholesky:
-    """S = Pᵀ L Lᵀ P with an order P that keeps L sparse and puts the unknowns ``last`` at the end.
+    """The factorisation S = Pᵀ L Lᵀ P, with an order P that keeps L sparse and puts the unknowns ``last`` at the end.
 
     The trailing block of L is the Cholesky factor of the Schur complement of S on the unknowns ``last``.
 
-    Without pivoting SuperLU computes S = L₁ U with U = D L₁ᵀ, so that L = L₁ D^{1/2}. SuperLU has no function for one
-    triangular solve with L₁. Given L itself, however, it finds the trivial factors L and D^{1/2}, and its solves with
-    this matrix and with its transpose are the forward and the backward substitution.
+    Without pivoting SuperLU computes S = L₁ U with U = D L₁ᵀ, so that L = L₁ D^{1/2}. SuperLU has no function for a
+    single triangular solve with L₁. Given L itself, however, it computes the trivial factors L and D^{1/2}, and its
+    solves with this matrix and with its transpose are the forward and the backward substitution.
 
     Args:
         S: symmetric positive definite, (n, n).
         last: unknowns to be eliminated last, (c,).
         x: coordinates of the points to which the unknowns belong, n/p consecutive unknowns for each, (d, p). They give
-            an order by nested dissection. Without them S is factorised in a minimum degree order first, to know that
-            order: for small matrices only.
+            an order by nested dissection. Without them S is factorised twice, first in a minimum degree order to
+            obtain this order: for small matrices only.
 
     Attributes:
         order: the unknowns in the order of elimination, (n,).
@@ -58,23 +58,23 @@ class Cholesky:
         self._triangular = superlu(L)
 
     def __call__(self, b: Array) -> Array:
-        """S⁻¹ b, (n,), or for several b, (m, n)."""
+        """Return S⁻¹ b, (n,), or for several b, (m, n)."""
         return self.backward(self.forward(b))
 
     def forward(self, b: Array) -> Array:
-        """y = L⁻¹ P b, (n,) or (m, n)."""
+        """Return y = L⁻¹ P b, (n,) or (m, n)."""
         return np.asarray(self._triangular.solve(b[..., self.order].T).T)
 
     def backward(self, y: Array) -> Array:
-        """Pᵀ L⁻ᵀ y, (n,) or (m, n)."""
+        """Return Pᵀ L⁻ᵀ y, (n,) or (m, n)."""
         u = np.empty_like(y)
         u[..., self.order] = self._triangular.solve(y.T, "T").T
         return u
 
 
 def superlu(matrix: sps.csc_array, permc_spec: str = "NATURAL") -> SuperLU:
-    """The factors of a matrix with a symmetric pattern, without pivoting, in its own order unless another is named."""
-    # No other value of ``relax`` than SciPy's: with 40, SciPy 1.17 writes beyond its arrays.
+    """Return the factors of a matrix with a symmetric pattern, without pivoting, by default in the given order."""
+    # ``relax`` must keep SciPy's default: with 40, SciPy 1.17 writes beyond its arrays.
     try:
         options = {"SymmetricMode": True}
         return splu(sps.csc_matrix(matrix), permc_spec=permc_spec, diag_pivot_thresh=0.0, options=options)
@@ -83,20 +83,20 @@ def superlu(matrix: sps.csc_array, permc_spec: str = "NATURAL") -> SuperLU:
 
 
 def minimum_degree(S: sps.csc_array) -> Integers:
-    """SuperLU's minimum degree order of the unknowns, (n,)."""
+    """Return SuperLU's minimum degree order of the unknowns, (n,)."""
     return np.argsort(superlu(S, "MMD_AT_PLUS_A").perm_c)
 
 
 def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
-    """The unknowns in an order of elimination with little fill, by geometric nested dissection, (n,).
+    """Return the unknowns in an order of elimination with little fill, by geometric nested dissection, (n,).
 
-    A part is cut at the median of its longest coordinate axis. The points of one half that are joined to the other
-    half separate the halves: of the two such sets, the smaller one is eliminated after both halves. The halves are
+    A part is divided at the median of its longest coordinate axis. In each half, the points that are coupled to the
+    other half separate the halves. The smaller of these two sets is eliminated after both halves. The halves are
     divided in the same way (A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10
     (1973) 345–363).
 
     Each point gets a key with one ternary digit for each division: 0 for the lower half, 1 for the upper half, 2 for
-    the separator, which is not divided again. Points with equal keys form a part; sorted keys are the order.
+    the separator, which is not divided again. Points with equal keys form a part, and sorting the keys gives the order.
 
     Args:
         S: a matrix with a symmetric pattern, (n, n).

@@ -1,14 +1,14 @@
 """Fixed-point iteration u = g(v) for a contraction g, with Anderson acceleration.
 
-The next input is the image where g, were it affine between the last inputs, would have the least residual f(v) = g(v) −
-v (D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965) 547–560).
+The next v is the image of the combination of the last inputs for which the residual f(v) = g(v) − v would be smallest
+if g were affine (D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965) 547–560).
 
-Two inputs and their images bound the contraction number ρ of g from below. With ρ, the fixed point is no further from u
-than ρ/(1 − ρ) ‖u − v‖; the largest quotient seen stands for ρ, and for ρ > 1/2 the residual itself is compared with the
-tolerance. Both are estimates: whoever needs a bound has to measure the error that is left.
+Two inputs and their images give a lower bound of the contraction number ρ of g. The distance from u to the fixed point
+is at most ρ/(1 − ρ) ‖u − v‖. The largest quotient so far is used as ρ; for ρ > 1/2 the residual itself is compared with
+the tolerance. Both are estimates, so a caller that needs a bound has to measure the remaining error.
 
-Vectors w travel with their duals M w, (2, n): sums and multiples of pairs are pairs, so that an image takes one product
-with M.
+Vectors w are stored with their duals M w, (2, n). Sums and multiples of pairs are pairs, so that each image needs only
+one product with M.
 """
 
 from __future__ import annotations
@@ -21,33 +21,33 @@ import numpy as np
 from manufactured.tensors import Array
 
 SEEN = 3
-"""Images before an iteration may stop: two quotients."""
+"""Least number of images before an iteration may stop: they give two quotients."""
 MEMORY = 3
-"""Differences of residuals that an input is made of."""
+"""Number of differences of residuals that determine an input."""
 CUTOFF = 1e-12
-"""Eigenvalues of a Gram matrix that are smaller, relative to the largest, count as zero."""
+"""Eigenvalues of a Gram matrix below this value, relative to the largest, count as zero."""
 TINY = 1e-300
-"""Stands for zero in denominators."""
+"""Replaces zero in denominators."""
 
 
 class FixedPointError(RuntimeError):
-    """The iteration did not settle."""
+    """Raised if the iteration did not converge."""
 
 
 def fixed_point(
     image: Callable[[Array], Array], v: Array, dual: Callable[[Array], Array], tolerance: float, most: int
 ) -> tuple[Array, int]:
-    """u = image(v) at an estimated distance of tolerance · ‖u‖ from the fixed point, and how many images were taken.
+    """Return u = image(v) at an estimated distance of tolerance · ‖u‖ from the fixed point, and the number of images.
 
     Args:
         image: a contraction.
-        v: where to start.
+        v: the first input.
         dual: w ↦ M w with the matrix of the norm, ‖w‖² = w·M w.
-        tolerance: relative.
-        most: images to be taken before it is given up.
+        tolerance: relative tolerance.
+        most: largest number of images.
 
     Raises:
-        FixedPointError: it did not settle, or came to values that are not finite.
+        FixedPointError: the iteration did not converge, or values are not finite.
     """
 
     def with_dual(w: Array) -> Array:
@@ -65,7 +65,7 @@ def fixed_point(
         u = image(v)
         before, residual = residual, with_dual(u - v)
         change = residual - before
-        # From u = v + f(v): how far images are from one another.
+        # u = v + f(v) is the image of v, so step + change is the difference of the last two images.
         moved = step + change
         whole += moved
         left = _finite(_norm(residual), taken)
@@ -77,7 +77,7 @@ def fixed_point(
 
 
 def _norm(w: Array) -> float:
-    """‖w‖ of a vector with its dual, (2, n)."""
+    """Return the norm ‖w‖ of a vector with its dual, (2, n)."""
     return float(np.sqrt(max(w[0] @ w[1], 0.0)))
 
 
@@ -88,20 +88,21 @@ def _finite(size: float, taken: int) -> float:
 
 
 def _per_residual(contraction: float) -> float:
-    """How many times as large as the error that is asked for a residual may be.
+    """Return the factor by which a residual may exceed the required error.
 
-    Quotients of what rounding leaves may be anything: a residual of the size of the tolerance is enough.
+    The factor is at least 1: quotients of round-off are arbitrary, and a residual of the size of the tolerance is
+    enough.
     """
     return max(1.0, (1 - contraction) / max(contraction, TINY))
 
 
 def _accelerated(residual: Array, memory: Sequence[tuple[Array, Array]]) -> Array:
-    """The step residual − Σ γ_i Δu_i with ‖residual − Σ γ_i Δf_i‖ least; the memory holds Δf_i and Δu_i."""
+    """Return residual − Σ γ_i Δu_i with the least ‖residual − Σ γ_i Δf_i‖; ``memory`` has pairs (Δf_i, Δu_i)."""
     if not memory:
         return residual
     changes, of_images = (np.array(parts) for parts in zip(*memory, strict=True))
     gram = changes[:, 0] @ changes[:, 1].T
-    # Each step of a contraction is much smaller than the one before: the system is scaled.
+    # The differences of a contraction become much smaller from step to step, so the system is scaled.
     sizes = np.sqrt(np.maximum(gram.diagonal(), TINY))
     slopes = changes[:, 1] @ residual[0] / sizes
     gamma = np.linalg.lstsq(gram / np.outer(sizes, sizes), slopes, rcond=CUTOFF)[0] / sizes

@@ -1,10 +1,11 @@
-"""One solved problem in time: velocity, stress, contact and energy at every time node of BDF2.
+"""The solution of one problem in time: velocity, stress, contact and energy at every time node of BDF2.
 
-The scheme replaces u̇(t_n) by a difference quotient δu_n, so the stress it balances at t_n is
+The scheme replaces u̇(t_n) by a difference quotient δu_n, so the balanced stress at t_n is
 
     σ_n = A ε(δu_n) + G ε(u_n),   (σ_n, ε(v))_Q + λ_n·Nv = F(t_n)·v  for all v ∈ V^h,
 
-constant on every cell, and with v = δu_n the power of the load goes into stored energy, dissipation and contact.
+which is constant on every cell. With v = δu_n the power of the load is divided into stored energy, dissipation and
+contact.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from manufactured.exact import ExactSolution
 from manufactured.law import Elasticity, PointLaw
 from manufactured.tensors import Array, Tensors, identity
 from study.fem.error_norm import ErrorNorm
+from study.fem.initial_gap import gaps_at_vertices
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
@@ -28,7 +30,7 @@ from study.solve.tableau import BDF2
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """One time node.
+    """The solution at one time node.
 
     Attributes:
         time: t_n.
@@ -50,7 +52,7 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """An exact solution's problem, solved on one mesh: all frames from t_0 to t_steps; λ is 0 at t_0."""
+    """The problem of an exact solution, solved on one mesh: all frames from t_0 to t_steps; λ is 0 at t_0."""
 
     solution: ExactSolution
     family: str
@@ -67,14 +69,15 @@ class Motion:
         steps: int,
         notify: Callable[[], object] = lambda: None,
     ) -> Motion:
-        """Solve it; ``notify`` is called after each of the steps + 1 frames.
+        """Solve the problem; ``notify`` is called after each of the steps + 1 frames.
 
         Raises:
             MeshError: the mesh does not fit the body at this level.
         """
         space = Space(family(solution.body, level), solution.body)
         v_norm = ErrorNorm(solution, space)
-        problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
+        start, gap = v_norm.sample(0.0).interpolant, gaps_at_vertices(solution, space)
+        problem = SemiDiscrete.of(space, solution.law, v_norm.load, start, gap)
         cells = on_cells(space, solution.law)
         found = []
         for state, velocity in velocities(problem, BDF2, steps):
@@ -83,7 +86,7 @@ class Motion:
         return cls(solution, family.name, level, space, found)
 
     def balance(self) -> dict[str, Array]:
-        """Energies at the times of the frames, as ``study.solve.energy_balance`` has them."""
+        """Return the energy balance at the times of the frames (``study.solve.energy_balance``)."""
         return balance(np.array([frame.time for frame in self.frames]), [frame.power for frame in self.frames])
 
 
@@ -97,14 +100,15 @@ def _frame(space: Space, G: Elasticity, cells: PointLaw, problem: SemiDiscrete, 
         contact=float(state.multipliers @ (problem.N @ velocity)),
         load=float(problem.load(state.time) @ velocity),
     )
-    return Frame(state.time, state.u, velocity, viscous + elastic, problem.N @ state.u, state.multipliers, power)
+    normal = problem.N @ state.u - problem.gap
+    return Frame(state.time, state.u, velocity, viscous + elastic, normal, state.multipliers, power)
 
 
 def von_mises(stress: Tensors) -> Array:
-    """The von Mises stress √(3/2) |dev σ| with dev σ = σ − (tr σ/d) I, (D, ...) → (...).
+    """Return the von Mises stress √(3/2) |dev σ| with dev σ = σ − (tr σ/d) I, (D, ...) → (...).
 
-    In the plane, where the problem has no σ_33, this takes it as (σ_11 + σ_22)/2: then the deviator is that of S²,
-    as in the sets K of (3.3), and the value is (√3/2) ((σ_11 − σ_22)² + 4 σ_12²)^½, the smallest that any σ_33 gives.
+    The plane problem has no σ_33. Here σ_33 = (σ_11 + σ_22)/2, so that the deviator is the deviator of S² in the sets K
+    of (3.3). The value is (√3/2) ((σ_11 − σ_22)² + 4 σ_12²)^½, the smallest for any σ_33.
     """
     dim = {3: 2, 6: 3}[len(stress)]
     unit = identity(dim)

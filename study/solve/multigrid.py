@@ -1,24 +1,28 @@
-"""One contact solve: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ 0}, by multigrid: memory and time are linear in n.
+"""One contact solve: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ g}, by multigrid with memory and time linear in n.
 
 Coordinates. At a vertex with rows n_1, …, n_r of N its d unknowns are replaced by the values of these rows and of an
-orthonormal basis of the rest, all scaled so that the matrix A of the quadratic form has a diagonal of ones. Then K^h
-is {w : w_i ≤ 0 for the bounded i}, whatever the normals are.
+orthonormal basis of the orthogonal complement, all scaled so that the matrix A of the quadratic form has a diagonal of
+ones. Then K^h is {w : w_i ≤ g_i for the bounded i}, whatever the normals are. The initial gap g, 0 in the paper, is
+scaled like the rows.
 
-As in ``signorini``, a primal–dual active set tells which unknowns are held at their bound. A correction, with f for b,
+As in ``signorini``, a primal–dual active set contains the unknowns that are held at their bound. A correction, with f
+for b in the new coordinates,
 
 1. solves A z ≈ f − A w for z on the unknowns that are not held, z = 0 on the others, by conjugate gradients;
-2. finds the unknowns that are held although nothing presses, (f − A(w + z))_i ≤ 0, and those that are not held although
-   they pass their bound, w_i + z_i > 0;
-3. projects w + z on K^h, lets go of the former and holds the latter.
+2. selects the held unknowns without contact pressure, (f − A(w + z))_i ≤ 0, and the other unknowns that exceed their
+   bound, w_i + z_i > 0;
+3. projects w + z on K^h, releases the former unknowns and holds the latter.
 
-Active sets may go in circles. When that is suspected z is made exact and the set changes by one unknown at a time, the
-last of those found, which ends after finitely many corrections (J. J. Júdice, F. M. Pires, A block principal pivoting
-algorithm for large-scale strictly monotone linear complementarity problems, Comput. Oper. Res. 21 (1994) 587–596).
+Active sets may repeat in a cycle. If this is suspected, z is computed accurately and the set is changed by one unknown
+at a time, the last selected one. This ends after finitely many corrections (J. J. Júdice, F. M. Pires, A block
+principal pivoting algorithm for large-scale strictly monotone linear complementarity problems, Comput. Oper. Res. 21
+(1994) 587–596).
 
-The preconditioner is a V-cycle of smoothed aggregation, with the rigid motions as near kernel (P. Vaněk, J. Mandel,
-M. Brezina, Algebraic multigrid by smoothed aggregation for second and fourth order elliptic problems, Computing 56
-(1996) 179–196), by pyamg. It is made once: what is held is cut out of the finest matrix and out of what the coarse
-levels return. Coarse matrices for every set would halve the iterations, but take the time that this saves.
+The preconditioner is a V-cycle of smoothed aggregation, with the rigid motions as near kernel (P. Vaněk, J. Mandel, M.
+Brezina, Algebraic multigrid by smoothed aggregation for second and fourth order elliptic problems, Computing 56 (1996)
+179–196), by pyamg. It is constructed once: held unknowns are removed from the finest matrix and from the results of the
+coarse levels. Coarse matrices for every active set would halve the number of iterations, but constructing them takes
+the time that they save.
 """
 
 from __future__ import annotations
@@ -36,39 +40,42 @@ from scipy.sparse.linalg import LinearOperator, cg
 from manufactured.tensors import Array, Points
 
 REDUCTION = 0.02
-"""Residual after a correction over the one before: no more, since other unknowns may have to be held."""
+"""Reduction of the residual in a correction. More accuracy would be wasted, because the active set may change."""
 CORRECTIONS, ITERATIONS = 200, 300
-"""Corrections in a solve and iterations of conjugate gradients in a correction before either is given up."""
+"""Largest number of corrections in a solve and of conjugate gradient iterations in a correction."""
 PATIENCE = 5
-"""Corrections, none of which finds fewer unknowns to change than ever before, until sets are said to go in circles."""
+"""Corrections without a new minimum of unknowns to change, after which a cycle of sets is suspected."""
 SMOOTHER = ("chebyshev", {"degree": 2, "lower_bound": 1 / 20})
-"""1 − λ p(λ) is Chebyshev's polynomial for the spectrum above λ_max/20; more products with the matrix do not pay."""
+"""The Chebyshev smoother for the spectrum above λ_max/20; a higher degree costs more time than it saves."""
 COARSEST = 100
-"""Aggregates that are not aggregated any further: the inverse is dense there."""
+"""Number of aggregates up to which a level is the coarsest; its inverse is dense."""
 INDEPENDENT = 1e-8
 """Sine of the angle between normals at a vertex below which they are refused as linearly dependent."""
 
 
 class MultigridError(RuntimeError):
-    """The iteration did not reach its tolerance."""
+    """Raised if the iteration did not reach its tolerance."""
 
 
 class Multigrid:
-    """The contact solve with a fixed S and N; starts from its last solution and active set.
+    """The contact solver for a fixed S and N; it starts from its last solution and active set.
 
-    N u ≤ 0, λ ≥ 0 and λ·N u = 0 hold to rounding, S u + Nᵀλ = b up to the tolerance.
+    N u ≤ g, λ ≥ 0 and λ·(N u − g) = 0 hold to rounding, S u + Nᵀλ = b up to the tolerance.
 
     Args:
-        S: symmetric positive definite, d unknowns for each vertex, one vertex after the other, (n, n).
+        S: symmetric positive definite, d unknowns for each vertex, vertex by vertex, (n, n).
         N: every row has its entries at one vertex; the rows of a vertex are linearly independent, (m, n).
         x: the vertices, (d, n/d), for the rigid motions.
         tolerance: bound for ‖S u + Nᵀλ − b‖/‖b‖.
+        gap: the initial gap g ≥ 0, (m,) or a number.
 
     Raises:
-        ValueError: x does not have the unknowns of S, or N is not of the form above.
+        ValueError: x does not match the unknowns of S, or N does not have the required form.
     """
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points, tolerance: float) -> None:
+    def __init__(
+        self, S: sps.csc_array, N: sps.csr_array, x: Points, tolerance: float, gap: Array | float = 0.0
+    ) -> None:
         if x.size != S.shape[0]:
             raise ValueError(
                 f"S has {S.shape[0]} unknowns, but {x.shape[1]} vertices in dimension {len(x)} have {x.size}: "
@@ -84,13 +91,14 @@ class Multigrid:
         self.basis = block_diagonal(inverse / scale[:, None, :])
         self.coordinates = block_diagonal(blocks * scale[:, :, None])
         self.forces = scale.ravel()[self.bounded]
+        self.highest = self.forces * gap
         self.A = sps.bsr_array(self.basis.T @ S @ self.basis)
         self.finest, self.coarse = levels(self.A, self.coordinates @ rigid_motions(x))
         self.w = np.zeros(S.shape[0])
         self.hold(np.zeros(N.shape[0], dtype=bool))
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
-        """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,).
+        """Return u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,).
 
         Raises:
             MultigridError: the tolerance was not reached.
@@ -117,22 +125,22 @@ class Multigrid:
         )
 
     def hold(self, held: NDArray[np.bool_]) -> None:
-        """Solve for the other unknowns alone from now on; one flag for each row of N, (m,)."""
+        """Fix the held unknowns at their bounds in the following corrections; one flag for each row of N, (m,)."""
         self.held, self.free = held, np.ones(self.A.shape[0])
         self.free[self.bounded[held]] = 0
         self.cut = without(self.A, self.free)
 
     def _corrected(self, w: Array, r: Array, reduction: float) -> tuple[Array, NDArray[np.bool_]]:
-        """w after a correction, and which unknowns are held or not held by mistake, (n,) and (m,)."""
+        """Return w after a correction, and which unknowns must be held or released, (n,) and (m,)."""
         preconditioner = LinearOperator(self.A.shape, matvec=self.cycle, dtype=float)
         z, _ = cg(self.cut, self.free * r, rtol=reduction, maxiter=ITERATIONS, M=preconditioner)
         w = w + z
         values = w[self.bounded]
-        w[self.bounded] = np.minimum(values, 0)
-        return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > 0)
+        w[self.bounded] = np.minimum(values, self.highest)
+        return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > self.highest)
 
     def cycle(self, r: Array) -> Array:
-        """A symmetric V-cycle r ↦ B r, B ≈ A⁻¹ on the unknowns that are not held, for an r that vanishes elsewhere."""
+        """Apply a symmetric V-cycle B ≈ A⁻¹ to an r that vanishes on the held unknowns."""
         if self.coarse is None:
             return r
         x = np.zeros_like(r)
@@ -143,14 +151,14 @@ class Multigrid:
 
 
 def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Callable[[Array], Array] | None]:
-    """The finest level of smoothed aggregation, and a V-cycle on the others; None without others.
+    """Return the finest level of smoothed aggregation, and a V-cycle on the other levels, or None if there are none.
 
     Args:
         A: symmetric positive definite, in blocks of the unknowns of a vertex, with a diagonal of ones, (n, n).
         modes: near kernel, (n, count).
     """
     state = np.random.get_state()
-    # pyamg estimates λ_max with numpy's global generator: the same matrix is to have the same levels every time.
+    # pyamg estimates λ_max with numpy's global generator; the fixed seed makes the levels reproducible.
     np.random.seed(0)
     smoothers = {"presmoother": SMOOTHER, "postsmoother": SMOOTHER}
     made = smoothed_aggregation_solver(A, modes, max_coarse=COARSEST, improve_candidates=None, **smoothers).levels
@@ -160,7 +168,7 @@ def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Call
 
 
 def without(A: sps.bsr_array, free: Array) -> sps.bsr_array:
-    """A with zeros in the rows and columns where ``free``, of zeros and ones, is zero."""
+    """Return A with zeros in the rows and columns for which ``free`` is 0; its entries are 0 or 1."""
     free = free.reshape(-1, A.blocksize[0])
     row = np.repeat(np.arange(len(free)), np.diff(A.indptr))
     met = free.min(axis=1) == 0
@@ -171,7 +179,7 @@ def without(A: sps.bsr_array, free: Array) -> sps.bsr_array:
 
 
 def rigid_motions(x: Points) -> Array:
-    """Translations and infinitesimal rotations at points x, (d, vertices) → (d·vertices, d(d + 1)/2)."""
+    """Return translations and infinitesimal rotations at points x, (d, vertices) → (d·vertices, d(d + 1)/2)."""
     d, count = x.shape
     motions = [np.tile(unit[:, None], count) for unit in np.eye(d)]
     centred = x - x.mean(axis=1, keepdims=True)
@@ -183,7 +191,7 @@ def rigid_motions(x: Points) -> Array:
 
 
 def local_bases(N: sps.csr_array, d: int) -> tuple[Array, NDArray[np.int64]]:
-    """For each vertex a regular matrix that begins with its rows of N, and which unknown a row of N becomes.
+    """Return for each vertex a regular matrix that begins with its rows of N, and the new unknown for each row of N.
 
     Returns:
         (n/d, d, d) and (m,): row i of N is row ``unknown[i] % d`` of the matrix of vertex ``unknown[i] // d``.
@@ -211,7 +219,7 @@ def local_bases(N: sps.csr_array, d: int) -> tuple[Array, NDArray[np.int64]]:
 
 
 def _completed(normals: Array) -> Array:
-    """The rows with an orthonormal basis of what is orthogonal to them, (r, d) → (d, d)."""
+    """Return the normals, followed by an orthonormal basis of their orthogonal complement, (r, d) → (d, d)."""
     count = len(normals)
     units = normals / np.linalg.norm(normals, axis=1, keepdims=True)
     _, sizes, orthonormal = np.linalg.svd(units)
@@ -221,6 +229,6 @@ def _completed(normals: Array) -> Array:
 
 
 def block_diagonal(blocks: Array) -> sps.bsr_array:
-    """(n/d, d, d) → (n, n)."""
+    """Return the block diagonal matrix of blocks, (n/d, d, d) → (n, n)."""
     count = len(blocks)
     return sps.bsr_array((blocks, np.arange(count), np.arange(count + 1)))

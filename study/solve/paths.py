@@ -1,4 +1,4 @@
-"""Trajectories of Problem 5.1 as arrays, and how far apart they are."""
+"""Trajectories of Problem 5.1 as arrays, and distances between them."""
 
 from __future__ import annotations
 
@@ -12,12 +12,16 @@ from study.solve.evolution import Scheme, SemiDiscrete
 
 
 def path(problem: SemiDiscrete, scheme: Scheme, steps: int) -> Array:
-    """u_0, …, u_steps, (steps + 1, n)."""
+    """Return the displacements u_0, …, u_steps, (steps + 1, n)."""
     return np.array([state.u for state in scheme.march(problem, steps)])
 
 
 def interpolated(states: Array, steps: int) -> Array:
-    """The piecewise linear interpolant at the nodes of more steps, a multiple, (steps + 1, n)."""
+    """Return the piecewise linear interpolant at the nodes of a finer grid, (steps + 1, n).
+
+    Args:
+        steps: number of steps of the finer grid, a multiple of the number of steps of ``states``.
+    """
     inner = steps // (len(states) - 1)
     part = np.arange(inner)[:, None] / inner
     pieces = [left + part * (right - left) for left, right in pairwise(states)]
@@ -25,13 +29,20 @@ def interpolated(states: Array, steps: int) -> Array:
 
 
 def last(states: Array, steps: int) -> tuple[Array, Array]:
-    """U_n on (t_{n−1}, t_n], from the left and from the right at the nodes of more steps, (steps + 1, n) each."""
+    """Return the function with value U_n on (t_{n−1}, t_n] at the nodes of a finer grid, as left and right limits.
+
+    Both arrays are (steps + 1, n).
+    """
     ahead = np.repeat(states[1:], steps // (len(states) - 1), axis=0)
     return np.vstack([states[:1], ahead]), np.vstack([ahead, states[-1:]])
 
 
 def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
-    """max_n sup ‖v̇(r) − v̇(s)‖_V, r and s in one of some longer steps, v piecewise linear through the states."""
+    """Return the largest difference of velocities max_n sup ‖v̇(r) − v̇(s)‖_V, r and s in the same one of ``steps``
+    steps.
+
+    v is piecewise linear through the states.
+    """
     inner = (len(states) - 1) // steps
     rates = np.diff(states, axis=0) * ((len(states) - 1) / problem.T)
     groups = rates.reshape(steps, inner, -1)
@@ -42,6 +53,6 @@ def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
 
 
 def furthest(problem: SemiDiscrete, one: Array, other: Array) -> float:
-    """max_n ‖v_n − w_n‖_V."""
+    """Return the largest distance max_n ‖v_n − w_n‖_V."""
     away = one - other
     return math.sqrt(np.sum(away * (problem.M @ away.T).T, axis=1).max())

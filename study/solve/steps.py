@@ -1,6 +1,6 @@
-"""Time steps: their size, and how many of them a mesh of level n, h ~ 1/n, is given.
+"""Time steps: their size, and how many are taken on a mesh of level n, h ~ 1/n.
 
-Both rules give pace · T · n^e steps, as few as make the error in time negligible beside the one in space.
+Both rules give pace · T · n^e steps, just enough for the time error to be negligible relative to the error in space.
 """
 
 from __future__ import annotations
@@ -10,19 +10,19 @@ import math
 from study.ledger.files import UsageError
 
 PACE = 8.0
-"""Steps per n^{2/3} and unit of time where a case does not ask for more."""
+"""Steps per n^{2/3} and unit of time, unless a case requires more."""
 
 
 MOST = 1_000_000
-"""Steps of one trajectory, beyond which a run would stand still for days."""
+"""Largest number of steps of one trajectory; more would take days."""
 
 
 class StepsError(ValueError):
-    """There is no time step."""
+    """Raised if a number or length of time steps is not permitted."""
 
 
 def step_size(T: float, steps: int) -> float:
-    """k = T/steps.
+    """Return the step size k = T/steps.
 
     Raises:
         StepsError: fewer than one step.
@@ -33,18 +33,19 @@ def step_size(T: float, steps: int) -> float:
 
 
 def longest_step(growth: float, newest: float = 1.0, theta: float = 1.0) -> float:
-    """The k below which steps have one solution where differences may grow at a rate ω ≤ L_G/m_A, ∞ for ω = 0.
+    """Return the k below which a step has a unique solution; ∞ if ``growth`` is 0.
 
-    (w/k) A + θ G is strongly monotone for θ k ω < w, so in particular for k L_G < m_A; w = θ = 1 is backward Euler.
+    Differences of solutions may grow at the rate ω = ``growth`` ≤ L_G/m_A. (w/k) A + θ G is strongly monotone for θ k ω
+    < w, in particular for k L_G < m_A; w = θ = 1 is backward Euler.
     """
     return newest / (theta * growth) if growth else math.inf
 
 
 def require_unique(scheme: str, k: float, growth: float, longest: float) -> None:
-    """Refuse a step that need not have one solution, where differences may grow at a rate ω ≤ L_G/m_A.
+    """Refuse a step that may have several solutions, because differences may grow at a rate ω ≤ L_G/m_A.
 
     Raises:
-        StepsError: k is ``longest`` or more; says which steps have one.
+        StepsError: k is ``longest`` or more; the message gives the permitted length.
     """
     if k >= longest:
         raise StepsError(
@@ -54,27 +55,27 @@ def require_unique(scheme: str, k: float, growth: float, longest: float) -> None
 
 
 def require_steps(steps: int) -> None:
-    """Refuse, before time is spent, more steps than anybody waits for.
+    """Refuse a number of steps that would take days, before time is spent.
 
     Raises:
-        UsageError: says how many there are and how many there may be.
+        UsageError: the message gives the number of steps and the largest permitted number.
     """
     if steps > MOST:
         raise UsageError(f"{steps:.3g} time steps are asked for, at most {MOST:.0e} are taken; make them longer")
 
 
 def rate_steps(T: float, level: int, pace: float = PACE) -> int:
-    """⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}, for errors of order h.
+    """Return the number of steps ⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}, for errors of order h.
 
-    A scheme of order 3/2 (midpoint where u̇ jumps) then has a time error of the order h, one of order 2 an error of
-    order h^{4/3}.
+    A scheme of order 3/2 (midpoint if u̇ jumps) then has a time error of order h, and a scheme of order 2 one of order
+    h^{4/3}.
     """
     return math.ceil(pace * T * level ** (2 / 3))
 
 
 def stress_steps(T: float, level: int, pace: float = PACE) -> int:
-    """About pace/2 · T · n steps, at least T · n and at most 4 T · n, so that k ~ h, for errors of order h².
+    """Return about pace/2 · T · n steps, at least T · n and at most 4 T · n, so that k ~ h, for errors of order h².
 
-    Their number is even: half as many steps show what the error in time contributes.
+    The number is even, because a solution with half as many steps shows the time share of the error.
     """
     return 2 * round(min(max(1.0, pace / 2), 4.0) * T * level / 2)

@@ -1,36 +1,36 @@
-"""Problem 3.2 on the strains of V^h: at every time a stress, found as the solution of a convex programme.
+"""Problem 3.2 on the strains of V^h: at every time a stress, computed as the solution of a convex programme.
 
-Stresses are constant on cells. The admissible ones, (3.9) with V^h for V, are
+Stresses are constant on cells. The admissible stresses, (3.9) with V^h for V, are
 
     Σ^h(t) = {τ : (τ, ε(v))_Q ≥ (f(t), v)_V for all v ∈ K^h},      K^h = {v : N v ≤ 0},
 
 and by Farkas' lemma τ ∈ Σ^h(t) if and only if Eᵀ W τ + Nᵀ λ = F(t) for some λ ≥ 0, where E takes nodal values to
-strains and W carries the volumes |T|. A step of backward Euler minimises a convex potential over Σ^h(t_n).
+strains and W contains the volumes |T|. A step of backward Euler minimises a convex potential over Σ^h(t_n).
 
 The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is u_n: stationarity in τ is ε_n = ε(u_n), stationarity in λ
-is N u_n ≤ 0, λ·N u_n = 0. Nothing here imposes either: the history ε_{n−1} is the one computed from the stresses, and
-Theorem 4.2 is what says that u_n ∈ K^h solves Problem 3.1. No code is shared with the contact solve of Problem 3.1, nor
-with its march in time.
+is N u_n ≤ 0, λ·N u_n = 0. Neither is imposed here: the history ε_{n−1} is computed from the stresses, and Theorem 4.2
+states that u_n ∈ K^h solves Problem 3.1. This module shares no code with the contact solver or time schemes of Problem
+3.1.
 
-The potential of a step. By (3.12) and (3.15), σ_n minimises over Σ^h(t_n) the potential Φ whose derivative inverts the
-law of the step, ε_n ↦ σ_n = A (ε_n − ε_{n−1})/k + G ε_n, so that DΦ(σ_n) = ε_n:
+The potential of a step. By (3.12) and (3.15), σ_n minimises over Σ^h(t_n) the potential Φ whose derivative is the
+inverse of the law of the step, ε_n ↦ σ_n = A (ε_n − ε_{n−1})/k + G ε_n, so that DΦ(σ_n) = ε_n:
 
-* linear G, with C = A/k + G:
+* for linear G, with C = A/k + G:
 
       Φ(τ) = ½ (C⁻¹ τ, τ)_Q + (C⁻¹ (A/k) ε_{n−1}, τ)_Q;
 
-* the law (3.3), G ε = β (ε − P_K ε): the strain is the same in A and in G, so the potential is the infimal
+* for the law (3.3), G ε = β (ε − P_K ε): the strain is the same in A and in G, so the potential is the infimal
   convolution over splittings τ = s₁ + s₂,
 
       Φ(s₁, s₂) = ½ k (A⁻¹ s₁, s₁)_Q + (s₁, ε_{n−1})_Q + |s₂|²_Q/(2β) + ∫_Ω h_K(s₂),
 
   where h_K, the support function of K = {|Pτ| ≤ r}, is r |s₂| on the range of the projector P and infinite elsewhere;
 
-* both together, G ε = S + C ε + β (ε − P_K ε), with Ĉ = A/k + C positive and the strain r = Ĉ⁻¹((A/k) ε_{n−1} − S):
-  the same with Ĉ⁻¹ in place of k A⁻¹ and r in place of ε_{n−1}.
+* for a sum of both, G ε = S + C ε + β (ε − P_K ε), with Ĉ = A/k + C positive and the strain
+  r = Ĉ⁻¹((A/k) ε_{n−1} − S): as for (3.3), with Ĉ⁻¹ for k A⁻¹ and r for ε_{n−1}.
 
-Both are integrals of densities ½ Q y·y + g(ε_{n−1})·y, y an unknown on every cell that determines τ there. For (3.3)
-it has a part (ρ, z) in the second-order cone ρ ≥ |z|.
+All are integrals of densities ½ Q y·y + g(ε_{n−1})·y, where y is an unknown on every cell that determines τ there. For
+(3.3) a part (ρ, z) of y lies in the second-order cone ρ ≥ |z|.
 """
 
 from __future__ import annotations
@@ -51,22 +51,22 @@ from study.solve.interior_point import SOLVED, Accuracy, settings
 from study.solve.steps import longest_step, require_unique, step_size
 
 AIM = Accuracy(gap=1e-15, feasibility=1e-11)
-"""At the limit of the arithmetic: where a vertex touches with next to no force the error is the root of the gap."""
+"""As accurate as rounding permits: where a vertex touches with almost no force the error is the root of the gap."""
 ENOUGH = Accuracy(gap=1e-12, feasibility=1e-9)
-"""Where rounding stops the solver short of its aim. The verdict does not rest on it: it compares the two problems."""
+"""Accepted if rounding stops the solver before AIM; the verdict does not depend on this value."""
 
 
 class StressError(RuntimeError):
-    """Problem 3.2 could not be solved."""
+    """Raised if Problem 3.2 could not be solved."""
 
 
 class LinearPotential:
-    """½ C⁻¹τ·τ + C⁻¹(A/k) ε_{n−1}·τ in the unknown y = τ, C = A/k + G with the means of A and G on the cells.
+    """The potential ½ C⁻¹τ·τ + C⁻¹(A/k) ε_{n−1}·τ in the unknown y = τ, C = A/k + G with cell means of A and G.
 
     Attributes:
         quadratic: Q of every cell, (cells, p, p).
         stress: y ↦ τ, (D, p).
-        cone: number of entries of (ρ, z), the last ones of y.
+        cone: number of entries of (ρ, z), the last entries of y.
     """
 
     cone = 0
@@ -78,24 +78,24 @@ class LinearPotential:
         self.stress = np.eye(len(A.matrix))
 
     def linear(self, strain: Tensors) -> Array:
-        """g(ε_{n−1}), (p, cells)."""
+        """Return the linear term g(ε_{n−1}), (p, cells)."""
         return _act(self.quadratic, _act(self.viscosity, strain))
 
     def strain(self, y: Array, old: Tensors) -> Tensors:
-        """ε_n = C⁻¹ (σ_n + (A/k) ε_{n−1}), (D, cells)."""
+        """Return the new strain ε_n = C⁻¹ (σ_n + (A/k) ε_{n−1}), (D, cells)."""
         return _act(self.quadratic, y + _act(self.viscosity, old))
 
 
 def _act(blocks: Array, values: Array) -> Array:
-    """A matrix for every cell times a vector for every cell: (cells, p, r), (r, cells) → (p, cells)."""
+    """Multiply a vector for every cell by a matrix for every cell: (cells, p, r), (r, cells) → (p, cells)."""
     return np.einsum("cpr,rc->pc", blocks, values)
 
 
 class YieldPotential:
-    """½ k A⁻¹s₁·s₁ + s₁·ε_{n−1} + |z|²/(2β) + r ρ in the unknown y = (s₁, ρ, z), ρ ≥ |z|.
+    """The potential ½ k A⁻¹s₁·s₁ + s₁·ε_{n−1} + |z|²/(2β) + r ρ in the unknown y = (s₁, ρ, z), ρ ≥ |z|.
 
-    z are the coordinates of s₂ in an orthonormal basis R of the range of P, so that |s₂| = |z|.
-    Attributes as for ``LinearPotential``.
+    z are the coordinates of s₂ in an orthonormal basis R of the range of P, so that |s₂| = |z|. The attributes are
+    those of ``LinearPotential``.
     """
 
     def __init__(self, space: Space, A: Linear, G: Yield, k: float) -> None:
@@ -103,7 +103,7 @@ class YieldPotential:
         self._with(np.multiply.outer(1 / means(space, A.factor), (compliance + compliance.T) / 2), G)
 
     def _with(self, compliance: Array, G: Yield) -> None:
-        """The potential with k A⁻¹, or what takes its place, on every cell, (cells, D, D)."""
+        """Set the attributes, with k A⁻¹ or its replacement Ĉ⁻¹ on every cell as ``compliance``, (cells, D, D)."""
         values, vectors = np.linalg.eigh(G.convex.projector)
         R = vectors[:, values > 0.5]
         D, rank = R.shape
@@ -116,22 +116,25 @@ class YieldPotential:
         self.radius = G.convex.radius
 
     def released(self, strain: Tensors) -> Tensors:
-        """The strain without stress from ε_{n−1}: itself, as G vanishes inside K, (D, cells)."""
+        """Return the strain without stress, which is ε_{n−1} because G vanishes inside K, (D, cells)."""
         return strain
 
     def linear(self, strain: Tensors) -> Array:
-        """g(ε_{n−1}) = (ε_{n−1}, r, 0), (p, cells)."""
+        """Return the linear term g(ε_{n−1}) = (ε_{n−1}, r, 0), (p, cells)."""
         rest = np.zeros((self.cone, strain.shape[1]))
         rest[0] = self.radius
         return np.vstack([self.released(strain), rest])
 
     def strain(self, y: Array, old: Tensors) -> Tensors:
-        """ε_n = ε_{n−1} + k A⁻¹ s₁, (D, cells)."""
+        """Return the new strain ε_n = ε_{n−1} + k A⁻¹ s₁, (D, cells)."""
         return self.released(old) + _act(self.compliance, y[: len(old)])
 
 
 class CombinedPotential(YieldPotential):
-    """½ Ĉ⁻¹s₁·s₁ + s₁·r + |z|²/(2β) + r_K ρ with Ĉ = A/k + C, r = Ĉ⁻¹((A/k) ε_{n−1} − S) and the radius r_K of K."""
+    """The potential ½ Ĉ⁻¹s₁·s₁ + s₁·r + |z|²/(2β) + r_K ρ, with Ĉ = A/k + C and the radius r_K of K.
+
+    The strain without stress is r = Ĉ⁻¹((A/k) ε_{n−1} − S).
+    """
 
     def __init__(self, space: Space, A: Linear, G: Combined, k: float) -> None:
         self.viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
@@ -140,15 +143,15 @@ class CombinedPotential(YieldPotential):
         self._with((compliance + compliance.swapaxes(1, 2)) / 2, G.yielding)
 
     def released(self, strain: Tensors) -> Tensors:
-        """r, (D, cells)."""
+        """Return the strain r without stress, (D, cells)."""
         return _act(self.compliance, _act(self.viscosity, strain) - self.rest)
 
 
 def potential(space: Space, law: KelvinVoigt, k: float) -> LinearPotential | YieldPotential:
-    """The potential of one backward Euler step of a law.
+    """Return the potential of one backward Euler step of a law.
 
     Raises:
-        StressError: the elasticity operator is neither linear nor (3.3) nor a sum of both: its potential is unknown.
+        StressError: the elasticity operator is neither linear, nor (3.3), nor a sum of both: its potential is unknown.
     """
     if isinstance(law.G, Linear):
         return LinearPotential(space, law.A, law.G, k)
@@ -164,17 +167,17 @@ def potential(space: Space, law: KelvinVoigt, k: float) -> LinearPotential | Yie
 
 @dataclass(frozen=True, eq=False)
 class StressState:
-    """One time node of Problem 3.2.
+    """The solution of Problem 3.2 at one time node.
 
     Attributes:
         time: t_n.
-        stress: σ_n ∈ Σ^h(t_n), (D, cells); not a number at t_0, where backward Euler has no rate.
-        strain: ε_n, which the law gives for σ_n and ε_{n−1}, (D, cells).
+        stress: σ_n ∈ Σ^h(t_n), (D, cells); NaN at t_0, where backward Euler has no rate.
+        strain: ε_n, from the law for σ_n and ε_{n−1}, (D, cells).
         u: u_n, the multiplier of σ_n ∈ Σ^h(t_n), (n_dofs,).
-        multipliers: λ_n ≥ 0, nodal contact forces, (m,); not a number at t_0.
-        gap: the duality gap at which the solver stopped, 0 at t_0. With ε_n and u_n from the same
-            ε_{n−1} it bounds ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in that of C, σ* and ε* exact:
-            for two points of the optimality conditions (P(x − x*), x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
+        multipliers: λ_n ≥ 0, nodal contact forces, (m,); NaN at t_0.
+        gap: the duality gap at which the solver stopped, 0 at t_0. If ε_n and u_n have the same ε_{n−1}, it bounds
+            ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the norm of C, where σ* and ε* are exact: for two points
+            of the optimality conditions (P(x − x*), x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
     """
 
     time: float
@@ -186,15 +189,15 @@ class StressState:
 
 
 class Programme:
-    """min Φ over Σ^h(t), for many t.
+    """The programme min Φ over Σ^h(t), for several t.
 
-    The unknown of a cell is scaled by √|T|, so that norms of Q are Euclidean norms, whatever the mesh: with
-    x_T = √|T| y_T and q_T = √|T| g_T,
+    The unknown of a cell is scaled by √|T|, so that norms of Q are Euclidean norms on any mesh: with x_T = √|T| y_T and
+    q_T = √|T| g_T,
 
         min Σ_T ½ Q x_T·x_T + q_T·x_T   subject to   Bᵀ x + Nᵀλ = F,   λ ≥ 0,   x_T in its cone,
 
-    B = (√|T| stressᵀ E)_T. Stresses are measured in units that make the data of the step of order one, strains in
-    these units times the norm of the compliance (C⁻¹, or k A⁻¹ for law (3.3)); tolerances are then relative.
+    B = (√|T| stressᵀ E)_T. Stresses are measured in units in which the data of the step are of order one, strains in
+    these units times the norm of the compliance (C⁻¹, or k A⁻¹ for law (3.3)), so that tolerances are relative.
     """
 
     def __init__(self, space: Space, N: sps.csr_array, potential: LinearPotential | YieldPotential) -> None:
@@ -215,7 +218,7 @@ class Programme:
         equilibrium = every_cell(potential.stress).T @ B
         in_cones = every_cell(np.eye(p)[p - potential.cone :])
         hessian = sps.block_diag([cell_by_cell(potential.quadratic / self.compliance), sps.csr_array((m, m))])
-        # Clarabel: min ½ xᵀPx + qᵀx, Ax + s = b, s in a product of cones.
+        # The form of Clarabel: min ½ xᵀPx + qᵀx, Ax + s = b, s in a product of cones.
         constraints = sps.block_array([[equilibrium.T, N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
         cones = [clarabel.ZeroConeT(space.dofs)]
         cones += [clarabel.SecondOrderConeT(potential.cone)] * (cells if potential.cone else 0)
@@ -228,14 +231,14 @@ class Programme:
             return clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(aim, ENOUGH))
 
         self.solver = solver(AIM)
-        # Where rounding stops the iteration short of AIM, its last iterate is not its best: then it aims at ENOUGH.
+        # If rounding stops the iteration before AIM, its last iterate is not its best, so ENOUGH is tried.
         self.retry = partial(solver, ENOUGH)
 
     def __call__(self, time: float, load: Array, old: Tensors) -> StressState:
-        """σ_n, λ_n, u_n and ε_n at t_n from F(t_n) and ε_{n−1}.
+        """Return σ_n, λ_n, u_n and ε_n at t_n from F(t_n) and ε_{n−1}.
 
         Raises:
-            StressError: the solver did not solve it.
+            StressError: the solver failed.
         """
         cells, dofs = len(self.root), self.dofs
         unit = self.unit(load, old)
@@ -254,12 +257,12 @@ class Programme:
         x, multipliers = np.split(unit * np.array(solution.x), [slope.size])
         u = -unit * self.compliance * np.array(solution.z[:dofs])
         y = x.reshape(cells, -1).T / self.root
-        # Slacks and their multipliers are both in their cones: no term is negative, none cancels.
+        # Slacks and their multipliers lie in dual cones, so no term is negative and no cancellation occurs.
         gap = unit**2 * self.compliance * float(np.dot(solution.s, solution.z))
         return StressState(time, self.potential.stress @ y, self.potential.strain(y, old), u, multipliers, gap)
 
     def unit(self, load: Array, old: Tensors) -> float:
-        """The size of stresses in a step: of its load, and of the strain before times C."""
+        """Return a typical stress of a step, from its load and from C times the previous strain."""
         size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.compliance
         return size or 1.0
 
@@ -276,15 +279,15 @@ class StressProblem:
 
     @classmethod
     def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> StressProblem:
-        """The problem for a law, a load and a start on a space."""
+        """Return the problem on a space for a law, a load and an initial value."""
         return cls(space, law, space.N, load, u0)
 
     def march(self, steps: int) -> Iterator[StressState]:
-        """Backward Euler: the states at t_0, t_1, …, t_steps.
+        """Yield the states of backward Euler at t_0, t_1, …, t_steps.
 
         Raises:
-            StepsError: fewer than one step, or steps so long that they need not have one solution.
-            StressError: no potential for the law, or a programme that the solver did not solve.
+            StepsError: fewer than one step, or steps so long that they may have several solutions.
+            StressError: the law has no known potential, or the solver failed.
         """
         k = step_size(self.space.body.T, steps)
         require_unique("backward Euler", k, self.law.growth, longest_step(self.law.growth))

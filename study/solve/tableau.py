@@ -1,11 +1,11 @@
-"""Time schemes for M u̇ + G(u) + N_{K^h}(u) ∋ F with the constraint at the new time, by their weights.
+"""Time schemes for M u̇ + G(u) + N_{K^h}(u) ∋ F with the constraint at the new time, given by their weights.
 
-A step of size k finds u_n from
+A step of size k computes u_n from
 
     M δu_n + G(θ u_n + (1 − θ) u_{n−1}) + N_{K^h}(u_n) ∋ F(t_{n−1+θ}),     δu_n = (w u_n − Σ_{j≥1} w_j u_{n−j})/k.
 
-Multistep schemes, which have no u_{n−j} at first, take their first steps by a one-step scheme. How a step is solved is
-a matter of the problem: ``study.solve.evolution`` for Problem 5.1, ``study.stresses.dual`` for Problem 3.2.
+Multistep schemes have too few earlier values at first and start with a one-step scheme. The problem defines how a step
+is solved: ``study.solve.evolution`` for Problem 5.1, ``study.stresses.dual`` for Problem 3.2.
 """
 
 from __future__ import annotations
@@ -23,32 +23,32 @@ S = TypeVar("S")
 
 
 class TimeProblem(Protocol[S]):
-    """A problem in time on [0, T] whose states at the time nodes are of the type S."""
+    """A problem in time on [0, T] whose states at the time nodes have the type S."""
 
     @property
     def T(self) -> float: ...
 
     def initial(self) -> S:
-        """The state at t_0."""
+        """Return the state at t_0."""
         ...
 
     def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[S]], S]:
-        """(n, the states before) ↦ the state at t_n = n k, for many n."""
+        """Return the function (n, previous states) ↦ state at t_n = n k."""
         ...
 
 
 @dataclass(frozen=True)
 class Tableau:
-    """A scheme, by its weights.
+    """A time scheme, given by its weights.
 
     Attributes:
         name: for tables and the command line.
-        order: in k, for solutions that are smooth in time.
+        order: the order in k for solutions that are smooth in time.
         newest: w, the weight of u_n in δu_n.
         past: (w_1, w_2, …).
-        theta: θ, where in the step G and F are taken.
+        theta: θ, the relative time in the step at which G and F are evaluated.
         starting: the scheme of the first steps, None for a one-step scheme.
-        kept: states that a step is given; a nonlinear law extrapolates its first guess from all of them.
+        kept: number of earlier states that a step gets; a nonlinear law extrapolates its first guess from all of them.
     """
 
     name: str
@@ -60,37 +60,37 @@ class Tableau:
     kept: int = 3
 
     def known(self, before: Sequence[Array]) -> Array:
-        """Σ_{j≥1} w_j u_{n−j} from (…, u_{n−2}, u_{n−1})."""
+        """Return the sum Σ_{j≥1} w_j u_{n−j} from (…, u_{n−2}, u_{n−1})."""
         return reduce(add, (w * u for w, u in zip(self.past, reversed(before), strict=False)))
 
     def rate(self, u: Array, before: Sequence[Array], k: float) -> Array:
-        """δu_n from u_n and (…, u_{n−2}, u_{n−1})."""
+        """Return the difference quotient δu_n from u_n and (…, u_{n−2}, u_{n−1})."""
         return reduce(sub, (w * v for w, v in zip(self.past, reversed(before), strict=False)), self.newest * u) / k
 
     def of_step(self, n: int) -> Tableau:
-        """The scheme that takes the step to t_n: this one as soon as it has its past."""
+        """Return the scheme for the step to t_n: this scheme, or the starting scheme as long as values are missing."""
         return self.starting if self.starting and n < len(self.past) else self
 
     def balanced(self, n: int, k: float) -> float:
-        """t_{n−1+θ}, where in the step to t_n forces are in balance."""
-        # Halfway this is what a spline through the nodes has as its knots, to the last bit.
+        """Return the time t_{n−1+θ} at which forces are in balance in the step to t_n."""
+        # For θ = ½ this equals the knots of a spline through the nodes to the last bit.
         return (1 - self.theta) * ((n - 1) * k) + self.theta * (n * k)
 
     def longest(self, growth: float) -> float:
-        """``longest_step`` of all steps, the first ones included."""
+        """Return ``longest_step`` of all steps, including the first ones."""
         mine = longest_step(growth, self.newest, self.theta)
         return min(mine, self.starting.longest(growth)) if self.starting else mine
 
     def require_unique(self, k: float, growth: float) -> None:
-        """Refuse a step that need not have one solution.
+        """Refuse a step that may have several solutions.
 
         Raises:
-            StepsError: says which steps have.
+            StepsError: the message gives the permitted length of steps.
         """
         require_unique(self.name, k, growth, self.longest(growth))
 
     def march(self, problem: TimeProblem[S], steps: int) -> Iterator[S]:
-        """The states at t_0, t_1, …, t_steps = T.
+        """Yield the states at t_0, t_1, …, t_steps = T.
 
         Raises:
             StepsError: fewer than one step.
@@ -108,15 +108,16 @@ class Tableau:
 
 
 BACKWARD_EULER = Tableau("backward-euler", 1.0, 1.0, (1.0,))
-"""M (u_n − u_{n−1})/k + G(u_n) + N_{K^h}(u_n) ∋ F(t_n)."""
+"""Backward Euler: M (u_n − u_{n−1})/k + G(u_n) + N_{K^h}(u_n) ∋ F(t_n)."""
 
 MIDPOINT = Tableau("midpoint", 2.0, 1.0, (1.0,), theta=0.5)
-"""M (u_n − u_{n−1})/k + G((u_n + u_{n−1})/2) + N_{K^h}(u_n) ∋ F(t_{n−1/2}).
+"""The midpoint scheme: M (u_n − u_{n−1})/k + G((u_n + u_{n−1})/2) + N_{K^h}(u_n) ∋ F(t_{n−1/2}).
 
-Order 2 while no vertex lands; where a landing takes the load off a neighbour in contact, 1 (``statements.landings``).
+The order is 2 as long as no vertex comes into contact, and 1 if this relieves a neighbour in contact
+(``statements.landings``).
 """
 
 BDF2 = Tableau("bdf2", 2.0, 1.5, (2.0, -0.5), starting=BACKWARD_EULER, kept=2)
-"""M (3u_n − 4u_{n−1} + u_{n−2})/(2k) + G(u_n) + N_{K^h}(u_n) ∋ F(t_n), first step backward Euler."""
+"""Second-order BDF: M (3u_n − 4u_{n−1} + u_{n−2})/(2k) + G(u_n) + N_{K^h}(u_n) ∋ F(t_n), first step backward Euler."""
 
 SCHEMES = (BACKWARD_EULER, BDF2, MIDPOINT)

@@ -1,24 +1,24 @@
 """Beyond the paper: errors of other people's contact codes on the same problems must agree with errors of this study.
 
-A program may contain the same mistake as its author's test. So contact codes of other people solved frozen problems of
-these cases, which they were given as plain data (``shared.tasks``): mesh, loads and, for the judge, the exact solution.
-They used their own assembly and contact algorithms (FreeFEM a loop in its scripting language, as in its documentation).
-``make codes`` wrote their errors in V, computed by a judge that imports NumPy alone. Here the errors of the same
-problems are measured again, with the quadrature and the solver of this study, and both are compared. In two cases,
-trajectories by the midpoint rule are compared as well, in which a code carries its own history.
+A program may contain the same mistake as its author's test. Therefore contact codes of other people solved frozen
+problems of these cases, which are plain data (``shared.tasks``) with mesh, loads and exact solution. They used their
+own assembly and contact algorithms (FreeFEM a loop in its scripting language, as in its documentation). ``make codes``
+wrote their errors in V, computed by a script that imports only NumPy. Here the errors of the same problems are measured
+again, with the quadrature and the solver of this study, and both are compared. In two cases, trajectories by the
+midpoint rule are compared as well, in which each step of a code starts from the result of its previous step.
 
 **Predicted.** Numbers of a task are rounded to 13 digits. This changes a strain by about 1e-13 ‖u‖/h, which is at most
 1e-11 of the error on these meshes. A code that imposes the contact condition at vertices by multipliers ends at the
 solution in K^h up to rounding of its linear solver, whose condition is like h^−2: less than 1e-11. So errors agree to
-1e-10, also for trajectories, whose steps do not amplify perturbations. Kratos knows contact at deformed places only:
-loads are multiplied by 1e-5, so places move by 1e-5 and displacements change in this proportion, which changes an error
-by less. 1e-5 was allowed at first; 5e-10 was measured, and the window was narrowed.
+1e-10, also for trajectories, whose steps do not amplify perturbations. Kratos imposes contact in the deformed
+configuration. Therefore its loads are multiplied by 1e-5: points then move by about 1e-5, and displacements change by
+about 1e-5 of their size. The first window for its errors was 1e-5; 5e-10 was measured, and the window was narrowed.
 
-**No copies.** Linear solvers of different codes round differently. The distance from the solution in K^h, which a task
-contains with 14 digits, consists of the missing digits of that solution, which are the same for all codes, and of the
-rounding of a code, about a thousandth of it: two codes agree by chance in the nine reported digits on one mesh in a
-million. A copied column agrees on all. (Errors themselves agree in double precision on up to three meshes of eight: one
-rounding error is as large as the difference between codes.)
+**No copies.** A further row tests that no column of errors was copied from another code. Linear solvers of different
+codes round differently. A task contains the solution in K^h with 14 digits. The distance of a code from it consists of
+the missing digits, which are the same for all codes, and of the round-off of the code, about a thousandth of the
+distance. So two codes agree by chance in the nine reported digits on one mesh in a million; copied columns agree on all
+meshes. (The errors cannot be used for this test: in double precision they agree on up to three meshes of eight.)
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ OWN = at_most(0.1, "compared in nine digits; 1 if one code's answers are a copy"
 
 @dataclass(frozen=True)
 class Peer:
-    """A code with its parameters, as named in ``errors.csv``, and how far its errors may be from those of this study.
+    """A code with its parameters, as named in ``errors.csv``, and the window for its errors over our errors.
 
-    By its documentation it solves the problem in K^h. scikit-fem is not among them, because this study assembles with
-    it.
+    Only codes are compared that solve the problem in K^h according to their documentation. scikit-fem is not compared,
+    because this study uses it for assembly.
     """
 
     key: str
@@ -70,7 +70,7 @@ PLANE = (
     *("layered", "anisotropic", "full-contact", "lift-and-land"),
 )
 MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
-"""The problems whose trajectories are compared, too."""
+"""The settings in which trajectories are compared as well."""
 COLUMNS = ("label", "case", "family", "level", "mode", "code", "version", "variant", "class", "error", "distance")
 MODE, CODE, VERSION, VARIANT, CLASS, ERROR, DISTANCE = (name + OF_FILE for name in COLUMNS[4:])
 PROBLEM = ["case", "family", "level", "quantity"]
@@ -78,7 +78,7 @@ PROBLEM = ["case", "family", "level", "quantity"]
 
 
 class OtherCodes(ListedNumbers):
-    """Errors of frozen problems and of trajectories, and the errors of other people's codes if there are any."""
+    """Measures errors of frozen problems and of trajectories, and compares them with the errors of other codes."""
 
     label = LABEL
     claim = "other codes have the same errors as this study, in static problems and in time stepping"
@@ -105,7 +105,7 @@ class OtherCodes(ListedNumbers):
         return [*(self.agreement(rows, peer) for peer in PEERS), self.own_digits(rows)]
 
     def agreement(self, rows: pd.DataFrame, peer: Peer) -> Verdict:
-        """Return the row for the errors of a code; undecided if a problem is left out without a reason."""
+        """Return the row for the errors of a code; it is undecided if a problem is missing without a reason."""
         mine = rows_of(rows, peer.code, peer.variant)
         run = mine[mine[CLASS] != NOT_EXPRESSED]
         missing = len(rows[PROBLEM].drop_duplicates()) - len(mine)
@@ -120,7 +120,7 @@ class OtherCodes(ListedNumbers):
         return row(self, peer.key, quantity, peer.window, judged, ALL, expected=f"{peer.window.text}{short}")
 
     def own_digits(self, rows: pd.DataFrame) -> Verdict:
-        """Return the row for the part of the problems in which two codes have the same distance, of all pairs."""
+        """Return the row for the largest share, over pairs of codes, of problems with equal distances from K^h."""
         names = [OURS, *((peer.code, peer.variant) for peer in PEERS)]
         columns = [rows_of(rows, *name).set_index(PROBLEM)[DISTANCE].dropna() for name in names]
         both = [pd.concat(pair, axis=1, join="inner").to_numpy() for pair in combinations(columns, 2)]
@@ -133,7 +133,7 @@ class OtherCodes(ListedNumbers):
         return row(self, "own-digits", quantity, OWN, judged, ALL)
 
     def cost(self, setting: Setting) -> float:
-        """A trajectory has as many steps as there are cells along a side."""
+        """Return the expected time in µs; a trajectory has as many time steps as there are cells along a side."""
         return super().cost(setting) * (setting.level if setting in MARCHED else 1)
 
 

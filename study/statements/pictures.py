@@ -1,4 +1,4 @@
-"""The data for figures and report page of a case, from one solved problem: contact history, motion and stress."""
+"""Computes the data for the figures and the report page of a case: contact over time, deformation and stress."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from study.statements.shared.scope import Scope
 FAMILY, LEVEL, STEPS = Unstructured(), 20, 64
 SOLID_FAMILY, SOLID_LEVEL, SOLID_STEPS = OneDiagonal(), 9, 32
 INTERVALS = 16
-"""Number of intervals between the times that are written."""
+"""Number of time intervals; the data are written at their ends."""
 SHAPES = (0.25, 0.5, 1.0)
 """Fractions of T at which the deformed mesh is shown."""
 POINTS, LINE = 400, 80
-"""Intervals along a face in the plane, for the exact contact zone and for the lines of exact gap and pressure."""
+"""Number of intervals along a plane face, for the exact contact zone and for the curves of exact gap and pressure."""
 HALVINGS = 10
-"""Bisections of an interval of time in which the number of pieces of an exact zone changes."""
+"""Number of bisections of a time interval in which the number of connected parts of the exact zone changes."""
 Pieces = list[list[float]]
-"""The ends of the intervals that make up a zone."""
+"""The end points [begin, end] of the intervals that make up a contact zone."""
 
 
 def picture(case: Case) -> dict[str, Any]:
@@ -58,10 +58,10 @@ def picture(case: Case) -> dict[str, Any]:
 
 
 def mesh_for(body: Body) -> tuple[MeshFamily, int]:
-    """Return the family and the level of the picture of a body.
+    """Return the mesh family and the level for the pictures of a body.
 
-    In space the edges of its parts must lie on the grid. The level is the first one from ``SOLID_LEVEL`` to twice of it
-    that fits. If none fits, it is ``SOLID_LEVEL``, and meshing raises an error that says what is wrong.
+    In 3D the edges of the boundary parts must lie on the grid. The level is the first one from ``SOLID_LEVEL`` to
+    2 ``SOLID_LEVEL`` for which they do. If there is none, it is ``SOLID_LEVEL``; meshing then raises an error.
     """
     if body.dim == 2:
         return FAMILY, LEVEL
@@ -70,7 +70,7 @@ def mesh_for(body: Body) -> tuple[MeshFamily, int]:
 
 
 def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
-    """Return the picture of a motion, with every ``every``-th frame."""
+    """Return the data of ``picture`` for a computed motion, at every ``every``-th time step."""
     solution, space, shown = motion.solution, motion.space, motion.frames[::every]
     skin = Skin.of(space.mesh)
     times = np.array([frame.time for frame in shown])
@@ -94,7 +94,10 @@ def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
 
 
 def contact_weights(space: Space) -> Array:
-    """Return ∫ φ_z of the shape function of each contact vertex over the pieces with its normal, (m,)."""
+    """Return the integral over Γ3 of the shape function of each contact vertex, (m,).
+
+    A vertex between two pieces of Γ3 with different normals has one integral for each.
+    """
     weights = []
     for part, vertices in space.contact:
         aligned = [other for other, _ in space.contact if np.allclose(other.normal, part.normal)]
@@ -108,7 +111,7 @@ def contact_weights(space: Space) -> Array:
 def faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
 ) -> Iterator[dict[str, Any]]:
-    """Yield gap and pressure of every face with their exact values; many values, in space, are packed."""
+    """Yield gap and pressure of every face with their exact values, packed for bodies in 3D."""
     plane, start = space.dim == 2, 0
     write: Callable[[Array], Any] = short if plane else packed
     for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
@@ -135,14 +138,14 @@ def faces(
 
 
 def packed(values: Array) -> dict[str, Any]:
-    """Pack values at points over time with many digits."""
+    """Return values at points over time in the packed format with many digits."""
     return Packed.of(values, FINE).record()
 
 
 def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
-    """Return the exact zone of a face in the plane, between fine points, and lines of exact gap and pressure.
+    """Return the exact contact zone of a plane face over time, and the curves of exact gap and pressure.
 
-    The lines end at the first and the last node: where Γ3 meets Γ1, which has no node, the pressure may be unbounded.
+    The curves end at the first and the last contact vertex, because the pressure may be unbounded where Γ3 meets Γ1.
     """
     fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
     level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
@@ -156,7 +159,7 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
 def zone_over_time(
     pieces: Callable[[float], list[list[float]]], instants: list[float]
 ) -> dict[float, list[list[float]]]:
-    """Return instant ↦ pieces of a zone, with more instants where pieces appear, meet or vanish."""
+    """Return the connected parts of a zone, by time; times are added where parts appear, merge or vanish."""
     found = {t: pieces(t) for t in instants}
     for before, after in pairwise(instants):
         for _ in range(HALVINGS if len(found[before]) != len(found[after]) else 0):
@@ -167,7 +170,7 @@ def zone_over_time(
 
 
 def intervals(s: Array, level: Array) -> Pieces:
-    """Return where ψ ≥ 0 on a face, by linear interpolation between fine points."""
+    """Return the intervals of s in which ψ ≥ 0, by linear interpolation between the points."""
     inside = level >= 0
     if not inside.any():
         return []
@@ -179,12 +182,13 @@ def intervals(s: Array, level: Array) -> Pieces:
 
 
 class Pictures(Statement):
-    """The data that figures and report page show of a case; nothing is claimed."""
+    """Writes the data for figures and report page of every case; nothing is claimed."""
 
     label = "pictures"
     claim = "what the figures show of a case"
     file = JsonFiles("pictures", ("case",))
     of_every_case = True
+    initial_gap = True
 
     def settings(self, scope: Scope) -> list[Setting]:
         """Return every case on one mesh."""
@@ -195,5 +199,5 @@ class Pictures(Statement):
         return picture(resolve(setting.case))
 
     def cost(self, setting: Setting) -> float:
-        """Half a second."""
+        """Return the expected time in µs, half a second."""
         return 500_000.0

@@ -1,13 +1,12 @@
-"""Proposition 5.3: ‖u − u^h‖_{L∞(0,T;V)} → 0, however rough the solution.
+"""Proposition 5.3: ‖u − u^h‖_{L∞(0,T;V)} → 0 for every solution, without an assumption on its regularity.
 
-**Measured** as for Proposition 5.4 (``prop_5_4.measure``), on exact solutions that miss its regularity: singular
-corners, fronts, interfaces that the mesh does not meet, loads that are hardly continuous in time.
+**Measured** as for Proposition 5.4 (``prop_5_4.measure``), on exact solutions that violate its assumption (5.36):
+singular corners, fronts, interfaces that do not lie on the mesh, loads that are hardly continuous in time.
 
-**Judged.** No rate is claimed, so none is required: errors must fall from level to level, and a fit e = e∞ + C h^s must
-exclude a positive limit e∞. The observed order is compared with the order that the regularity predicts. The place of a
-resting front within its cell alternates between levels, so orders are taken over two refinements. On random meshes
-levels differ by chance, too, and from one seed to the next the limit scatters by up to a quarter of its window: there
-the other two criteria decide. Meshes graded towards a corner regain the order 1.
+**Judged.** The paper claims no order. Errors must fall from level to level, and in a fit e = e∞ + C h^s the limit e∞
+must be small. The observed order is compared with the order that the regularity predicts, over two refinements, because
+the position of a resting front within its cell alternates between levels. On random meshes the limit varies from seed
+to seed by up to a quarter of its window, so it is not judged there. On meshes graded towards a corner the order is 1.
 """
 
 from __future__ import annotations
@@ -37,14 +36,14 @@ from study.statements.prop_5_4 import EVIDENCE, SIZES, Rates
 from study.statements.shared.meshes import split_random
 
 LEVELS = ENOUGH + 1
-"""Two refinements twice."""
+"""The number of levels needed for orders over two refinements from two pairs of levels."""
 LIMIT = at_most(0.1, "of the two finest errors, if s is the predicted order", low=-math.inf)
-"""Over two refinements an order s − δ instead of s looks like e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}): for s = 1/4
-the window answers to δ = 0.02, as sharp as the place of a front within its cell lets orders be."""
+"""Over two refinements an order s − δ instead of s has the same effect as a limit e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}). For
+s = 1/4 the window corresponds to δ = 0.02; orders are not more accurate, because fronts lie anywhere in their cells."""
 
 
 class Convergence(Rates):
-    """Proposition 5.3 on the exact solutions that miss (5.36)."""
+    """Judges Proposition 5.3 on the exact solutions that do not satisfy (5.36)."""
 
     label = "Prop. 5.3"
     claim = "‖u − u^h‖_{L∞(0,T;V)} → 0"
@@ -79,9 +78,9 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
 
 
 def _limit(key: str, window: Window, expected: float) -> Criterion:
-    """Return the criterion for the limit, from the last four levels in pairs, if the order is the expected one.
+    """Return the criterion for the limit e∞, computed from the last four levels with the expected order s.
 
-    The limit depends on the order, which only the row on orders determines.
+    The errors of these levels cannot determine both the limit and the order, so the order is judged by another row.
     """
 
     def measure(group: pd.DataFrame) -> Measured:

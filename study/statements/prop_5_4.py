@@ -85,20 +85,20 @@ RATES = CsvFile("rates.csv", ("case", "family", "scheme", "level"), ("claim", *C
 
 @dataclass(frozen=True, order=True)
 class RateSetting(Setting):
-    """The setting of one row of ``rates.csv``, which also has the name of the time scheme and the number of steps."""
+    """The setting of one row of ``rates.csv``: a setting with the name of the time scheme and the number of steps."""
 
     scheme: str
     steps: int
 
 
 class Rates(Statement):
-    """Errors of Problem 5.1 for the cases of one proposition: what Propositions 5.3 and 5.4 measure."""
+    """Base class of Propositions 5.3 and 5.4, which measures the errors of Problem 5.1 for the cases of each."""
 
     file = RATES
     of_every_case = True
 
     def settings(self, scope: Scope) -> list[RateSetting]:
-        """The cases of the proposition on all their mesh families and levels."""
+        """Return the settings of all cases of the proposition, on all their mesh families and levels."""
         return [
             RateSetting(reference, family.name, n, scope.scheme, scope.steps(case, n))
             for reference, case in zip(scope.cases, scope.resolved(), strict=True)
@@ -112,11 +112,15 @@ class Rates(Statement):
         return measure_case(case, family_named(setting.family), setting.level, scheme, setting.steps)
 
     def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """The row, labelled with this proposition: a case may move to the other one without a new measurement."""
+        """Yield the row with the label of the proposition.
+
+        The label is not a part of the measurement, so a case may move between propositions without being measured
+        again.
+        """
         yield self.file, {"claim": self.label, **found}
 
     def cost(self, setting: RateSetting) -> float:
-        """Time in µs by cells and steps; a cell in 3D costs more, with more components and a denser factor."""
+        """Return the expected time in µs; a cell in 3D costs more, because of more components and a denser factor."""
         cells = setting.level**setting.dim * estimates.cells(setting.family)
         return float(cells * setting.steps) * (7 if setting.dim == 2 else 150)
 
@@ -129,11 +133,11 @@ class Rates(Statement):
 
 # Measurement.
 RESPONSE, MORE = 12, 4
-"""Time steps in which the response to a change of the load is first computed, and the factor to the next number of
-steps. The quadrature error changes from step to step and averages out over many steps, so few steps overestimate the
-effect."""
+"""Number of time steps in which the response to a change of the load is first computed, and the factor by which this
+number is increased. The quadrature error changes from step to step and averages out over many steps, so a small number
+of steps overestimates the effect."""
 NEGLIGIBLE = 0.01
-"""A relative change for which more steps are not worth their time."""
+"""If the relative change is below this number, it is not computed again with more steps."""
 
 
 def measure_case(case: Case, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> dict[str, Any]:
@@ -142,7 +146,7 @@ def measure_case(case: Case, family: MeshFamily, level: int, scheme: Tableau, st
 
 
 def measure(experiment: Experiment) -> Measurement:
-    """Advance the trajectories with steps k and k/2 together and measure the errors of the finer one at all nodes."""
+    """Return the errors of the solution with time step k/2 at all its nodes, and its distance from the one with k."""
     v_norm, problem, M = experiment.v_norm, experiment.problem, experiment.problem.M
     coarse = experiment.scheme.march(problem, experiment.steps)
     history: list[tuple[float, ...]] = []
@@ -213,31 +217,31 @@ class Measurement:
         }
 
     def clamped(self) -> float:
-        """Return max |u^h| on Γ1 over max |u^h|, which is zero for u^h ∈ V. Γ1 is taken from the body."""
+        """Return max |u^h| on Γ1 over max |u^h|, which must be 0; Γ1 is taken from the body and not from V^h."""
         space = self.experiment.space
         size = np.linalg.norm(space.nodal(self.worst.u), axis=0)
         on = [part.contains(space.mesh.p, 1e-9 * space.h) for part in space.body.of(Kind.CLAMPED)]
         return float(size[np.any(on, axis=0)].max() / max(size.max(), np.finfo(float).tiny))
 
     def parallelogram(self) -> float:
-        """Return max_n |2e² + 2i² − (2m)² − d²| over max_n d², which is zero by the parallelogram law.
+        """Return max_n |2e² + 2i² − (2m)² − d²| over max_n d², which must be 0 by the parallelogram law.
 
-        e, i, d, m are the rows of ``history`` after t. d is measured by the matrix M, the others by ``ErrorNorm``,
-        which averages the factor of A by another quadrature rule. If u − Π^h u were measured instead of all others,
-        e = m = i would miss all of d². If i were measured instead of e alone, 2 |i² − e²| would be missing, which is
-        twice d² if u^h is the best approximation.
+        e, i, d and m are the rows of ``history`` after t. d is computed with the matrix M, the others by ``ErrorNorm``
+        with another quadrature rule for A. The test notices if the interpolation error is measured by mistake: instead
+        of e and m, the result is 1, because e = m = i leaves d²; instead of e only, the defect is 2 |i² − e²|, which is
+        2d² if u^h is the best approximation.
         """
         _, error, interpolation, discrete, halfway = self.history
         missed = 2 * error**2 + 2 * interpolation**2 - (2 * halfway) ** 2 - discrete**2
         return float(abs(missed).max() / (discrete**2).max())
 
     def quadrature_change(self) -> float:
-        """Return the relative change of the largest error if quadrature is finer.
+        """Return the relative change of the largest error if quadrature rules are finer.
 
-        The degree of every cell rule is raised by two, and points are not moved along rough lines. The rule of the
-        error changes it directly. The rule of the load changes u^h by the response of the linear problem without
-        contact to the change of the load. The response is computed with RESPONSE steps, and with more steps, up to
-        those of u^h, while the change is not NEGLIGIBLE.
+        The degree of every cell rule is raised by two, and points are not moved along rough lines. Two changes are
+        added. The first is the change of the error norm. The second is the change of u^h with the load, estimated by
+        the linear problem without contact whose load is the change of the load. This problem is solved with RESPONSE
+        steps. As long as the change is above NEGLIGIBLE, the number of steps is increased, up to the steps of u^h.
         """
         experiment, problem, time = self.experiment, self.experiment.problem, self.worst.time
         finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
@@ -247,6 +251,7 @@ class Measurement:
             load=lambda t: finer.load(t) - experiment.v_norm.load(t),
             u0=np.zeros_like(problem.u0),
             N=problem.N[:0],
+            gap=0.0,
             remainder=None,
             solver=contact_solver(experiment.space),
         )
@@ -261,12 +266,12 @@ class Measurement:
         return found
 
 
-# Criteria of every row of ``rates.csv``, for Propositions 5.3 and 5.4: the size of the error is right, the error is the
-# error of u^h, and nothing else disturbs it. Every diagnostic must be positive, except u^h on Γ1, which is zero by
-# construction: two numbers of steps, two quadratures or two ways to a norm differ at least by rounding, and a time
-# share of 0 means that a trajectory was compared with itself.
+# Criteria for Propositions 5.3 and 5.4, by which every row of ``rates.csv`` is judged: the size of the error is right,
+# it is the error of u^h, and the influence of time steps, quadrature and solver is small. Every diagnostic must be
+# positive, except u^h on Γ1, which is zero by construction: two numbers of steps, two quadratures or two ways to a norm
+# differ at least by rounding, and a time share of 0 means that a trajectory was compared with itself.
 def over(key: str, quantity: str, window: Window, above: str, below: str) -> Criterion:
-    """Return the criterion for the quotient of two columns on the finest level."""
+    """Return the criterion for the quotient of the columns ``above`` and ``below`` on the finest level."""
 
     def measure(group: pd.DataFrame) -> Measured:
         return exactly(group[above].iloc[-1] / group[below].iloc[-1])
@@ -281,7 +286,7 @@ def size_of_error(group: pd.DataFrame) -> Measured:
 
 
 def residuals(group: pd.DataFrame) -> Measured:
-    """Return the residuals of the contact solves over the tolerance of the solver for that number of unknowns."""
+    """Return the largest residual of contact solves, relative to the solver's tolerance for the number of unknowns."""
     allowed = [solver_choice.residual(dim, dofs) for dim, dofs in zip(group["dim"], group["dofs"], strict=True)]
     return greatest(group["residual"].to_numpy() / np.array(allowed))
 
@@ -308,18 +313,18 @@ EVIDENCE = (
 
 # Criteria of Proposition 5.4.
 IRREGULAR = "; on irregular meshes in the leading term"
-"""On irregular meshes the leading term of the interpolation error takes the place of h."""
+"""Text that explains a row: on irregular meshes the leading term of the interpolation error replaces h."""
 SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
 PAIR = "order of ‖u − Π^h u‖_V, finest pair"
 SOLIDS = (
     between_levels("order-finest", "order of the error, finest pair", SOLID, "error", 1, ENOUGH),
     between_levels("interpolation-order-finest", PAIR, SOLID, "interpolation_error", 1, ENOUGH),
 )
-"""In 3D few levels are affordable, so the finest pair alone must be closer to 1."""
+"""An additional criterion in 3D: there are few levels, so the order from the two finest ones must be closer to 1."""
 OF_THE_TERM = around(1, 0.15, "least squares, as the error is compared with this term there")
 TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes"
 LEADING_ORDER = order("leading-order", TERM, OF_THE_TERM, LEADING, ENOUGH + 1)
-"""On irregular meshes: the leading term, which takes the place of h there, must be of order h."""
+"""A criterion for irregular meshes: the leading term, which replaces h there, must be of order h."""
 SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
 DISCRETE = "order of ‖Π^h u − u^h‖_V"
@@ -327,9 +332,9 @@ DISCRETE_ORDERS = {
     True: order("discrete-order-superclose", f"{DISCRETE}, superclose", SUPERCLOSE, "discrete_error", ENOUGH),
     False: order("discrete-order-others", f"{DISCRETE}, other families", OTHERS, "discrete_error", ENOUGH),
 }
-"""Orders of the discrete error on one-diagonal meshes (True) and on others. On one-diagonal meshes neighbouring
-triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (traction boundary) to 2. On other meshes it
-is at least of the order of the error. It is at most of order 2."""
+"""Criteria for the order of the discrete error on one-diagonal meshes (True) and on others. On one-diagonal meshes
+neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because of the traction
+boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
 SHARE = positive_at_most(0.6, "of the interpolation error: then both errors differ by at most 20 %, by Pythagoras")
 TIME = positive_at_most(0.3, "of the discrete error")
 DISCRETE_SIZES = (
@@ -337,7 +342,7 @@ DISCRETE_SIZES = (
     largest("discrete-time-share", "time share of ‖Π^h u − u^h‖_V", TIME, "discrete_time_share"),
 )
 NOT_AT_START = 0.99
-"""The largest error is after t = 0 if the error at t = 0 is at most this part of it."""
+"""The largest error counts as attained after t = 0 if the error at t = 0 is at most this number times the largest."""
 EXPECTED_AT_START = Window(0.8, 1 + ROUNDING, "by Pythagoras: a discrete share of 0.6 leaves 0.8 of it")
 AT_START = (
     "as ‖u − Π^h u‖_V is largest near t = 0, where nothing is solved; the rows of ‖Π^h u − u^h‖_V test the solution"
@@ -353,11 +358,11 @@ AFTER_START = Criterion(
 
 @dataclass(frozen=True)
 class StartShare:
-    """The largest error must be after t = 0, because the error at t = 0 is the interpolation error of u_0.
+    """The criterion that the largest error is attained after t = 0.
 
-    Otherwise the rows about the error say nothing about the solver. This is no fault of the solver if ‖u − Π^h u‖_V,
-    which is known without solving, is as large at t = 0: at least EXPECTED_AT_START of its maximum, and at most its
-    maximum, as u^h(0) = Π^h u_0. Then the row is reported. Otherwise it fails.
+    At t = 0 the error is the interpolation error of u_0, so a maximum there says nothing about the solver. The solver
+    is not at fault if the interpolation error ‖u − Π^h u‖_V itself is largest at t = 0, or at least EXPECTED_AT_START
+    times its maximum. Then the row is reported; otherwise it fails.
     """
 
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
@@ -403,7 +408,7 @@ def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups
 
 
 class FirstOrder(Rates):
-    """Proposition 5.4 on the exact solutions that satisfy (5.36)."""
+    """Judges Proposition 5.4 on the exact solutions that satisfy (5.36)."""
 
     label = "Prop. 5.4"
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"

@@ -1,21 +1,22 @@
-"""The errors in ``rates.csv`` and the solution of Problem 5.1, computed once more in another way.
+"""Errors in ``rates.csv`` and solutions of Problem 5.1 agree with the results of a second, independent solver.
 
-Relations between reported errors are loose: an error that is wrong by five per cent has the same order. So the coarsest
-rows of ``rates.csv`` are computed again: ``recomputed_solver`` solves the same discrete problems with other quadrature,
-assembly and solvers. Its errors are compared with the errors in ``rates.csv``, its trajectory with the trajectory of
-the study. A defect of the load, of a modulus, of the start or of the time steps changes a trajectory to first order,
-an error only to second order.
+The criteria of Proposition 5.4 do not notice small mistakes: an error that is wrong by five per cent has the same
+order. Therefore the coarsest rows of ``rates.csv`` are computed again: ``recomputed_solver`` solves the same discrete
+problems with other quadrature, assembly and solvers. Its errors are compared with ``rates.csv``, and its trajectories
+with the trajectories of the study. A wrong load, modulus, initial value or time step changes a trajectory to first
+order, but an error only to second order.
 
 **Predicted.** ``ErrorNorm`` integrates by rules of degree 4 with points moved along the face, the second solver by
 rules of degree 10. Rows of ``rates.csv`` bound the effect of quadrature by 2 %, by the triangle inequality; both
 rules cut the same cells, and their difference is much smaller. Predicted: errors agree within 0.5 %, and the
-discrete errors, a few times smaller, within 1 %. Trajectories differ by the load alone, whose relative
+discrete errors, a few times smaller, within 1 %. Trajectories differ only because of the load, whose relative
 quadrature error is a power of h smaller than the error of the solution, 2e-3; nodal forces are differences of large
 terms, 1 %. Π^h u_0 has no quadrature.
 
-With the same load, forms of polynomials on cells and the same discrete problem are left. Both solvers stop at 1e-12 of
-the solution, there are some tens of steps, and the forces of a step are differences that lose a digit or two, so
-trajectories and forces agree to 1e-9. These rows notice a modulus, a start or a force that is wrong by as little.
+If the second solver uses the load of the study, both solve the same discrete problem with exact quadrature. Both
+solvers stop at 1e-12 of the solution, there are some tens of steps, and nodal forces are differences that lose a digit
+or two. So trajectories and forces agree to 1e-9. These rows notice relative defects of 1e-9 in a modulus, an initial
+value or a force.
 """
 
 from __future__ import annotations
@@ -46,14 +47,14 @@ ERRORS = "error", "interpolation_error", "discrete_error"
 GAPS = "start", "displacement", "multipliers"
 """Relative differences of both solvers: ‖u_0 − ũ_0‖_V, max_n ‖u_n − ũ_n‖_V, and of all λ_n in the Euclidean norm."""
 SAME_LOAD = "displacement_same_load", "multipliers_same_load"
-"""The last two with the load of the study in both solvers, so that only forms, contact and steps differ."""
+"""The differences of displacements and multipliers if both solvers use the load of the study."""
 RECOMPUTED = CsvFile("recomputed.csv", RATES.key, (*RATES.key, "h", *ERRORS, *GAPS, *SAME_LOAD))
 TINY = 1e-12
-"""A start is zero if its norm is at most this part of the largest ‖ũ_n‖_V."""
+"""An initial value counts as zero if its norm is at most this number times the largest ‖ũ_n‖_V."""
 
 
 def recompute(setup: Experiment) -> dict[str, float]:
-    """Return the columns of ``recomputed.csv`` from ERRORS on, by the midpoint rule with twice the steps."""
+    """Return the columns of ``recomputed.csv`` from ERRORS on; the midpoint rule takes twice the steps of ``setup``."""
     plain = PlainProblem(setup.solution, setup.space.mesh)
     own_load, same_load = plain.trajectories(2 * setup.steps, plain.load, setup.problem.load)
     return errors(plain, own_load) | gaps(setup, plain, own_load, same_load)
@@ -69,7 +70,13 @@ def errors(plain: PlainProblem, trajectory: Trajectory) -> dict[str, float]:
 
 
 def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> dict[str, float]:
-    """Return GAPS and SAME_LOAD between an experiment and the trajectories of the second solver with both loads."""
+    """Return the relative differences GAPS and SAME_LOAD between the study and the second solver.
+
+    Args:
+        setup: the experiment of the study.
+        plain: the problem of the second solver.
+        own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
+    """
     states = [(s.time, s.u, s.multipliers) for s in setup.scheme.march(setup.problem, 2 * setup.steps)]
     norms = plain.norms(np.stack([u for _, u, _ in own_load], axis=1))
     forces = euclidean_norm(multipliers for *_, multipliers in own_load)
@@ -87,12 +94,12 @@ def differences(plain: PlainProblem, states: Trajectory, trajectory: Trajectory)
 
 
 def euclidean_norm(vectors: Iterable[Array]) -> float:
-    """Return the Euclidean norm of several vectors as one."""
+    """Return the Euclidean norm of the vector that consists of all given vectors."""
     return math.sqrt(sum(float(np.sum(each**2)) for each in vectors))
 
 
 def ratio(column: str, norm: str, window: Window) -> Criterion:
-    """Return the criterion for an error in ``rates.csv`` over the same error computed again, on every level."""
+    """Return the criterion for the quotient of an error in ``rates.csv`` and its recomputed value, on every level."""
     reported = f"{column}{REPORTED}"
 
     def measure(group: pd.DataFrame) -> Measured:
@@ -117,11 +124,11 @@ TRAJECTORIES = (
     largest("multipliers-same-load", f"{FORCES}, {ALIKE}", STOPPED_FORCES, "multipliers_same_load"),
 )
 NARROW = ("travelling-patch",)
-"""Cases with a patch that is two or three cells wide on the coarsest meshes."""
+"""Cases with a contact patch that is only two or three cells wide on the coarsest meshes."""
 
 
 class Recomputed(Statement):
-    """Three errors and two trajectories, over all mesh families of a case, by the midpoint rule."""
+    """Compares three errors and two trajectories with an independent computation by the midpoint rule in time."""
 
     label = "computed again"
     claim = "the errors in rates.csv, computed again from Problem 5.1 with other quadrature, assembly and solvers"
@@ -135,11 +142,10 @@ class Recomputed(Statement):
     )
 
     def settings(self, scope: Scope) -> list[RateSetting]:
-        """The coarsest level of every case on all its mesh families in the study.
+        """Return the coarsest level of every case on all its mesh families in the study.
 
-        Cases of Proposition 5.3 and cases with a narrow patch are left out on random meshes. There the size of the
-        cells at a singularity or below the patch, which is random, decides how exact quadrature is, and the rows would
-        judge chance and not the solvers.
+        On random meshes the cases of Proposition 5.3 and the cases with a narrow patch are left out: their quadrature
+        error depends on the random size of the cells at the singularity or below the patch.
         """
         return [
             RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
@@ -155,7 +161,7 @@ class Recomputed(Statement):
         return {"h": setup.space.h, **recompute(setup)}
 
     def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """The row, with the key of the row of ``rates.csv``."""
+        """Yield the row, with the key of the same setting in ``rates.csv``."""
         case = resolve(setting.case).name
         yield self.file, {**{name: getattr(setting, name) for name in self.file.key}, "case": case, **found}
 

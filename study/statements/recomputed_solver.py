@@ -1,14 +1,15 @@
-"""A second, plain solver of Problem 5.1, for ``recomputed``: what ``study.fem`` and ``study.solve`` do, in another way.
+"""A second, simple solver of Problem 5.1, with which ``recomputed`` checks ``study.fem`` and ``study.solve``.
 
-Both share only the exact solution, the mesh, and the lines along which cells are cut for quadrature. Here gradients
-come from inverse matrices of coordinates. Integrals are sums over the points of a finer rule, strain by strain, without
-modes, cell means or an oscillation. The law acts at these points: in every iteration, or once for a matrix if it is
-linear. A step of the midpoint rule
+Both solvers share only the exact solution, the mesh, and the lines along which cells are cut for quadrature. Here
+gradients come from inverse matrices of coordinates. Integrals are sums over the points of a finer quadrature rule,
+without the faster formulas of ``study.fem``. The law is evaluated at these points: in every iteration, or once for the
+matrix if it is linear. A step of the midpoint rule
 
     M (u_n − u_{n−1})/k + (Gε((u_n + u_{n−1})/2), ε(·))_Q + Nᵀλ_n = F(t_{n−1/2})
 
-is a fixed point in u_n, also for a linear law, with a factorisation of M by SuperLU. The multipliers are computed with
-the positive ones of the last iteration, and by the method of Lawson and Hanson if these are no longer the right ones.
+is solved by a fixed-point iteration for u_n, also for a linear law, with a factorisation of M by SuperLU. The iteration
+first assumes that the positive multipliers are the same as in the last iteration. If this gives no solution, the method
+of Lawson and Hanson is used.
 """
 
 from __future__ import annotations
@@ -30,13 +31,13 @@ from study.fem.error_norm import rules
 from study.fem.quadrature import facet_rule
 
 DEGREE, SOLID_DEGREE = 10, 6
-"""Degrees of the cell rule in 2D and in 3D, where ``ErrorNorm`` has 4 and 2."""
+"""Degrees of the cell rule in 2D and in 3D; ``ErrorNorm`` uses the degrees 4 and 2."""
 POINTS, SOLID_POINTS = 20, 6
 """Gauss points on a facet of Γ3 in 2D, and in each direction of a facet in 3D."""
 SETTLED, ITERATIONS = 1e-12, 100
 """Relative change at which the fixed-point iteration stops, and the largest number of iterations."""
 ON = 1e-9
-"""A vertex lies on a part up to this distance, relative to the largest extent of the mesh."""
+"""A vertex lies on a part if its distance is below this number times the largest extent of the mesh."""
 Trajectory = Sequence[tuple[float, Array, Array]]
 """(t_n, u_n, λ_n) for n = 0, 1, …"""
 
@@ -45,9 +46,10 @@ class PlainProblem:
     """V^h and Problem 5.1 on one mesh.
 
     Attributes:
-        free: the positions of the unknowns among the values at all vertices, vertex by vertex, (n,).
-        M: (A ε(u), ε(v))_Q, (n, n).
-        N: v ↦ v_ν at the vertices of each piece of Γ3 off Γ1, one row for each normal, (m, n).
+        free: the indices of the n unknowns among the values at all vertices, which are ordered vertex by vertex, (n,).
+        M: the matrix of (A ε(u), ε(v))_Q, (n, n).
+        N: the matrix of v ↦ v_ν at the vertices of each piece of Γ3 that are not on Γ1, one row for each vertex and
+            normal, (m, n).
     """
 
     def __init__(self, solution: ExactSolution, mesh: Mesh) -> None:
@@ -65,8 +67,8 @@ class PlainProblem:
     def _set_points(self, on: list[Array]) -> None:
         """Set the quadrature points in the cells and on Γ3, the law and the exact solution there.
 
-        ``faces`` has for each piece of Γ3 the positions of its points and the matrix from σ at these points to
-        ∫ p v_ν, with p = −σ_ν, (n, D points).
+        ``faces`` has for each piece of Γ3 the indices of its points, and the matrix that maps σ at these points to
+        ∫ p v_ν, p = −σ_ν, (n, D · points).
         """
         found = rules(self.solution, self.mesh, DEGREE if self.dim == 2 else SOLID_DEGREE)
         self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in found])
@@ -96,7 +98,7 @@ class PlainProblem:
     def _set_forms(self) -> None:
         """Set the strains of the local functions φ_i e_j, (cells, D, (d + 1) d), and the matrices of A and a linear G.
 
-        ``elastic`` is v ↦ (Gε(v), ε(·))_Q for the columns of v, (n, c) → (n, c).
+        ``elastic`` is the function v ↦ (Gε(v), ε(·))_Q, applied to each column of v, (n, c) → (n, c).
         """
         corners = np.moveaxis(self.mesh.p[:, self.mesh.t], -1, 0).swapaxes(1, 2)
         gradients = np.linalg.inv(np.insert(corners, 0, 1.0, axis=2))[:, 1:]
@@ -111,7 +113,7 @@ class PlainProblem:
             self.elastic = lambda v: np.stack([self.work(self.law.G(self.strain(one))) for one in v.T], axis=1)
 
     def _form(self, law: Callable[[Tensors], Tensors]) -> sps.csc_array:
-        """Return (Cε(u), ε(v))_Q with a linear law C at the points, (n, n)."""
+        """Return the matrix of (Cε(u), ε(v))_Q for a linear law C, (n, n)."""
         columns = [self._tested(law(each[self.cell].T)) for each in np.moveaxis(self.strains, 2, 0)]
         local = np.stack(columns, axis=2)
         rows, cols = (np.broadcast_to(axis, local.shape) for axis in (self.local[..., None], self.local[:, None]))
@@ -142,7 +144,7 @@ class PlainProblem:
         self._root = cholesky(self._normal)
 
     def work(self, stress: Tensors) -> Array:
-        """Return (σ, ε(·))_Q, (n,)."""
+        """Return the functional v ↦ (σ, ε(v))_Q for σ at the points, (n,)."""
         return np.bincount(self.local.ravel(), self._tested(stress).ravel(), self.numbers.size)[self.free]
 
     def strain(self, v: Array) -> Tensors:
@@ -152,7 +154,7 @@ class PlainProblem:
         return np.take(np.einsum("cIk,ck->Ic", self.strains, full[self.local]), self.cell, axis=1)
 
     def load(self, time: float) -> Array:
-        """Return (σ, ε(v))_Q + ∫_{Γ3} p v_ν, (n,)."""
+        """Return the load v ↦ (σ, ε(v))_Q + ∫_{Γ3} p v_ν, (n,)."""
         stress = self.exact.stress(time)
         pressed = [forces @ stress[:, points].ravel() for points, forces in self.faces]
         return np.sum([self.work(stress[:, : self.cell.size]), *pressed], axis=0)
@@ -162,10 +164,10 @@ class PlainProblem:
         return self.at_vertices.displacement(time).T.ravel()[self.free]
 
     def contact(self, b: Array, k: float, last: Array) -> tuple[Array, Array]:
-        """Return (u, λ) with M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0 for every column of b.
+        """Return the solution (u, λ) of M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0, for every column of b.
 
-        With Q = NM⁻¹Nᵀ, λ solves Qλ ≥ NM⁻¹b with complementarity. First only the multipliers that were positive in
-        ``last``, (m, c), are taken as unknowns; if they give no solution, Lawson and Hanson's method takes all.
+        With Q = NM⁻¹Nᵀ, λ solves a complementarity problem with Qλ ≥ NM⁻¹b. First it is assumed that the positive
+        multipliers are those in ``last``, (m, c); if this gives no solution, the method of Lawson and Hanson is used.
         """
         free = self._solve(b)
         multipliers = np.zeros(last.shape)

@@ -417,7 +417,7 @@ def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
 def in_the_maximum(regularity: Regularity, family: str) -> Window:
     """Return the window of the order of the largest error in time, which theory predicts like the order in L²(0,T)."""
     orders = predicted(regularity, family).get("stress")
-    return orders.window() if orders else Window()
+    return replace(orders.window(), why="as for the mean over time") if orders else Window()
 
 
 class OwnSpace(Statement):

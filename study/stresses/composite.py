@@ -1,19 +1,19 @@
 """The composite equilibrium element: symmetric piecewise polynomial stresses with continuous tractions.
 
-A triangle is cut from its barycentre into three thirds (Alfeld split). The element of degree k consists of the
+A triangle is divided from its barycentre into three thirds (Alfeld split). The element of degree k consists of the
 symmetric stresses that are polynomials of degree k on every third and whose tractions σν are continuous across the
-three inner edges. Div maps it onto all vector fields that are polynomials of degree k − 1 on every third; the tractions
+three inner edges. Div maps it onto all vector fields that are polynomials of degree k − 1 on every third. The tractions
 on the three sides are any polynomials of degree k in equilibrium with the divergence, so that elements can be joined
-with continuous tractions. k = 1 is the element of Johnson and Mercier with 15 degrees of freedom, k ≥ 2 those of
-Arnold, Douglas and Gupta.
+with continuous tractions. k = 1 gives the element of Johnson and Mercier with 15 degrees of freedom, k ≥ 2 the elements
+of Arnold, Douglas and Gupta.
 
-Everything is written in Bernstein polynomials of the thirds. Restricting to an edge is then choosing coefficients, and
-a polynomial whose coefficients are ≤ 0 is ≤ 0. On another triangle x = F x̂ + b the stresses are those of the reference
-triangle under the Piola transformation
+All polynomials are in Bernstein form on the thirds. Restriction to an edge then selects coefficients, and a polynomial
+with coefficients ≤ 0 is ≤ 0. On another triangle x = F x̂ + b the stresses are the Piola transforms of the stresses on
+the reference triangle,
 
-    σ = F σ̂ Fᵀ / det F,     Div σ = F Div σ̂ / det F,     |e| σν = |ê| F σ̂ν̂     (outward normals, ê ↦ e),
+    σ = F σ̂ Fᵀ / det F,     Div σ = F Div σ̂ / det F,     |e| σν = |ê| F σ̂ν̂     (outward normals, ê ↦ e).
 
-which respects symmetry, continuity of tractions and Div σ = 0: one reference element serves all.
+The transform preserves symmetry, continuity of tractions and Div σ = 0, so one reference element suffices.
 
 Sources: C. Johnson, B. Mercier, Some equilibrium finite element methods for two-dimensional elasticity problems, Numer.
 Math. 30 (1978) 103–116; D. N. Arnold, J. Douglas, C. P. Gupta, A family of higher order mixed finite element methods
@@ -35,7 +35,7 @@ from study.stresses.bernstein import indices
 CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 """Vertices of the reference triangle, (2, 3)."""
 SIDES = ((1, 2), (2, 0), (0, 1))
-"""The vertices of side i, opposite to vertex i; third i has these two and the barycentre as its vertices."""
+"""The vertices of side i, opposite to vertex i; third i has these two vertices and the barycentre."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,8 @@ class CompositeElement:
 
     @cached_property
     def divergence(self) -> Array:
-        """Div of piecewise polynomials, in Bernstein form of degree k − 1: (3, lower, 2; 3, polynomials, 3).
+        """The matrix of Div on piecewise polynomials, to Bernstein form of degree k − 1: (3, lower, 2; 3, polynomials,
+        3).
 
         ∂_j of Σ c_α B_α has the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
         """
@@ -70,7 +71,10 @@ class CompositeElement:
         return found
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
-        """|e| σν on the edge e between two vertices of a third in Bernstein form, (k + 1, 2; 3, polynomials, 3)."""
+        """Return the traction |e| σν on the edge e between two vertices of a third, in Bernstein form.
+
+        The shape is (k + 1, 2; 3, polynomials, 3).
+        """
         place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
         found, normal = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3)), np.array([along[1], -along[0]])
         for step in range(self.degree + 1):
@@ -81,7 +85,7 @@ class CompositeElement:
 
     @cached_property
     def jumps(self) -> Array:
-        """The jump of the traction across the inner edges, (equations; 3, polynomials, 3)."""
+        """The jumps of tractions across the inner edges, (equations; 3, polynomials, 3)."""
         rows = []
         for vertex in range(3):
             along = CORNERS[:, vertex] - CORNERS.mean(axis=1)
@@ -91,7 +95,8 @@ class CompositeElement:
 
     @cached_property
     def tractions(self) -> Array:
-        """|ê| σ̂ν̂ on the sides in Bernstein form, from a to b of SIDES, (3 sides, k + 1, 2; 3, polynomials, 3)."""
+        """Tractions |ê| σ̂ν̂ on the sides in Bernstein form, from a to b of SIDES, (3 sides, k + 1, 2; 3, polynomials,
+        3)."""
         return np.array([self._on_edge(i, 0, 1, CORNERS[:, b] - CORNERS[:, a]) for i, (a, b) in enumerate(SIDES)])
 
     @cached_property
@@ -102,13 +107,13 @@ class CompositeElement:
 
     @cached_property
     def divergence_free(self) -> Array:
-        """The same for the stresses with Div σ̂ = 0, (3, polynomials, 3; dimension)."""
+        """A basis of the stresses with Div σ̂ = 0 with orthonormal coefficients, (3, polynomials, 3; dimension)."""
         equations = np.vstack([self.jumps.reshape(len(self.jumps), -1), self._flat_divergence])
         return null_space(equations).reshape(3, self.polynomials, 3, -1)
 
     @cached_property
     def lift(self) -> Array:
-        """The σ̂ of least norm of the coefficients with a given divergence, (3, polynomials, 3; 3 thirds, lower, 2)."""
+        """Stresses of least coefficient norm with a given divergence, (3, polynomials, 3; 3 thirds, lower, 2)."""
         space = self.space.reshape(-1, self.space.shape[-1])
         inverse = space @ np.linalg.pinv(self._flat_divergence @ space)
         return inverse.reshape(*self.space.shape[:-1], *self.divergence.shape[:3])
@@ -120,7 +125,7 @@ class CompositeElement:
 
 @lru_cache
 def composite(degree: int) -> CompositeElement:
-    """The element of a degree, made once.
+    """Return the element of a degree; it is cached.
 
     Raises:
         ValueError: degree < 1.
@@ -131,13 +136,13 @@ def composite(degree: int) -> CompositeElement:
 
 
 def thirds(corners: Points) -> Points:
-    """Vertices of the thirds of triangles: (2, 3, ...) → (2, 3 vertices, 3 thirds, ...)."""
+    """Return the vertices of the thirds of triangles: (2, 3, ...) → (2, 3 vertices, 3 thirds, ...)."""
     centre = corners.mean(axis=1)
     return np.stack([np.stack([corners[:, a], corners[:, b], centre], axis=1) for a, b in SIDES], axis=2)
 
 
 def alfeld_split(mesh: Mesh) -> tuple[Mesh, Points]:
-    """The mesh of the thirds, those of a cell one after the other, and their vertices, (2, 3, thirds)."""
+    """Return the mesh of the thirds, three consecutive ones for each cell, and their vertices, (2, 3, thirds)."""
     vertices = np.vstack([mesh.t, mesh.p.shape[1] + np.arange(mesh.t.shape[1])])
     cells = np.stack([vertices[[a, b, 3]] for a, b in SIDES], axis=2).reshape(3, -1)
     points = np.hstack([mesh.p, mesh.p[:, mesh.t].mean(axis=1)])
@@ -145,7 +150,7 @@ def alfeld_split(mesh: Mesh) -> tuple[Mesh, Points]:
 
 
 def barycentric(corners: Points, x: Points) -> Array:
-    """Barycentric coordinates of points (2, n, q) in triangles with the vertices (2, 3, n), (3, n, q)."""
+    """Return the barycentric coordinates of points (2, n, q) in triangles with the vertices (2, 3, n), (3, n, q)."""
     edges = np.moveaxis(corners[:, :2] - corners[:, 2:], 2, 0)
     found = np.einsum("nvd,dnq->vnq", np.linalg.inv(edges), x - corners[:, 2][..., None])
     return np.concatenate([found, 1 - found.sum(axis=0, keepdims=True)])

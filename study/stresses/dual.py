@@ -1,12 +1,12 @@
-"""Problem 3.2 in time on composite stresses: σ^h_n ∈ Σ^h(t_n), found without any displacement.
+"""Problem 3.2 in time on composite stresses: σ^h_n ∈ Σ^h(t_n), computed without any displacement.
 
 With ε̇ ≈ (w ε_n − η_n)/k, η_n = Σ_{j≥1} w_j ε_{n−j} (``study.solve.tableau``; backward Euler and BDF2), the law (2.1)
-reads σ_n = C ε_n − (A/k) η_n, C = (w/k) A + G, and (3.12), (3.15) say that σ_n minimises over Σ^h(t_n)
+reads σ_n = C ε_n − (A/k) η_n, C = (w/k) A + G. By (3.12) and (3.15), σ_n minimises over Σ^h(t_n)
 
-    ½ (C⁻¹τ, τ)_Q + (C⁻¹ (A/k) η_n, τ)_Q,
+    ½ (C⁻¹τ, τ)_Q + (C⁻¹ (A/k) η_n, τ)_Q.
 
-after which ε_n = C⁻¹ (σ_n + (A/k) η_n) is kept at the quadrature points: a history of strains that are those of no
-displacement u^h. That they are strains of a displacement in K is what Theorem 4.2 says in the limit.
+Then ε_n = C⁻¹ (σ_n + (A/k) η_n) is stored at the quadrature points. These strains are not the strains of a displacement
+u^h. By Theorem 4.2 they become strains of a displacement in K in the limit.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from study.stresses.stress_space import StressSpace
 
 
 class EquilibriumError(ValueError):
-    """Problem 3.2 cannot be posed for a law or a scheme."""
+    """Raised if Problem 3.2 cannot be posed for a law or a scheme."""
 
 
 @dataclass(frozen=True, eq=False)
 class DualState:
-    """One time node.
+    """The solution of Problem 3.2 at one time node.
 
     Attributes:
         time: t_n.
-        stress: σ^h_n with the multipliers of its equilibrium; not a number at t_0.
+        stress: σ^h_n with the multipliers of its equilibrium; NaN at t_0.
         strain: ε_n at the points, (3, cells, Q).
         loads: P f_0 and P f_2 at t_n.
     """
@@ -50,15 +50,15 @@ class DualState:
 
 
 def tensor_at(C: Linear, x: Array) -> Array:
-    """C(x) in Mandel form: points (2, ...) → (..., 3, 3), or (3, 3) where the material is homogeneous."""
+    """Return C(x) in Mandel form: points (2, ...) → (..., 3, 3), or (3, 3) for a homogeneous material."""
     return C.matrix if C.factor is UNIFORM else np.multiply.outer(C.factor(x), C.matrix)
 
 
 @dataclass(frozen=True, eq=False)
 class StressEvolution:
-    """Problem 3.2 in time: A, G, f_0, f_2, u_0 and T, the stresses, and (S, N) ↦ the contact solve of one step.
+    """Problem 3.2 in time: the data A, G, f_0, f_2, u_0 and T, the stress space, and the contact solver of one step.
 
-    ``raised`` is added to the degree of the rule for f_0.
+    ``raised`` is added to the degree of the quadrature rule for f_0.
     """
 
     data: Data
@@ -75,18 +75,18 @@ class StressEvolution:
         return ProjectedLoads(self.data, self.space, self.raised)
 
     def initial(self) -> DualState:
-        """ε(u_0); the schemes have no rate there, so the stress is not a number."""
+        """Return the initial state with ε(u_0); its stress is NaN, because the schemes have no rate at t_0."""
         space = self.space
         strain, edges = self.data.initial(space.points), np.full((len(space.lengths), space.degree + 1, 2), np.nan)
         stress = EquilibratedStress(np.full_like(strain, np.nan), edges[space.edges], edges)
         return DualState(0.0, stress, strain, self.loads(0.0))
 
     def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[DualState]], DualState]:
-        """(n, the states before) ↦ the state at t_n.
+        """Return the function (n, previous states) ↦ state at t_n.
 
         Raises:
-            EquilibriumError: a scheme that takes G at another time than t_n, or a law whose G is not linear.
-            StepsError: steps so long need not have one solution, as G is not monotone.
+            EquilibriumError: the scheme evaluates G at another time than t_n, or G is not linear.
+            StepsError: a step of this length may have several solutions, because G is not monotone.
         """
         law, points = self.data.law, self.space.points
         if scheme.theta != 1:

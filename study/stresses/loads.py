@@ -1,10 +1,11 @@
-"""The loads a stress of Σ^h balances, P f_0 and P f_2, at any time, and what the projection P leaves out of the data.
+"""The loads P f_0 and P f_2 that a stress of Σ^h balances, at any time, and the norms of their difference from the
+data.
 
 P is the L² projection: of f_0 onto polynomials of degree k − 1 on the thirds of cells, of f_2 onto polynomials of
 degree k on the edges of Γ2, for stresses of degree k. Thirds and edges are cut along the lines at which the data are
-rough (``study.fem.quadrature``), and thirds along the fronts of the time, too. f_0 jumps at fronts that move, and rules
-that do not see it miss a part of order h of whole columns of cells: with them ‖σ − σ^h‖_Q on meshes with one diagonal
-was 2.4 times as large at n = 64, and the error of the pressure 19 times.
+not smooth (``study.fem.quadrature``), and thirds also along the contact fronts of the time. f_0 jumps at moving fronts.
+Rules that are not cut there make an error of order h on whole columns of cells: with them ‖σ − σ^h‖_Q on one-diagonal
+meshes was 2.4 times as large at n = 64, and the error of the pressure 19 times.
 """
 
 from __future__ import annotations
@@ -25,22 +26,24 @@ from study.stresses.composite import alfeld_split, barycentric
 from study.stresses.stress_space import StressSpace
 
 DEGREE = 4
-"""Degree of the rule for f_0 on a third, at least; 2k if that is more."""
+"""Least degree of the quadrature rule for f_0 on a third; 2k is used if it is larger."""
 EDGE_POINTS, EDGE_PARTS = 6, 4
-"""Gauss points for f_2 on each part of an edge, and the parts, which make kinks of f_2 small ones."""
+"""Gauss points for f_2 on each part of an edge, and the number of parts; kinks of f_2 then affect small parts only."""
 GRADED_POINTS = 28
-"""Where edges are cut and their rules graded with the power 8: exact to degree 6, for products of two of degree 3."""
+"""Gauss points on cut edges, whose rules are graded by the power 8: exact to degree 6, for products of cubics."""
 TOGETHER = 512
-"""Thirds in a block, so that f_0 at the points of their rules stays in a cache for many times."""
+"""Thirds in a block, so that f_0 at the points of their rules stays in the processor's cache for many times."""
 PARALLEL = 1e-9
-"""Sine of an angle below which a line is parallel to a part."""
+"""Sine of an angle below which a line counts as parallel to a part."""
 
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """P f_0, (cells, 3 thirds, lower, 2), and P f_2, zero off Γ2, (edges, n, 2), of one time in Bernstein form.
+    """Projected loads at one time in Bernstein form, or at several times with one more axis, the first.
 
-    Several have one more axis, the first one.
+    Attributes:
+        force: P f_0, (cells, 3 thirds, lower, 2).
+        surface: P f_2, zero outside Γ2, (edges, n, 2).
     """
 
     force: Array
@@ -54,18 +57,20 @@ class Loads:
 
 
 def together(loads: Sequence[Loads]) -> Loads:
-    """Several of some single ones."""
+    """Join loads of single times into loads of several times."""
     return Loads(np.array([each.force for each in loads]), np.array([each.surface for each in loads]))
 
 
 @dataclass(frozen=True, eq=False)
 class LeftOut:
-    """Norms of what P leaves out at one time, with g = f_0 − P f_0 and Π the L² projection onto P_k(T)².
+    """Norms of the difference between data and projections at one time.
+
+    With g = f_0 − P f_0 and the L² projection Π onto P_k(T)²:
 
     Attributes:
         low_order: ‖Π g‖_T, (cells,).
         high_order: ‖g − Π g‖_T, (cells,).
-        on_edges: ‖f_2 − P f_2‖_e, (edges,), zero off Γ2.
+        on_edges: ‖f_2 − P f_2‖_e, (edges,), zero outside Γ2.
     """
 
     low_order: Array
@@ -75,14 +80,14 @@ class LeftOut:
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The data at one time: P f_0 and P f_2, and what P leaves out of them."""
+    """The data at one time: the projected loads, and the norms of their difference from the data."""
 
     loads: Loads
     left_out: LeftOut
 
 
 class ProjectedLoads:
-    """t ↦ P f_0 and P f_2 for a space of stresses; those of the last time are at hand, for a march beside one.
+    """Computes P f_0 and P f_2 at a time for a space of stresses; the result of the last time is cached.
 
     ``raised`` is added to the degree of the rule for f_0.
     """
@@ -104,19 +109,19 @@ class ProjectedLoads:
     def _block(self, rule: CellRule) -> _Block:
         mesh, degree = self.space.mesh, self.space.degree
         local = barycentric(self._corners[:, :, rule.cells], rule.points)
-        # Three thirds of a cell follow each other.
+        # Each cell has three consecutive thirds.
         cells = mesh.p[:, mesh.t[:, rule.cells // 3]]
         return _Block(rule, bernstein(degree - 1, local), lambda: bernstein(degree, barycentric(cells, rule.points)))
 
     @cached_property
     def _blocks(self) -> list[tuple[_Block, ForceInTime]]:
-        """All thirds, not too many in one block, each with the function t ↦ f_0 at its points, (2, thirds, q)."""
+        """All thirds in blocks, each with the function t ↦ f_0 at its points, (2, thirds, q)."""
         rules = cell_rules(self._thirds, self._degree, self._lines, self.data.points)
         blocks = [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
         return [(block, _force_at(self.data, block.rule.points)) for block in blocks]
 
     def _evaluated(self, time: float) -> Iterator[tuple[_Block, Vectors]]:
-        """Yield f_0 on all thirds, then again on those at the fronts of this time, by rules that are cut there."""
+        """Yield f_0 on all thirds, then again on thirds at the fronts of this time, by rules that are cut there."""
         for block, force in self._blocks:
             yield block, force(time)
         fronts = [Line(*line) for line in self.data.fronts(time)]
@@ -134,7 +139,7 @@ class ProjectedLoads:
         return Loads(force.reshape(space.cells, 3, -1, 2), surface)
 
     def at(self, time: float) -> Snapshot:
-        """Return P f_0, P f_2 and the norms of what P leaves out."""
+        """Return P f_0, P f_2 and the norms of their difference from the data."""
         space, thirds = self.space, 3 * self.space.cells
         lower, more = (degree * (degree + 1) // 2 for degree in (space.degree, space.degree + 1))
         force, squares, moments = np.empty((thirds, lower, 2)), np.empty(thirds), np.empty((thirds, more, 2))
@@ -154,10 +159,10 @@ class ProjectedLoads:
 
 
 class _Block:
-    """Some thirds with one quadrature rule.
+    """Several thirds with one quadrature rule.
 
-    ``shapes`` are the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q), and ``whole``
-    gives those of degree k of their cells, (more, n, q).
+    ``shapes`` are the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q). ``whole``
+    returns the Bernstein polynomials of degree k of their cells, (more, n, q).
     """
 
     def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
@@ -168,18 +173,19 @@ class _Block:
 
     @cached_property
     def _whole(self) -> Array:
-        """``whole`` as matrices, (n, more, q)."""
+        """The result of ``whole`` as matrices, (n, more, q)."""
         return np.ascontiguousarray(np.moveaxis(self._make_whole(), 0, 1))
 
     def projected(self, force: Vectors) -> Array:
-        """P f_0, (n, lower, 2), from f_0 at the points, (2, n, q)."""
+        """Return P f_0, (n, lower, 2), from f_0 at the points, (2, n, q)."""
         return self.projection @ force.transpose(1, 2, 0)
 
     def split(self, force: Vectors) -> tuple[Array, Array, Array]:
         """Split f_0, given at the points, (2, n, q), into P f_0 and g = f_0 − P f_0.
 
-        Returns P f_0, (n, lower, 2), ‖g‖² on the thirds, (n,), and ∫ g B_α for the Bernstein polynomials B_α of degree
-        k of the cells, (n, more, 2).
+        Returns:
+            P f_0, (n, lower, 2); ‖g‖² on the thirds, (n,); and ∫ g B_α for the Bernstein polynomials B_α of degree k of
+            the cells, (n, more, 2).
         """
         values = force.transpose(1, 2, 0)
         coefficients = self.projection @ values
@@ -226,7 +232,7 @@ class _Edges:
 
 
 def _divided(rule: FacetRule) -> FacetRule:
-    """The rule on each of some equal parts of its facets."""
+    """Return the rule applied to each of ``EDGE_PARTS`` equal parts of its facets."""
     first, s = rule.shapes[0], rule.s[0]
     slope = (s[:, 1] - s[:, 0]) / (first[:, 1] - first[:, 0])
     places = np.concatenate([(first + part) / EDGE_PARTS for part in range(EDGE_PARTS)], axis=1)
@@ -236,7 +242,7 @@ def _divided(rule: FacetRule) -> FacetRule:
 
 
 def _crossings(data: Data, part: Part) -> tuple[float, ...]:
-    """Coordinates along a part at which lines of the data meet it."""
+    """Return the coordinates along a part at which lines of the data cross it."""
     found = []
     for direction, offset in data.lines:
         slope, start = np.dot(direction, part.tangent), np.dot(direction, part.start)

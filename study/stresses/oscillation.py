@@ -1,32 +1,31 @@
-"""Data oscillation: a guaranteed bound of what the projections P f_0 and P f_2 leave out, in the dual of V.
+"""Data oscillation: a bound of f_0 − P f_0 and f_2 − P f_2 in the dual norm, P the projections.
 
-Let g ∈ L²(T)² be orthogonal to P_q(T)², the polynomials of degree q ≥ 1 on a triangle, rigid motions among them. Korn's
-inequality gives a smallest C_{T,q} with
+Let g ∈ L²(T)² be orthogonal to P_q(T)², the polynomials of degree q ≥ 1 on a triangle, which include the rigid motions.
+By Korn's inequality there is a smallest C_{T,q} with
 
     ∫_T g·v ≤ C_{T,q} ‖g‖_T ‖ε(v)‖_{A,T}   for all v ∈ H¹(T)²,
 
-which grows in proportion to the size of T for fixed shape and A. Cut T into four similar triangles T' of half the size
+which is proportional to the size of T for fixed shape and A. Divide T into four similar triangles T' of half the size
 and let P' be the projection onto P_q(T')² on each of them. P'g is still orthogonal to the rigid motions of T, so it is
-balanced by stresses τ with τν = 0 on ∂T, and ∫ P'g·v = (τ, ε(v)); the least ‖τ‖_{A⁻¹} over composite stresses is at
-most √λ ‖P'g‖ with an eigenvalue λ of a small matrix. g − P'g is orthogonal to every
-P_q(T')², where the constant is C_{T,q}/2. Hence
+balanced by stresses τ with τν = 0 on ∂T, and ∫ P'g·v = (τ, ε(v)). The least ‖τ‖_{A⁻¹} over composite stresses is at
+most √λ ‖P'g‖ with an eigenvalue λ of a small matrix. The rest g − P'g is orthogonal to every P_q(T')², and its constant
+is C_{T,q}/2. Hence
 
     C_{T,q}² ≤ λ + C_{T,q}²/4,   that is   C_{T,q}² ≤ 4λ/3.
 
-The same with a load on one side e of T, orthogonal to P1(e)², with halves of e for the T' and a constant that grows
-like the root of the size:  C_e² ≤ λ_e + C_e²/2,  that is  C_e² ≤ 2 λ_e.
+The same argument holds for a load on one side e of T that is orthogonal to P1(e)². There T' are the halves of e, and
+the constant grows like the square root of the size:  C_e² ≤ λ_e + C_e²/2,  that is  C_e² ≤ 2 λ_e.
 
-No constant from the literature enters. λ comes from dense eigenvalue solves in floating point arithmetic and is no
+No constant from the literature is used. λ is computed by dense eigenvalue solvers in floating point, without an
 interval enclosure.
 
-The energy of stresses that balance a load on a triangle: the least λ with min ‖τ‖²_{A⁻¹} ≤ λ ‖load‖² for all loads.
-
-The loads are piecewise polynomials on a triangle divided into four similar ones, orthogonal to the polynomials of the
-whole; τ are composite stresses on the division without other tractions on its boundary.
+λ is the least number with min ‖τ‖²_{A⁻¹} ≤ λ ‖load‖² for all loads. The loads are piecewise polynomials on a triangle
+divided into four similar ones, orthogonal to the polynomials of the whole triangle. τ are composite stresses on the
+division, with no other tractions on its boundary.
 
 The midpoints of its sides divide the reference triangle into four children: child i < 3 is x = (x̂ + v_i)/2, the middle
-one x = (v_0 + v_1 + v_2 − x̂)/2. With F = ±1/2 the Piola transformation keeps coefficients, turns Div into ±2 Div and
-|ê| σν into ±1/2 |ê| σν.
+child is x = (v_0 + v_1 + v_2 − x̂)/2. With F = ±1/2 the Piola transformation keeps coefficients, turns Div into ±2 Div
+and |ê| σν into ±1/2 |ê| σν.
 """
 
 from __future__ import annotations
@@ -46,22 +45,22 @@ from study.stresses.loads import LeftOut
 from study.stresses.stress_space import StressSpace
 
 BLOCK = 256
-"""Cells computed at a time."""
+"""Number of cells whose constants are computed at a time."""
 CHILDREN = np.stack([*((np.eye(3) + np.eye(3)[i]) / 2 for i in range(3)), (1 - np.eye(3)) / 2])
 """Vertices of the children in barycentric coordinates of the triangle, (4, 3 vertices, 3)."""
 ROUNDING = 1e-9
-"""Relative singular values below which equations on the reference triangle are dependent."""
+"""Relative singular values below which equations on the reference triangle count as dependent."""
 
 
 class DividedTriangle:
-    """Stresses of degree k on each child; traction matrices act on their coefficients, the unknowns.
+    """Stresses of degree k on the four children of the reference triangle. The unknowns are their coefficients.
 
     Attributes:
         inner: the jump of tractions across the three sides of the middle child, (equations, unknowns).
         outer: |ê| σν on the halves of the sides, (3 sides, 2 halves, k + 1, 2, unknowns).
         divergence: Div in Bernstein form of degree k − 1, (4 children · 3 thirds · lower · 2, unknowns).
         values: Mandel values at the points of a quadrature rule, (points, 3, unknowns).
-        weights: of the rule, (points,).
+        weights: weights of the rule, (points,).
     """
 
     def __init__(self, degree: int) -> None:
@@ -79,7 +78,7 @@ class DividedTriangle:
 
 
 def _tractions(degree: int, of_child: Array) -> tuple[Array, Array]:
-    """The jumps and the outer tractions of four children, from the tractions of one: (3, degree + 1, 2, size)."""
+    """Return the jumps and outer tractions of four children, from the tractions of one, (3, degree + 1, 2, size)."""
     inner, outer = [], []
     size = of_child.shape[-1]
     for side in range(3):
@@ -95,9 +94,11 @@ def _tractions(degree: int, of_child: Array) -> tuple[Array, Array]:
 
 
 def restriction(degree: int, corners: Array) -> Array:
-    """Bernstein coefficients of a polynomial on a triangle ↦ those on a part of it, (polynomials, polynomials).
+    """Return the matrix that restricts a polynomial in Bernstein form to a smaller triangle, (polynomials,
+    polynomials).
 
-    The part is given by the barycentric coordinates of its vertices, (3 vertices, 3).
+    Args:
+        corners: barycentric coordinates of the vertices of the smaller triangle, (3 vertices, 3).
     """
     at = np.array(indices(degree)).T / degree
     inside = bernstein(degree, corners.T @ at)
@@ -109,9 +110,9 @@ class BalancingStresses:
     """Stresses on the divided reference triangle that balance a space of r loads.
 
     Attributes:
-        free: a basis of those that balance the load 0, at the points, (points, 3, p).
-        lifts: one for each load of a basis, (points, 3, r).
-        weights: of the points, (points,).
+        free: a basis of the stresses that balance the load 0, at the points, (points, 3, p).
+        lifts: one balancing stress for each load of a basis, (points, 3, r).
+        weights: weights of the points, (points,).
         loads: ∫ d_i d'_j of any two loads of the basis on the reference triangle, (r, r, 2, 2).
     """
 
@@ -122,7 +123,7 @@ class BalancingStresses:
 
     @classmethod
     def of(cls, divided: DividedTriangle, zero: Array, balanced: Array, loads: Array, gram: Array) -> BalancingStresses:
-        """Stresses w with zero·w = 0 and balanced·w in the span of the loads, every one of which can be balanced.
+        """Return the stresses w with zero·w = 0 and balanced·w in the span of the loads, all of which can be balanced.
 
         Loads are the columns of ``loads``, with the products ``gram``, in each of the two directions.
         """
@@ -134,7 +135,7 @@ class BalancingStresses:
         return cls(divided.values @ free, divided.values @ lifts, divided.weights, products)
 
     def constants(self, F: Array, compliance: Array, scale: Array) -> Array:
-        """√λ for triangles x = F x̂ + b, (cells,).
+        """Return √λ for triangles x = F x̂ + b, (cells,).
 
         Args:
             F: (cells, 2, 2).
@@ -157,7 +158,10 @@ class BalancingStresses:
 
 @lru_cache
 def balancing_in_cell(q: int) -> BalancingStresses:
-    """Loads in P_q of the four children, orthogonal to P_q of the triangle; tractions are 0 on the three sides."""
+    """Return the balancing stresses for loads in P_q on the children, orthogonal to P_q on the triangle.
+
+    Tractions are 0 on the three sides.
+    """
     divided = DividedTriangle(q + 1)
     third = np.concatenate([restriction(q, corners) for corners in np.moveaxis(thirds(np.eye(3)), 2, 0).swapaxes(1, 2)])
     mass = np.kron(np.eye(4), triangle_mass(q) / 8)
@@ -170,27 +174,30 @@ def balancing_in_cell(q: int) -> BalancingStresses:
 
 @lru_cache
 def balancing_on_side(side: int) -> BalancingStresses:
-    """Linear loads on the halves of a side, orthogonal to P1 of it; Div and tractions on the other sides are 0."""
+    """Return the balancing stresses for linear loads on the halves of a side, orthogonal to linear loads on the side.
+
+    Div and the tractions on the other sides are 0.
+    """
     divided = DividedTriangle(2)
     unknowns = divided.inner.shape[1]
     others = np.delete(divided.outer, side, axis=0).reshape(-1, unknowns)
     zero = np.vstack([divided.inner, others, divided.divergence])
-    # A linear function with the values c_0, c_1 has the Bernstein coefficients c_0, (c_0 + c_1)/2, c_1.
+    # A linear function with the end values c_0, c_1 has the Bernstein coefficients c_0, (c_0 + c_1)/2, c_1.
     raised = np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]])
-    # Values at the ends of the halves; those of the linear functions of the side, and what is orthogonal to them.
+    # Functions are given by end values on the halves; ``rest`` is orthogonal to linear functions on the side.
     mass = np.kron(np.eye(2), (np.ones((2, 2)) + np.eye(2)) / 6 / 2)
     linear = np.array([[1.0, 0.0], [0.5, 0.5], [0.5, 0.5], [0.0, 1.0]])
     rest = null_space(linear.T @ mass, rcond=ROUNDING)
     loads = np.kron(np.eye(2), raised) @ rest
     balanced = divided.outer[side].reshape(-1, unknowns)
-    # |ê| t̂ on a half is its traction times its share 1/2 of the side: t on the side is twice that.
+    # |ê| t̂ on a half is the traction t̂ times the fraction 1/2 of the side, so t on the side is twice |ê| t̂.
     return BalancingStresses.of(divided, zero, balanced, loads, 4 * (rest.T @ mass @ rest))
 
 
 def cell_constants(F: Array, compliance: Array, q: int) -> Array:
-    """An upper bound of C_{T,q} for triangles x = F x̂ + b: (cells, 2, 2) → (cells,).
+    """Return an upper bound of C_{T,q} for triangles x = F x̂ + b: (cells, 2, 2) → (cells,).
 
-    Cells that differ by their size, by a half turn, or by the order of their vertices, are computed once.
+    Cells that differ only by size, by a half turn, or by the order of their vertices are computed once.
     """
     size = np.sqrt(abs(np.linalg.det(F)))
     shapes = (by_length(F) / size[:, None, None]).reshape(-1, 4)
@@ -202,7 +209,7 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
 
 
 def by_length(F: Array) -> Array:
-    """The same triangles, with vertices in the order of the lengths of the sides opposite to them: (cells, 2, 2)."""
+    """Return the same triangles with vertices in the order of the lengths of the opposite sides: (cells, 2, 2)."""
     corners = F @ CORNERS
     opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
     sorted_corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
@@ -210,14 +217,14 @@ def by_length(F: Array) -> Array:
 
 
 def side_constants(F: Array, compliance: Array, side: int) -> Array:
-    """An upper bound of C_e for one side of triangles x = F x̂ + b: (cells, 2, 2) → (cells,)."""
+    """Return an upper bound of C_e for one side of triangles x = F x̂ + b: (cells, 2, 2) → (cells,)."""
     a, b = SIDES[side]
     length = np.linalg.norm(F @ (CORNERS[:, b] - CORNERS[:, a]), axis=1)
     return np.sqrt(2) * balancing_on_side(side).constants(F, compliance, 1 / length)
 
 
 def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Array, Array]]:
-    """For each number of a side: the cells with this side on Γ2, their edges there, and upper bounds of C_e."""
+    """Return for each side number the cells with this side on Γ2, their edges there, and upper bounds of C_e."""
     loaded = np.concatenate([np.empty(0, dtype=int), *(edges for _, edges in space.on(Kind.LOADED))])
     found = []
     for side in range(len(SIDES)):
@@ -227,14 +234,14 @@ def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Arr
 
 
 class Oscillation:
-    """η_T with (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T} for the sides e of T on Γ2.
+    """Computes η_T with (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T} for the sides e of T on Γ2.
 
-    η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e with g = f_0 − P f_0, which is orthogonal to
-    P_{k−1}, and its projection Π g onto P_k; k is the degree of the stresses.
+    η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e, where g = f_0 − P f_0 is orthogonal to
+    P_{k−1}, Π g is its projection onto P_k, and k is the degree of the stresses.
 
     Args:
-        space: the stresses that P belongs to, of degree 2 or more.
-        compliance: A⁻¹ but for its factor, Mandel (3, 3).
+        space: the stresses for which P is defined, of degree 2 or more.
+        compliance: A⁻¹ without its factor, Mandel (3, 3).
         low: the least value of the factor of A.
     """
 
@@ -244,7 +251,7 @@ class Oscillation:
         self._sides = [(cells, edges, constants / root) for cells, edges, constants in loaded_sides(space, compliance)]
 
     def __call__(self, left_out: LeftOut) -> Array:
-        """η_T from the norms of what P leaves out, (cells,)."""
+        """Return η_T from the norms of the difference between data and projections, (cells,)."""
         low, high = self._cells
         total = low * left_out.low_order + high * left_out.high_order
         for cells, edges, constants in self._sides:

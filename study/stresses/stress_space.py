@@ -1,8 +1,8 @@
-"""Σ^h: composite equilibrium stresses on a mesh, joined by their tractions.
+"""The space Σ^h of composite equilibrium stresses on a mesh, with continuous tractions.
 
-On every cell a stress is a lifting of its divergence plus an element of the stresses with Div σ = 0. It is held by its
-values at the points of a quadrature rule on the thirds, at which products of two stresses are integrated exactly, and
-by the Bernstein coefficients of its tractions on the edges, in axes (ν, τ) on Γ3 and Cartesian elsewhere.
+On every cell a stress is a lifting of its divergence plus a stress with Div σ = 0. It is stored by its values at the
+points of a quadrature rule on the thirds, which integrates products of two stresses exactly, and by the Bernstein
+coefficients of its tractions on the edges, in axes (ν, τ) on Γ3 and Cartesian elsewhere.
 """
 
 from __future__ import annotations
@@ -21,20 +21,20 @@ from study.stresses.bernstein import bernstein
 from study.stresses.composite import SIDES, CompositeElement, composite, thirds
 
 LEAST_DEGREE = 4
-"""Degree of the rule on the thirds, at least: errors of linear stresses are quadratic."""
+"""Least degree of the rule on the thirds, because errors of linear stresses are quadratic."""
 FACETS = (1, 2, 0)
-"""Facet i of a cell, in the order of the mesh, joins its vertices i and i + 1 modulo 3; side i is opposite vertex i."""
+"""Facet i of a cell in the mesh joins its vertices i and i + 1 modulo 3; side i is opposite to vertex i."""
 
 
 @dataclass(frozen=True, eq=False)
 class StressSpace(MeshedBody):
-    """Composite stresses of degree k on a triangulation of a body, whose cells are x = F x̂ + b.
+    """Composite stresses of degree k on a triangulation of a body, with cells x = F x̂ + b.
 
-    Shapes: Q points a cell (all thirds together), p basis functions with Div σ = 0 a cell, n = k + 1 Bernstein
-    polynomials an edge.
+    Letters in shapes: Q points in a cell (all thirds together), p basis functions with Div σ = 0 in a cell, n = k + 1
+    Bernstein polynomials on an edge.
 
     Raises:
-        MeshError: the mesh is not one of triangles, or does not fit the parts of the body.
+        MeshError: the mesh does not consist of triangles, or does not fit the parts of the body.
     """
 
     mesh: Mesh
@@ -44,17 +44,17 @@ class StressSpace(MeshedBody):
     def __post_init__(self) -> None:
         if self.mesh.dim() != 2:
             raise MeshError(f"composite stresses are made for triangles, got a mesh of dimension {self.mesh.dim()}")
-        self.parts  # refuse a mesh that does not fit before anything is built on it  # noqa: B018
+        self.parts  # refuse a mesh that does not fit before it is used  # noqa: B018
 
     @cached_property
     def map(self) -> Array:
-        """F, (cells, 2, 2)."""
+        """The matrices F, (cells, 2, 2)."""
         corners = self.mesh.p[:, self.mesh.t]
         return np.moveaxis(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1), 2, 0)
 
     @cached_property
     def determinant(self) -> Array:
-        """det F, negative for a reflected cell, (cells,)."""
+        """The determinants of F, negative for a reflected cell, (cells,)."""
         return np.linalg.det(self.map)
 
     @cached_property
@@ -64,20 +64,20 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def lengths(self) -> Array:
-        """|e|, (edges,)."""
+        """The lengths |e| of the edges, (edges,)."""
         ends = self.mesh.p[:, self.mesh.facets]
         return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
 
     @cached_property
     def frames(self) -> Array:
-        """Rows: the axes of tractions, (ν, τ) on Γ3, Cartesian elsewhere, (edges, 2, 2)."""
+        """The axes of tractions as rows: (ν, τ) on Γ3, Cartesian elsewhere, (edges, 2, 2)."""
         found = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
         for part, edges in self.on(Kind.CONTACT):
             found[edges] = np.array([part.normal, part.tangent])
         return found
 
     def boundary_tractions(self, edges: Array, tractions: Array) -> Array:
-        """Tractions on edges of the boundary, with the outward normal: (..., cells, 3, n, 2) → (..., edges, n, 2)."""
+        """Return tractions on boundary edges, with the outward normal: (..., cells, 3, n, 2) → (..., edges, n, 2)."""
         found = np.empty((*tractions.shape[:-4], len(self.lengths), *tractions.shape[-2:]))
         found[..., self.edges, :, :] = tractions
         return found[..., edges, :, :]
@@ -88,19 +88,20 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _piola(self) -> Array:
-        """σ̂ ↦ F σ̂ Fᵀ / det F in Mandel form, (cells, 3, 3)."""
+        """The Piola transformation σ̂ ↦ F σ̂ Fᵀ / det F in Mandel form, (cells, 3, 3)."""
         F, E = self.map, basis(2)
         pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / self.determinant[:, None, None, None]
         return np.einsum("Iil,cJil->cIJ", E, pushed)
 
     @cached_property
     def _rule(self) -> tuple[Array, Array]:
-        """Barycentric points (3, q) and weights (q,) of sum 1 on a third."""
+        """Barycentric points (3, q) and weights (q,) with sum 1 on a third."""
         return simplex_rule(2, max(LEAST_DEGREE, 2 * self.degree))
 
     @cached_property
     def _values(self) -> Array:
-        """Coefficients ↦ Mandel values at the points of the reference triangle, (Q, 3 thirds, polynomials)."""
+        """The matrix from coefficients to values at the points of the reference triangle, (Q, 3 thirds,
+        polynomials)."""
         at = bernstein(self.degree, self._rule[0]).T
         return np.kron(np.eye(3), at).reshape(-1, 3, at.shape[1])
 
@@ -112,7 +113,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def barycentric(self) -> Array:
-        """The points in the barycentric coordinates of the cell, (3, Q)."""
+        """The barycentric coordinates of the points in the cell, (3, Q)."""
         return np.einsum("ivt,vq->itq", thirds(np.eye(3)), self._rule[0]).reshape(3, -1)
 
     @cached_property
@@ -127,9 +128,9 @@ class StressSpace(MeshedBody):
         return found.reshape(-1, found.shape[-1])
 
     def gram(self, compliance: Array) -> Array:
-        """∫_T C⁻¹σ·τ for the stresses with Div σ = 0 of every cell, (cells, p, p).
+        """Return the integrals ∫_T C⁻¹σ·τ for the stresses with Div σ = 0 of every cell, (cells, p, p).
 
-        All cells have the same stresses but for the Piola transformation, so that this is one product of two matrices.
+        All cells have the same stresses up to the Piola transformation, so one product of two matrices suffices.
 
         Args:
             compliance: C⁻¹ in Mandel form, (3, 3), or at the points, (cells, Q, 3, 3).
@@ -142,21 +143,23 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def shares(self) -> Array:
-        """Quadrature weights relative to the volumes of cells, (Q,)."""
+        """The quadrature weights relative to the volumes of cells, (Q,)."""
         return self.weights[0] / self.volumes[0]
 
     def tested(self, values: Tensors, C: Array | None = None) -> Array:
-        """∫_T σ·ε, or ∫_T σ·Cε for C (3, 3), for the stresses with Div σ = 0: (3, ..., cells, Q) → (..., cells, p)."""
+        """Return ∫_T σ·ε, or ∫_T σ·Cε, C (3, 3), for stresses σ with Div σ = 0: (3, ..., cells, Q) → (..., cells,
+        p)."""
         back = self.volumes[:, None, None] * self._piola.swapaxes(1, 2)
         pulled = (back if C is None else back @ C) @ np.moveaxis(values, 0, -2)
         return pulled.reshape(*pulled.shape[:-2], -1) @ (np.tile(self.shares, 3)[:, None] * self._reference)
 
     def combined(self, coefficients: Array) -> Tensors:
-        """The values of combinations of the stresses with Div σ = 0, (..., cells, p) → (3, ..., cells, Q)."""
+        """Return the values of combinations of the stresses with Div σ = 0, (..., cells, p) → (3, ..., cells, Q)."""
         return self._pushed(coefficients @ self._reference.T)
 
     def _pushed(self, reference: Array) -> Tensors:
-        """Values on the reference triangle ↦ those on the cells, (..., cells, 3 · Q) → (3, ..., cells, Q)."""
+        """Return values on the cells from values on the reference triangle, (..., cells, 3 · Q) → (3, ..., cells,
+        Q)."""
         return np.moveaxis(self._piola @ reference.reshape(*reference.shape[:-1], 3, -1), -2, 0)
 
     @cached_property
@@ -168,7 +171,11 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _onto_edges(self) -> tuple[Array, Array]:
-        """|ê| σ̂ν̂ ↦ σν in the axes of the edges, transposed, (cells, 3, 2, 2); which edges run against the sides."""
+        """The matrices |ê| σ̂ν̂ ↦ σν in the axes of the edges, transposed, (cells, 3, 2, 2), and which edges are
+        reversed.
+
+        An edge is reversed if it runs against the side of the cell.
+        """
         a, b = (self.mesh.t[[side[end] for side in SIDES]].T for end in (0, 1))
         turned = (self.mesh.facets[0, self.edges] == b) & (self.mesh.facets[1, self.edges] == a)
         # The sides of a reflected cell have inward normals.
@@ -176,14 +183,15 @@ class StressSpace(MeshedBody):
         return (self.frames[self.edges] @ self.map[:, None] / length[..., None, None]).swapaxes(2, 3), turned
 
     def _to_edges(self, reference: Array) -> Array:
-        """|ê| σ̂ν̂ on the sides of the reference triangle ↦ σν on the edges, (..., cells, 3, n, 2) both."""
+        """Return σν on the edges from |ê| σ̂ν̂ on the sides of the reference triangle, (..., cells, 3, n, 2) both."""
         onto, turned = self._onto_edges
         pushed: Array = reference @ onto
         pushed[..., turned, :, :] = pushed[..., turned, ::-1, :]
         return pushed
 
     def coefficients(self, values: Tensors) -> Array:
-        """Values at the points of polynomials of degree k → Bernstein coefficients, (3, thirds, polynomials)."""
+        """Return Bernstein coefficients of polynomials of degree k from values at the points, (3, thirds,
+        polynomials)."""
         inverse = np.linalg.pinv(bernstein(self.degree, self._rule[0]))
         return values.reshape(3, 3 * self.cells, -1) @ inverse
 
@@ -193,10 +201,13 @@ class StressSpace(MeshedBody):
         return bernstein(self.degree - 1, self._rule[0])
 
     def lift(self, coefficients: Array) -> tuple[Tensors, Array]:
-        """A stress with Div σ + P f_0 = 0 in every cell, from the Bernstein coefficients of P f_0.
+        """Return a stress with Div σ + P f_0 = 0 in every cell.
 
-        (..., cells, 3 thirds, lower, 2) → values (3, ..., cells, Q) and tractions (..., cells, 3, n, 2), not continuous
-        across edges.
+        Args:
+            coefficients: Bernstein coefficients of P f_0, (..., cells, 3 thirds, lower, 2).
+
+        Returns:
+            Values (3, ..., cells, Q), and tractions (..., cells, 3, n, 2), which need not be continuous across edges.
         """
         values, tractions = self._lifting
         several = coefficients.shape[:-3]
@@ -206,14 +217,14 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _pulled(self) -> Array:
-        """P f_0 ↦ the divergence of a stress of the reference triangle: −det F F⁻¹, transposed, (cells, 2, 2)."""
+        """Matrices from P f_0 to the divergence on the reference triangle: −det F F⁻¹, transposed, (cells, 2, 2)."""
         return -self.determinant[:, None, None] * np.linalg.inv(self.map).swapaxes(1, 2)
 
     @cached_property
     def _lifting(self) -> tuple[Array, Array]:
-        """``element.lift`` at the points and on the sides of the reference triangle.
+        """The matrix ``element.lift`` at the points and on the sides of the reference triangle.
 
-        (3 thirds · lower · 2, 3 · Q) and (3 thirds · lower · 2, 3 sides · n · 2).
+        The shapes are (3 thirds · lower · 2, 3 · Q) and (3 thirds · lower · 2, 3 sides · n · 2).
         """
         lift, tractions = self.element.lift, self.element.tractions
         rows = int(np.prod(lift.shape[3:]))

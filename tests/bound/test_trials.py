@@ -10,7 +10,7 @@ import pytest
 
 from benchmarks.trials import random_problems, stiff
 from benchmarks.trials.record import OUT, PAGE, made
-from study.present.marks import markdown, put
+from study.present.pages import markdown, put
 
 RANDOM, EFFECTIVITY = (pd.read_csv(OUT / name) for name in ("random.csv", "effectivity.csv"))
 

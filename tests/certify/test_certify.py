@@ -86,10 +86,10 @@ def formulas(f0: Any = (0, 0), law: KelvinVoigt = LAW, **more: Any) -> Data:
 
 
 REFUSED: dict[str, tuple[Data, str]] = {
-    "no polynomial": (formulas((0, sin(x1))), "f_0 has .*certificates serve polynomials"),
+    "no polynomial": (formulas((0, sin(x1))), "f_0 has .*certificates support polynomials"),
     "not rational": (formulas((0, sqrt(3) * t)), "coefficients are not rational"),
     "a kink in f_0": (formulas((0, pos(x1 - t, 3))), "f_0 has a kink"),
-    "a ramp in f_0 that stops": (formulas((0, Min(t, Rational(1, 2)))), "f_0 has .*certificates serve polynomials"),
+    "a ramp in f_0 that stops": (formulas((0, Min(t, Rational(1, 2)))), "f_0 has .*certificates support polynomials"),
     "a ramp in f_2 that stops": (formulas(f2={1: (Min(t, Rational(1, 2)), 0)}), "f_2 has .*serve polynomials"),
     "a kinked ramp of a kink that moves": (
         formulas(f2={1: (pos(t - Rational(1, 2), 1) * pos(x2 - t, 2), 0)}),
@@ -124,7 +124,7 @@ def test_what_is_not_served_is_refused_in_words(name: str) -> None:
         (formulas((0, x1**11)), "integer from 0 to 10"),
         (formulas((0, x1**6 * t**5)), "degree above 10"),
         (formulas(f2={1: (pos(x2 - t, 11), 0)}), "integer from 0 to 10"),
-        (formulas(u0=(0, (x2 - 1) * x1)), "u_0ν ≤ 0 on Γ3 is not seen"),
+        (formulas(u0=(0, (x2 - 1) * x1)), "u_0ν ≤ 0 on Γ3 cannot be shown"),
     ],
     ids=["degree", "total degree", "power", "u_0 in the foundation"],
 )
@@ -135,7 +135,7 @@ def test_what_the_checker_would_refuse_is_refused_before_it_is_computed(data: Da
 
 def test_cases_are_refused_by_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["certify", "full-contact", "--out", str(tmp_path)]) == 2
-    assert "certificates serve data that are formulas" in capsys.readouterr().err
+    assert "certificates support data that are formulas" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["wedge", "bracket"])

@@ -156,7 +156,7 @@ def test_small_vectors_are_those_of_textbooks() -> None:
     assert checker.cross((2, 3), (5, 11)) == 7
     assert checker.minus((Q(2), Q(3)), (Q(5), Q(11))) == (-3, -8)
     assert checker.summed([[1, 2], [10, 20], [100, 200]]) == [[1, 2], [12, 24], [123, 246]]
-    with pytest.raises(RefusedError, match="not as long as each other"):
+    with pytest.raises(RefusedError, match="must have equal lengths"):
         checker.summed([[1, 2], [3]])
 
 

@@ -85,7 +85,7 @@ def test_unknown_keys_are_refused(
 ) -> None:
     data = certificate()
     at(data, place)[key] = []
-    assert re.search("unknown key|has to be a list of 2|on parts", refused(packed(data), tmp_path, capsys))
+    assert re.search("unknown key|must be a list of 2|does not exist", refused(packed(data), tmp_path, capsys))
 
 
 def keys() -> list[tuple[Any, ...]]:
@@ -138,10 +138,10 @@ def test_only_short_fractions_are_numbers(
     for number in NUMBERS:
         data = certificate()
         at(data, place[:-1])[place[-1]] = number
-        with pytest.raises(checker.RefusedError, match="has to be a fraction such as"):
+        with pytest.raises(checker.RefusedError, match="must be a fraction such as"):
             checker.verified(data)
         if place == ("m",):
-            assert "has to be a fraction" in refused(packed(data), tmp_path, capsys)
+            assert "must be a fraction" in refused(packed(data), tmp_path, capsys)
 
 
 def test_fractions_of_any_sign_and_of_as_many_digits_as_are_allowed_are_numbers() -> None:
@@ -162,7 +162,7 @@ STRUCTURES: dict[str, tuple[Callable[[Any], None], str]] = {
     "an object for a list": (edit("computed", 1, to={"0": 1.0}), "list"),
     "a text for a list": (edit("mesh", "points", 1, to="00"), "list"),
     "a text for a list of fractions": (edit("problem", "vertices", 1, to="10"), "list of 2"),
-    "u_h at one time": (edit("computed", to=[[0.0] * 50]), "1 values, but has to have 2"),
+    "u_h at one time": (edit("computed", to=[[0.0] * 50]), "1 values, but must have 2"),
     "no u_h": (edit("computed", to=[]), "0 values"),
     "ũ at one time": (edit("displacement", "nodes", to=[[0] * 162]), "1 values"),
     "a huge unit of ũ": (edit("displacement", "bits", to=10**9), "integer from 1 to 512"),
@@ -179,38 +179,38 @@ STRUCTURES: dict[str, tuple[Callable[[Any], None], str]] = {
     "a high degree of u_0": (edit("problem", "start", 0, to=[["1", 7, 4]]), "u_0 has a degree above 10"),
     "a negative exponent": (edit("problem", "force", 1, 0, 0, 0, 1, to=-1), "integer from 0 to 10"),
     "an exponent that is a boolean": (edit("problem", "force", 1, 0, 0, 0, 1, to=True), "is True"),
-    "many monomials": (edit("problem", "start", 0, to=[["0", 0, 0]] * 301), "301 values, but has to have 0 to 300"),
+    "many monomials": (edit("problem", "start", 0, to=[["0", 0, 0]] * 301), "301 values, but must have 0 to 300"),
     "many summands": (edit("problem", "force", 0, to=[[[], [], 0]] * 301), "301 values"),
-    "many vertices": (edit("problem", "vertices", to=[["0", "0"]] * 101), "101 values, but has to have 3 to 100"),
+    "many vertices": (edit("problem", "vertices", to=[["0", "0"]] * 101), "101 values, but must have 3 to 100"),
     "two vertices": (edit("problem", "vertices", to=[["0", "0"]] * 2), "2 values"),
     "a vertex in space": (edit("problem", "vertices", 0, to=["0", "0", "0"]), "list of 2 values"),
-    "a kind that is not there": (edit("problem", "kinds", 0, to=BAD), "has to be clamped or contact or loaded"),
+    "a kind that is not there": (edit("problem", "kinds", 0, to=BAD), "must be clamped or contact or loaded"),
     "fewer kinds than sides": (edit("problem", "kinds", to=["clamped"] * 3), "one kind for every side"),
     "more kinds than sides": (edit("problem", "kinds", to=["clamped"] * 5), "one kind for every side"),
-    "a load on a part that is not there": (edit("problem", "loads", "7", to=[[], []]), "that there are not"),
+    "a load on a part that is not there": (edit("problem", "loads", "7", to=[[], []]), "a side that does not exist"),
     "a load with one component": (edit("problem", "loads", "1", to=[[]]), "list of 2 values"),
     "a load with three components": (edit("problem", "loads", "1", to=[[], [], []]), "list of 2 values"),
     "a law in space": (edit("problem", "A", to=[["1"] * 6] * 6), "list of 3 values"),
     "a long row of a law": (edit("problem", "A", 0, to=["1"] * 4), "list of 3 values"),
-    "a point in space": (edit("mesh", "points", 0, to=[0, 0, 0]), "3 values, but has to have 2 to 2"),
+    "a point in space": (edit("mesh", "points", 0, to=[0, 0, 0]), "3 values, but must have 2 to 2"),
     "a quadrangle": (edit("mesh", "cells", 0, to=[0, 1, 2, 3]), "4 values"),
     "no cells": (edit("mesh", "cells", to=[]), "0 values"),
-    "a vertex that is not there": (edit("mesh", "cells", 0, 0, to=9), "no such vertex"),
-    "a vertex of a side that is not there": (edit("mesh", "sides", 0, 0, to=9), "no such vertex"),
-    "a negative vertex": (edit("mesh", "cells", 0, 0, to=-1), "no such vertex"),
-    "a side without vertices": (edit("mesh", "sides", 0, to=[]), "0 values, but has to have 2"),
+    "a vertex that is not there": (edit("mesh", "cells", 0, 0, to=9), "a vertex does not exist"),
+    "a vertex of a side that is not there": (edit("mesh", "sides", 0, 0, to=9), "a vertex does not exist"),
+    "a negative vertex": (edit("mesh", "cells", 0, 0, to=-1), "a vertex does not exist"),
+    "a side without vertices": (edit("mesh", "sides", 0, to=[]), "0 values, but must have 2"),
     "a side too few": (edit("mesh", "sides", to=[[0, 1]] * 3), "one line of vertices for every side"),
     "no denominator": (edit("mesh", "denominator", to=0), "a positive integer"),
-    "a field of vectors": (edit("constants", "field", 0, to=[0, 0]), "2 values, but has to have 4"),
-    "a short field": (edit("constants", "field", to=[]), "the tensor field has another size"),
+    "a field of vectors": (edit("constants", "field", 0, to=[0, 0]), "2 values, but must have 4"),
+    "a short field": (edit("constants", "field", to=[]), "one value for every vertex"),
     "a constant that is 0": (edit("constants", "volume", to="0"), "a constant of the body is not positive"),
     "another constant that is 0": (edit("constants", "surface", to="0"), "a constant of the body is not positive"),
-    "an element without columns": (edit("element", "columns", to=[]), "0 values, but has to have 45"),
+    "an element without columns": (edit("element", "columns", to=[]), "0 values, but must have 45"),
     "an element with short columns": (edit("element", "columns", 44, to=[0] * 89), "89 values"),
     "an element over 0": (edit("element", "over", to=0), "a positive integer"),
-    "stresses of no time": (edit("stress", "tractions", to=[]), "not one stress for every"),
+    "stresses of no time": (edit("stress", "tractions", to=[]), "must be one stress for every"),
     "a level that is no number": (edit("level", to="4"), "integer from 0"),
-    "another format": (edit("format", to=BAD), "has to be signorini-certificate 2"),
+    "another format": (edit("format", to=BAD), "must be signorini-certificate 2"),
 }
 
 
@@ -224,20 +224,20 @@ def test_other_structures_are_refused(name: str, tmp_path: Path, capsys: pytest.
 BIG = 40_000_000
 TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "nothing": (lambda: b"", "ends too early"),
-    "no gzip": (lambda: TEXT.encode(), "no gzip file"),
+    "no gzip": (lambda: TEXT.encode(), "not a gzip file"),
     "a gzip file that ends early": (lambda: packed(TEXT)[:-9], "ends too early"),
-    "a gzip file with a wrong sum": (lambda: packed(TEXT)[:-8] + b"\0" * 8, "no gzip file"),
-    "two gzip members": (lambda: packed(TEXT) + packed(TEXT), "behind its certificate"),
-    "bytes behind a gzip file": (lambda: packed(TEXT) + b"\0", "behind its certificate"),
+    "a gzip file with a wrong sum": (lambda: packed(TEXT)[:-8] + b"\0" * 8, "not a gzip file"),
+    "two gzip members": (lambda: packed(TEXT) + packed(TEXT), "data after its certificate"),
+    "bytes behind a gzip file": (lambda: packed(TEXT) + b"\0", "data after its certificate"),
     "a bomb of zeros": (lambda: gzip.compress(b"0" * BIG), "unpacks to more than"),
     "a bomb of spaces": (lambda: packed(TEXT + " " * BIG), "unpacks to more than"),
-    "a bomb of members": (lambda: packed(TEXT) * 1000, "behind its certificate"),
-    "no JSON": (lambda: packed("certificate"), "no gzip file with JSON"),
-    "two values": (lambda: packed(TEXT + "{}"), "no gzip file with JSON"),
-    "a comma too many": (lambda: packed(TEXT[:-1] + ",}"), "no gzip file with JSON"),
-    "text that is not ASCII": (lambda: packed(TEXT.replace("contact", "kontakt\u202e")), "no gzip file with JSON"),
-    "UTF-16": (lambda: gzip.compress(TEXT.encode("utf-16")), "no gzip file with JSON"),
-    "a list": (lambda: packed("[]"), "certificate is a list, but has to be an object"),
+    "a bomb of members": (lambda: packed(TEXT) * 1000, "data after its certificate"),
+    "no JSON": (lambda: packed("certificate"), "not a gzip file with JSON"),
+    "two values": (lambda: packed(TEXT + "{}"), "not a gzip file with JSON"),
+    "a comma too many": (lambda: packed(TEXT[:-1] + ",}"), "not a gzip file with JSON"),
+    "text that is not ASCII": (lambda: packed(TEXT.replace("contact", "kontakt\u202e")), "not a gzip file with JSON"),
+    "UTF-16": (lambda: gzip.compress(TEXT.encode("utf-16")), "not a gzip file with JSON"),
+    "a list": (lambda: packed("[]"), "certificate is a list, but must be an object"),
     "a number": (lambda: packed("1"), "certificate is 1"),
     "null": (lambda: packed("null"), "certificate is None"),
     "NaN": (lambda: packed(TEXT.replace('"m":', '"m":NaN,"n":')), "a number is 'NaN'"),
@@ -295,11 +295,11 @@ def test_what_is_no_file_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[
     for path in (tmp_path, tmp_path / "absent", fifo, Path("/dev/zero"), tmp_path / ("x" * 300), Path(f"{BAD}.gz")):
         code, out, error = checked(path, capsys)
         assert (code, out) == (2, "")
-        assert re.fullmatch(r"[\x20-\x7e]+ is no file\nusage: [\x20-\x7e]+\n", error)
+        assert re.fullmatch(r"[\x20-\x7e]+ is not a file\nusage: [\x20-\x7e]+\n", error)
     assert checker.main([str(EXAMPLE), "\0"]) == 2
-    assert "'\\x00' is no file" in capsys.readouterr().err
+    assert "'\\x00' is not a file" in capsys.readouterr().err
     assert checker.main([]) == 2
-    assert capsys.readouterr().err.startswith("no file is named\nusage: python checker.py")
+    assert capsys.readouterr().err.startswith("no file was given\nusage: python checker.py")
 
 
 def test_a_file_that_cannot_be_read_is_named(

@@ -66,7 +66,7 @@ def test_rows_that_were_changed_are_noticed(
 def test_a_case_whose_file_is_gone_cannot_be_measured_again(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (own.parent / "pocket.py").unlink()
     said = told(capsys, "--again", "1", "--out", str(own), code=2)
-    assert "--again needs the files of all cases, and those of pocket are gone" in said
+    assert "--again needs the files of all cases; the files of pocket no longer exist" in said
 
 
 @pytest.mark.parametrize(

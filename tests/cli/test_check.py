@@ -18,13 +18,13 @@ import pytest
 
 from study.cli import check
 from study.cli.main import main
-from study.controls.record_check import compare_record
+from study.controls.alarms import compare_record
 from study.fem.mesh import FAMILIES, MeshFamily, cell_count, size, size_of
 from study.fem.naming import resolve
 from study.ledger.datafiles import DataError, write_csv
 from study.ledger.files import write_text
 from study.present import tables
-from study.present.expected import expected_texts
+from study.present.pages import expected_texts
 from study.run import relations
 from study.run.check import verify
 from study.run.judgement import verdicts
@@ -225,8 +225,11 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "a row of the other formulation twice": (twice(EQUIVALENCE), r"equivalence.csv, line \d+: .* in line 3 already"),
     "a line of the catalogue twice": (twice(CASES, 0), r"cases.csv, line 3, .*: stands 'pocket', would be nothing"),
     "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
-    "tables and plan emptied": (emptied, r"provenance.json plans nothing"),
-    "a smaller plan": (planned(lambda keys: keys[1:]), r"provenance.json does not plan .*, its scope does otherwise"),
+    "tables and plan emptied": (emptied, r"provenance.json has an empty plan"),
+    "a smaller plan": (
+        planned(lambda keys: keys[1:]),
+        r"provenance.json does not plan .*, which disagrees with its scope",
+    ),
     "a row planned twice": (planned(lambda keys: [*keys, keys[0]]), r"provenance.json plans .* twice"),
     "a verdict": (
         edit("claims.csv", "verdict", to("reported"), rows=1),
@@ -408,9 +411,10 @@ def test_the_committed_run_passes_and_every_file_is_compared_or_named(
     """A file of an unknown kind is named, too."""
     write_text(committed / "new" / "kind.dat", "?")
     told = " ".join(refusal(committed, capsys, code=0).split())
+    cases = len(pd.read_csv(committed / "data" / "cases.csv"))
     assert re.search(
         r"\d+ rows in \d files are those of the \d+ measurements planned; \d+ relations hold in all of them; "
-        r"predictions of 30 cases; \d+ verdicts and \d+ files stand as they would be written",
+        rf"predictions of {cases} cases; \d+ verdicts and \d+ files stand as they would be written",
         told,
     )
     named = {word.rstrip(";") for word in told.partition("not checked")[2].split()}
@@ -455,7 +459,7 @@ def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(
     own: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (own.parent / "pocket.py").unlink()
-    assert "not looked up, as their files are gone: pocket" in refusal(own, capsys, code=0)
+    assert "not compared, because their files no longer exist: pocket" in refusal(own, capsys, code=0)
     edit(CASES, "expected_order", to("0.9"))(own)
     assert "column expected_order: stands '0.9', would be '1'" in refusal(own, capsys)
 

@@ -129,16 +129,10 @@ def test_the_trajectory_is_on_disk_with_its_mesh_and_times(finished) -> None:
         assert abs(u[-1]).max() > 0
 
 
-def test_the_figure_is_drawn(finished) -> None:
-    directory, _ = finished
-    for suffix in ("pdf", "svg", "png"):
-        assert (directory / f"enclosure.{suffix}").stat().st_size > 1000
-
-
 def test_a_users_problem_without_a_solution_goes_the_same_way(user: str, tmp_path: Path, capsys) -> None:
     """Written as formulas in some 15 lines; the interval gets narrower from level to level."""
     out = tmp_path / "out"
-    options = ["--levels", "4", "8", "--steps", "4", "--refine", "1", "--shorter", "2", "--out", str(out)]
+    options = ["--levels", "2", "4", "--steps", "4", "--refine", "1", "--shorter", "2", "--out", str(out)]
     assert main(["bound", f"{user}:press", *options]) == 0
     printed = capsys.readouterr().out
     assert "press: ‖u(t) − u_h(t)‖_V enclosed, solution unknown" in printed
@@ -268,7 +262,7 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--nearest"], "--nearest are about a file"),
+        (["--nearest"], "--nearest need a file"),
         (["--displacement", "none.npz"], "there is no file none.npz"),
         (["--displacement", "none.npz", "--adapt", "1"], "not both"),
         (["--adapt", "5 percent"], "a tolerance such as 0.2 or 5%, got '5 percent'"),
@@ -284,4 +278,4 @@ def test_a_mesh_too_large_for_the_memory_is_refused_with_what_is_served(
     monkeypatch.setattr("study.cli.displacement.available", lambda: 0.45 * 2.0**30)
     file = str(finished[0] / "trajectory-8.npz")
     message = refused(capsys, "advance-recede", "--displacement", file, "--refine", "3", "--out", str(tmp_path / "out"))
-    assert re.search(r"has \d+ triangles, .* need about [\d.]+ GiB .* which serve \d+ triangles", message)
+    assert re.search(r"has \d+ triangles, .* need about [\d.]+ GiB .* enough for \d+ triangles", message)

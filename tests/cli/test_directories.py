@@ -193,11 +193,11 @@ def test_controls_resume_with_what_is_not_done(tmp_path: Path, monkeypatch: pyte
 @pytest.mark.parametrize(
     ("command", "told"),
     [
-        (["run"], "what is finished is kept, the same command does the rest"),
-        (["bound", "ramp"], "what is finished is kept, the same command does the rest"),
-        (["controls"], "what is finished is kept, the same command does the rest"),
-        (["cases"], "no file is half-written, the same command begins anew"),
-        (["figures"], "no file is half-written, the same command begins anew"),
+        (["run"], "finished results are kept; run the same command again to compute the rest"),
+        (["bound", "ramp"], "finished results are kept; run the same command again to compute the rest"),
+        (["controls"], "finished results are kept; run the same command again to compute the rest"),
+        (["cases"], "no file is half-written; the same command starts from the beginning"),
+        (["figures"], "no file is half-written; the same command starts from the beginning"),
     ],
 )
 def test_ctrl_c_says_what_is_true_of_the_command(

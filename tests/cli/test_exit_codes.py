@@ -42,7 +42,7 @@ def test_undecided_rows_are_accepted_if_exactly_these_are_listed(
 
 def test_a_row_that_is_not_listed_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert code_of([replace(ROW, verdict=UNDECIDED)], listed(tmp_path, HEAD)) == 3
-    assert "undecided, and not listed in" in (said := capsys.readouterr().err)
+    assert "undecided but not listed in" in (said := capsys.readouterr().err)
     assert "(0.0), order, pocket, shaken" in said
 
 

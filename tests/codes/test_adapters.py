@@ -80,14 +80,6 @@ def test_a_variant_stops_at_its_finest_level_and_its_class_is_that_of_the_meshes
     }
 
 
-def test_a_code_that_is_not_installed_is_said_to_be_missing() -> None:
-    adapter = run_codes.Adapter
-    assert adapter("a", Path("no-such-python"), ("os",), "").missing()
-    assert adapter("b", Path(sys.executable), ("no_such_module",), "").missing()
-    assert adapter("c", Path(sys.executable), ("os",), "", "no-such-program").missing()
-    assert not adapter("d", Path(sys.executable), ("os",), "").missing()
-
-
 def test_a_class_that_is_not_the_committed_one_is_reported() -> None:
     _, committed = run_codes.read(RESULTS / "codes")
     rows = [dict(row) for row in committed]
@@ -102,17 +94,6 @@ def test_committed_files_are_what_their_rows_are_written_as(folder: str, tmp_pat
     run_codes.write(tmp_path, *run_codes.read(RESULTS / folder))
     for name in ("errors.csv", "classes.csv"):
         assert (tmp_path / name).read_text() == (RESULTS / folder / name).read_text()
-
-
-def test_a_run_replaces_its_own_rows_and_leaves_those_of_others() -> None:
-
-    def row(code: str, variant: str, case: str, value: str) -> dict[str, str]:
-        return {"code": code, "variant": variant, "case": case, "family": "f", "class": value}
-
-    old = [row("a", "v", "c", "1"), row("a", "gone", "c", "2"), row("a", "v", "d", "3"), row("b", "v", "c", "4")]
-    new = [row("a", "v", "c", "5"), row("a", "new", "c", "6")]
-    found = run_codes.merged(old, new, run_codes.SERIES)
-    assert [one["class"] for one in found] == ["5", "3", "4", "6"]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,6 @@ import lzma
 import subprocess
 import sys
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +17,9 @@ import numpy as np
 import pytest
 import this_study as ours
 
-from manufactured.catalogue import catalogue
 from study.cli.main import main
-from study.fem.mesh import MeshError, OneDiagonal
+from study.fem.mesh import OneDiagonal
 from study.fem.naming import family_named, resolve
-from study.ledger.files import UsageError
 from study.run.tasks import frozen, march, plain, with_foundation, write_task
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.experiment import Experiment
@@ -320,25 +317,6 @@ def test_tasks_for_two_levels_are_small_enough_to_commit(tmp_path: Path) -> None
     assert max(sizes(tmp_path, "corner", "shaken")) <= SMALL
 
 
-NOT_STATED = {"yield-and-release", "yield-on-a-part", "double-well", "softening", "hexagon", "re-entrant"}
-"""Cases without constants of G that are positive, and bodies that are no quadrilaterals."""
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("family", ["one-diagonal", "shaken"])
-def test_so_they_are_in_every_case_in_the_plane_that_structured_meshes_and_constants_express(
-    family: str, tmp_path: Path
-) -> None:
-    plane = [case for case in catalogue() if case.solution.body.dim == 2]
-    found = {}
-    for name in (*(case.name for case in plane), str(CODES / "nearly_incompressible.py") + ":case"):
-        with suppress(UsageError, MeshError):
-            found[name] = sizes(tmp_path, name, family)
-    assert len(found) == len(plane) - len(NOT_STATED) + 1
-    assert set(found).isdisjoint(NOT_STATED)
-    assert max(max(pair) for pair in found.values()) <= SMALL
-
-
 @pytest.mark.parametrize(("suffix", "pack"), [(".xz", lzma.compress), (".gz", gzip.compress), ("", bytes)])
 def test_a_task_is_read_whatever_it_is_packed_by(suffix: str, pack: Callable[[bytes], bytes], tmp_path: Path) -> None:
     data = json.dumps(plain(frozen(exported(level=4), (0.55,)))).encode()
@@ -380,15 +358,6 @@ def test_the_judge_runs_as_a_command_with_numpy_alone(tmp_path: Path) -> None:
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2
     assert "u.txt" in done.stderr
-
-
-def test_unpacked_files_are_the_same_problem(tmp_path: Path, tasks: list[Any]) -> None:
-    judge.unpack(tasks[1], tmp_path)
-    place = tmp_path / tasks[1].name
-    load, stress = tasks[1].step(1, tasks[1].start())
-    assert np.array_equal(np.loadtxt(place / "load_2.txt"), load)
-    assert np.array_equal(np.loadtxt(place / "initial_stress_2.txt"), stress)
-    assert np.array_equal(np.loadtxt(place / "constrained_1.txt"), tasks[1].pieces()[0][1])
 
 
 def test_a_march_can_be_done_from_unpacked_files_alone(tmp_path: Path) -> None:

@@ -18,7 +18,6 @@ from study.run.tasks import frozen, march, plain
 from study.statements.shared.tasks import Task
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "verify-a-contact-code.md"
-CLAMP = "the vertex next to Γ1 forgotten"
 
 
 @lru_cache
@@ -169,11 +168,6 @@ def test_a_singular_matrix_is_called_singular_and_its_consequences_are_left_out(
     assert judge.notes(found) == [found.cause]
 
 
-def test_a_cause_that_leaves_a_residual_of_order_one_is_not_named() -> None:
-    assert judge._name([judge.Cause("rigid", "moved", 4.0, 2e13)]) is None
-    assert judge._name([judge.Cause("rigid", "moved", 1e-12, 2e13)]) is not None
-
-
 @pytest.mark.parametrize("by", [2**0.5, 0.5**0.5, 2.0, 0.5])
 @pytest.mark.parametrize("steps", [0, 3])
 def test_a_wrong_shear_strain_in_stiffness_and_initial_stress_is_named(by: float, steps: int) -> None:
@@ -236,8 +230,8 @@ def with_gap(task: Any) -> Any:
 )
 def test_an_initial_gap_is_judged(factor: float, cause: str) -> None:
     task = with_gap(exported("layered"))
-    gap = factor * task.constraints()[3]
-    found = judged(faults.in_contact(lambda W, free, _: judge.active_set(W, free - gap)), task)
+    gap = (1 - factor) * task.constraints()[3]
+    found = judged(faults.in_contact(lambda W, free, _: judge.active_set(W, free + gap)), task)
     assert (found.verdict == "exact for P1") == (factor == 1)
     assert cause in found.cause
 

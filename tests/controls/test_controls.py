@@ -56,6 +56,13 @@ RESULTS = Path(__file__).parents[2] / "results"
 BY_TESTS = {
     ("data", "missing"): "statements/test_propositions.py::test_missing_rows_leave_the_data_undecided",
     **{
+        ("beyond: initial gap", key): ("statements/test_initial_gap.py::test_every_row_about_an_initial_gap_can_fail")
+        for key in (
+            *("discrete-order-others", "discrete-time-share", "start-share", "parallelogram", "time-share", "residual"),
+            *("clamped", "quadrature", "leading-term", "leading-order", "order-finest", "interpolation-order-finest"),
+        )
+    },
+    **{
         ("enclosure", end): "statements/test_enclosure.py::test_ends_are_close_where_it_was_announced"
         for end in ("tight-above", "tight-below")
     },
@@ -181,7 +188,7 @@ def test_a_baseline_that_does_not_hold_is_no_proof(state: str) -> None:
     good = Outcome.of_baseline(sweep, [verdict("a", HOLDS), verdict("b", HOLDS)], {"a", "b"})
     bad = Outcome.of_baseline(sweep, [verdict("a", HOLDS), verdict("b", state)], {"a", "b"})
     assert (good.passes, bad.passes, bad.row.key) == (True, False, "b")
-    assert "in 1 every row holds" in controls_text([good, bad])
+    assert "in 1 every check holds" in controls_text([good, bad])
 
 
 def test_a_row_that_no_defect_is_there_for_and_a_name_of_two_rows_are_not_in_order() -> None:
@@ -190,8 +197,8 @@ def test_a_row_that_no_defect_is_there_for_and_a_name_of_two_rows_are_not_in_ord
     found = Outcome.of_baseline(Sweep("full-contact"), sound, {"a", "c"})
     assert not found.passes
     text = controls_text([found])
-    assert "none: two rows are called a; no control names the row b" in text
-    assert "in 0 every row holds" in text
+    assert "none: two checks are called a; no control names the check b" in text
+    assert "in 0 every check holds" in text
 
 
 def test_a_defect_that_shows_what_another_one_shows_is_the_same_mistake() -> None:
@@ -215,8 +222,8 @@ def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_
     chosen = [c for c in CONTROLS if c.setting in (ELASTICITY, MEMBERS)]
     assert run(monkeypatch, tmp_path, *chosen) == 0
     text = capsys.readouterr().out
-    assert "5 defects: 5 caught" in text
-    assert "2 settings without a defect: in 2 every row holds" in text
+    assert "5 defects: 5 noticed" in text
+    assert "2 settings without a defect: in 2 every check holds" in text
     assert len(re.findall(r" all \d+ rows must hold +holds$", text, re.MULTILINE)) == 2
     assert max(map(len, text.splitlines())) <= 110
     table = pd.read_csv(tmp_path / "data" / "controls.csv", keep_default_na=False)
@@ -237,22 +244,8 @@ def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_
 
 def test_a_harmless_defect_is_not_caught_and_the_command_fails(monkeypatch, tmp_path, capsys) -> None:
     assert run(monkeypatch, tmp_path, HARMLESS) == 1
-    assert "NOT CAUGHT" in capsys.readouterr().out
+    assert "NOT NOTICED" in capsys.readouterr().out
     assert pd.read_csv(tmp_path / "data" / "controls.csv")["caught"].tolist()[1] == "no"
-
-
-def test_a_defect_that_is_caught_where_the_baseline_does_not_hold_proves_nothing(monkeypatch, tmp_path) -> None:
-    """Two levels leave an order undecided."""
-    short = replace(named("contact dropped"), name="short", setting=Sweep("full-contact", levels=(4, 8)))
-    assert run(monkeypatch, tmp_path, short) == 1
-
-
-def test_bad_options_are_refused(tmp_path, capsys) -> None:
-    assert main(["controls", "--jobs", "0", "--out", str(tmp_path)]) == 2
-    assert "--jobs must be 1 or more" in capsys.readouterr().err
-    occupied = tmp_path / "file"
-    occupied.write_text("")
-    assert main(["controls", "--out", str(occupied)]) == 2
 
 
 def modules_after(code: str) -> set[str]:

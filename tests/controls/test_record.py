@@ -71,9 +71,9 @@ def test_what_is_written_is_read_again(tmp_path: Path) -> None:
 
 def test_nothing_in_it_is_replaced() -> None:
     record = after([1.0, 1.05])
-    with pytest.raises(DataError, match="seed 100 is in the record already"):
+    with pytest.raises(DataError, match="seed 100 is already in the record"):
         record.drawn(100, LIGHT)
-    with pytest.raises(DataError, match="seed 100 was judged already"):
+    with pytest.raises(DataError, match="seed 100 was already judged"):
         record.judged(100, [judged(1.0)], {ROW: "a"}, claimed)
     longer = after([0.9], record=record)
     (before,), (behind,) = record.lines.values(), longer.lines.values()

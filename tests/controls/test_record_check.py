@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from study.controls.record_check import compare_record
+from study.controls.alarms import compare_record
 from study.ledger.datafiles import DataError
 
 RESULTS = Path(__file__).parents[2] / "results"

@@ -10,7 +10,7 @@ import pytest
 from skfem import Basis, BilinearForm, ElementTetP1, ElementVector
 from skfem.helpers import ddot, sym_grad, trace
 
-from manufactured import Body, BodyError, Kind, Part, box, catalogue, isotropic, polygon, unit_square
+from manufactured import Body, BodyError, Kind, Part, box, catalogue, isotropic, unit_square
 from manufactured.tensors import mandel
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm, load_from_forces
@@ -292,11 +292,6 @@ def test_contact_constraints_of_a_solid_are_v_dot_nu_and_their_weights_cover_the
     assert np.isclose(weights[1].sum(), bottom.measure)
     assert weights[0].sum() < space.contact[0][0].measure
     assert (space.mesh.p[2, vertices] < 0.5).all()
-
-
-def test_a_polygon_is_refused_where_a_solid_is_meant() -> None:
-    with pytest.raises(BodyError, match="make no part"):
-        polygon([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [Kind.CONTACT] * 3)  # type: ignore[list-item]
 
 
 def test_the_two_loads_and_the_two_interpolation_errors_of_a_solid_meet_under_refinement() -> None:

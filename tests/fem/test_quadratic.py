@@ -172,15 +172,6 @@ def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body
     assert np.allclose(space.strain_at(v, some, x[:, some]), expected[:, some], atol=1e-10)
 
 
-@given(st.integers(0, 10**6))
-def test_strains_at_given_points_are_those_at_the_same_points_of_every_cell(seed: int) -> None:
-    rng, space = np.random.default_rng(seed), quadratic("hexagon")
-    v = rng.normal(size=space.dofs)
-    barycentric, x = in_cells(space, rng)
-    assert np.allclose(space.strain_at(v, np.arange(space.cells), x), strains(space, v, barycentric), atol=1e-9)
-    assert np.allclose(space.strain(v), space.strain_at(v, np.arange(space.cells), space.points), atol=1e-9)
-
-
 def test_functions_are_continuous_and_vanish_on_the_clamped_part() -> None:
     rng = np.random.default_rng(3)
     for name in BODIES:

@@ -64,7 +64,7 @@ def test_a_window_distinguishes_wrong_from_unclear(value: float, low: float, hig
     ("window", "text"),
     [
         (around(1, 0.15, "every consecutive order"), "1 ± 0.15: every consecutive order"),
-        (between(1.5, 2, 0.15, 0.2), "1.5 … 2, − 0.15 + 0.2"),
+        (between(1.5, 2, 0.15, 0.2), "1.35 … 2.2, predicted 1.5 … 2"),
         (around(0.5444837, 0.15), "0.544 ± 0.15"),
         (at_most(0.02, "of the error"), "≤ 0.02: of the error"),
         (at_most(1 + 1e-9, low=-math.inf), "≤ 1 + 1e-9"),
@@ -94,14 +94,14 @@ def test_a_row_is_known_by_label_key_case_and_family_and_carries_its_window() ->
 
 def test_a_prediction_without_a_claim_is_reported_and_missed_if_it_was_wrong() -> None:
     for value, outcome, verdict in (
-        (1.0, "agrees", REPORTED),
-        (1.2, "differs", MISSED),
+        (1.0, "met", REPORTED),
+        (1.2, "wrong", MISSED),
         (math.nan, "undecided", REPORTED),
     ):
         criterion = Criterion("key", "a quantity", around(1, 0.1), lambda _, v=value: (v, (v, v)), ())
         row = Observation(criterion, "nobody knows").verdict(Claim(), "a", {"shaken": pd.DataFrame({"h": [1.0]})})
         assert row.verdict == verdict
-        assert row.expected == f"predicted 1 ± 0.1; no claim, as nobody knows: {outcome}"
+        assert row.expected == f"predicted 1 ± 0.1 ({outcome}); no claim, because nobody knows"
         assert agreement(pd.Series(vars(row))) == outcome
 
 

@@ -8,7 +8,7 @@ from pkgutil import iter_modules
 from types import ModuleType
 
 import pytest
-from case_docstrings import FORMULAS, missing_parts
+from case_docstrings import missing_parts
 
 from manufactured import Case, cases, catalogue
 
@@ -58,12 +58,3 @@ def test_a_docstring_that_leaves_something_out_is_noticed(
     docstring = str(own(CASES[name]).__doc__)
     assert before in docstring
     assert missing_parts(docstring.replace(before, after), CASES[name]) == missing
-
-
-def test_a_docstring_that_predicts_before_it_states_formulas_is_noticed() -> None:
-    title, formulas, where, prediction, *_ = str(own(CASES["rough-2"]).__doc__).split("\n\n")
-    assert missing_parts("\n\n".join([title, prediction, formulas, where]), CASES["rough-2"]) == list(FORMULAS)
-
-
-def test_a_module_without_a_docstring_is_noticed() -> None:
-    assert missing_parts(None, CASES["full-contact"]) == [*FORMULAS, "Predicted order 1: …"]

@@ -27,13 +27,12 @@ from manufactured.data import Data, LoadError
 from manufactured.problems import problems
 from manufactured.tensors import mandel
 from study.bound.bounded import check_bound
-from study.bound.discretisation import Discretisation, check_force
+from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve_data
 from study.ledger.files import UsageError
-from study.solve.steps import rate_steps
 
 CASES = {case.name: case for case in catalogue()}
 SQUARE, LAW = unit_square(), not_proportional()
@@ -241,42 +240,6 @@ def test_a_solid_is_refused_whatever_the_meshes() -> None:
         Discretisation(solid, OneDiagonal()(solid.body, 2))
 
 
-@pytest.mark.parametrize(
-    ("levels", "steps", "refined", "message"),
-    [
-        ([], None, Refined(), "levels must be 2 or more and increase, got none"),
-        ([1, 4], None, Refined(), "levels must be 2 or more and increase, got 1 4"),
-        ([8, 4], None, Refined(), "got 8 4"),
-        ([4, 4], None, Refined(), "got 4 4"),
-        ([4], 0, Refined(), "--steps must be 1 or more, got 0"),
-        ([4], None, Refined(-1, 2), "got -1 and 2"),
-        ([4], None, Refined(1, 0), "got 1 and 0"),
-    ],
-)
-def test_levels_steps_and_refinements_that_make_no_sense_are_refused(levels, steps, refined, message) -> None:
-    with pytest.raises(BoundError, match=message):
-        check_bound(data(), OneDiagonal(), levels, steps, refined)
-
-
-def test_a_family_that_does_not_mesh_the_body_is_refused_with_those_that_do() -> None:
-    hexagon = Data.of(CASES["hexagon"].solution)
-    with pytest.raises(BoundError, match="one-diagonal does not mesh this body; take one of unstructured"):
-        check_bound(hexagon, OneDiagonal(), [4], None, Refined())
-
-
-def test_levels_get_the_steps_of_their_pace() -> None:
-    T = data().body.T
-    assert [rate_steps(T, level) for level in (8, 27)] == [32, 72]
-    assert rate_steps(T, 8, pace=1) == 4
-
-
-def test_forces_that_are_not_square_integrable_are_refused() -> None:
-    with pytest.raises(BoundError, match=r"case rough-2: .* take a case with f_0 in L²"):
-        check_force(CASES["rough-2"])
-    check_force(CASES["re-entrant"])
-    check_force(None)
-
-
 # ---- names
 
 
@@ -303,12 +266,6 @@ def test_names_stand_for_cases_problems_and_users_data(tmp_path) -> None:
     assert name == case.name == "corner"
     with pytest.raises(UsageError, match=r"is a int, expected manufactured\.Data or"):
         resolve_data(f"{tmp_path}/mine.py:other")
-
-
-def test_an_unknown_name_is_refused_with_all_cases_and_problems() -> None:
-    with pytest.raises(UsageError) as refusal:
-        resolve_data("nonsense")
-    assert all(known in str(refusal.value) for known in [*CASES, "ramp", "bracket"])
 
 
 def test_a_factor_beyond_its_stated_bounds_is_refused() -> None:

@@ -47,7 +47,7 @@ finite = st.floats(-10, 10, allow_nan=False)
 
 
 @pytest.mark.parametrize("case", catalogue(), ids=lambda case: case.name)
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_every_case_satisfies_the_problem_to_round_off(case: Case, seed: int) -> None:
     findings = examine(case.solution, seed)
     assert all(finding.passes for finding in findings), "\n".join(map(str, findings))
@@ -169,9 +169,9 @@ EARLY = sp.Rational(3, 10)
 @pytest.mark.parametrize(
     ("changes", "condition"),
     [
-        ({"gap": -20 * pos(s - C, 4)}, "u_ν ≤ 0"),
-        ({"gap": 20 * pos(s - C + sp.Rational(1, 100), 4)}, "w = 0, so σ_ν u_ν = 0, on the stated zone"),
-        ({"gap": 20 * pos(s - C + SHIFT, 4), "level": C - s - SHIFT}, "p = 0, so σ_ν u_ν = 0, off the stated zone"),
+        ({"gap": -20 * pos(s - C, 4)}, "u_ν ≤ g"),
+        ({"gap": 20 * pos(s - C + sp.Rational(1, 100), 4)}, "w = 0, so σ_ν w = 0, on the stated zone"),
+        ({"gap": 20 * pos(s - C + SHIFT, 4), "level": C - s - SHIFT}, "p = 0, so σ_ν w = 0, off the stated zone"),
         ({"gap": 20 * pos(s - C, 4) * (1 + pos(s - sp.Rational(9, 10), 0))}, "w without jumps"),
         ({"strain": Memory(20 * pos(C - s, 2) * (1 - 2500 * pos(t * (EARLY - t), 2)), 3, 3, 1.0)}, "σ_ν ≤ 0"),
         ({"strain": Memory(20 * pos(C - s, 2), 2.5, 7, 1.0)}, "p = −σ_ν"),

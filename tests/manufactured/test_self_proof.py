@@ -31,7 +31,7 @@ SMALL_DEFECTS = [
     (Fields, "strain", r"(2.10) ε(u) = sym ∇u"),
     (Fields, "strain_rate", r"(2.10) ε(u̇) = sym ∇u̇"),
     (Fields, "velocity", r"(2.6) u̇ = ∂u/∂t"),
-    (FaceFields, "gap", r"(2.5) w = −u_ν"),
+    (FaceFields, "gap", r"(2.5) w = g − u_ν"),
     (FaceFields, "stated_pressure", r"(2.5) p = −σ_ν"),
 ]
 
@@ -73,7 +73,7 @@ def test_each_numbered_condition_is_examined_where_it_has_something_to_say() -> 
     numbers = {re.match(r"\([\d.]+\)", finding.condition)[0] for finding in examine(LAYERS)}
     assert numbers == {"(2.1)", "(2.2)", "(2.3)", "(2.4)", "(2.5)", "(2.6)", "(2.9)", "(2.10)", "(3.1)", "(3.2)"}
     said = [finding.condition for finding in examine(LAYERS)]
-    for words in ("Div σ + f_0", "σν continuous", "u(t) = u_0 + ∫u̇ dt", "σ_τ = 0", "u_ν ≤ 0", "σ_ν ≤ 0", "w > 0 off"):
+    for words in ("Div σ + f_0", "σν continuous", "u(t) = u_0 + ∫u̇ dt", "σ_τ = 0", "u_ν ≤ g", "σ_ν ≤ 0", "w > 0 off"):
         assert any(words in one for one in said), words
 
 

@@ -111,7 +111,7 @@ def test_a_task_does_not_serve_a_law_that_softens(tmp_path, capsys) -> None:
 
 def test_a_certificate_does_not_serve_a_law_that_softens() -> None:
     data = Data.formulas(unit_square(), named("softening").solution.law, f0=(0, 0))
-    with pytest.raises(BoundError, match="certificates serve positive ones only"):
+    with pytest.raises(BoundError, match="certificates need positive ones"):
         statement(data)
 
 

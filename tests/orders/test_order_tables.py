@@ -62,7 +62,7 @@ REFUSED = {
     "18-fd-points-not-cells.txt": "give --in n",
     "22-mpas-console.txt": "no table was recognised",
     "23-rates-not-errors.txt": "give --ratio 2",
-    "33-repeated-h.csv": "line 4: h = 0.05 stands in line 3 already",
+    "33-repeated-h.csv": "line 4: h = 0.05 is already in line 3",
     "gadopt.txt": "Give --ratio 2",
     "libceed.txt": "convergence order of u (order)",
     "mirgecom_bare.txt": "6 columns, but no line above names them",
@@ -296,7 +296,7 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, tmp_path, ca
         (b"h,error\n" + b"1,1\n" * 1_000_000, "100000 lines"),
         (b"h,error\n" + b"0.123456789,0.123456789\n" * 1_000_000, "more than 8 MB"),
         (b"h,error\n1,abc\n.5,1\n", "line 2: the entry of error is 'abc'"),
-        (b"h,error\n.1,.2\n.1000000000001,.21\n.05,.1\n", "line 3: h = .1000000000001 stands in line 2"),
+        (b"h,error\n.1,.2\n.1000000000001,.21\n.05,.1\n", "line 3: h = .1000000000001 is already in line 2"),
         (
             b"0.25 0.0131\n0.125 0.00661\n",
             "has 2 columns, but no line above names them: add a header such as 'h error'",

@@ -126,13 +126,6 @@ def test_every_statement_of_the_article_has_one_proof_there_or_in_the_supplement
         assert here + there == 1, label
 
 
-def test_the_supplement_refers_to_nothing_that_neither_document_has() -> None:
-    both = whole("article") + whole("supplement")
-    labels = re.findall(r"\\label\{([^}]*)\}", both)
-    assert len(set(labels)) == len(labels)
-    assert set(re.findall(r"\\(?:eq)?ref\{([^}]*)\}", both)) <= set(labels)
-
-
 def test_counts_of_the_ledger_are_those_of_its_file() -> None:
     claims, found = pd.read_csv(RESULTS / "data" / "claims.csv"), macros()
     assert int(found["ledgerRows"]) == len(claims)

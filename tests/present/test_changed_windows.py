@@ -72,7 +72,7 @@ def test_a_reason_is_shown_with_the_number_of_rows(monkeypatch: pytest.MonkeyPat
     monkeypatch.setitem(windows.WHY, ("Prop. 5.4", "order"), "the reason")
     edited = CLAIMS.copy()
     edited.loc[KEY, "window_high"] = 1.2
-    (change,) = [one for one in changes(THEN, edited) if one.key == "order"]
+    (change,) = [one for one in changes(THEN, edited) if (one.label, one.key) == ("Prop. 5.4", "order")]
     assert (change.before, change.today, change.why, change.rows) == (
         "0.85 … 1.15",
         "0.85 … 1.2",

@@ -8,18 +8,19 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from committed import RESULTS, ROUGH, SMOOTH
+from committed import RESULTS, SMOOTH
 from numpy.typing import NDArray
 
 from study.ledger.datafiles import read_rates
 from study.ledger.orders import orders
-from study.present.chart import Axis, Chart, Curve, draw_chart
 from study.present.charts import (
+    Chart,
+    Curve,
     convergence_chart,
+    draw_chart,
     enclosure_chart,
     finest_orders,
     last_orders,
-    overview_chart,
     rollers_chart,
     slope_triangle,
 )
@@ -117,35 +118,6 @@ def test_the_last_orders_are_consecutive_ones_and_graded_meshes_are_kept_apart()
     expected = {family: orders(rows["h"], rows["error"])[-1] for family, rows in groups}
     assert plain == list(expected.values())
     assert on_graded == [expected["shaken"]]
-
-
-def test_subplots_of_a_row_share_their_vertical_axis_and_all_the_horizontal_one() -> None:
-    both = RATES[RATES["case"].isin([SMOOTH, ROUGH])].assign(claim="Prop. 5.4")
-    chart = overview_chart(both, {SMOOTH: 1.0, ROUGH: 0.25})
-    assert [subplot.title for subplot in chart.subplots] == list(both["case"].unique())
-    assert len({(one.x.low, one.x.high) for one in chart.subplots}) == 1
-    assert chart.columns == 2
-    assert len({(one.y.low, one.y.high) for one in chart.subplots}) == 1
-    assert all(one.triangle is not None and one.triangle.top <= one.y.high for one in chart.subplots)
-
-
-LOGARITHMIC = [(0.007, 0.15), (0.9, 1.1), (1e-6, 3.0), (2.0, 9e5)]
-LINEAR = [(0.0, 1.0), (-0.06, 1.06), (0.0, 2.0), (3.0, 3.7), (0.0, 40.0)]
-
-
-@pytest.mark.parametrize(
-    ("low", "high", "scale"), [*((*ends, "log") for ends in LOGARITHMIC), *((*ends, "linear") for ends in LINEAR)]
-)
-def test_an_axis_has_three_ticks_or_more_inside_it(low: float, high: float, scale: str) -> None:
-    ticks = Axis("", low, high, scale).ticks()
-    values = np.array([value for value, _ in ticks])
-    assert len(ticks) >= 3
-    assert low <= values.min()
-    assert values.max() <= high
-    assert len({text for _, text in ticks}) == len(ticks)
-    if scale == "linear":
-        assert len(ticks) <= 7
-        np.testing.assert_allclose(np.diff(values), values[1] - values[0])
 
 
 def of_rollers(excess: dict[str, float]) -> pd.DataFrame:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import pickle
 import re
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
@@ -18,17 +16,16 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError, read_rates
-from study.present.body import BRIGHTEST, SHADES, BodyScale, caption_body, cell_shades, draw_body
+from study.present.body import caption_body, draw_body
 from study.present.contact import caption_fronts, caption_maps, draw_fronts, draw_maps
-from study.present.drawing import COLUMN, PAGE, STYLE, Drawing, in_style
-from study.present.figures import caption_energy, drawings
+from study.present.drawing import COLUMN, PAGE, Drawing, in_style
+from study.present.figures import drawings
 from study.present.picture import Picture, read_pictures
 from study.present.tables import controls_table, write_tables
 
 Array = NDArray[np.float64]
 SMALLEST = 7.0
 """Points, of all text but scripts."""
-OKABE_ITO = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"}
 
 
 def controls(caught: str = "yes") -> pd.DataFrame:
@@ -96,15 +93,6 @@ def figures(measured: Path) -> list[tuple[Drawing, Figure]]:
     return [(drawing, drawn(drawing)) for drawing in drawings(measured)]
 
 
-def test_the_style_is_free_of_latex_in_serif_letters_and_colours_that_every_eye_tells_apart() -> None:
-    style = mpl.rc_params_from_file(STYLE, use_default_template=False)
-    assert not style.get("text.usetex", False)
-    assert (style["font.family"], style["mathtext.fontset"]) == (["STIXGeneral"], "stix")
-    with in_style():
-        assert {entry["color"] for entry in mpl.rcParams["axes.prop_cycle"]} == OKABE_ITO
-    assert min(value for name, value in style.items() if name.endswith("size") and "font" in name) >= SMALLEST
-
-
 def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(
     figures: list[tuple[Drawing, Figure]],
 ) -> None:
@@ -131,20 +119,6 @@ def test_every_caption_says_what_to_see_with_numbers(measured: Path) -> None:
         assert "nan" not in caption, drawing.name
 
 
-def test_a_drawing_needs_nothing_but_what_it_carries(measured: Path, tmp_path: Path) -> None:
-    """It goes to another process, and draws after its data files are gone."""
-    directory = tmp_path / "moved"
-    directory.mkdir()
-    for folder in ("data", "benchmarks"):
-        (directory / folder).symlink_to(measured / folder)
-    sent = [pickle.dumps(drawing) for drawing in drawings(directory)]
-    for folder in ("data", "benchmarks"):
-        (directory / folder).unlink()
-    for drawing in map(pickle.loads, sent[::6]):
-        drawn(drawing)
-        assert drawing.caption
-
-
 @pytest.fixture(scope="module")
 def picture(measured: Path) -> Picture:
     return read_pictures(measured)[0]
@@ -161,30 +135,6 @@ def with_faces(picture: Picture, **change: Array | float) -> Picture:
     return replace(picture, faces=[replace(face, **values) for face in picture.faces])
 
 
-def test_contact_faces_of_a_solid_have_the_colours_of_the_pressure_and_the_others_of_the_stress(solid: Picture) -> None:
-    numbers = {}
-    for pressure in (0.0, 1.0):
-        shown = with_faces(solid, pressure=pressure)
-        numbers[pressure], colours = cell_shades(shown, shown.shapes[0], BodyScale.of(shown))
-        assert colours.shape == (2 * SHADES, 4)
-    on_faces = np.concatenate([face.facets.cells for face in solid.polygons])
-    assert set(numbers[0.0][on_faces]) == {SHADES}
-    assert set(numbers[1.0][on_faces]) == {2 * SHADES - 1}
-    others = np.setdiff1d(np.arange(solid.cells.shape[1]), on_faces)
-    np.testing.assert_array_equal(numbers[0.0][others], numbers[1.0][others])
-    assert numbers[0.0][others].max() < SHADES
-
-
-def test_nodes_of_a_solid_on_the_wrong_side_are_counted(solid: Picture) -> None:
-    exact = replace(solid, faces=[replace(face, pressure=face.inside.astype(float)) for face in solid.polygons])
-    nodes = [face.pressure.shape[1] for face in exact.polygons]
-    assert f"none of the {sum(nodes)} nodes is ever on the wrong side" in caption_fronts(exact)
-    wrong = [face.pressure.copy() for face in exact.polygons]
-    wrong[1][5, :3] = 1 - wrong[1][5, :3]
-    off = replace(exact, faces=[replace(face, pressure=p) for face, p in zip(exact.polygons, wrong, strict=True)])
-    assert f"3 of {nodes[1]} at most, on Γ3,2 at t = {off.times[5]:.3g}" in caption_fronts(off)
-
-
 @pytest.mark.filterwarnings("error::UserWarning")
 @pytest.mark.parametrize("level", [-1.0, 1.0])
 def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(solid: Picture, level: float) -> None:
@@ -193,36 +143,6 @@ def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(solid: Pict
     for draw, caption in ((draw_fronts, caption_fronts), (draw_maps, caption_maps), (draw_body, caption_body)):
         drawn(Drawing("extreme", partial(draw, shown), caption(shown)))
         assert "nan" not in caption(shown)
-
-
-def test_the_caption_of_a_map_states_the_largest_errors(solid: Picture) -> None:
-    exact = replace(
-        solid,
-        faces=[replace(face, gap=0.9 * face.gap_exact, pressure=1.2 * face.pressure_exact) for face in solid.polygons],
-    )
-    assert "at most 20 % of the largest for the pressure, a nodal force" in caption_maps(exact)
-    assert "at most 10 % of the largest for the gap" in caption_maps(exact)
-
-
-def test_the_colours_of_the_stress_end_where_all_but_a_few_cells_lie(picture: Picture) -> None:
-    scale = BodyScale.of(picture)
-    stresses = np.array([shape.von_mises for shape in picture.shapes])
-    # The scale interpolates between the stresses of two cells.
-    assert (stresses > scale.stress).sum() <= (1 - BRIGHTEST) * stresses.size + 1
-    assert scale.stress_colours.cmap.N == SHADES
-    lightness = np.array([0.299, 0.587, 0.114]) @ np.array(scale.stress_colours.cmap(np.arange(SHADES)))[:, :3].T
-    assert (np.diff(lightness) < 0).all(), "grey, too, shows which stress is larger"
-
-
-def test_the_caption_of_the_energy_states_its_largest_defect(picture: Picture) -> None:
-    def percent(shown: Picture) -> float:
-        return float(re.search(r"a defect of at most (\S+) % of the largest energy", caption_energy(shown))[1])
-
-    energy = picture.energy
-    largest = max(abs(getattr(energy, name)).max() for name in ("stored", "dissipated", "work"))
-    assert percent(picture) == pytest.approx(100 * abs(energy.defect).max() / largest, rel=0.1)
-    worse = replace(picture, energy=replace(energy, defect=30 * energy.defect))
-    assert percent(worse) == pytest.approx(30 * percent(picture), rel=0.1)
 
 
 def test_defects_are_a_table_and_one_that_nothing_caught_is_seen_in_it(alone: Path) -> None:

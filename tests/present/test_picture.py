@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from committed import SMOOTH, SOLID, copy_results
 
-from study.present.body import DISPLACEMENT, View, magnification
+from study.present.body import DISPLACEMENT, magnification
 from study.present.picture import (
     FaceHistory,
     Picture,
@@ -29,11 +29,6 @@ def picture(pictures: list[Picture]) -> Picture:
     """The picture of a body in the plane, with vertices on Γ3 at equal distances, which the file rounds."""
     (face,) = pictures[0].faces
     return replace(pictures[0], faces=[replace(face, s=np.linspace(0, 1, len(face.s)))])
-
-
-@pytest.fixture
-def solid(pictures: list[Picture]) -> Picture:
-    return pictures[-1]
 
 
 def test_two_patches_that_meet_are_three_strands() -> None:
@@ -86,30 +81,3 @@ def test_the_exact_zone_between_known_times_lies_between(picture: Picture) -> No
     early, late = (face.zone[n][0][1] for n in (10, 11))
     ((_, front),) = face.exact_zone(float(face.zone_times[10:12].mean()))
     assert front == pytest.approx((early + late) / 2)
-
-
-def test_a_solid_is_seen_from_outside_of_its_contact_faces_and_from_above(solid: Picture) -> None:
-    view = View.of(solid)
-    np.testing.assert_allclose(view.axes @ view.axes.T, np.eye(3), atol=1e-12)
-    assert np.linalg.det(view.axes) == pytest.approx(1)
-    right, up, towards = view.axes
-    assert len(solid.faces) == 2
-    assert all(towards @ face.normal > 0.3 for face in solid.faces)
-    # The third axis is upright and the eye above: on the page a horizontal plane rises with the distance.
-    assert right[2] == pytest.approx(0)
-    assert up[2] * towards[2] > 0
-
-
-def test_the_triangles_of_a_cube_that_are_drawn_are_those_of_three_sides_from_far_to_near(solid: Picture) -> None:
-    view, shades = View.of(solid), np.zeros(solid.cells.shape[1], dtype=int)
-    order = view.order(solid.vertices, solid.cells, shades)
-    assert len(set(order)) == len(order) == solid.cells.shape[1] / 2
-    corners = solid.vertices[:, solid.cells[:, order]]
-    depth = view.axes[2] @ corners.mean(axis=1)
-    assert np.diff(depth).min() >= -1e-12, "equal depths differ by round-off"
-    normals = np.cross((corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T)
-    assert (normals @ view.axes[2] > 0).all()
-
-
-def test_in_the_plane_the_page_is_the_plane(picture: Picture) -> None:
-    np.testing.assert_array_equal(View.of(picture).flat(picture.vertices), picture.vertices)

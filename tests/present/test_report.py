@@ -19,7 +19,7 @@ from manufactured.catalogue import catalogue
 from study.cli.main import main
 from study.ledger.datafiles import DataError
 from study.ledger.pictures import FINE, STEPS, Packed
-from study.present.notation import typeset, typeset_svg
+from study.present.notation import typeset
 from study.present.picture import Picture, read_values
 from study.present.report import LETTERS, write_report
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
@@ -227,15 +227,6 @@ def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Pa
         assert max(shown["quarters"]) + 1 == len(face["nodes"]) + len(shown["edges"]) / 2 == np.shape(shown["level"])[1]
 
 
-def test_shades_grow_with_the_stress_and_the_brightest_is_reached(directory: Path, page: Page) -> None:
-    film = json.loads(page.data[0])
-    record = json.loads((directory / "data" / "pictures" / f"{PLANE[0]}.json").read_text())
-    stress = Packed.read(record["von_mises"]).values.ravel()
-    shades = np.frombuffer(base64.b64decode(film["shades"]), dtype=np.uint8)
-    assert (np.diff(shades[np.argsort(stress, kind="stable")].astype(int)) >= 0).all()
-    assert ((shades == 255) == (stress >= film["brightest"] * (254.5 / 255) ** 2)).all()
-
-
 def test_a_second_run_gives_the_same_bytes(data: Path, text: str) -> None:
     assert report(data).read_text(encoding="utf-8") == text
 
@@ -298,12 +289,6 @@ def test_packed_values_are_kept_to_half_a_unit(steps: int) -> None:
     assert not Packed.of(np.zeros((3, 4))).values.any()
 
 
-@pytest.mark.parametrize("damage", [{"changes": "AAAA"}, {"changes": "?"}, {"shape": [2, 2]}])
-def test_damaged_packed_values_are_refused(damage: dict[str, Any]) -> None:
-    with pytest.raises(ValueError):  # noqa: PT011
-        Packed.read(Packed.of(np.ones((3, 4))).record() | damage)
-
-
 @pytest.mark.parametrize(
     ("plain_text", "html"),
     [
@@ -318,13 +303,6 @@ def test_damaged_packed_values_are_refused(damage: dict[str, Any]) -> None:
 )
 def test_scripts_are_raised_and_lowered_and_the_rest_is_escaped(plain_text: str, html: str) -> None:
     assert typeset(plain_text) == html
-
-
-def test_in_svg_the_line_goes_on_where_it_was_after_scripts() -> None:
-    pieces = re.findall(r'<tspan dy="([-.\d]+)em" font-size="([.\d]+)em">(.*?)</tspan>', typeset_svg("‖u^h − ũ_h‖ < 1"))
-    assert [text for *_, text in pieces] == ["‖u", "h", " − ũ", "h", "‖ &lt; 1"]
-    heights = np.cumsum([float(dy) * float(size) for dy, size, _ in pieces])
-    np.testing.assert_allclose(heights, [0, -0.35, 0, 0.2, 0], atol=0.005)
 
 
 @pytest.mark.slow

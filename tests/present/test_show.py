@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import stat
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
@@ -18,10 +17,9 @@ from study.cli.main import main
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.naming import resolve
 from study.ledger.pictures import STEPS
-from study.present.drawing import in_style
 from study.present.palette import VERMILLION
 from study.present.picture import Picture, with_every_shape
-from study.present.show import MOMENTS, Shown, count_images, draw_show, draw_storyboard, mesh_of, write_mp4
+from study.present.show import Shown, count_images, draw_show, mesh_of
 from study.run.showcase import EVERY, mesh_series, solve_showcase
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures
@@ -111,32 +109,6 @@ def test_the_animation_has_a_frame_for_every_time_and_moves(shown: tuple[Path, S
     for image in images[1:]:
         assert (abs(image - orange).sum(axis=2) < 30).sum() > 50, "arrows keep their colour"
     assert (shown[0] / "animation.gif").stat().st_size < 5e6
-
-
-def test_ffmpeg_is_asked_for_a_film_where_there_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A stand-in that swallows the frames and writes its arguments into the file it is asked for."""
-    program = tmp_path / "ffmpeg"
-    program.write_text('#!/bin/sh\nfor last; do :; done\nbytes=$(wc -c)\necho "$@" "bytes $bytes" > "$last"\n')
-    program.chmod(program.stat().st_mode | stat.S_IXUSR)
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
-    picture = shapes_of(moved("advance-recede"))
-    with in_style():
-        written = write_mp4(tmp_path / "animation.mp4", picture)
-    assert written == tmp_path / "animation.mp4"
-    arguments, _, count = written.read_text().rpartition(" ")
-    width, height = map(int, arguments.partition("-s ")[2].split()[0].split("x"))
-    assert "-f mp4" in arguments
-    assert int(count) == len(picture.shapes) * width * height * 4
-
-
-@pytest.mark.parametrize("case", ["advance-recede", "cube-disc"])
-def test_a_storyboard_goes_from_the_first_time_to_the_last(case: str) -> None:
-    with in_style():
-        figure = draw_storyboard(shapes_of(moved(case, 32)))
-    times = [float(axes.get_title()[3:-1]) for axes in figure.axes if axes.get_title()]
-    assert len(times) == MOMENTS
-    assert (times[0], times[-1]) == (0, 1)
-    assert times == sorted(times)
 
 
 def test_the_shapes_of_an_animation_are_those_of_the_motion() -> None:

@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 import inspect
-import os
 import re
 import runpy
 import shlex
-import shutil
-import subprocess
 import sys
-import sysconfig
-import textwrap
 import tomllib
-import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
@@ -153,22 +147,6 @@ def test_the_versions_of_python_that_the_documentation_says_are_tested_are() -> 
     assert PROJECT["requires-python"] == f">={tested[0]}"
 
 
-def test_a_commit_is_checked_by_what_make_lint_runs() -> None:
-    """Except the table of sizes, which checks nothing."""
-    lint = re.search(r"^lint:.*\n((?:\t.*\n)+)", (ROOT / "Makefile").read_text(), re.MULTILINE)
-    assert lint is not None
-    wanted = [
-        line.strip().removeprefix("$(BIN)/").removesuffix(" .")
-        for line in lint[1].splitlines()
-        if "budget.py" not in line
-    ]
-    (local,) = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"]
-    assert local["repo"] == "local"
-    assert [hook["entry"].removesuffix(" --force-exclude") for hook in local["hooks"]] == [
-        f".venv/bin/{command}" for command in wanted
-    ]
-
-
 # The example for other projects.
 
 TABLE = ROOT / "examples" / "errors.csv"
@@ -238,73 +216,6 @@ def test_the_control_of_the_recipe_is_caught_by_the_row_it_names(monkeypatch) ->
     assert set(control.keys) <= set(failing)
 
 
-ENTRIES = {
-    "manufactured/catalogue.py": [('    "advance-recede",\n', '    "advance-recede",\n    "breathing-patch",\n')],
-    "study/statements/__init__.py": [
-        (
-            "from study.statements.uniqueness",
-            "from study.statements.trace import Trace\nfrom study.statements.uniqueness",
-        ),
-        ("    Misprints(),\n", "    Trace(),\n    Misprints(),\n"),
-    ],
-}
-"""What the recipes tell to enter, as (before, after)."""
-
-
-@pytest.fixture(scope="module")
-def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The packages after all recipes."""
-    root: Path = tmp_path_factory.mktemp("house")
-    for name in ("manufactured", "study"):
-        shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
-    shutil.copy(ROOT / "pyproject.toml", root)
-    for path in ("manufactured/cases/breathing_patch.py", "study/statements/trace.py"):
-        (root / path).write_text(RECIPES[path])
-    (root / "study/controls/replacements.py").open("a").write("\n\n" + RECIPES["study/controls/replacements.py"])
-    # The list of controls ends its file.
-    controls = (root / "study/controls/table.py").read_text().removesuffix(")\n")
-    control = RECIPES["study/controls/table.py"].partition("\n")[2].strip()
-    (root / "study/controls/table.py").write_text(f"{controls}    {control},\n)\n")
-    for path, changes in ENTRIES.items():
-        text = (root / path).read_text()
-        for before, after in changes:
-            assert text.count(before) == 1, before
-            text = text.replace(before, after)
-        (root / path).write_text(text)
-    return root
-
-
-def python(directory: Path, *arguments: str) -> str:
-    """What the interpreter prints with the packages of a directory."""
-    environment = {**os.environ, "PYTHONPATH": str(directory)}
-    found = subprocess.run(
-        [sys.executable, *arguments], cwd=directory, env=environment, capture_output=True, text=True, check=False
-    )
-    assert found.returncode == 0, found.stdout + found.stderr
-    return found.stdout
-
-
-@pytest.mark.slow
-def test_plans_find_what_the_recipes_enter(house: Path) -> None:
-    code = """
-        from study.controls.table import CONTROLS
-        from study.statements import STATEMENTS
-        from study.run.plan import Plan, full, quick
-        for plan in map(Plan.of, (quick(), full())):
-            keys = [job.key for job in plan.jobs]
-            print(sum("breathing-patch" in key for key in keys) > 0, sum("statements__trace" in key for key in keys))
-        print(CONTROLS[-1].name, "trace" in [statement.label for statement in STATEMENTS])
-    """
-    assert python(house, "-c", textwrap.dedent(code)).split("\n")[:3] == ["True 6", "True 8", "contact with gaps True"]
-
-
-@pytest.mark.slow
-def test_what_the_recipes_add_has_the_types_and_the_style_of_the_rest(house: Path) -> None:
-    python(house, "-m", "mypy", "--cache-dir", str(house / "cache"))
-    python(house, "-m", "ruff", "check", ".")
-    python(house, "-m", "ruff", "format", "--check", ".")
-
-
 # Documentation.
 
 
@@ -318,41 +229,3 @@ def test_every_public_name_is_documented(name: str) -> None:
         assert not value.__doc__.startswith(f"{name}(")
     else:
         assert f"``{name}``" in str(manufactured.__doc__)
-
-
-# Types.
-
-USE = """
-from manufactured import Body, Case, KelvinVoigt, Regularity, catalogue, examine, isotropic, unit_square
-from study.ledger.orders import orders
-
-body: Body = unit_square()
-law: KelvinVoigt = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
-cases: tuple[Case, ...] = catalogue()
-passes: list[bool] = [finding.passes for finding in examine(cases[0].solution)]
-order: float = Regularity(gap=4, pressure=2, moving=True).order
-"""
-MISUSE = USE + "wrong: int = cases[0].name\n"
-
-
-@pytest.mark.slow
-def test_the_installed_packages_are_typed(tmp_path) -> None:
-    """From the wheel: mypy takes types from an installed package only where it finds py.typed."""
-    source = tmp_path / "source"
-    for name in ("manufactured", "study"):
-        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("pyproject.toml", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, source)
-    python(source, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "-w", str(tmp_path), ".")
-    (wheel,) = tmp_path.glob("*.whl")
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(tmp_path / "venv")], check=True)
-    (packages,) = (tmp_path / "venv").glob("lib/python*/site-packages")
-    zipfile.ZipFile(wheel).extractall(packages)
-    # The other packages from where they are.
-    (packages / "others.pth").write_text(sysconfig.get_path("purelib") + "\n")
-    for text, code in ((USE, 0), (MISUSE, 1)):
-        (tmp_path / "use.py").write_text(text)
-        command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", f"{tmp_path}/venv/bin/python"]
-        found = subprocess.run([*command, "use.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
-        assert found.returncode == code, found.stdout + found.stderr
-    assert "Incompatible types in assignment" in found.stdout

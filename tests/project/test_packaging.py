@@ -91,11 +91,6 @@ def test_the_wheel_works_with_numpy_and_sympy_alone() -> None:
     assert runs[1:] == ["1.24.2"] * (sys.version_info[:2] == (3, 11))
 
 
-def test_continuous_integration_tries_the_wheel() -> None:
-    for file in (".ci/run", ".github/workflows/ci.yml"):
-        assert "make wheel" in (ROOT / file).read_text(encoding="utf-8")
-
-
 @pytest.mark.parametrize(("command", "extra"), [(["cases"], "study"), (["rates", "errors.csv"], "orders")])
 def test_a_command_without_its_extra_says_how_to_install_it(
     command: list[str], extra: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -108,6 +103,15 @@ def test_a_command_without_its_extra_says_how_to_install_it(
     expected = f"study: {LACKING.format('scipy.sparse', extra)}\n"
     assert capsys.readouterr().err == expected
     assert f"'.[{extra}]'" in expected
+
+
+def test_the_wheel_has_the_mark_that_its_packages_are_typed() -> None:
+    package_data = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"][
+        "package-data"
+    ]
+    for package in ("manufactured", "study"):
+        assert "py.typed" in package_data[package]
+        assert (ROOT / package / "py.typed").is_file()
 
 
 def test_everything_that_says_what_this_is_says_the_same() -> None:

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import importlib.util
-import os
+import io
 import re
+import runpy
 import shutil
-import subprocess
 import sys
-from collections.abc import Iterable
+import warnings
+from collections.abc import Callable, Iterable
+from contextlib import redirect_stdout
+from functools import cache
 from pathlib import Path
 
 import pytest
 from pages import PAGES, README, ROOT, SITE, Page, words
 
-from study.cli.main import parser
+from study.cli.main import main, parser
+from study.fem.naming import resolve, resolve_data
+from study.statements.enclosure import resolve_problem
 
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
 ELSEWHERE = {
@@ -54,6 +59,7 @@ LONG = {
     "docs/tutorials/static.md",
     "docs/tutorials/yielding.md",
     "docs/how-to/adapt.md",
+    "docs/how-to/certify.md",
 }
 """Pages whose commands take longer than ten seconds, for the slow tests. The case of the first one is what the tests of
 most commands start from (``cli/conftest.py``)."""
@@ -68,18 +74,45 @@ def is_one_of(line: str, commands: Iterable[str]) -> bool:
     return any(all(word.isupper() or word == same for word, same in zip(mine, other, strict=True)) for other in starts)
 
 
-def run(page: Page, directory: Path, command: list[str]) -> str:
-    """What a command prints in the directory of a page's files; it has to succeed."""
-    for name, text in page.files.items():
-        (directory / name).write_text(text, encoding="utf-8")
-    for path in page.downloads:
-        shutil.copy(path, directory)
-    programs = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-    # The judge, which a page tells to copy beside one's own program.
-    paths = {"PATH": programs, "PYTHONPATH": str(ROOT / "examples" / "codes")}
-    done = subprocess.run(command, cwd=directory, env=os.environ | paths, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Page, str], str]:
+    """Run a command of a page once, in the directory of the page's files; its Python is ``session.py``.
+
+    Returns what is printed. Everything runs in this process: an interpreter for each command takes four seconds.
+    """
+
+    @cache
+    def directory(page: Page) -> Path:
+        place: Path = tmp_path_factory.mktemp("page")
+        for name, text in {**page.files, "session.py": page.session}.items():
+            (place / name).write_text(text, encoding="utf-8")
+        for path in page.downloads:
+            shutil.copy(path, place)
+        return place
+
+    @cache
+    def printed(page: Page, line: str) -> str:
+        # Pages have files of the same name.
+        for known in (resolve, resolve_data, resolve_problem):
+            known.cache_clear()
+        output, before = io.StringIO(), set(sys.modules)
+        with pytest.MonkeyPatch.context() as patch, redirect_stdout(output), warnings.catch_warnings():
+            warnings.simplefilter("default")
+            patch.chdir(directory(page))
+            # The judge, which a page tells to copy beside one's own program.
+            patch.setattr(sys, "path", [str(directory(page)), str(ROOT / "examples" / "codes"), *sys.path])
+            program, *arguments = words(line)
+            if program == "study":
+                assert main(arguments) == 0, output.getvalue()
+            else:
+                patch.setattr(sys, "argv", arguments)
+                runpy.run_path(arguments[0], run_name="__main__")
+        for name in set(sys.modules) - before:
+            if str(getattr(sys.modules[name], "__file__", "")).startswith(str(directory(page))):
+                del sys.modules[name]
+        return output.getvalue()
+
+    return printed
 
 
 def expect(said: list[str], output: str) -> None:
@@ -95,14 +128,13 @@ def test_a_page_that_says_that_something_else_is_printed_is_noticed() -> None:
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if page.session], ids=lambda page: page.name)
-def test_the_python_of_a_page_runs_from_top_to_bottom(page: Page, tmp_path: Path) -> None:
+def test_the_python_of_a_page_runs_from_top_to_bottom(page: Page, run: Callable[[Page, str], str]) -> None:
     needed = NEEDS.get(page.name)
     if needed and importlib.util.find_spec(needed) is None:
         pytest.skip(f"{needed} is not installed")
-    (tmp_path / "session.py").write_text(page.session, encoding="utf-8")
     for line in page.prepared:
-        run(page, tmp_path, words(line))
-    expect(page.printed("python"), run(page, tmp_path, [sys.executable, "session.py"]))
+        run(page, line)
+    expect(page.printed("python"), run(page, "python session.py"))
 
 
 TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for line in page.typed)]
@@ -113,10 +145,10 @@ TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for l
     [pytest.param(page, marks=pytest.mark.slow if page.name in LONG else ()) for page in TYPED],
     ids=lambda page: page.name,
 )
-def test_the_commands_of_a_page_end_with_success(page: Page, tmp_path: Path) -> None:
+def test_the_commands_of_a_page_end_with_success(page: Page, run: Callable[[Page, str], str]) -> None:
     programs = [f"python {name}" for name in page.files]
     typed = [line for line in page.typed if (words(line)[0] == "study" and not is_one_of(line, CI)) or line in programs]
-    expect(page.printed("sh"), "".join(run(page, tmp_path, words(line)) for line in typed))
+    expect(page.printed("sh"), "".join(run(page, line) for line in typed))
 
 
 INLINE = re.compile(r"`((?:make|study|\.venv/bin/\w+|pip|dask|sudo)\s[^`]+)`")

@@ -161,5 +161,5 @@ def test_a_page_without_marks_is_refused(full: FullRun, tmp_path: Path) -> None:
 
 def test_data_that_are_not_of_a_full_run_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("sys.argv", ["pages", str(tmp_path), str(README.path)])
-    with pytest.raises(DataError, match="not that of a full run: `make full`"):
+    with pytest.raises(DataError, match="has no full run: `make full`"):
         main()

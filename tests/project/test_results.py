@@ -36,8 +36,18 @@ BOUNDS = [statement for statement in STATEMENTS if isinstance(statement, Bounds)
 MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_share", "predicted_interpolation"]
 
 
-@pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("place", [0, pytest.param(2, marks=pytest.mark.slow)])
+FEW = ("advance-recede", "natural-front", "yield-on-a-part", "layered", "re-entrant", "rotated", "softening")
+"""Cases that are measured again in a second each: a singular one, laws that are not linear, layers, graded meshes."""
+
+
+@pytest.mark.parametrize(
+    ("case", "place"),
+    [
+        *((case, 0) for case in FEW),
+        *(pytest.param(case, 0, marks=pytest.mark.slow) for case in CASES if case not in FEW),
+        *(pytest.param(case, 2, marks=pytest.mark.slow) for case in CASES),
+    ],
+)
 def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int) -> None:
     """The coarsest level and the third, on the first and the last family; of solids the coarsest level on the last."""
     mine = RATES[RATES["case"] == case]
@@ -64,7 +74,7 @@ def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
     """Level 8, on some of the cases."""
     committed = pd.read_csv(RESULTS / "data" / "stresses.csv").query("level == 8")
     assert set(committed["case"]) == {place.case for place in OwnSpace().places(full=True)}
-    for row in committed.iloc[::4].to_dict("records"):
+    for row in committed.iloc[::8].to_dict("records"):
         case, family = resolve(row["case"]), family_named(row["family"])
         again = measure_stresses(case, family, row["level"], row["steps"])
         for column in ("unknowns", "h", *ERRORS, "time_share"):
@@ -73,9 +83,9 @@ def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
 
 @pytest.mark.parametrize("statement", BOUNDS, ids=lambda statement: statement.label)
 def test_bounds_measured_again_agree_with_the_committed_ones(statement: Bounds) -> None:
-    """Two of those that cost least, and one with a law that is not linear."""
+    """One of those that cost least, and one with a law that is not linear."""
     every = sorted(statement.settings(full()), key=statement.cost)
-    settings = [*every[:2], next(one for one in every if one.case == "yield-and-release")]
+    settings = [every[0], next(one for one in every if one.case == "yield-and-release")]
     committed = pd.read_csv(RESULTS / "data" / "bounds.csv").set_index(list(KEY))
     for setting in settings:
         again = statement.measure(setting)["row"]
@@ -134,7 +144,7 @@ def test_every_row_without_a_claim_says_why_there_is_none() -> None:
     assert not claims["expected"].isin(["", "reported"]).any()
     predicted = claims[(claims["verdict"] == REPORTED) & claims["expected"].str.startswith("predicted ")]
     assert len(predicted) > 0
-    assert predicted["expected"].str.contains(r"; no claim, as .+: (?:agrees|differs|undecided)$").all()
+    assert predicted["expected"].str.contains(r" \((?:met|undecided)\); no claim, because .").all()
 
 
 def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ() -> None:

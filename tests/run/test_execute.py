@@ -88,9 +88,7 @@ class AtOnce(Executor):
         return future
 
 
-@pytest.mark.parametrize(
-    "executor", [lambda: ThreadPoolExecutor(2), lambda: ProcessPoolExecutor(1), AtOnce], ids=["threads", "pool", "none"]
-)
+@pytest.mark.parametrize("executor", [lambda: ThreadPoolExecutor(2), AtOnce], ids=["threads", "none"])
 def test_every_executor_gives_the_same_files_byte_for_byte(tmp_path, by_processes, executor) -> None:
     with executor() as chosen:
         assert computed(SMALL, tmp_path, chosen) == by_processes
@@ -240,29 +238,10 @@ def test_a_job_that_no_worker_has_the_memory_for_is_refused_with_what_it_needs_a
     refuse_too_large([], pool(AtOnce()))
 
 
-def test_a_level_beyond_the_memory_is_refused_by_the_command_before_a_mesh_is_made(tmp_path, capsys) -> None:
-    out = tmp_path / "r"
-    assert main(["run", "--case", "full-contact", "--levels", "8", "100000", "--out", str(out)]) == 2
-    assert "rates__full-contact__criss-cross__midpoint__100000 needs about" in capsys.readouterr().err
-    assert not out.exists()
-
-
-def test_a_level_of_a_bound_beyond_the_memory_is_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("study.cli.bound.available", lambda: 1.0 * GIB)
-    assert main(["bound", "full-contact", "--levels", "4", "64", "--out", str(tmp_path / "r")]) == 2
-    assert "level 64 needs about 13.4 GiB of memory, 1.0 GiB are available" in capsys.readouterr().err
-
-
 def test_other_random_meshes_beyond_the_memory_are_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.setattr("study.run.executor.available", lambda: 0.1 * GIB)
     assert main(["seeds", "--jobs", "1", "--out", str(tmp_path)]) == 2
     assert "GiB of memory, 0.1 GiB are available" in capsys.readouterr().err
-
-
-def test_a_level_beyond_the_memory_is_not_shown(tmp_path, capsys) -> None:
-    assert main(["show", "full-contact", "--level", "100000", "--out", str(tmp_path / "shows")]) == 2
-    assert "level 100000 needs about" in capsys.readouterr().err
-    assert not (tmp_path / "shows").exists()
 
 
 def full_contact(n: int) -> Job:

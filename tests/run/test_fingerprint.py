@@ -10,7 +10,7 @@ import pytest
 
 from study.fem.naming import resolve
 from study.run import fingerprint as keys
-from study.run.fingerprint import COMPUTING, ROOT, code_hash, fingerprint, of_everything, problem, without_docstrings
+from study.run.fingerprint import COMPUTING, ROOT, code_hash, fingerprint, of_everything, problem
 from study.run.plan import Plan, quick
 from study.statements.enclosure import resolve_problem
 from study.statements.prop_5_4 import FirstOrder, RateSetting
@@ -64,13 +64,6 @@ def test_all_packages_below_the_statements_are_part_of_the_key() -> None:
         "fem", "solve", "stresses", "bound", "statements", "ledger",
     }  # fmt: skip
     assert "manufactured" in {top for top, _ in hashed}
-
-
-def test_strings_that_stand_alone_do_not_count_and_others_do() -> None:
-    documented = '"""A."""\nx = 1\n"""B."""\ndef f():\n    """C."""\n    return 1'
-    assert without_docstrings(documented) == without_docstrings("x = 1\ndef f():\n    return 1")
-    assert without_docstrings("# a\nx = (1 +\n     2)") == without_docstrings("x = 1 + 2")
-    assert without_docstrings('x = "a"') != without_docstrings('x = "b"')
 
 
 def test_other_versions_of_libraries_change_the_key(monkeypatch: pytest.MonkeyPatch) -> None:

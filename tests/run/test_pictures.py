@@ -14,7 +14,7 @@ from manufactured.body import Body, Part
 from manufactured.catalogue import catalogue
 from study.fem.mesh import MeshError, Skin, Unstructured, boundary_parts
 from study.fem.naming import resolve
-from study.ledger.pictures import FINE, STEPS, Facets
+from study.ledger.pictures import FINE, STEPS
 from study.present.picture import Picture
 from study.run.plan import Plan, full, quick
 from study.solve.motion import Motion
@@ -38,10 +38,6 @@ def vectors(x: Array, triangles: NDArray[np.int64]) -> Array:
     return np.cross(b - a, c - a) / 2
 
 
-def test_there_are_solids_to_be_shown() -> None:
-    assert {"cube-disc", "cube-two-faces"} <= set(SOLIDS)
-
-
 @pytest.mark.parametrize("scope", [quick(), full()], ids=lambda scope: scope.name)
 def test_every_case_has_a_picture(scope) -> None:
     jobs = [job for job in Plan.of(scope).jobs if isinstance(job.statement, Pictures)]
@@ -56,13 +52,6 @@ def test_the_surface_of_a_solid_is_closed_and_seen_from_outside(case: str) -> No
     centres = picture.vertices[:, picture.cells].mean(axis=1).T
     np.testing.assert_allclose(areas.sum(axis=0), 0, atol=1e-3)
     assert np.sum(centres * areas) / 3 == pytest.approx(motion.solution.body.measure, rel=1e-3)
-
-
-def test_in_the_plane_the_surface_is_the_mesh() -> None:
-    mesh = Unstructured()(resolve("hexagon").solution.body, 6)
-    skin = Skin.of(mesh)
-    np.testing.assert_array_equal(mesh.p[:, skin.vertices], mesh.p)
-    np.testing.assert_array_equal(skin.triangles, mesh.t)
 
 
 @pytest.mark.parametrize("case", SOLIDS)
@@ -119,27 +108,6 @@ def test_lines_of_exact_values_do_not_stop_at_nodes() -> None:
     for n, time in enumerate(picture.times):
         for values, fine in ((fields.gap(time), face.line_gap), (fields.pressure(time), face.line_pressure)):
             np.testing.assert_allclose(fine[n], values, atol=abs(fine).max() / FINE)
-
-
-def test_an_exact_zone_is_known_just_before_and_just_after_its_pieces_meet() -> None:
-    def intervals(t: float) -> list[list[float]]:
-        half = max(0.3 - t, 0) ** 0.5
-        return [[0, 0.5 - half], [0.5 + half, 1]] if half else [[0, 1]]
-
-    zone = pictures.zone_over_time(intervals, [0.0, 0.25, 0.5])
-    assert list(zone) == sorted(zone)
-    before, after = max(t for t in zone if t < 0.3), min(t for t in zone if t >= 0.3)
-    assert after - before < 0.001
-    assert (len(zone[before]), len(zone[after])) == (2, 1)
-
-
-def test_a_facet_with_a_corner_that_is_no_node_is_left_out() -> None:
-    """Two triangles over a square, of which one corner is none."""
-    facets = Facets.between(np.array([4, 2, 7]), np.array([[2, 4], [4, 7], [7, 9]]))
-    np.testing.assert_array_equal(facets.cells, [0])
-    np.testing.assert_array_equal(facets.corners, [[1], [0], [2]])
-    np.testing.assert_array_equal(facets.edges, [[0, 0, 1], [1, 2, 2]])
-    np.testing.assert_allclose(facets.refined(np.array([1.0, 2.0, 4.0])), [1, 2, 4, 1.5, 2.5, 3])
 
 
 def cut(share: float) -> Body:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from unittest.mock import Mock
 
@@ -14,10 +15,10 @@ from scipy.optimize import minimize
 from skfem import Basis, BilinearForm, ElementTriP1, ElementVector
 from skfem.helpers import ddot, sym_grad, trace
 
-from manufactured import Kind, catalogue, polygon, unit_square
+from manufactured import Kind, catalogue, isotropic, polygon, unit_square
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm, load_from_forces
-from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshError, OneDiagonal, Shaken, Unstructured
+from study.fem.mesh import FAMILIES, Graded, MeshError, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 from study.solve import signorini
@@ -80,18 +81,10 @@ def test_a_mesh_without_a_vertex_where_the_condition_changes_is_refused() -> Non
     assert Space(Unstructured()(body, 8), body).dofs > 0
 
 
-def test_a_mesh_of_another_body_is_refused() -> None:
-    with pytest.raises(MeshError):
-        Space(OneDiagonal()(unit_square(), 4), TURNED)
-
-
 @pytest.mark.parametrize("family", FOR_SQUARES, ids=lambda f: f.name)
 def test_the_matrix_of_a_form_is_the_one_scikit_fem_assembles(family) -> None:
     body, mu, lam = TURNED, 1.3, 0.7
     space = Space(family(body, 5), body)
-    C = CASES["advance-recede"].solution.law.A.matrix * 0
-    from manufactured import isotropic
-
     C = isotropic(mu, lam).matrix
     basis = Basis(space.mesh, ElementVector(ElementTriP1()))
 
@@ -356,11 +349,11 @@ def trajectory(case, scheme, steps: int, n: int = 8):
 def test_a_scheme_converges_in_time_with_its_order(name: str, scheme, low: float, high: float) -> None:
     """Predicted: 1 for backward Euler; 2, falling to 3/2 where vertices change state, for the others."""
     case = CASES[name]
-    problem, reference = trajectory(case, MIDPOINT, 1280)
+    problem, reference = trajectory(case, MIDPOINT, 640)
     errors = []
     for steps in (20, 40, 80):
         _, u = trajectory(case, scheme, steps)
-        difference = u - reference[:: 1280 // steps]
+        difference = u - reference[:: 640 // steps]
         errors.append(max(np.sqrt(d @ (problem.M @ d)) for d in difference))
     order = np.log2(errors[0] / errors[-1]) / 2
     assert low <= order <= high
@@ -393,13 +386,6 @@ def test_a_fixed_point_that_does_not_settle_says_so() -> None:
     space = Space(OneDiagonal()(solution.body, 4), solution.body)
     v_norm = ErrorNorm(solution, space)
     problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
-    from dataclasses import replace
-
     stiff = replace(problem, remainder=lambda v: 50 * problem.M @ v)
     with pytest.raises(EvolutionError, match="take more steps"):
         list(MIDPOINT.march(stiff, 4))
-
-
-def test_criss_cross_meshes_have_a_vertex_at_every_centre() -> None:
-    mesh = CrissCross()(unit_square(), 3)
-    assert mesh.p.shape[1] == 16 + 9

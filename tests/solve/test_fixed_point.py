@@ -71,17 +71,3 @@ def test_a_map_that_does_not_settle_says_so() -> None:
 def test_a_value_that_is_no_number_is_not_a_fixed_point() -> None:
     with pytest.raises(FixedPointError, match="image 1 is not finite"):
         fixed_point(lambda v: v * np.nan, np.ones(2), euclidean, 1e-12, 7)
-
-
-def test_an_image_takes_one_product_with_the_matrix_of_the_norm() -> None:
-    """And the first image two: vectors that follow from others have duals that follow from theirs."""
-    products = []
-
-    def dual(w):
-        products.append(w)
-        return w
-
-    slope = np.linspace(0.1, 0.7, 9)
-    _, taken = fixed_point(lambda v: slope * v + 1, np.zeros(9), dual, 1e-9, 100)
-    assert taken > MEMORY
-    assert len(products) == taken + 1

@@ -17,7 +17,7 @@ from study.fem.material import form
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
-from study.solve.multigrid import COARSEST, Multigrid, MultigridError, local_bases, rigid_motions
+from study.solve.multigrid import COARSEST, Multigrid, MultigridError, rigid_motions
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import FACTORED, SHARE, contact_solver, residual
 from study.solve.tableau import MIDPOINT
@@ -128,18 +128,6 @@ def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(
     assert shares[1] <= 2 * shares[0]
 
 
-def test_a_load_that_does_not_change_takes_no_work(setting, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Fixed points of nonlinear laws end there."""
-    S, N, x = setting
-    solve = Multigrid(S, N, x, EXACT)
-    b = disturbed(S, N)[1]
-    u, multipliers = solve(b)
-    monkeypatch.setattr("study.solve.multigrid.cg", None)
-    again = solve(b)
-    assert (again[0] == u).all()
-    assert (again[1] == multipliers).all()
-
-
 def test_the_start_does_not_matter(setting) -> None:
     S, N, x = setting
     first, last = disturbed(S, N, 2)
@@ -189,14 +177,6 @@ def test_the_cycle_is_symmetric_and_positive_on_what_is_free(setting) -> None:
     assert r @ solve.cycle(s) == pytest.approx(s @ solve.cycle(r), rel=1e-10)
     assert r @ solve.cycle(r) > 0
     assert (solve.cycle(r)[solve.free == 0] == 0).all()
-
-
-def test_what_is_held_is_cut_out_of_the_matrix(setting) -> None:
-    S, N, x = setting
-    solve = holding(S, N, x, 2)
-    free = sps.diags_array(solve.free)
-    assert solve.held.sum() == np.count_nonzero(solve.free == 0) > 0
-    assert abs(solve.cut - free @ solve.A @ free).max() == 0
 
 
 def test_the_same_matrix_gives_the_same_solution_to_the_bit(setting) -> None:
@@ -251,14 +231,6 @@ def test_any_positive_definite_matrix_with_any_normals_is_served(problem) -> Non
     (u, multipliers), (v, others) = Multigrid(S, N, x, EXACT)(b), Signorini(S, N)(b)
     assert np.allclose(u, v, rtol=0, atol=1e-8 * np.linalg.norm(b))
     assert np.allclose(multipliers, others, rtol=0, atol=1e-6 * np.linalg.norm(b))
-
-
-def test_local_bases_turn_constraints_into_bounds() -> None:
-    N = sps.csr_array(np.array([[0, 0, 0, 1.0, 1, 0], [0, 2, 0, 0, 0, 0], [0, 0, 0, 0, 3, 4]]))
-    blocks, unknowns = local_bases(N, 3)
-    coordinates = sps.block_diag(list(blocks)).toarray()
-    assert (coordinates[unknowns] == N.toarray()).all()
-    assert abs(np.linalg.det(coordinates)) > 0.1
 
 
 def test_rigid_motions_have_no_strain() -> None:

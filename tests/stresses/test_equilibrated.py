@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -546,12 +545,3 @@ def test_the_bound_of_both_errors_is_never_below_them() -> None:
     found = Hypercircle().measure(Setting("full-contact", "shaken", 4))
     assert 1 <= found["guaranteed"] < 1.05
     assert found["plain_3"] == pytest.approx(1, abs=0.02)
-
-
-@pytest.mark.slow
-def test_a_mesh_with_64_cells_along_a_side_and_64_steps_take_less_than_a_minute() -> None:
-    solution = resolve("advance-recede").solution
-    space = StressSpace(Shaken()(solution.body, 64), solution.body)
-    start = time.perf_counter()
-    assert sum(1 for _ in BDF2.march(StressEvolution(Data.of(solution), space), 64)) == 65
-    assert time.perf_counter() - start <= 60

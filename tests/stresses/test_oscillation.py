@@ -17,7 +17,6 @@ from scipy.linalg import eigh, null_space
 from scipy.sparse.linalg import splu
 from skfem import MeshTri
 
-from manufactured import Linear, isotropic
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.tensors import Array, rotation
 from study.fem.quadratic import Quadratic
@@ -89,14 +88,6 @@ def test_constants_turn_with_the_triangle_and_its_tensor(F, C, angle, q) -> None
     assert sides(R @ F, turned) == pytest.approx(sides(F, C), rel=1e-6)
     isotropic_one = TENSORS["isotropic"]
     assert cell(R @ F, isotropic_one, q) == pytest.approx(cell(F, isotropic_one, q), rel=1e-6)
-
-
-@given(shapes, tensors, st.sampled_from([1, 2, 3]))
-def test_constants_of_cells_do_not_depend_on_the_order_of_their_vertices(F, C, q) -> None:
-    """(v_1 − v_0, v_2 − v_0) becomes (v_2 − v_1, v_0 − v_1), or has its columns exchanged."""
-    turned = np.column_stack([F[:, 1] - F[:, 0], -F[:, 0]])
-    assert cell(turned, C, q) == pytest.approx(cell(F, C, q), rel=1e-8)
-    assert cell(F[:, ::-1], C, q) == pytest.approx(cell(F, C, q), rel=1e-8)
 
 
 def test_many_cells_at_once_get_the_constants_of_each() -> None:
@@ -231,9 +222,3 @@ def test_loads_that_are_not_orthogonal_to_linear_ones_exceed_the_constant() -> N
     F, C = np.eye(2), np.eye(3)
     assert on_cell(F, C, 1, 3) > cell(F, C, 2)
     assert on_cell(F, C, 2, 3) > cell(F, C, 3)
-
-
-def test_a_stiffer_body_bears_the_same_loads_better() -> None:
-    stiff = isotropic(1.0, 20.0)
-    assert isinstance(stiff, Linear)
-    assert cell(np.eye(2), stiff.matrix, 1) < cell(np.eye(2), isotropic(1.0, 0.0).matrix, 1)
