@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from study.present.marks import put
+from study.present.pages import put
 
 from manufactured.problems import ramp
 from study.fem.naming import family_named
