@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from study.present.marks import put
 
 from manufactured.problems import ramp
 from study.fem.naming import family_named
+from study.present.pages import put
 from study.run.tasks import march, plain
 
 ROOT = Path(__file__).parents[2]
