@@ -15,14 +15,18 @@ from manufactured.exact import ExactSolution, Face
 from manufactured.face_formula import FaceFormula, read_off
 from manufactured.face_strain import Memory, Prescribed
 from manufactured.file_names import file_name_fault
+from manufactured.html import table
 from manufactured.profile import ZERO
 from manufactured.regularity import Regularity
+from manufactured.self_proof.finding import INITIAL_GAP_ADVICE
 from manufactured.singular import SingularFace, SingularField, TravellingField, least_exponent
 from manufactured.symbols import t
 from manufactured.tensors import Array
 
 FIXED = 2.5
 """m from which a fixed front in q, such as that of an elastic start, costs nothing in an upper layer."""
+INITIAL_GAP = "beyond: initial gap"
+"""The statement on cases with an initial gap, about which the paper says nothing."""
 UNSTATED: Any = None
 """The order of a case that states none."""
 
@@ -92,15 +96,19 @@ class Case:
         if any(piece.formula.has(sp.nan, sp.zoo, sp.oo) for gap, strain in formulas for piece in (gap, *strain)):
             return  # No exponents can be read off; the self-proof refuses the values.
         try:
-            found = self._found(*read_off([gap for gap, _ in formulas], [p for _, strain in formulas for p in strain]))
+            gaps = [*(gap for gap, _ in formulas), *(_initial_gap(face) for face in lifted if face.initial_gap != 0)]
+            found = self._found(*read_off(gaps, [p for _, strain in formulas for p in strain]))
         except ValueError as error:
             raise CaseError(f"case {self.name}: {error}") from error
         if not all(math.isclose(stated, read) for stated, read in zip(astuple(label), astuple(found), strict=True)):
             stated = {f.name: getattr(found, f.name) for f in fields(found) if getattr(found, f.name) != f.default}
-            raise CaseError(
-                f"case {self.name}: labelled {label}, but its formulas say {found}; correct the label to "
-                f"Regularity({', '.join(f'{name}={value!r}' for name, value in stated.items())}), or the formulas"
+            remedy = (
+                f"correct the label to Regularity({', '.join(f'{name}={value!r}' for name, value in stated.items())}), "
+                "or the formulas"
             )
+            if math.isinf(found.gap) and math.isfinite(label.gap) and math.isfinite(found.pressure):
+                remedy = f"the pressure has a front and the gap has none. {INITIAL_GAP_ADVICE}"
+            raise CaseError(f"case {self.name}: labelled {label}, but its formulas say {found}; {remedy}")
 
     def _found(self, alpha: float, m: float, moving: bool) -> Regularity:
         """The regularity of the formulas, from the exponents of their fronts."""
@@ -125,8 +133,13 @@ class Case:
 
     @property
     def proposition(self) -> str:
-        """The numbered statement whose hypotheses the case satisfies."""
-        return self.regularity.proposition
+        """The numbered statement whose hypotheses the case satisfies; the paper has none for an initial gap."""
+        return INITIAL_GAP if self.solution.has_initial_gap else self.regularity.proposition
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: name, summary, predicted order with its reason, and the solution."""
+        rows = [("case", self.name), ("contact zone", self.summary), ("predicted order", f"{self.order:g}")]
+        return table([*rows, ("reason", self.reason)]) + self.solution._repr_html_()
 
 
 def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
@@ -146,6 +159,11 @@ def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
         # Not their sum, in which fronts may cancel.
         return piece(face.gap), [piece(f) for f in (strain.pressure, strain.initial) if f is not None]
     return piece(face.gap), [piece(face.exponents_in)]
+
+
+def _initial_gap(face: Face) -> FaceFormula:
+    """The formula of g, whose fronts rest: they are in u as those of w are."""
+    return FaceFormula(sp.sympify(face.initial_gap), face.part, face.variables, 0.0, 0.0)
 
 
 def _plane(normal: Array, point: Array) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""The catalogue of exact solutions: their names, and the cases themselves, each made when it is asked for."""
+"""The catalogue of exact solutions: their names, and the cases. Each case is made at its first use."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ NAMES = (
     "advance-recede",
     "travelling-patch",
     "merging-patches",
+    "long-time",
     "lift-and-land",
     "load-w11",
     "yield-and-release",
@@ -28,12 +29,14 @@ NAMES = (
     "layered",
     "rotated",
     "corner",
+    "contact-at-clamp",
     "hexagon",
     "cube-disc",
     "cube-two-faces",
     "natural-front",
     "rough-trace",
     "moving-rough",
+    "cube-rough",
     "layered-unmet",
     "rough-1.75",
     "rough-2",
@@ -42,8 +45,12 @@ NAMES = (
     "junction",
     "softening",
     "double-well",
+    "closing-gap",
+    "parabolic-gap",
+    "cube-bowl",
 )
-"""Cases of Proposition 5.4 with simple contact zones first, then cases too rough for it, then laws that soften.
+"""Cases of Proposition 5.4 with simple contact zones first, then cases too rough for it, then laws that soften,
+then cases with an initial gap, which the paper does not have.
 
 The case NAME is made by the function ``case`` of ``manufactured/cases/NAME.py``, with ``_`` for ``-`` and ``.``.
 """
@@ -56,7 +63,7 @@ def catalogue() -> tuple[Case, ...]:
 
 @cache
 def named(name: str) -> Case:
-    """Return the case of the catalogue with this name; no other case is made for it.
+    """Return the case of the catalogue with this name, without making the other cases.
 
     >>> case = named("rotated")
     >>> case.order, case.solution.body.dim, case.solution.law.dim

@@ -1,4 +1,4 @@
-"""Everything about an exact solution at some points and one time, in one call."""
+"""All fields of an exact solution at given points and one time, in one call."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Evaluation:
 def evaluate(of: Case | ExactSolution, x: ArrayLike, time: float) -> Evaluation:
     """All fields of a case at points x (d, ...) and a time.
 
-    Who needs many times asks ``solution.at(x)`` instead, which fixes the points once.
+    For many times, use ``solution.at(x)``, which processes the points only once.
 
     >>> import numpy as np
     >>> from manufactured import Kind, evaluate, named
@@ -57,7 +57,7 @@ def evaluate(of: Case | ExactSolution, x: ArrayLike, time: float) -> Evaluation:
     True
 
     Raises:
-        ValueError: there are not d coordinates.
+        ValueError: x has another shape, a point lies outside the body, or the time outside [0, T].
     """
     solution = of.solution if isinstance(of, Case) else of
     fields = solution.at(x)

@@ -13,9 +13,9 @@ SMOOTH = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.atan, sp.asinh, 
 
 
 def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
-    """(a, k): where x = 0 the formula is smooth but for x_+^a and beyond, and vanishes at least like x^k.
+    """Return (a, k): near x = 0 the formula is smooth except for powers x_+^a and higher, and is of size x^k.
 
-    Sums, products and powers of ``pos(x, ·)``, and of x itself as it is written there, are followed.
+    The function follows sums, products and powers of ``pos(x, ·)`` and of x.
     """
     if formula in (x, -x):
         return math.inf, 1.0
@@ -36,7 +36,7 @@ def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
 
 
 def must_be_positive(part: sp.Expr) -> sp.Expr | None:
-    """What must stay positive for a power or a function to be smooth; None if nothing need."""
+    """Return the expression that must stay positive for a power or a function to be smooth, or None."""
     if isinstance(part, SMOOTH) or (isinstance(part, pos) and part.args[1].is_number):
         return None
     if isinstance(part, sp.log):

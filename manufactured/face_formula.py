@@ -19,9 +19,9 @@ from manufactured.tensors import Array
 FACE = frozenset({s, s1, s2})
 """The coordinates along contact faces."""
 TINY = 1e-9
-"""A value counts as zero if it is smaller than this part of the largest on the face."""
+"""A value counts as zero if it is smaller than this fraction of the largest value on the face."""
 POINTS, ZOOMS = 33, 8
-"""Points along every axis of the grid on which an extremum is sought, and grids, each of one cell of the last."""
+"""Grid points along every axis in the search for an extremum, and number of grids, each in a cell of the last one."""
 
 
 class RoughError(ValueError):
@@ -33,7 +33,7 @@ class FaceFormula:
     """A formula of the contact data on a face during [begin, end].
 
     Attributes:
-        formula: of the variables and t.
+        formula: a formula of the variables and t.
         part: the face.
         variables: the coordinates along the face.
         begin, end: the times between which the formula is used.
@@ -63,15 +63,15 @@ class FaceFormula:
         return self.formula.replace(lambda e: isinstance(e, pos) and bool(e.free_symbols & FACE), resolved)
 
     def refuse_unread(self) -> None:
-        """Every part of the formula that is not smooth on the face must be a truncated power.
+        """Raise an error if a part of the formula is neither smooth on the face nor a truncated power.
 
-        Powers that are not natural and logarithms are smooth where their base stays positive, poles where it is not
-        zero; the base is sampled, so that a zero between the points of a grid may be missed.
+        Logarithms and powers with exponents that are not natural numbers are smooth where their base is positive, poles
+        where it is not zero. The base is sampled on a grid, so a zero between two grid points may be missed.
 
         Raises:
-            RoughError: another part is not smooth, or not known to be.
+            RoughError: such a part is not smooth, or not known to be smooth.
         """
-        # A power that is resolved may hide what its argument is made of, or become a plain power itself.
+        # A power that was resolved may hide the parts of its argument, or become an ordinary power.
         parts = self.formula.atoms(sp.Function, sp.Pow) | self.plain.atoms(sp.Function, sp.Pow)
         for part in sorted(parts, key=str):
             base = must_be_positive(part) if part.free_symbols & FACE else None
@@ -87,27 +87,27 @@ class FaceFormula:
                 )
 
     def exponents(self) -> tuple[float, float]:
-        """The lowest exponents of the fronts that stay and of those that move, infinite without any.
+        """Return the lowest exponents of the fixed fronts and of the moving fronts; infinity if there is no such front.
 
         Raises:
-            RoughError: of ``refuse_unread``.
+            RoughError: see ``refuse_unread``.
         """
         self.refuse_unread()
         found = {False: math.inf, True: math.inf}
         for front in {power.args[0] for power in self.plain.atoms(pos) if power.args[0].free_symbols & FACE}:
-            # t (s − c) vanishes where s − c does: that front stays.
+            # t (s − c) vanishes at s = c for all t, so this front does not move.
             factors = sp.Mul.make_args(sp.factor(front))
             moves = any(factor.has(t) and bool(factor.free_symbols & FACE) for factor in factors)
             found[moves] = min(found[moves], order_at(self.plain, front)[0])
         return found[False], found[True]
 
     def range(self, formula: sp.Expr) -> tuple[float, float]:
-        """(least, largest) value of a formula on the closed face × [begin, end], infinite where it has none."""
+        """Return the least and the largest value of a formula on the closed face × [begin, end], or infinity."""
         values = function([*self.variables, t], [formula])
         return self._least(values, 1.0), -self._least(values, -1.0)
 
     def _least(self, values: Callable[..., list[Array]], sign: float) -> float:
-        """The least value of a function times ±1: on a grid, then on ever smaller ones around the best point."""
+        """Return the least value of ``sign`` times a function, searched on ever smaller grids around the best point."""
         outline = self.part.outline
         start, stop = np.array([*outline.min(1), self.begin]), np.array([*outline.max(1), self.end])
         low, high, least = start, stop, math.inf
@@ -126,11 +126,11 @@ class FaceFormula:
 
 
 def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> tuple[float, float, bool]:
-    """(α, m, moving) of the formulas of a solution: the lowest exponents over its fronts, infinite without any.
+    """Return (α, m, moving) for the formulas of a solution: the lowest exponents of its fronts, or infinity.
 
     Raises:
-        RoughError: a formula has parts that cannot be read, or its gap has a front that stays and is rougher
-            than those that move, which one label cannot state: a moving front costs u̇ one power more.
+        RoughError: a formula has parts that cannot be read, or the gap has a fixed front that is rougher than its
+            moving fronts. One ``Regularity`` cannot state both, because a moving front costs u̇ one power more.
     """
     sides = []
     for side in (gaps, pressures):

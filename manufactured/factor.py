@@ -23,12 +23,12 @@ class Factor:
 
     Attributes:
         formula: α; steps between layers are written with ``pos(·, 0)``.
-        low, high: bounds, 0 < low ≤ α ≤ high on the body; m_A and L_G rest on them, and the
-            self-proof of a case looks whether they hold.
+        low, high: bounds, 0 < low ≤ α ≤ high on the body; m_A and L_G are computed from them, and the
+            self-proof of a case checks them.
         steps: planes {x : direction·x = offset} across which α jumps, as pairs (direction, offset).
 
     Raises:
-        FormulaError: other symbols than the coordinates, or bounds that are not positive.
+        FormulaError: the formula has symbols other than the coordinates, or the bounds are not positive.
     """
 
     formula: sp.Expr
@@ -62,7 +62,7 @@ class Factor:
         return np.array(self._evaluate(x)[1 : 1 + len(x)])
 
     def along(self, start: Array, tangents: Array, variables: tuple[sp.Symbol, ...]) -> sp.Expr:
-        """α on a plane start + Σ s_i t_i, a formula of the s_i; start (d,), tangents (d, d−1)."""
+        """Return α on the plane start + Σ s_i t_i as a formula of the s_i; start (d,), tangents (d, d−1)."""
         if not self.formula.free_symbols:
             return self.formula
         place = sp.Matrix(start) + sp.Matrix(tangents) * sp.Matrix(variables)
@@ -70,7 +70,7 @@ class Factor:
 
 
 def layers(direction: tuple[float, ...], offset: float, ratio: float) -> Factor:
-    """α = 1 where direction·x < offset, ``ratio`` beyond."""
+    """Return the factor α = 1 where direction·x < offset, and α = ``ratio`` elsewhere."""
     beyond = pos(sum(c * x for c, x in zip(direction, (x1, x2, x3), strict=False)) - offset, 0)
     return Factor(1 + (ratio - 1) * beyond, min(1.0, ratio), max(1.0, ratio), ((direction, offset),))
 

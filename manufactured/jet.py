@@ -17,11 +17,11 @@ from manufactured.tensors import Array
 class Jet:
     """A formula of (s, t) with its derivatives along the face, evaluated by NumPy.
 
-    ``Jet(expr, (s,))(points, time, order)`` has points (d−1, ...), one time or some that broadcast with them, and
-    gives every ∂^i expr with |i| ≤ order as arrays (...); with ``in_time`` n those of ∂_t^n expr.
+    ``Jet(expr, (s,))(points, time, order)`` takes points (d−1, ...) and a time, or times that broadcast with the
+    points, and returns every ∂^i expr with |i| ≤ order as arrays (...); with ``in_time`` = n it returns ∂^i ∂_t^n expr.
 
     Raises:
-        FormulaError: other symbols than these, or functions with jumps that are not written with ``pos``.
+        FormulaError: the formula has other symbols, or functions with jumps that are not written with ``pos``.
     """
 
     expression: sp.Expr
@@ -55,5 +55,5 @@ class Jet:
 
 
 def _filled(value: Array | float, shape: tuple[int, ...]) -> Array:
-    """A value, which may depend on fewer variables, in the shape of all."""
+    """Return a value with the full shape; a formula that does not depend on all variables gives fewer entries."""
     return value if isinstance(value, np.ndarray) and value.shape == shape else np.broadcast_to(value, shape)

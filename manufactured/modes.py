@@ -1,4 +1,4 @@
-"""Strains as sums of products of a field that time does not change and a function of place along a face and time."""
+"""Strains as sums of products of a function of the point and a function of the face coordinate s and time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from manufactured.tensors import Array
 class Modes:
     """A strain at points x_p, ε(x_p, t) = Σ_k E_k φ_k(x_p) T_k(s_{j(p)}, t), zero at the points not listed.
 
-    Many points share a coordinate s_j along the face, so the T_k, which are all that changes with time, are few.
+    Many points share a coordinate s_j along the face. Only the T_k depend on time, so few values change with time.
 
     Attributes:
         tensors: E_k, Mandel (K, D).
@@ -23,8 +23,8 @@ class Modes:
         shapes: φ_k(x_p), (K, n).
         places: j(p), (n,).
         count: the number J of different s_j.
-        amplitudes: (t, whether of the rate) ↦ T_k(s_j, t) or ∂_t T_k(s_j, t), (K, J); (K, J, n) for n times, which
-            are found faster together where J is small.
+        amplitudes: the function (t, rate) ↦ T_k(s_j, t), or ∂_t T_k(s_j, t) if ``rate`` is true, (K, J); for n times
+            (K, J, n).
     """
 
     tensors: Array
@@ -35,8 +35,8 @@ class Modes:
     amplitudes: Callable[[Array | float, bool], Array]
 
     def among(self, first: int, stop: int) -> Modes:
-        """The same strain at the points first, …, stop − 1, counted from zero."""
-        # The positions increase, so that nothing is copied.
+        """Return the strain at the points first, …, stop − 1, counted from zero."""
+        # The positions increase, so a slice without a copy is enough.
         chosen = slice(*np.searchsorted(self.points, (first, stop)))
         return replace(
             self, points=self.points[chosen] - first, shapes=self.shapes[:, chosen], places=self.places[chosen]
@@ -44,9 +44,9 @@ class Modes:
 
 
 def at_each(time: Array | complex, of: Callable[[Any], Array]) -> Array:
-    """A field at one time, or at n, the last axis, one after the other."""
+    """Evaluate a field at one time, or at n times one after the other, which become the last axis."""
     if not (isinstance(time, np.ndarray) and time.ndim):
         return of(time)
     found = [of(one) for one in time]
-    # One time is what fine meshes ask for, where a copy is felt.
+    # Fine meshes need one time at once, and a copy would cost noticeable time.
     return found[0][..., None] if len(found) == 1 else np.stack(found, axis=-1)

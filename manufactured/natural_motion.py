@@ -31,11 +31,11 @@ from manufactured.symbols import pos, s, t
 
 NAME = "natural-motion"
 PLACE = Rational(1, 4) + Rational(2, 5) * t
-"""c(t)."""
+"""The front c(t)."""
 
 
 def natural_motion(place: Expr = PLACE) -> Case:
-    """The case with another motion of its front; one that recedes pulls, and does not pass its own proof."""
+    """Return the case with the given front c(t). A receding front would pull, so its self-proof fails."""
     body, law = unit_square(), proportional(2.0)
     (part,) = body.of(Kind.CONTACT)
     theta, kappa = Rational(1, 4) + t, kolosov_constant(law.A)

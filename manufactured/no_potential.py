@@ -1,6 +1,6 @@
 """A front that advances and recedes over a material whose elasticity has no potential and is not monotone.
 
-The data are those of ``cases.softening``,
+The contact data are the data of ``cases.softening``,
 
     w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
 
@@ -11,7 +11,7 @@ on the unit square with A τ = 2τ + (tr τ)/2 I, and G τ = τ − (3/2)(tr τ)
 W contributes nothing to G τ·τ, so that G has the constant m = −2 of monotonicity that ``softening`` has, and softens at
 the rate γ = 2/m_A = 1; κ = L_G/m_A = 2.03. No function of ε has G as its derivative, since the matrix of G is not
 symmetric. On Γ3 only ε_22 is not zero, and W does not change the stress that it causes: gap, pressure and strain on Γ3
-are those of ``softening``, f_0 and f_2 are not.
+are the same as in ``softening``, but f_0 and f_2 differ.
 
 Predicted order 1: (5.36) holds as for ``softening``, and Prop. 5.4 asks only that G is Lipschitz.
 
@@ -39,7 +39,7 @@ def law_without_potential(rotation: float = 3.0) -> KelvinVoigt:
 
 
 def no_potential() -> Case:
-    # Whoever asks for another case does not make that of ``softening``.
+    # Imported here, so that other cases do not build ``softening``.
     from manufactured.cases.softening import softening
 
     return Case(

@@ -1,11 +1,11 @@
-"""Problems whose solution and contact zone nobody knows: data only.
+"""Problems with unknown solution and contact zone, given by their data.
 
 * ramp: a wedge clamped in a wall on its left side, resting on the ground, with a load that travels down its top,
 
       f_2 = −8 a(t) (1 − ((x_1 − c(t))/w)²)_+³ ν,   a = t²(3 − 2t),   c = 4/5 + 7t/5,   w = 4/5,
 
   the angles are such that no corner is singular while its ends touch the ground: 60° between Γ1 and Γ2, 90° at both
-  ends of Γ3, 120° within Γ2. What is left is the front of contact, r^{3/2}: u(t) ∈ H^{1+s} for s < 3/2, order 1.
+  ends of Γ3, 120° within Γ2. Only the contact front is singular, r^{3/2}: u(t) ∈ H^{1+s} for s < 3/2, order 1.
 * bracket: an L-shaped body clamped at the top of its upright and pressed down on its foot; re-entrant corner, so u(t) ∈
   H^{1+s} for s < 0.5445 only. Meshes of the family ``graded`` refine towards it and towards the ends of Γ1.
 """
@@ -29,7 +29,7 @@ def _bump(x: Expr) -> Expr:
 
 
 def ramp() -> Data:
-    """The wedge under a travelling load."""
+    """Return the wedge under a travelling load."""
     slope = 1 / sqrt(3)
     height = Rational(1, 2) + 3 * slope
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
@@ -41,7 +41,7 @@ def ramp() -> Data:
 
 
 def bracket() -> Data:
-    """The L-shaped body pressed down on its foot."""
+    """Return the L-shaped body that is pressed down on its foot."""
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
     body = polygon(corners, kinds, refine=((1.0, 1.0), (1.0, 2.0), (0.0, 2.0)))
@@ -51,13 +51,13 @@ def bracket() -> Data:
 
 @dataclass(frozen=True, eq=False)
 class OpenProblem:
-    """The data of a problem whose solution is not known, with what is predicted for it.
+    """A problem with unknown solution: its data and the predicted order.
 
     Attributes:
         name, summary: for tables.
         data: the data.
         order: the order of ‖u − u^h‖_{L∞(0,T;V)} that is to be enclosed, None if none is predicted.
-        reason: why.
+        reason: the reason for this order.
     """
 
     name: str
@@ -68,7 +68,7 @@ class OpenProblem:
 
 
 def problems() -> tuple[OpenProblem, ...]:
-    """All of them."""
+    """Return all problems of this module."""
     return (
         OpenProblem(
             "ramp",

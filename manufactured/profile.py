@@ -1,4 +1,4 @@
-"""How Cauchy data on a contact face fade into the depth of the body: piecewise polynomials of y."""
+"""The continuation of contact data from a face into the body, by piecewise polynomials of the depth y."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ PARABOLA = (1.0, 0.0, -1.0)
 
 
 class ProfileError(ValueError):
-    """A profile does not carry Cauchy data into the body."""
+    """A profile violates a condition at y = 0, so that it cannot continue contact data into the body."""
 
 
 @lru_cache
 def _derived(pieces: tuple[tuple[float, ...], ...], derivative: int) -> list[tuple[float, ...]]:
-    """The coefficients of a derivative of some polynomials."""
+    """Return the coefficients of a derivative of the given polynomials."""
     return [tuple(map(float, polyder(piece, derivative))) for piece in pieces]
 
 
 def _polynomial(coefficients: tuple[float, ...], y: Array) -> Array:
-    """Horner's rule, as NumPy's ``polyval``, but in place: the arrays between would take most of the time."""
+    """Evaluate a polynomial by Horner's rule without new arrays, which would take most of the time in ``polyval``."""
     value = np.full(np.shape(y), coefficients[-1], dtype=np.result_type(y, float))
     for coefficient in reversed(coefficients[:-1]):
         value *= y
@@ -44,8 +44,8 @@ class Piecewise:
     """A continuous piecewise polynomial of y, zero beyond its last piece.
 
     Attributes:
-        ends: where the pieces end, increasing; the first starts at 0 (and serves y < 0, too).
-        pieces: their coefficients in powers of y, lowest first.
+        ends: the ends of the pieces, increasing; the first piece starts at 0 and is also used for y < 0.
+        pieces: the coefficients of each piece in powers of y, lowest first.
     """
 
     ends: tuple[float, ...]
@@ -62,7 +62,7 @@ class Piecewise:
         return total
 
     def jump(self, place: float, derivative: int) -> float:
-        """How much the derivative changes at a place."""
+        """Return the jump of a derivative at the depth ``place``."""
         sides = (place * (1 + side * 1e-12) for side in (-1, 1))
         below, above = (float(self(np.array(side), derivative)) for side in sides)
         return above - below
@@ -74,7 +74,7 @@ class Profile:
 
         u_s = ∇_s w·a(y) + ∇_s q·e(y) + r·c(y),      u_n = w·b(y) + q·d(y).
 
-    They carry the data of a contact face if, at y = 0, a = c = d = e = 0, b = 1, a' = −1, c' = d' = 1
+    They continue the data of a contact face correctly if, at y = 0, a = c = d = e = 0, b = 1, a' = −1, c' = d' = 1
     and b' = e' = 0: then u_n = w, u_s = 0, ε_nn = q, 2ε_sn = r and ε_ss = 0 there.
 
     Attributes:
@@ -102,12 +102,12 @@ class Profile:
 
     @property
     def depth(self) -> float:
-        """Where everything ends."""
+        """The depth beyond which all functions are zero."""
         return max(function.ends[-1] for function in (self.a, self.b, self.c, self.d))
 
     @property
     def ends_with_kink(self) -> bool:
-        """Whether a first derivative is not zero at the end: the body must then end there, too."""
+        """Whether a first derivative is not zero at ``depth``. Then the body must end at this depth."""
         return any(abs(f.jump(f.ends[-1], 1)) > 1e-9 for f in (self.a, self.b, self.c, self.d, self.e))
 
 
@@ -129,7 +129,7 @@ def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 
 
 def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
-    """As ``cutoff`` but b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ): with q = −w/ℓ the gap alone strains the whole depth evenly."""
+    """Return ``cutoff`` with b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ): with q = −w/ℓ, a gap alone gives a uniform strain."""
     plain = cutoff(depth, phi)
     b = polyadd((1.0, -1 / depth), np.array(plain.d.pieces[0]) / depth)
     return replace(plain, b=Piecewise((depth,), (tuple(float(x) for x in b),)))

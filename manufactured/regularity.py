@@ -1,4 +1,4 @@
-"""What the exponents of a contact zone say about the regularity of the solution, and so the order.
+"""The regularity of a solution, and so its predicted order, from the exponents of gap and pressure at the fronts.
 
 Near a front c(t) let w ~ (s − c)_+^α and p ~ (c − s)_+^m. The lifting has u_s ~ w', u_n ~ w + y q:
 
@@ -18,9 +18,9 @@ and σ_ν ~ r^{λ−1} in L²(Γ3) iff λ > 1/2. If the point moves along Γ3, u
 σ_ν ~ r^{λ−2} in L²(Γ3) iff λ > 3/2. A strain that jumps across a line which the mesh does not
 follow gives s < 1/2.
 
-The predicted order of ‖u − u^h‖_{L∞(0,T;V)} for P1 on meshes that do not know the rough place is that
-of interpolation, (5.23) between H¹ and H²: min(1, s) for u(t) ∈ H^{1+s}. What the proof of Prop. 5.4
-gives is ``proved_order``: min(1, s', τ/2) from ‖u̇ − Π^h u̇‖_V and ‖u_ν − Π^h u_ν‖^{1/2}_{L²(Γ3)} in
+The predicted order of ‖u − u^h‖_{L∞(0,T;V)} for P1, on meshes that are not adapted to singular points, is the order of
+interpolation, (5.23) between H¹ and H²: min(1, s) for u(t) ∈ H^{1+s}. The proof of Prop. 5.4 gives the order
+``proved_order``: min(1, s', τ/2) from ‖u̇ − Π^h u̇‖_V and ‖u_ν − Π^h u_ν‖^{1/2}_{L²(Γ3)} in
 (5.42), for u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3), or min(1, s', s/2) from (5.28) where σ_ν ∉ L²(Γ3).
 """
 
@@ -28,6 +28,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+
+NATURAL_FRONT = (
+    "A pressure that ends like a square root, as Hertz's does (m = 1/2, gap with α = 3/2), comes from a singular "
+    "field, not from a lifting of gap and pressure: take the case natural-front of the catalogue, or build a case as "
+    "manufactured/cases/natural_front.py does, with a SingularFace, a SingularField from kolosov(κ, 1j, -0.5j, 1.5) "
+    "and the label Regularity(on_contact=1.5)"
+)
 
 
 @dataclass(frozen=True)
@@ -43,8 +50,8 @@ class Regularity:
         gap: α; math.inf without a front.
         pressure: m; math.inf without a front.
         moving: whether the front moves.
-        corner: λ of the least regular r^λ inside or on Γ1 and Γ2; math.inf without one.
-        on_contact: λ of the least regular r^λ on Γ3; math.inf without one.
+        corner: λ of the least regular r^λ inside or on Γ1 and Γ2; math.inf if there is no singular field.
+        on_contact: λ of the least regular r^λ on Γ3; math.inf if there is no singular field.
         kink: whether the strain jumps across a line that meshes do not follow.
 
     Raises:
@@ -60,7 +67,9 @@ class Regularity:
 
     def __post_init__(self) -> None:
         if not (self.gap > 1.5 and self.pressure > 0.5):
-            raise ValueError(f"α = {self.gap}, m = {self.pressure}: H^(1+s) with s > 0 needs α > 3/2 and m > 1/2")
+            raise ValueError(
+                f"α = {self.gap}, m = {self.pressure}: H^(1+s) with s > 0 needs α > 3/2 and m > 1/2. {NATURAL_FRONT}"
+            )
         if not min(self.corner, self.on_contact) > 0:
             raise ValueError(f"λ = {min(self.corner, self.on_contact)}: H^(1+s) with s > 0 needs λ > 0")
 
@@ -71,14 +80,14 @@ class Regularity:
 
     @property
     def rate_smoothness(self) -> float:
-        """sup of the s with u̇(t) ∈ H^{1+s}(Ω): a front that moves costs w, or a field r^λ on Γ3, one power."""
+        """sup of the s with u̇(t) ∈ H^{1+s}(Ω); a moving front costs one power of w, or of a field r^λ on Γ3."""
         return min(self.smoothness, self.gap - 2.5, self.on_contact - 1) if self.moving else self.smoothness
 
     @property
     def force_in_L2(self) -> bool:
         """Whether f_0(t) ∈ L²(Ω)²: the lifting lies in H² with its rate.
 
-        Fields r^λ at corners and natural fronts have Div σ = 0 where they are singular, and cost nothing.
+        Singular fields r^λ at corners and natural fronts have Div σ = 0, so they do not contribute to f_0.
         """
         front = min(self.gap - 1.5 - self.moving, self.pressure - 0.5)
         return front > 1
@@ -95,7 +104,7 @@ class Regularity:
 
     @property
     def proved_order(self) -> float:
-        """What the proof of Prop. 5.4 gives: min(1, s', τ/2), or min(1, s', s/2) for σ_ν ∉ L²(Γ3)."""
+        """The order that the proof of Prop. 5.4 gives: min(1, s', τ/2), or min(1, s', s/2) for σ_ν ∉ L²(Γ3)."""
         contact = self.trace / 2 if self.on_contact - self.moving > 0.5 else self.smoothness / 2
         return min(1.0, self.rate_smoothness, contact)
 

@@ -14,7 +14,7 @@ from manufactured.symbols import FormulaError, t
 class Static(Data):
     """Find u ∈ K with (Gε(u), ε(v − u))_Q ≥ (f, v − u)_V for all v ∈ K: elastic equilibrium in contact.
 
-    There is no viscosity. A of the law is G, so that ‖·‖_V is the energy norm (Gε(v), ε(v))_Q^½. Made by ``static``.
+    There is no viscosity. The law has A = G, so that ‖·‖_V is the energy norm (Gε(v), ε(v))_Q^½. ``static`` makes one.
     """
 
 
@@ -30,7 +30,7 @@ def static(body: Body, G: Linear, f0: Formulas, f2: Mapping[int, Formulas] | Non
 
     Raises:
         FormulaError: wrong components or symbols, t among them, or f_2 on a part that is not of Γ2.
-        LawError: G is not linear and elliptic, or its dimension is not that of the body.
+        LawError: G is not linear and elliptic, or G and the body have different dimensions.
 
     >>> from manufactured import unit_square
     >>> static(unit_square(), plane_stress(E=200.0, nu=0.3), f0=(0, -1)).law.name

@@ -71,16 +71,16 @@ def differentiate(expression: sp.Expr, variables: tuple[sp.Symbol, ...], index: 
 
 
 KINKED = (sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.sign)
-"""Functions with kinks or jumps, whose derivatives SymPy does not take in the sense that is meant."""
+"""Functions with kinks or jumps: the derivatives that SymPy takes of them are not the ones needed here."""
 
 
 def refuse_kinks(*formulas: sp.Expr | float | None) -> None:
-    """Kinks and jumps have to be written with ``pos``; None is no formula.
+    """Raise an error if kinks or jumps are not written with ``pos``; None is skipped.
 
-    Said before anything else about a formula: exponents, symbols and dimensions are looked for where kinks are known.
+    This check comes first, because the checks of exponents, symbols and dimensions only understand ``pos``.
 
     Raises:
-        FormulaError: they are written in another way; the message says how to write them.
+        FormulaError: a kink or jump is written in another way; the message shows how to write it.
     """
     for expression in map(sp.sympify, formulas):
         if expression is not None and expression.has(*KINKED):
@@ -91,7 +91,7 @@ def refuse_kinks(*formulas: sp.Expr | float | None) -> None:
 
 
 def written_with_pos(expression: sp.Expr) -> str:
-    """How the first power of Max(x, 0), or the first |x|, is written with ``pos``; empty where there is none."""
+    """Return the first power of Max(x, 0), or the first |x|, as written with ``pos``; empty if there is none."""
     for power in sp.preorder_traversal(expression):
         base, exponent = power.as_base_exp() if isinstance(power, sp.Expr) else (power, 1)
         if isinstance(base, sp.Max) and 0 in base.args and len(base.args) == 2:

@@ -43,7 +43,7 @@ def size(dim: int) -> int:
 
 
 def mapped(C: Array, x: Array) -> Array:
-    """C x for C (m, n) or (n,) and vectors x (n, ...): what NumPy's ``tensordot`` gives, with fewer calls."""
+    """Return C x for C (m, n) or (n,) and vectors x (n, ...), as NumPy's ``tensordot``, but faster for small C."""
     return (C @ x.reshape(len(x), -1)).reshape(*C.shape[:-1], *x.shape[1:])
 
 
@@ -89,7 +89,7 @@ def rotation(frame: Array) -> Array:
     """The orthogonal (D, D) matrix taking τ to F τ Fᵀ, for F with orthonormal columns (d, d)."""
     matrices = basis(frame.shape[0])
     turned = np.einsum("Iij,ik,Jkl,jl->IJ", matrices, frame, matrices, frame)
-    # Where axes are renamed only, rounding must not hide that nothing has to be computed.
+    # A rotation that only renames axes becomes exact, so that it can be recognised as a permutation.
     whole = np.rint(turned)
     return np.where(abs(turned - whole) < 1e-15, whole, turned)
 

@@ -6,10 +6,11 @@ import re
 from fractions import Fraction
 
 from manufactured import Case
+from manufactured.case import INITIAL_GAP
 
 FORMULAS = ("w =", "p =", "ψ =")
 PREDICTION = re.compile(r"^Predicted order ([\d./]+)[^:]*: (.+?)(?=\n\n|\Z)", re.MULTILINE | re.DOTALL)
-REASON = {"Prop. 5.4": "(5.36)", "Prop. 5.3": "H^{1+s}"}
+REASON = {"Prop. 5.4": "(5.36)", "Prop. 5.3": "H^{1+s}", INITIAL_GAP: "(5.36)"}
 DIGITS = 5e-5
 """Half a unit of the fourth digit: an order that is no simple fraction is stated with four digits."""
 

@@ -22,8 +22,8 @@ from contact_judge import SINGULAR, Task, active_set, answer, errors_in_v, read_
 from scipy.sparse.linalg import splu, spsolve
 
 CASES = (
-    *("layered", "anisotropic", "rotated", "corner", "junction"),
-    *("lift-and-land", "full-contact", "advance-recede"),
+    *("layered", "anisotropic", "rotated", "corner", "junction", "parabolic-gap"),
+    *("contact-at-clamp", "lift-and-land", "full-contact", "advance-recede"),
 )
 """In the order in which ``covering`` prefers them: first those with a feature that no other has."""
 SEEN = 1e-4
@@ -54,6 +54,11 @@ def misread(change: Callable[[Task], dict]) -> Callable:
     return make
 
 
+def gap_times(factor: float) -> Callable:
+    """An adapter that takes another multiple of the initial gap."""
+    return misread(lambda task: {"gaps": lambda: [factor * gap for gap in task.gaps()]})
+
+
 def other_stress(change: Callable[[np.ndarray], np.ndarray]) -> Callable:
     """An adapter that takes another initial stress, Mandel (cells, D)."""
 
@@ -75,8 +80,8 @@ def without(place: float | None) -> Callable[[Task], dict]:
         s = facets @ along
         at = (task.vertices[first["vertices"]] @ along - s.min()) / np.ptp(s)
         held = np.argsort(at)[::2] if place is None else np.delete(np.arange(len(at)), abs(at - place).argmin())
-        kept = np.array(first["vertices"])[np.sort(held)]
-        return {"data": {**task.data, "contact": [{**first, "vertices": kept.tolist()}, *others]}}
+        kept, gap = (values[np.sort(held)].tolist() for values in (np.array(first["vertices"]), task.gaps()[0]))
+        return {"data": {**task.data, "contact": [{**first, "vertices": kept, "gap": gap}, *others]}}
 
     return change
 
@@ -86,14 +91,14 @@ def springs(stiffness: Callable[[Task], float]) -> Callable:
 
     def make(task: Task):
         K, N, free = this_study.stiffness(task), this_study.normals(task), _free(task)
-        k = stiffness(task) * np.concatenate([mass for *_, mass in task.pieces()])
+        k, gap = stiffness(task) * np.concatenate([mass for *_, mass in task.pieces()]), np.concatenate(task.gaps())
 
         def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
             b, u, held = (load - task.internal(stress)).ravel(), np.zeros(task.vertices.size), np.ones(len(k))
             for _ in range(30):
                 S = sps.csc_array(K + N.T @ sps.diags_array(held * k) @ N)
-                u[free] = spsolve(S[free][:, free], b[free])
-                before, held = held, 1.0 * (N @ u > 0)
+                u[free] = spsolve(S[free][:, free], (b + N.T @ (held * k * gap))[free])
+                before, held = held, 1.0 * (N @ u > gap)
                 if (before == held).all():
                     break
             return u.reshape(-1, task.dim)
@@ -104,14 +109,14 @@ def springs(stiffness: Callable[[Task], float]) -> Callable:
 
 
 def tied(task: Task):
-    """u_ν = 0 at all constrained vertices: no lift-off."""
+    """u_ν = g at all constrained vertices, with the initial gap g: no lift-off."""
     free = _free(task)
     K, N = this_study.stiffness(task)[free][:, free], this_study.normals(task)[:, free]
     S = sps.csc_array(sps.block_array([[K, N.T], [N, None]]))
 
     def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
         u, b = np.zeros(task.vertices.size), (load - task.internal(stress)).ravel()[free]
-        u[free] = spsolve(S, np.append(b, np.zeros(len(N.indptr) - 1)))[: len(free)]
+        u[free] = spsolve(S, np.append(b, np.concatenate(task.gaps())))[: len(free)]
         return u.reshape(-1, task.dim)
 
     return step
@@ -121,14 +126,15 @@ def first_component_held(task: Task):
     """Hold only the first component on Γ1, with the right contact; without contact the matrix may be singular."""
     free = np.setdiff1d(np.arange(task.vertices.size), task.dim * task.clamped)
     K, N = (matrix[:, free].toarray() for matrix in (this_study.stiffness(task)[free], this_study.normals(task)))
+    gap = np.concatenate(task.gaps())
 
     def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
         b, u, held = (load - task.internal(stress)).ravel()[free], np.zeros(task.vertices.size), np.ones(len(N), bool)
         for _ in range(60):
             rows, force = N[held], np.zeros(len(N))
             S = np.block([[K, rows.T], [rows, np.zeros((len(rows), len(rows)))]])
-            u[free], force[held] = np.split(np.linalg.solve(S, np.append(b, np.zeros(len(rows)))), [len(b)])
-            before, held = held, force + abs(K).max() * (N @ u[free]) > 0
+            u[free], force[held] = np.split(np.linalg.solve(S, np.append(b, gap[held])), [len(b)])
+            before, held = held, force + abs(K).max() * (N @ u[free] - gap) > 0
             if (before == held).all():
                 break
         return u.reshape(-1, task.dim)
@@ -159,7 +165,7 @@ def _voigt_for_mandel(task: Task) -> dict:
 
 
 def in_contact(solve: Callable, normals: Callable = this_study.normals, rows: Callable | None = None) -> Callable:
-    """An adapter with another contact algorithm: λ = solve(W, free, memory), free the gaps without contact forces.
+    """An adapter with another contact algorithm: λ = solve(W, free, memory), free = u_ν − g without contact forces.
 
     ``normals`` gives the matrix v ↦ v_i·ν, and ``rows`` what it is multiplied by from the left. ``memory`` is a dict
     that lasts from step to step.
@@ -167,13 +173,14 @@ def in_contact(solve: Callable, normals: Callable = this_study.normals, rows: Ca
 
     def make(task: Task):
         free, N = _free(task), normals(task)
-        N = (N if rows is None else sps.csr_array(rows(task)) @ N)[:, free]
+        by = sps.eye_array(N.shape[0]) if rows is None else sps.csr_array(rows(task))
+        N, gap = sps.csr_array(by @ N)[:, free], by @ np.concatenate(task.gaps())
         K, memory = splu(sps.csc_array(this_study.stiffness(task)[free][:, free])), {}
         compliance = K.solve(N.toarray().T)
 
         def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
             u, alone = np.zeros(task.vertices.size), K.solve((load - task.internal(stress)).ravel()[free])
-            u[free] = alone - compliance @ solve(N @ compliance, N @ alone, memory)
+            u[free] = alone - compliance @ solve(N @ compliance, N @ alone - gap, memory)
             return u.reshape(-1, task.dim)
 
         return step
@@ -330,6 +337,8 @@ FAULTS = (
     Fault("contact forces halved", in_contact(lambda W, g, _: 0.5 * active_set(W, g)), "0.5 times the right"),
     Fault("contact forces 1 % too large", in_contact(lambda W, g, _: 1.01 * active_set(W, g)), "1.01 times the right"),
     Fault("mean gap of each facet", in_contact(right, rows=_facet_means), "mean gap of each facet"),
+    Fault("initial gap forgotten", gap_times(0.0), "the initial gap is forgotten"),
+    Fault("initial gap with the other sign", gap_times(-1.0), "initial gap is taken with the reversed sign"),
     Fault("springs of 30, not scaled with *h*", springs(lambda task: 30.0), "springs"),
     Fault("equal springs at all vertices", _equal_springs, "whatever its area"),
     Fault(

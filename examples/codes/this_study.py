@@ -17,7 +17,8 @@ def make(task: Task):
     """step(b, s0) ↦ u."""
     free = np.setdiff1d(np.arange(task.vertices.size), np.add.outer(task.dim * task.clamped, np.arange(task.dim)))
     S = stiffness(task)[free][:, free]
-    solve = Signorini(sps.csc_array(S), sps.csr_array(normals(task)[:, free]))
+    N, gap = sps.csr_array(normals(task)[:, free]), np.concatenate(task.gaps())
+    solve = Signorini(sps.csc_array(S), N, gap=gap)
 
     def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
         u = np.zeros(task.vertices.size)
@@ -60,3 +61,4 @@ def _strain_of(task: Task, values: np.ndarray) -> np.ndarray:
 
 
 VARIANTS = {"condensed active set": make}
+GAPS = True

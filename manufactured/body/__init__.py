@@ -1,7 +1,6 @@
 """The body Ω, its boundary parts Γ1, Γ2, Γ3 = ∪ Γ3,i and the time interval [0, T].
 
-The dimension d ∈ {2, 3} is that of the corners: a polygon bounded by segments, or a polyhedron bounded by flat
-convex polygons.
+A body is a polygon bounded by segments (d = 2) or a polyhedron bounded by flat convex polygons (d = 3).
 """
 
 from manufactured.body.constructors import box, polygon, unit_square

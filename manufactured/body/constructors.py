@@ -18,7 +18,7 @@ def polygon(
     refine: Sequence[tuple[float, float]] = (),
     interfaces: Sequence[tuple[tuple[float, float], tuple[float, float]]] = (),
 ) -> Body:
-    """The polygon with the given counter-clockwise vertices; ``kinds[i]`` holds from vertex i to i+1.
+    """Return the polygon with the given counter-clockwise vertices; ``kinds[i]`` is the condition from vertex i to i+1.
 
     A boundary condition may change within a side: list the point as a vertex. Interfaces are pairs of points.
 
@@ -38,7 +38,7 @@ def polygon(
 
 
 def unit_square(T: float = 1.0) -> Body:
-    """(0,1)²: clamped on top, loaded on both sides, Γ3 the bottom with s = x."""
+    """Return the unit square: clamped on top, loaded on both sides, with contact at the bottom, where s = x."""
     return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED], T)
 
 
@@ -53,7 +53,7 @@ def box(
     bottom: Kind = Kind.CONTACT,
     top: Kind = Kind.CLAMPED,
 ) -> Body:
-    """(0,X) × (0,Y) × (0,Z) for the lengths (X, Y, Z), by default loaded on its sides, Γ3 the bottom.
+    """Return the box (0,X) × (0,Y) × (0,Z), by default clamped on top, loaded on its sides, with contact at the bottom.
 
     Left and right are x = 0 and X, front and back y = 0 and Y, bottom and top z = 0 and Z, in this order. Local
     coordinates s: bottom (x, y), left (y, z), front (z, x); opposite faces have the two swapped.

@@ -7,11 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
+from manufactured.body.html import picture
 from manufactured.body.part import ROUNDING, BodyError, Kind, NDBool, Part, fan_vector, scattered
 from manufactured.tensors import Points
 
 SLENDER = 1000.0
-"""The d-th power of the largest extent over the measure, up to which a body is served: Korn's constant is as small."""
+"""Largest accepted ratio of (largest extent)^d to the measure: Korn's constant gets worse as this ratio grows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +20,7 @@ class Body:
     """A polygon or polyhedron Ω with boundary parts, and the final time T.
 
     Attributes:
-        parts: the pieces of ∂Ω; in 2D in counter-clockwise order, each starting where the last one ends.
+        parts: the pieces of ∂Ω; in 2D in counter-clockwise order, each starting at the end of the previous part.
         T: final time.
         refine: vertices of Ω towards which graded meshes refine: re-entrant corners, ends of Γ1.
         interfaces: segments of the kind ``Kind.INTERFACE`` that cut a polygon Ω from boundary to boundary, along
@@ -67,14 +68,14 @@ class Body:
         return self.vertices[:, turns]
 
     def of(self, kind: Kind) -> tuple[Part, ...]:
-        """The parts that carry a condition."""
+        """Return the boundary parts with the given condition."""
         return tuple(part for part in self.parts if part.kind is kind)
 
     def contains(self, x: Points) -> NDBool:
-        """Whether points lie in Ω: (d, ...) → (...).
+        """Return whether points lie in Ω: (d, ...) → (...).
 
-        They do if a ray from them crosses ∂Ω an odd number of times. Its direction is a fixed one that no part of
-        a body in use is parallel to.
+        A point lies in Ω if a ray from it crosses ∂Ω an odd number of times. All rays have one fixed direction, to
+        which no part of a body in use is parallel.
         """
         ray = np.array([1.0, np.sqrt(2) / 17, np.sqrt(3) / 29])[: self.dim]
         inside = np.zeros(x.shape[1:], dtype=bool)
@@ -90,9 +91,13 @@ class Body:
         """Random points of Ω, (d, count)."""
         return scattered(rng, self.vertices, self.contains, count)
 
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a picture with the boundary parts, and the final time."""
+        return f"{picture((*self.parts, *self.interfaces))}<p>T = {self.T:g}</p>"
+
 
 def check(body: Body) -> None:
-    """Refuse what is no body of the problem.
+    """Raise an error unless the parts form a body of the contact problem.
 
     Raises:
         BodyError: for the reasons listed in ``Body``.
@@ -101,7 +106,7 @@ def check(body: Body) -> None:
     _check_closed(body)
     for kind, why in ((Kind.CLAMPED, "Korn's inequality (2.17)"), (Kind.CONTACT, "the Signorini condition (2.5)")):
         if not body.of(kind):
-            raise BodyError(f"the body has no part {kind.value}, which {why} needs")
+            raise BodyError(f"the body has no part {kind.value}, which {why} needs: give one of its sides this kind")
     across = float(np.ptp(body.vertices, axis=1).max())
     if across**body.dim > SLENDER * body.measure:
         raise BodyError(

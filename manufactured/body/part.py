@@ -1,6 +1,6 @@
 """A flat piece of the boundary, or an interface inside the body.
 
-What holds in two and in three dimensions is written once, with the vector |S| ν of a piece S of the boundary,
+Formulas that hold in two and in three dimensions use the vector |S| ν of a piece S of the boundary,
 
     |S| ν = Σ over the simplices (c_0, c_i, …, c_{i+d−2}) of its fan of a/(d−1)!,   a·x = det [x, c_i − c_0, …].
 """
@@ -25,11 +25,11 @@ ROUNDING = 1e-9
 
 
 class BodyError(ValueError):
-    """A body or its boundary parts are not what the problem needs."""
+    """A body or its boundary parts do not fit the contact problem."""
 
 
 class Kind(Enum):
-    """What a part carries: the boundary condition (2.3), (2.4) or (2.5), or a change of the material inside."""
+    """The role of a part: boundary condition (2.3), (2.4) or (2.5), or an interface between two materials."""
 
     CLAMPED = "Γ1"
     LOADED = "Γ2"
@@ -51,7 +51,7 @@ class Part:
             counter-clockwise seen from outside.
 
     Raises:
-        BodyError: the corners are not finite, repeated, not in one plane or not those of a convex polygon.
+        BodyError: the corners are not finite, repeated, not in one plane, or do not form a convex polygon.
     """
 
     kind: Kind
@@ -95,7 +95,7 @@ class Part:
         return self.corners[:, -1]
 
     def line(self, c: float) -> Hyperplane:
-        """{s = c} across a body in the plane."""
+        """Return the line {s = c} through a body in the plane."""
         return tuple(map(float, self.tangent)), float(self.tangent @ self.start) + c
 
     @cached_property
@@ -147,7 +147,7 @@ class Part:
         return normals, np.einsum("ik,ik->k", normals, self.outline)
 
     def coordinates(self, x: Points) -> tuple[Array, Array]:
-        """Local coordinates: s ∈ R^{d−1} along the part from its start, y = distance into the body.
+        """Return the local coordinates of points: s along the part from its start, and the distance y into the body.
 
         (d, ...) → (d−1, ...), (...).
         """
@@ -155,18 +155,18 @@ class Part:
         return local[:-1], local[-1]
 
     def point(self, s: Array) -> Points:
-        """The point of the part with local coordinate s: (d−1, ...) → (d, ...)."""
+        """Return the points of the part with local coordinates s: (d−1, ...) → (d, ...)."""
         origin = self.start.reshape((-1,) + (1,) * (np.ndim(s) - 1))
         return origin + mapped(self.frame[:, :-1], s)
 
     def covers(self, s: Array, tolerance: float) -> NDBool:
-        """Whether local coordinates are those of points of the closed part: (d−1, ...) → (...)."""
+        """Return whether local coordinates belong to points of the closed part: (d−1, ...) → (...)."""
         normals, offsets = self.sides
         beyond = np.moveaxis(mapped(normals.T, s), 0, -1) - offsets
         return np.asarray((beyond <= tolerance).all(axis=-1))
 
     def contains(self, x: Points, tolerance: float) -> NDBool:
-        """Whether points lie on the closed part: (d, ...) → (...)."""
+        """Return whether points lie on the closed part: (d, ...) → (...)."""
         s, y = self.coordinates(x)
         return (abs(y) <= tolerance) & self.covers(s, tolerance)
 
@@ -176,7 +176,7 @@ class Part:
 
 
 def fan_vector(simplex: Array) -> Array:
-    """|S| ν of a simplex S with the corners (d, d): ν outward if they run as those of a ``Part``."""
+    """Return |S| ν of a simplex S with the corners (d, d); ν is outward if the corners run as in a ``Part``."""
     dim = len(simplex)
     edges = simplex[:, 1:] - simplex[:, :1]
     cofactors = [np.linalg.det(np.column_stack([unit, edges])) for unit in np.eye(dim)]

@@ -1,7 +1,6 @@
 """The cases, one file per exact solution, named after it; ``manufactured.catalogue`` lists them.
 
-The docstring of each begins with its formulas, gap w, pressure p and contact zone {ψ ≥ 0}, and then states the order
-that they predict, and why. What several cases share stands beside them: materials in ``laws``, fronts in
-``advancing_front`` and ``rough_front``, the strain under the law (3.3) in ``yielding``, and in ``constants`` what their
-arguments are.
+The docstring of each begins with its formulas, gap w, pressure p and contact zone {ψ ≥ 0}, and then states the
+predicted order with its reason. Parts that several cases share are in separate modules: materials in ``laws``, fronts
+in ``advancing_front`` and ``rough_front``, the strain under the law (3.3) in ``yielding``, factors in ``constants``.
 """

@@ -3,4 +3,4 @@
 from sympy import Expr, Integer
 
 ONE: Expr = Integer(1)
-"""The factor that leaves a constant as it is."""
+"""The factor 1, which leaves a constant unchanged."""

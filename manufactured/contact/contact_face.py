@@ -15,7 +15,7 @@ from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt, LawError, Linear, NonSymmetric
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
-from manufactured.symbols import FormulaError, Index, Values, refuse_kinks, s, s1, s2
+from manufactured.symbols import FormulaError, Index, Values, refuse_kinks, s, s1, s2, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mapped, pairs, rotation
 
 VARIABLES = {2: (s,), 3: (s1, s2)}
@@ -24,6 +24,9 @@ VARIABLES = {2: (s,), 3: (s1, s2)}
 
 PLAIN = cutoff()
 """The usual profile, φ = HERMITE down to depth 1."""
+ZERO_GAP = sp.Integer(0)
+SIGNS, ROUNDED = {1: 1001, 2: 101}, 1e-12
+"""Places along every axis at which the sign of the initial gap is looked at, and its error of rounding."""
 PLACES, DIVISIONS, PARTS = 1000, 11, 16
 """Places at which signs are looked at, and how often the gap between two of them is divided: to 1e-16 of the face."""
 
@@ -40,9 +43,12 @@ class ContactFace:
         profile: how the data fade into the body.
         rough: the coordinates s at which the strain is singular or kinked for all times, so that
             quadrature can split cells there.
+        initial_gap: g(s), the distance of the undeformed body from the foundation; 0 in the paper. With it w is what
+            is left of the gap, g − u_ν.
 
     Raises:
-        FormulaError: a kink is not written with ``pos``, other symbols than those, or a rough place is no number.
+        FormulaError: a kink is not written with ``pos``, other symbols than those, a rough place is no number, or the
+            initial gap depends on t or is negative somewhere.
     """
 
     part: Part
@@ -51,13 +57,15 @@ class ContactFace:
     level: sp.Expr
     profile: Profile = PLAIN
     rough: tuple[float, ...] = ()
+    initial_gap: sp.Expr = ZERO_GAP
 
     def __post_init__(self) -> None:
-        refuse_kinks(self.gap, self.strain.formula, self.level)
+        refuse_kinks(self.gap, self.strain.formula, self.level, self.initial_gap)
         # Made here, so that a formula that cannot be used is refused where it is written.
-        self.gap_jet, self.level_jet  # noqa: B018
+        self.gap_jet, self.level_jet, self.inward_jet  # noqa: B018
         if not np.isfinite(self.rough).all():
             raise FormulaError(f"the rough points {self.rough} are not all numbers")
+        self._refuse_wrong_initial_gap()
 
     @classmethod
     def linear(
@@ -71,6 +79,7 @@ class ContactFace:
         initial: sp.Expr | None = None,
         profile: Profile = PLAIN,
         rough: tuple[float, ...] = (),
+        initial_gap: sp.Expr = ZERO_GAP,
     ) -> ContactFace:
         """The face for a linear law, where gap and pressure say everything (``face_strain.Memory``).
 
@@ -91,7 +100,7 @@ class ContactFace:
                 is given ``initial``.
             FormulaError: a kink is not written with ``pos``, or a part of the pressure is not known to be smooth in t.
         """
-        refuse_kinks(gap, pressure, level, initial)
+        refuse_kinks(gap, pressure, level, initial, initial_gap)
         law.require_dimension(part.dim)
         if not isinstance(law.G, Linear | NonSymmetric):
             raise LawError(f"{law.name}: only a linear G turns a pressure into a strain; prescribe the strain")
@@ -101,7 +110,7 @@ class ContactFace:
         coupling = (abs(np.concatenate([block[0, 1:], block[1:, 0]])).max() for block in (viscous, elastic))
         if all(c <= 1e-14 * abs(block).max() for c, block in zip(coupling, (viscous, elastic), strict=True)):
             a, g = float(viscous[0, 0]) * scale, float(elastic[0, 0]) * stiffness
-            return cls(part, gap, Memory(pressure, a, g, T, initial, variables), level, profile, rough)
+            return cls(part, gap, Memory(pressure, a, g, T, initial, variables), level, profile, rough, initial_gap)
         if isinstance(law.G, NonSymmetric):
             raise LawError(
                 f"{law.name}: G is not symmetric and couples nn with sn, for which the strain on a face is not known; "
@@ -110,7 +119,7 @@ class ContactFace:
         if initial is not None:
             raise LawError(f"{law.name} couples nn with sn: it starts in elastic equilibrium, leave ``initial`` out")
         coupled = Coupled.of(pressure, viscous, relaxation_rate(stiffness, scale) * elastic, scale, T, variables)
-        return cls(part, gap, coupled, level, profile, rough)
+        return cls(part, gap, coupled, level, profile, rough, initial_gap)
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -120,6 +129,15 @@ class ContactFace:
     @cached_property
     def gap_jet(self) -> Jet:
         return Jet(sp.sympify(self.gap), self.variables)
+
+    @cached_property
+    def initial_gap_jet(self) -> Jet:
+        return Jet(sp.sympify(self.initial_gap), self.variables)
+
+    @cached_property
+    def inward_jet(self) -> Jet:
+        """The jet of the displacement into the body, u_n = −u_ν = w − g."""
+        return Jet(sp.sympify(self.gap) - self.initial_gap, self.variables) if self.initial_gap else self.gap_jet
 
     @cached_property
     def gap_rate_jet(self) -> Jet:
@@ -162,21 +180,40 @@ class ContactFace:
             low, high = np.take_along_axis(places, before + np.array([[0], [1]]), axis=0)
         return tuple(map(float, (low + high) / 2))
 
+    def _refuse_wrong_initial_gap(self) -> None:
+        """The initial gap has to be a formula of the face alone that is not negative on it."""
+        if sp.sympify(self.initial_gap).has(t):
+            raise FormulaError(
+                f"the initial gap {self.initial_gap} depends on t, but it is the distance of the undeformed body from "
+                "a foundation that rests: give a formula of the coordinates along the face alone"
+            )
+        lowest, highest = self.part.outline.min(axis=1), self.part.outline.max(axis=1)
+        axes = [np.linspace(low, high, SIGNS[len(lowest)]) for low, high in zip(lowest, highest, strict=True)]
+        grid = np.array([axis.ravel() for axis in np.meshgrid(*axes)])
+        places = grid[:, self.part.covers(grid, 0.0)]
+        values = np.broadcast_to(self.initial_gap_jet(places, 0.0)[(0,) * len(places)], places.shape[1:])
+        if not (worst := values.min(initial=0.0)) >= -ROUNDED * abs(values).max(initial=0.0):
+            where = ", ".join(f"{coordinate:.4g}" for coordinate in places[:, np.argmin(values)])
+            raise FormulaError(
+                f"the initial gap {self.initial_gap} is {worst:.4g} at s = {where}, where the undeformed body would "
+                "penetrate the foundation: give a gap that is 0 or more on the whole face"
+            )
+
     def at(self, x: Points) -> Lifting:
         """The lifted fields at fixed points of Ω̄, (d, ...)."""
         return Lifting(self, x)
 
 
 class _Traces:
-    """(w, (q, r)), or its rate, at fixed places along a face, with derivatives: w up to order+1, (q, r) up to order."""
+    """(u_n, (q, r)) at fixed places along a face, or its rate, with derivatives: u_n to order + 1, (q, r) to order."""
 
     def __init__(self, face: ContactFace, s: Array) -> None:
         self.face, self.s, self.strain = face, s, face.strain.at(s)
 
     def __call__(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
-        gap = self.face.gap_rate_jet if rate else self.face.gap_jet
+        inward = self.face.gap_rate_jet if rate else self.face.inward_jet
         places = self.s.reshape(*self.s.shape, *(1,) * np.ndim(time))
-        return gap(places, time, order + 1), self.strain(time, rate, order)
+        return inward(places, time, order + 1), self.strain(time, rate, order)
 
 
 class Lifting:
@@ -208,7 +245,7 @@ class Lifting:
         return self._functions[name, derivative]
 
     def traces(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
-        """(w, (q, r)), or its rate, with derivatives along the face: w up to order+1, (q, r) up to order."""
+        """(u_n, (q, r)), or its rate, with derivatives along the face: u_n up to order+1, (q, r) up to order."""
         w, strain = self.on_face(time, rate, order)
         return self._spread(w), tuple(self._spread(values) for values in strain)
 

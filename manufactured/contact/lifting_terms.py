@@ -1,4 +1,7 @@
-"""The strain of a lifting, term by term: derivatives of w, q and r along the face times functions of the depth."""
+"""The strain of a lifting, term by term: derivatives of w, q and r along the face times functions of the depth.
+
+Where there is an initial gap g, w − g stands for w.
+"""
 
 from __future__ import annotations
 

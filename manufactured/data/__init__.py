@@ -1,7 +1,7 @@
-"""The data of Problem 2.1: body, law, forces f_0 and f_2, initial displacement u_0, and no solution.
+"""The data of Problem 2.1: body, law, forces f_0 and f_2, and initial displacement u_0, without a solution.
 
-What is computed from ``Data`` alone can serve a problem whose solution nobody knows. An exact solution gives its data
-by ``Data.of``; formulas of x1, x2 and t by ``Data.formulas``.
+A computation that uses only ``Data`` works for problems with unknown solutions. ``Data.of`` makes the data of an
+exact solution, ``Data.formulas`` makes data from formulas of x1, x2 and t.
 """
 
 from manufactured.data.expressions import Expressions

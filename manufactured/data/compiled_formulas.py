@@ -21,7 +21,7 @@ SMALLEST, LARGEST = float(np.finfo(float).tiny), float(np.finfo(float).max)
 def compiled(
     formulas: Sequence[sp.Expr | float], count: int, name: str, symbols: tuple[sp.Symbol, ...]
 ) -> Callable[..., Vectors]:
-    """(x, …) ↦ the values of some formulas, (count, ...)."""
+    """Return a function of (x, …) that evaluates the given formulas, (count, ...)."""
     expressions = [own_formula(formula) for formula in formulas]
     if len(expressions) != count:
         raise FormulaError(f"{name} has {len(expressions)} components, expected {count}")
@@ -44,7 +44,7 @@ def compiled(
 
 
 def own_formula(formula: sp.Expr | float) -> sp.Expr:
-    """The formula with the symbols of this package in place of those of the same name: derivatives tell them apart.
+    """Return the formula with the symbols of this package: SymPy tells symbols of one name apart by their assumptions.
 
     Steps are written with ``pos``: Heaviside(x) is 1 for x > 0 and 0 elsewhere.
     """
@@ -55,7 +55,7 @@ def own_formula(formula: sp.Expr | float) -> sp.Expr:
 
 
 def _require_numbers(expression: sp.Expr, name: str) -> None:
-    """FormulaError unless all numbers in a formula are real and within the range of double precision."""
+    """Raise FormulaError unless all numbers in a formula are real and within the range of double precision."""
     if expression.has(sp.I, sp.nan, sp.oo, -sp.oo, sp.zoo):
         raise FormulaError(f"{name} = {expression} is not a real finite number everywhere; correct the formula")
     for number in expression.atoms(sp.Number):
@@ -67,7 +67,7 @@ def _require_numbers(expression: sp.Expr, name: str) -> None:
 
 
 def _require_values(call: Callable[..., Any], count: int, expressions: Sequence[sp.Expr], name: str) -> None:
-    """FormulaError if NumPy does not know some function of the formulas, which shows when they are called."""
+    """Raise FormulaError if NumPy has no function of a given name; this shows only when the formulas are evaluated."""
     try:
         with np.errstate(all="ignore"):
             call(*np.zeros((count, 1)))

@@ -1,4 +1,4 @@
-"""The formulas that data were made from, for whoever needs more of them than values at points."""
+"""The formulas of data, for computations that need more than values at points, for example bounds between points."""
 
 from __future__ import annotations
 

@@ -16,14 +16,14 @@ from manufactured.exact import ExactSolution, ForceModes
 from manufactured.factor import x1, x2, x3
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.symbols import FormulaError, t
-from manufactured.tensors import Hyperplane, Points, Tensors, Vectors, mandel
+from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, mandel
 
 ForceInTime = Callable[[float], Vectors]
 Formulas = Sequence[sp.Expr | float]
 
 
 def no_fronts(time: float) -> tuple[Hyperplane, ...]:
-    """No line."""
+    """Return no line: the body force has no moving front."""
     return ()
 
 
@@ -31,22 +31,22 @@ def no_fronts(time: float) -> tuple[Hyperplane, ...]:
 class Data:
     """Problem 2.1 without its solution.
 
-    ``check`` refuses what no solution can belong to.
+    ``check`` refuses data for which no solution can exist.
 
     Attributes:
         body: Ω, Γ1, Γ2, Γ3, T.
         law: A and G.
         body_force: points (d, ...) ↦ (t ↦ f_0 at the points, (d, ...)).
-        surface_load: a piece of Γ2 and points on it ↦ (t ↦ f_2 at the points, (d, ...)). Where an exact solution is
-            behind them, both loads take times (n,), too, and have one axis more then, the last one.
+        surface_load: a piece of Γ2 and points on it ↦ (t ↦ f_2 at the points, (d, ...)). Loads of an
+            exact solution also accept an array of n times and then return values with a last axis of length n.
         initial: points ↦ ε(u_0), (D, ...).
         start: points ↦ u_0, (d, ...), with u_0 = 0 on Γ1 and u_0ν ≤ 0 on Γ3.
         lines: lines (direction, offset) across which f_0 or ε(u_0) are rough for all times, for quadrature.
-        points: vertices of Ω at which they are singular.
-        formulas_of: what the callables were made from, by which equal data are known as equal: an exact solution,
-            ``Expressions``, or None for functions of Python.
+        points: vertices of Ω at which f_0 or ε(u_0) is singular.
+        formulas_of: the source of the callables, by which equal data are recognised: an exact solution,
+            ``Expressions``, or None for Python functions.
         fronts: t ↦ lines across which f_0 jumps or has kinks at this time alone.
-        force_modes: points ↦ f_0 as a sum of products, None where it is not known as one.
+        force_modes: points ↦ f_0 as a sum of products of functions of x and of t, or None if no such sum is known.
     """
 
     body: Body
@@ -61,9 +61,14 @@ class Data:
     fronts: Callable[[float], tuple[Hyperplane, ...]] = no_fronts
     force_modes: Callable[[Points], ForceModes] | None = None
 
+    @property
+    def has_initial_gap(self) -> bool:
+        """Whether an exact solution with an initial gap is behind the data; formulas have none."""
+        return isinstance(self.formulas_of, ExactSolution) and self.formulas_of.has_initial_gap
+
     @classmethod
     def of(cls, solution: ExactSolution) -> Data:
-        """The data that belong to an exact solution.
+        """Return the data of an exact solution.
 
         >>> from manufactured import named
         >>> data = Data.of(named("full-contact").solution)
@@ -98,20 +103,28 @@ class Data:
         f2: Mapping[int, Formulas] | None = None,
         u0: Formulas | None = None,
         lines: tuple[Hyperplane, ...] = (),
+        **others: object,
     ) -> Data:
-        """Data as formulas of x1, x2 (x3) and t.
+        """Return data from formulas of x1, x2 (x3) and t. There is no initial gap: Γ3 touches the foundation if u = 0.
 
         Args:
-            body, law: as above.
+            body, law: the body and its material law.
             f0: the components of f_0.
             f2: number of a part of ``body.parts`` ↦ the components of f_2 on it; parts of Γ2 left out carry no load.
             u0: the components of u_0; 0 if left out.
             lines: where the formulas have kinks.
+            others: refused, with what there is instead.
 
         Raises:
-            LawError: the dimension of the law is not that of the body.
-            FormulaError: wrong components or symbols, or f_2 on a part that is not of Γ2.
+            LawError: body and law have different dimensions.
+            FormulaError: wrong components or symbols, f_2 on a part that is not of Γ2, or another argument.
         """
+        if others:
+            raise FormulaError(
+                f"Data.formulas takes f0, f2, u0 and lines, got {', '.join(others)}; there is no initial gap in data, "
+                "as the undeformed body touches the foundation along Γ3; only an exact solution can have one, the "
+                "`initial_gap` of ContactFace.linear"
+            )
         dim, place = body.dim, (x1, x2, x3)[: body.dim]
         law.require_dimension(dim)
         force = compiled(f0, dim, "f0", (*place, t))
@@ -132,7 +145,7 @@ class Data:
         )
 
     def check(self) -> None:
-        """Check at random points and times that the data are those of a problem.
+        """Check at random points and times that the data are admissible.
 
         Any finite load can be balanced, because meas Γ1 > 0 for every ``Body``.
 
@@ -140,14 +153,14 @@ class Data:
             LoadError: f_0, f_2, u_0 or ε(u_0) is not finite or has the wrong shape, u_0 does not vanish on Γ1, or
                 u_0 is not in K.
         """
-        with np.errstate(all="ignore"):  # what is not finite is refused below
+        with np.errstate(all="ignore"):  # ``check`` refuses values that are not finite
             check(self)
 
 
 def _surface_load(
     body: Body, f2: Mapping[int, Formulas], symbols: tuple[sp.Symbol, ...]
 ) -> Callable[[Part, Points], ForceInTime]:
-    """f_2 as in ``Data``, zero on the parts that ``f2`` leaves out."""
+    """Return f_2 as in ``Data``, zero on parts that ``f2`` does not name."""
     loads = {}
     for number, load in f2.items():
         if not 0 <= number < len(body.parts) or body.parts[number].kind is not Kind.LOADED:
@@ -172,11 +185,11 @@ LARGEST = 1e100
 
 
 class LoadError(ValueError):
-    """Data that no solution can belong to."""
+    """Data for which no solution can exist."""
 
 
 def check(data: Data) -> None:
-    """LoadError unless the data are those of a problem; see ``Data.check``."""
+    """Raise LoadError unless the data are admissible; see ``Data.check``."""
     rng = np.random.default_rng(0)
     inside = _inside(data.body, rng)
     _check_factors(data.law, inside)
@@ -212,8 +225,18 @@ def _check_start(data: Data, inside: Points, rng: np.random.Generator) -> None:
         u = _finite("u_0", data.start(x), x, dim, "")
         if part.kind is Kind.CLAMPED and abs(u).max() > ROUNDING * size:
             raise LoadError(f"u_0 is {abs(u).max():.3g} on Γ1, where it has to vanish, (2.3); change u_0")
-        if part.kind is Kind.CONTACT and (part.normal @ u).max() > ROUNDING * size:
-            raise LoadError(f"u_0ν is {(part.normal @ u).max():.3g} > 0 on Γ3: u_0 has to lie in K, (3.5); change u_0")
+        beyond = part.normal @ u - _initial_gap(data, part, x)
+        if part.kind is Kind.CONTACT and beyond.max() > ROUNDING * size:
+            raise LoadError(f"u_0ν is {beyond.max():.3g} > 0 on Γ3: u_0 has to lie in K, (3.5); change u_0")
+
+
+def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
+    """Return g at points of a part; 0 off Γ3 and, as in the paper, for all data but those of solutions that have it."""
+    solution = data.formulas_of
+    if not (isinstance(solution, ExactSolution) and solution.has_initial_gap and part.kind is Kind.CONTACT):
+        return 0.0
+    (face,) = (face for face in solution.faces if face.part is part)
+    return solution.on(face, part.coordinates(x)[0]).initial_gap()
 
 
 def _inside(body: Body, rng: np.random.Generator) -> Points:
@@ -224,7 +247,7 @@ def _inside(body: Body, rng: np.random.Generator) -> Points:
 
 
 def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -> Vectors:
-    """The values; LoadError if they have the wrong shape, are not finite or above ``LARGEST``."""
+    """Return the values; raise LoadError if they have the wrong shape, are not finite or exceed ``LARGEST``."""
     if np.shape(values) != (components, *x.shape[1:]):
         raise LoadError(
             f"{name} has the shape {np.shape(values)} at points {x.shape}{when}, expected {(components, *x.shape[1:])}"

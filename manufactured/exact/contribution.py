@@ -33,15 +33,18 @@ class Contribution(Protocol):
 class Face(Contribution, Protocol):
     """A displacement field that makes contact on one piece of Γ3: ``ContactFace`` or ``SingularFace``.
 
-    ``gap``, ``level`` are formulas with the jets below; ``pressure_jet`` is that of p as it was
-    stated, None if it follows from the law; ``exponents_in`` has the truncated powers of the
-    pressure side; ``rough`` the coordinates s at which the strain is singular for all times.
+    ``gap``, ``level`` are formulas with the jets below; ``initial_gap`` is that of g, 0 in the paper;
+    ``pressure_jet`` is that of p as it was stated, None if it follows from the law; ``exponents_in`` has
+    the truncated powers of the pressure side; ``rough`` the coordinates s at which the strain is singular
+    for all times.
     """
 
     @property
     def part(self) -> Part: ...
     @property
     def gap(self) -> sp.Expr: ...
+    @property
+    def initial_gap(self) -> sp.Expr: ...
     @property
     def level(self) -> sp.Expr: ...
     @property

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
+import sympy as sp
 from numpy.typing import ArrayLike
 
 from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
+from manufactured.exact.domain import coordinates, require_inside, require_times
 from manufactured.exact.forces import ForceModes, force_modes
+from manufactured.html import table
 from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt, PointLaw
 from manufactured.modes import Modes
@@ -63,36 +67,54 @@ class ExactSolution:
         fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
         return (*fronts, *self.law.steps)
 
+    @property
+    def has_initial_gap(self) -> bool:
+        """Whether the undeformed body is away from its foundation somewhere on Γ3, unlike in the paper."""
+        return any(face.initial_gap != 0 for face in self.faces)
+
     def fronts(self, time: float) -> tuple[Hyperplane, ...]:
         """Where f_0 jumps or has kinks at one time, in the plane: {s = c} for the fronts c of every lifting."""
         faces = [face for face in self.faces if isinstance(face, ContactFace)] if self.body.dim == 2 else []
         return tuple(face.part.line(c) for face in faces for c in face.fronts(time))
 
     def at(self, x: ArrayLike) -> Fields:
-        """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed.
+        """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times of [0, T] as needed.
 
-        Points outside are not refused: there the formulas go on, as programs need whose vertices or points of
-        quadrature lie outside by a rounding error. They are no solution there; ask ``body.contains`` if in doubt.
+        Vertices and points of quadrature may lie outside by a rounding error.
 
         >>> from manufactured import named
         >>> solution = named("full-contact").solution
         >>> solution.at([[0.5], [1.0]]).displacement(1.0).ravel().tolist()  # clamped on top
         [0.0, 0.0]
-        >>> solution.body.contains(np.array([[0.5, 0.5], [0.5, 1.5]])).tolist()
-        [True, False]
+        >>> solution.at([[5], [5]])  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+        ValueError: the point (5, 5) lies outside the body, where there is no exact solution (1 of 1 points); ...
 
         Raises:
-            ValueError: there are not d coordinates.
+            ValueError: x has another shape, or a point lies outside the body; the methods of the result raise it for
+                times outside [0, T].
         """
-        return Fields(self, _coordinates(x, self.body.dim, "points of the body"))
+        points = coordinates(x, self.body.dim, "points of the body")
+        require_inside(self.body, points)
+        return Fields(self, points)
 
     def on(self, face: Face, s: ArrayLike) -> FaceFields:
         """The solution at fixed points of a contact face, (d − 1, ...).
 
         Raises:
-            ValueError: there are not d − 1 coordinates.
+            ValueError: s has another shape, or a point lies outside the body; the methods of the result raise it for
+                times outside [0, T].
         """
-        return FaceFields(self, face, _coordinates(s, self.body.dim - 1, "points of a face"))
+        return FaceFields(self, face, coordinates(s, self.body.dim - 1, "points of a face"))
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the body, the law, and the contact data of every piece of Γ3."""
+        rows: list[tuple[str, object]] = [("law", self.law.name)]
+        for number, face in enumerate(self.faces, start=1):
+            pressure = getattr(getattr(face, "strain", face), "pressure", None)
+            formulas = {"gap w": face.gap, "pressure p": pressure, "level ψ, contact where ψ ≥ 0": face.level}
+            rows += [(f"piece {number}: {name}", value) for name, value in formulas.items() if value is not None]
+        return self.body._repr_html_() + table(rows)
 
 
 class Fields:
@@ -117,21 +139,26 @@ class Fields:
     def _law(self, time: Array | complex) -> PointLaw:
         return self._law_at_times if np.ndim(time) else self.law
 
+    def _total(self, field: Callable[[ContributionAtPoints], Array], time: Array | complex) -> Array:
+        """The sum of a field over all contributions, at times that the solution has."""
+        require_times(self.solution.body.T, time)
+        return reduce(np.add, map(field, self._parts))
+
     def displacement(self, time: Array | complex) -> Vectors:
         """u, (d, ...)."""
-        return _sum([part.displacement(time) for part in self._parts])
+        return self._total(lambda part: part.displacement(time), time)
 
     def velocity(self, time: Array | complex) -> Vectors:
         """u̇, (d, ...)."""
-        return _sum([part.displacement(time, rate=True) for part in self._parts])
+        return self._total(lambda part: part.displacement(time, rate=True), time)
 
     def strain(self, time: Array | complex) -> Tensors:
         """ε(u), (D, ...)."""
-        return _sum([part.strain(time) for part in self._parts])
+        return self._total(lambda part: part.strain(time), time)
 
     def strain_rate(self, time: Array | complex) -> Tensors:
         """ε(u̇), (D, ...)."""
-        return _sum([part.strain(time, rate=True) for part in self._parts])
+        return self._total(lambda part: part.strain(time, rate=True), time)
 
     def modes(self) -> list[Modes]:
         """ε(u) as sums of products, one for each contribution; points are counted through in the order of ``x``."""
@@ -139,7 +166,7 @@ class Fields:
 
     def strain_gradient(self, time: Array | complex) -> Array:
         """∂_j ε(u), (D, d, ...)."""
-        return _sum([part.strain_gradient(time) for part in self._parts])
+        return self._total(lambda part: part.strain_gradient(time), time)
 
     def stress(self, time: Array | complex) -> Tensors:
         """σ = A ε(u̇) + G ε(u), (2.1), (D, ...)."""
@@ -147,7 +174,8 @@ class Fields:
 
     def body_force(self, time: Array | complex) -> Vectors:
         """f_0 = −Div σ, (2.2): −∂_j σ_ij with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
-        law, rate_gradient = self._law(time), _sum([part.strain_gradient(time, rate=True) for part in self._parts])
+        rate_gradient = self._total(lambda part: part.strain_gradient(time, rate=True), time)
+        law = self._law(time)
         slope = law.A.gradient(lambda: self.strain_rate(time), rate_gradient)
         slope = slope + law.G.gradient(lambda: self.strain(time), self.strain_gradient(time))
         return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
@@ -176,6 +204,7 @@ class FaceFields:
 
     def _value(self, jet: Jet, time: Array | float) -> Array:
         """A formula at the points."""
+        require_times(self.solution.body.T, time)
         return jet(self.s.reshape(*self.s.shape, *(1,) * np.ndim(time)), time)[(0,) * len(self.s)]
 
     def pressure(self, time: Array | float) -> Array:
@@ -195,7 +224,7 @@ class FaceFields:
         return (self.solution.law.A.lipschitz + self.solution.law.G.lipschitz) * float(max(sizes))
 
     def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
-        """What must be continuous along a face, with its derivative along an axis: w, ∇_s w, (q, r) of a lifting."""
+        """What must be continuous along a face, with its derivative along an axis: w, ∇_s w, (q, r), g of a lifting."""
         unit = np.eye(len(self.s), dtype=int)
 
         def pair(values: Values, *index: int) -> tuple[Array, Array]:
@@ -207,27 +236,20 @@ class FaceFields:
         if isinstance(self.face, ContactFace):
             strain = self.face.strain.at(self.s)(time, False, 1)
             found |= {f"∂_{i + 1} w": pair(w, i) for i in range(len(self.s))}
+            if self.face.initial_gap:
+                g = self.face.initial_gap_jet(self.s, time, 2)
+                found |= {"g": pair(g)} | {f"∂_{i + 1} g": pair(g, i) for i in range(len(self.s))}
             found |= {f"(q, r)_{i}": pair(values) for i, values in enumerate(strain)}
         return found
 
     def gap(self, time: Array | float) -> Array:
-        """w = −u_ν, (...)."""
+        """w = g − u_ν, the distance from the foundation, (...)."""
         return self._value(self.face.gap_jet, time)
+
+    def initial_gap(self) -> Array:
+        """g, the distance of the undeformed body from the foundation, (...)."""
+        return self._value(Jet(sp.sympify(self.face.initial_gap), self.face.variables), 0.0)
 
     def level(self, time: Array | float) -> Array:
         """ψ, (...): the contact zone is {ψ ≥ 0}."""
         return self._value(self.face.level_jet, time)
-
-
-def _coordinates(values: ArrayLike, count: int, what: str) -> Array:
-    found = np.asarray(values)
-    if found.ndim == 0 or len(found) != count:
-        raise ValueError(f"{what} have {count} coordinate(s), one row for each; got an array of shape {found.shape}")
-    return found
-
-
-def _sum(terms: list[Array]) -> Array:
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total

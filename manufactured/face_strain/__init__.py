@@ -8,7 +8,7 @@ Linear law: where it does not couple nn with sn, only ε_nn is not zero on the f
 
 In a heterogeneous body a and g are formulas of s with a constant ratio λ. A law that couples nn
 with sn needs a shear r that keeps σ_τ = 0: with y = (q, r) and the blocks of moduli 𝒜, 𝒢,
-𝒜 ẏ + 𝒢 y = (−p, 0), which falls apart into d such equations in the basis of its modes.
+𝒜 ẏ + 𝒢 y = (−p, 0). In the basis of its modes, this system splits into d scalar equations.
 
 The pressure must be chosen first: a strain prescribed under a receding front would pull (σ_ν > 0).
 After release p = 0 and q decays like e^{−λt}: the material remembers the contact.

@@ -16,7 +16,7 @@ from manufactured.tensors import Array
 
 
 def smooth_branch(term: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
-    """The moving fronts ψ of a term of p, and its formula where all ψ > 0.
+    """Return the moving fronts ψ of a term of p, and the formula of the term where all ψ > 0.
 
     Raises:
         FormulaError: a front that moves has no integer exponent of 2 or more, or the term between its fronts has

@@ -20,7 +20,7 @@ class Started(Protocol):
     """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points with their a, as a function of b."""
 
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """The integrals up to b (n,) at the points with these numbers (n,), which may repeat, for every i."""
+        """Return, for every i, the integrals up to the times b (n,) at the points with the given indices (n,)."""
         ...
 
 
@@ -28,7 +28,7 @@ class Integral(Protocol):
     """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr of a smooth branch P of p/a."""
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """For |i| ≤ order at points (d − 1, N) from a = ``lower`` (N,) on; b is ``upper`` (N,) at most."""
+        """Prepare the integrals for |i| ≤ order at points (d − 1, N), from ``lower`` (N,) to at most ``upper`` (N,)."""
         ...
 
 
@@ -39,7 +39,7 @@ class Convolution:
 
         ∫_a^b e^{−λ(b−r)} P(r) dr = Σ_{j≤m} ∂_r^j P(a) τ^{j+1} φ_{j+1}(−λτ),    φ_k(z) = Σ_n z^n/(n + k)!,
 
-    where only τ depends on b: what a point needs is found once, when contact begins.
+    where only τ depends on b, so the coefficients of a point are computed once.
 
     Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
     """
@@ -53,7 +53,7 @@ class Convolution:
             coefficients = [n * c for n, c in zip(range(len(coefficients) - 1, 0, -1), coefficients, strict=False)]
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and j, found once."""
+        """Compute ∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and every j."""
         values = []
         for jet in self.derivatives:
             values.append(jet(points, lower, order))
@@ -71,7 +71,7 @@ class _Taylor:
     coefficients: dict[Index, Array]
 
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """As ``Started``."""
+        """See ``Started.upto``."""
         found = {i: np.empty(upper.shape, np.result_type(upper, value)) for i, value in self.coefficients.items()}
         for first in range(0, len(upper), TOGETHER):
             here = slice(first, first + TOGETHER)
@@ -84,15 +84,15 @@ class _Taylor:
 
 
 TOGETHER = 1 << 12
-"""Integrals that are found together, so that what each needs of all φ_k stays in the cache."""
+"""Number of integrals evaluated together, so that the values of all φ_k stay in the processor cache."""
 SMALL = 12.0
-"""|z| up to which φ_k is found from φ_K by recurrence downwards; an error grows to |z|^K/K! ε there."""
+"""Largest |z| for which φ_k is computed from φ_K by downward recurrence, which amplifies rounding by |z|^K/K!."""
 TERMS = 48
-"""Terms of the series of φ_K: |z|^n/(n + K)! is below the rounding of its sum after them."""
+"""Number of terms of the series of φ_K: the next term |z|^n/(n + K)! is below the rounding of the sum."""
 
 
 def phi(z: Array, count: int) -> Array:
-    """φ_1, …, φ_count at z with Re z ≤ 0, (count, N).
+    """Return φ_1, …, φ_count at z with Re z ≤ 0, (count, N).
 
     φ_k = z φ_{k+1} + 1/k! downwards from the series of φ_count where |z| is small, upwards from (e^z − 1)/z elsewhere.
     """
@@ -102,7 +102,7 @@ def phi(z: Array, count: int) -> Array:
     size, terms, first = float(abs(near).max(initial=0.0)), 1, 1e18 * math.factorial(count)
     while terms < TERMS and size**terms * first >= math.factorial(terms + count):
         terms += 1
-    # Horner's rule, in place: this is most of what the memory of a face costs.
+    # Horner's rule without new arrays, because most of the time for a hereditary strain is spent here.
     series = found[-1]
     series[:] = 0.0
     for n in reversed(range(terms)):
@@ -120,7 +120,7 @@ def phi(z: Array, count: int) -> Array:
 
 
 def _nested(coefficients: Sequence[sp.Expr]) -> sp.Expr:
-    """Horner's form in t."""
+    """Return the polynomial with the given coefficients in Horner form."""
     nested = sp.Integer(0)
     for coefficient in coefficients:
         nested = nested * t + coefficient

@@ -16,7 +16,8 @@ from manufactured.tensors import Array
 class Coupled:
     """(q, r) of a linear law that couples nn with sn: y = Σ_i x_i η_i over the modes of 𝒜 ẏ + 𝒢 y = (−p, 0).
 
-    With XᵀAX = I and 𝒢 x_i = λ_i 𝒜 x_i, η̇_i + λ_i η_i = −(x_i)_0 p is a ``Memory`` of its own.
+    With XᵀAX = I and 𝒢 x_i = λ_i 𝒜 x_i, each scalar equation
+    η̇_i + λ_i η_i = −(x_i)_0 p is solved by a ``Memory``.
 
     Attributes:
         pressure: p(s, t).
@@ -38,7 +39,7 @@ class Coupled:
         T: float,
         variables: tuple[sp.Symbol, ...],
     ) -> Coupled:
-        """From the blocks 𝒜 and 𝒢, (d, d), both times a formula of s; in elastic equilibrium at t = 0."""
+        """Return (q, r) for the blocks 𝒜 and 𝒢, (d, d), both times ``scale``, with elastic equilibrium at t = 0."""
         inverse = np.linalg.inv(np.linalg.cholesky(viscous))
         rates, basis = np.linalg.eigh(inverse @ elastic @ inverse.T)
         vectors = inverse.T @ basis

@@ -1,4 +1,4 @@
-"""When contact begins and ends at the points of a face: the times at which a front passes them."""
+"""The times at which contact begins and ends at the points of a face, that is, at which a front passes them."""
 
 from __future__ import annotations
 
@@ -18,32 +18,32 @@ class Front(Protocol):
     """ψ(s, t), with contact where ψ > 0."""
 
     def passes(self, points: Array, T: float) -> Array:
-        """Times in (0, T) at which ψ changes its sign at points (d − 1, N), in rows (…, N), T where there is none."""
+        """Return the times in (0, T) at which ψ changes sign at points (d − 1, N), as rows (…, N) filled up with T."""
         ...
 
     def beyond(self, points: Array, time: Array) -> Array:
-        """Whether ψ > 0 at points (d − 1, N) and times (…, N)."""
+        """Return whether ψ > 0 at points (d − 1, N) and times (…, N)."""
         ...
 
 
 def between(passes: Array, T: float) -> tuple[Array, Array]:
-    """Beginnings and ends of the pieces of [0, T] between some times at each point, (n, N) → (n + 1, N) each."""
+    """Return the starts and ends of the intervals into which the given times (n, N) cut [0, T], (n + 1, N) each."""
     ends = np.zeros((1, passes.shape[1]))
     nodes = np.sort(np.vstack([ends, passes, ends + T]), axis=0)
     return nodes[:-1], nodes[1:]
 
 
 WITHIN = 0.38
-"""Of a piece of time, the share before the place at which its sign is looked at."""
+"""The relative position in a time interval at which the sign of ψ in this interval is evaluated."""
 
 
 def within(begin: Array, end: Array) -> Array:
-    """A time in each piece: not its middle, at which a symmetric motion may touch zero without passing it."""
+    """Return a time inside each interval, not the middle, where a symmetric motion may touch zero without crossing."""
     return begin + WITHIN * (end - begin)
 
 
 def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
-    """The front of a formula, with roots in closed form where it is a polynomial of t."""
+    """Return the front of a formula; if the formula is a polynomial of t, its roots are computed directly."""
     if formula.is_polynomial(t):
         return PolynomialFront(function(variables, coefficients_in_t(formula)))
     symbols = (*variables, t)
@@ -55,7 +55,7 @@ class PolynomialFront:
     """ψ as a polynomial of t.
 
     Attributes:
-        coefficients: s ↦ its coefficients, highest power first.
+        coefficients: the function s ↦ coefficients of the polynomial, highest power first.
     """
 
     coefficients: Callable[..., list[Array]]
@@ -73,17 +73,17 @@ class PolynomialFront:
 
 
 INSTANTS, SURE = (257, 600), 1e-6
-"""Intervals of [0, T] in which turning points of ψ are looked for, and how far both may differ in the time for which
-ψ > 0, relative to T; where ψ only touches zero, rounding makes 1e-8 of it."""
+"""Two numbers of intervals of [0, T] in which turning points of ψ are searched, and the largest accepted difference of
+the two results for the time with ψ > 0, relative to T. Where ψ only touches zero, rounding alone changes it by 1e-8."""
 HALVINGS = 64
-"""Of an interval with a change of sign: nothing is left of it in double precision."""
+"""Number of bisections, after which an interval has shrunk to rounding."""
 BLOCK = 1024
-"""Points that are treated together."""
+"""Number of points that are treated together."""
 
 
 @dataclass(frozen=True)
 class SmoothFront:
-    """ψ with any smooth motion.
+    """A front ψ with any smooth motion.
 
     Between two turning points, at which ∂_t ψ changes its sign, ψ has one root at most: it is bracketed and halved.
 
@@ -97,7 +97,7 @@ class SmoothFront:
     slope: Callable[..., list[Array]]
 
     def passes(self, points: Array, T: float) -> Array:
-        """As ``Front``.
+        """See ``Front.passes``.
 
         Raises:
             FormulaError: ψ turns so often that turning points may be missed.
@@ -117,12 +117,12 @@ class SmoothFront:
         return fine
 
     def _between(self, grid: Array, points: Array, T: float) -> Array:
-        """Where ψ changes its sign between the times of a grid and its turning points."""
+        """Return the times at which ψ changes its sign between the times of a grid and the turning points of ψ."""
         turns = self._changes(self.slope, points, grid, T)
         return self._changes(self.level, points, np.sort(np.concatenate([grid, turns]), axis=0), T)
 
     def _beyond_for(self, passes: Array, points: Array, T: float) -> Array:
-        """For how long ψ > 0 at each point, (N,)."""
+        """Return the length of time for which ψ > 0 at each point, (N,)."""
         begin, end = between(passes, T)
         found: Array = np.sum((end - begin) * self.beyond(points, within(begin, end)), axis=0)
         return found
@@ -131,7 +131,7 @@ class SmoothFront:
         return _positive(self.level, points, time)
 
     def _changes(self, of: Callable[..., list[Array]], points: Array, times: Array, T: float) -> Array:
-        """Where a function changes its sign between times (n, N), in rows, T where there is none."""
+        """Return the times at which a function changes sign between given times (n, N), in rows filled up with T."""
         signs = _positive(of, points, times)
         interval, point = np.nonzero(signs[1:] != signs[:-1])
         low, high, at = times[interval, point], times[interval + 1, point], points[:, point]
@@ -149,7 +149,7 @@ class SmoothFront:
 
 
 def _grid(points: Array, T: float, count: int) -> Array:
-    """Equal intervals of [0, T], the same at all points, (count + 1, N)."""
+    """Return the ends of ``count`` equal intervals of [0, T], repeated for all points, (count + 1, N)."""
     return np.repeat(np.linspace(0.0, T, count + 1)[:, None], points.shape[1], axis=1)
 
 
@@ -159,10 +159,10 @@ def _positive(of: Callable[..., list[Array]], points: Array, time: Array) -> Arr
 
 
 def real_roots(coefficients: Array, T: float) -> Array:
-    """Roots in (0, T) of polynomials, coefficients (degree+1, N) highest first, as (degree, N).
+    """Return the roots in (0, T) of polynomials with coefficients (degree+1, N), highest first, as (degree, N).
 
-    Places without a root hold T. Up to degree 2 in closed form; above, a polynomial is monotone between the roots of
-    its derivative, and has a root there where it changes its sign.
+    Missing roots are filled up with T. Up to degree 2 there is a closed form. A polynomial of higher degree is
+    monotone between the roots of its derivative, and has a root between two of them if its sign changes.
     """
     if len(coefficients) <= 3:
         return _of_degree_two(coefficients, T)
@@ -177,9 +177,10 @@ def real_roots(coefficients: Array, T: float) -> Array:
 
 
 def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> Array:
-    """The root of each polynomial (degree+1, n) in an interval on which it is monotone; whether it is positive before.
+    """Return the root of each polynomial (degree+1, n) in an interval on which it is monotone.
 
-    Newton's method, or halving where that leaves the interval, for those that still move.
+    ``before`` tells whether the polynomial is positive at the start of the interval. Newton's method is used, and
+    bisection where Newton's method leaves the interval, until no root changes.
     """
     slopes = _derivative(coefficients)
     roots, moving, still = (low + high) / 2, np.arange(low.size), 4 * np.spacing(high)
@@ -199,12 +200,12 @@ def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> A
 
 
 def _derivative(coefficients: Array) -> Array:
-    """Those of the derivatives, (degree, N)."""
+    """Return the coefficients of the derivatives, (degree, N)."""
     return coefficients[:-1] * np.arange(len(coefficients) - 1, 0, -1)[:, None]
 
 
 def _of_degree_two(coefficients: Array, T: float) -> Array:
-    """``real_roots`` up to degree 2."""
+    """Return ``real_roots`` of polynomials of degree at most 2."""
     degree, count = coefficients.shape[0] - 1, coefficients.shape[1]
     if degree == 0:
         return np.empty((0, count))
@@ -218,7 +219,7 @@ def _of_degree_two(coefficients: Array, T: float) -> Array:
         found = -monic.astype(complex)
     else:
         discriminant = np.sqrt((monic[0] ** 2 - 4 * monic[1]).astype(complex))
-        # The larger root first, the other from the product: no cancellation.
+        # The larger root first and the other root from the product, to avoid cancellation.
         larger = -(monic[0] + np.where(monic[0] >= 0, 1, -1) * discriminant) / 2
         other = np.divide(monic[1], larger, out=np.zeros_like(larger), where=larger != 0)
         found = np.array([larger, other])

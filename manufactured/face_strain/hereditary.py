@@ -1,4 +1,4 @@
-"""q of a linear law: the hereditary integral of the pressure."""
+"""The normal strain q on the face for a linear law: the hereditary integral of the pressure."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from manufactured.symbols import Values, s, t
 from manufactured.tensors import Array
 
 RECENT = 3
-"""Times at which q is at hand."""
+"""Number of times for which values of q are stored."""
 
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """q of a linear law, to round-off.
+    """The normal strain q on the face for a linear law, exact up to rounding.
 
     Every term of the expanded pressure is θ(s, t)·∏ pos(ψ_i(s, t), m_i) with θ and the ψ_i that move smooth in t and,
     for these, integer m_i ≥ 2. At each s the roots of the ψ_i split [0, T] into intervals of contact (``fronts``), on
     which p is a smooth P(s, ·). Its hereditary integral is known in closed form where P is a polynomial of t
-    (``convolution``), by Gauss's rule else (``quadrature``). Since p vanishes where a moving contact begins and ends,
-    derivatives along the face pass under the integral: ∂_s^i q is the same expression with ∂_s^i P.
+    (``convolution``); otherwise Gauss's rule is used (``quadrature``). Since p vanishes where a moving contact begins
+    and ends, derivatives along the face pass under the integral: ∂_s^i q is the same expression with ∂_s^i P.
 
     Attributes:
         pressure: p(s, t).
@@ -93,7 +93,7 @@ class Memory:
 
 
 class MemoryAtPoints:
-    """q and q̇ at fixed points; intervals of contact, and integrals over those that have ended, are computed once."""
+    """q and q̇ at fixed points. Intervals of contact, and integrals over past intervals, are computed once."""
 
     def __init__(self, memory: Memory, points: Array) -> None:
         self.memory = memory
@@ -101,7 +101,7 @@ class MemoryAtPoints:
         self.flat = points.reshape(points.shape[0], -1)
         self.contacts = [_ContactIntervals(term, self.flat, memory) for term in memory.terms]
         self._start: dict[int, Values] = {}
-        # A stress asks for strain and strain rate at the same time, and trajectories side by side for the same times.
+        # A stress needs strain and strain rate at the same time, and several trajectories need the same times.
         self._found = lru_cache(RECENT)(self._strain)
 
     def __call__(self, time: Array | complex, rate: bool, order: int) -> Components:
@@ -147,7 +147,7 @@ class _ContactIntervals:
         self._found: dict[int, tuple[Started, Values]] = {}
 
     def subtract(self, totals: Values, time: Array | complex, order: int) -> None:
-        """totals[i] −= the integral up to ``time`` for ∂^i, at the points that are ever touched."""
+        """Subtract the integral up to ``time`` for ∂^i from totals[i], at the points that are ever in contact."""
         started, whole = self._started(order)
         times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
         now = times.real
@@ -160,13 +160,13 @@ class _ContactIntervals:
         touching, when = np.nonzero((entry < now) & (exit_ > now))
         if touching.size:
             found = started.upto(times[when], touching)
-            # A point touches in one interval at a time.
+            # At any time, a point belongs to at most one interval of contact.
             places = self.touched[touching] * len(times) + when
             for index, total in totals.items():
                 total.reshape(-1)[places] -= found[index]
 
     def _started(self, order: int) -> tuple[Started, Values]:
-        """The integrals from the entries, and those up to the exits."""
+        """Return the integrals that start at the entries, and their values at the exits."""
         if order not in self._found:
             started = self.integral.started(self.points, self.entry, self.exit, order)
             self._found[order] = started, started.upto(self.exit, np.arange(self.exit.size))

@@ -1,4 +1,4 @@
-"""A strain on the face that is given, from which the pressure follows by the law."""
+"""A prescribed strain on the face; the pressure follows from the law."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True, eq=False)
 class Prescribed:
-    """q given phase by phase in time: ``phases`` are pairs (end of the phase, formula of q(s, t)).
+    """A strain q prescribed phase by phase in time: ``phases`` are pairs (end of the phase, formula of q(s, t)).
 
-    The last phase ends at T. The formulas must agree at the ends, which the self-proof of a case
-    checks; the pressure is what the law makes of q and q̇.
+    The last phase ends at T. Consecutive formulas must agree at the end of a phase; the self-proof of a case
+    checks this. The law gives the pressure from q and q̇.
     """
 
     phases: tuple[tuple[float, sp.Expr], ...]
@@ -27,7 +27,7 @@ class Prescribed:
 
     @property
     def formula(self) -> sp.Expr:
-        """Every phase."""
+        """The formulas of all phases."""
         return sum((formula for _, formula in self.phases), sp.Integer(0))
 
     @cached_property
@@ -42,7 +42,7 @@ class Prescribed:
             times = np.atleast_1d(time)
             phase = np.minimum(np.searchsorted(ends, times.real), len(ends) - 1)
             if (phase != phase[0]).any():
-                # Every phase has formulas of its own.
+                # Every phase has different formulas.
                 return _joined([(phase == n, strain(times[phase == n], rate, order)) for n in np.unique(phase)])
             places = points.reshape(*points.shape, *(1,) * np.ndim(time))
             return (self._jets[phase[0]][1 + rate](places, time, order),)
@@ -51,7 +51,7 @@ class Prescribed:
 
 
 def _joined(pieces: list[tuple[Array, Components]]) -> Components:
-    """(q,) or (q̇,) at all times from those at some of them, with the mask of these."""
+    """Return (q,) or (q̇,) at all times; each piece is a mask of times and the values at these times."""
     found: Values = {}
     for among, (values,) in pieces:
         for index, value in values.items():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,9 +15,12 @@ from manufactured.symbols import FormulaError, Values
 from manufactured.tensors import Array
 
 POINTS = 40
-"""Of Gauss's rule on an interval of contact."""
+"""Number of Gauss points on an interval of contact, or on each of its pieces."""
+PIECES = (1, 4)
+"""Equal pieces of an interval of contact, tried in turn: a long contact may hold many periods of a motion."""
 ACCURACY = 1e-13
-"""Difference from the rule on both halves, relative to the largest integral, up to which the rule serves."""
+"""Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
+TINY = float(np.finfo(float).tiny)
 
 
 class Quadrature:
@@ -23,27 +28,31 @@ class Quadrature:
 
     def __init__(self, branch: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float) -> None:
         self.branch, self.decay, self.jet = branch, decay, Jet(branch, variables)
+        self.use(PIECES[0])
+
+    def use(self, pieces: int) -> None:
+        """Set nodes and weights of Gauss's rule on equal pieces of (0, 1)."""
         x, w = np.polynomial.legendre.leggauss(POINTS)
-        self.nodes, self.weights = (1 + x) / 2, w / 2
+        starts = np.arange(pieces)[:, None]
+        self.nodes, self.weights = ((starts + (1 + x) / 2) / pieces).ravel(), np.tile(w / (2 * pieces), pieces)
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """The integral from ``lower`` on, (N,), at points (d − 1, N); none is asked for beyond ``upper``.
+        """Prepare the integrals from ``lower`` (N,) up to at most ``upper`` (N,), at points (d − 1, N).
 
         Raises:
             FormulaError: P changes too fast for the rule.
         """
-        found = _Started(self, points, lower, order)
-        middle, every = (lower + upper) / 2, np.arange(lower.size)
-        whole, fading = found.upto(upper, every), np.exp(-self.decay * (upper - middle))
-        halves = found.upto(middle, every), _Started(self, points, middle, order).upto(upper, every)
-        for index, value in whole.items():
-            off = abs(value - fading * halves[0][index] - halves[1][index]).max(initial=0.0)
-            if not off <= ACCURACY * max(abs(value).max(initial=0.0), np.finfo(float).tiny):
-                raise FormulaError(
-                    f"{self.branch}: this part of p/a changes so fast in t that its memory is known to {off:.1g} only, "
-                    f"relative to {abs(value).max():.3g}; take a slower motion or a shorter time"
-                )
-        return found
+        for pieces in PIECES:
+            rule = copy(self)
+            rule.use(pieces)
+            found = _Started(rule, points, lower, order)
+            off, size = found.defect(upper)
+            if off <= ACCURACY * max(size, TINY):
+                return found
+        raise FormulaError(
+            f"{self.branch}: this part of p/a changes so fast in t that its memory is known to {off:.1g} only, "
+            f"relative to {size:.3g}; take a slower motion or a shorter time"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +62,20 @@ class _Started:
     lower: Array
     order: int
 
+    def defect(self, upper: Array) -> tuple[float, float]:
+        """Return the largest difference from the rule on both halves, at worst over all i, and the integral there."""
+        rule, lower, every = self.rule, self.lower, np.arange(self.lower.size)
+        middle = (lower + upper) / 2
+        whole, fading = self.upto(upper, every), np.exp(-rule.decay * (upper - middle))
+        first, second = self.upto(middle, every), _Started(rule, self.points, middle, self.order).upto(upper, every)
+        found = []
+        for index, value in whole.items():
+            off = abs(value - fading * first[index] - second[index]).max(initial=0.0)
+            found.append((float(off), float(abs(value).max(initial=0.0))))
+        return max(found, key=lambda pair: math.inf if math.isnan(pair[0]) else pair[0] / max(pair[1], TINY))
+
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """As ``Started``."""
+        """See ``Started.upto``."""
         rule, lower = self.rule, self.lower[chosen][:, None]
         length = upper[:, None] - lower
         left = length * (1 - rule.nodes)

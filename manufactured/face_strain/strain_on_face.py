@@ -1,4 +1,4 @@
-"""What the strain on a contact face is, as a function of place and time."""
+"""The interface of strains on a contact face, as functions of s and t."""
 
 from __future__ import annotations
 
@@ -16,16 +16,17 @@ Components = tuple[Values, ...]
 class StrainAtPoints(Protocol):
     """(q, r), or its rate, at fixed points of the face, with derivatives along the face up to an order.
 
-    Times (T,) give arrays with one axis more, the last one.
+    An array of times (T,) gives values with a last axis of length T.
     """
 
     def __call__(self, time: Array | complex, rate: bool, order: int) -> Components: ...
 
 
 class FaceStrain(Protocol):
-    """(q, r)(s, t) on a face; ``at`` fixes the points s (d−1, ...) and keeps what time does not change.
+    """The strain (q, r)(s, t) on a face.
 
-    ``formula`` has the truncated powers that q, or the pressure it comes from, is made of.
+    ``at`` fixes the points s (d−1, ...) and computes the parts that do not depend on t.
+    ``formula`` contains the truncated powers of q, or of the pressure that gives q.
     """
 
     @property
@@ -35,13 +36,13 @@ class FaceStrain(Protocol):
 
 
 def relaxation_rate(elasticity: sp.Expr | float, viscosity: sp.Expr | float) -> float:
-    """g/a, which has to be a number.
+    """Return the relaxation rate g/a, which must be constant along the face.
 
     Raises:
-        FormulaError: it varies along the face.
+        FormulaError: g/a varies along the face.
     """
     ratio = sp.sympify(elasticity) / viscosity
-    # For most factors it is enough to cancel; to simplify, SymPy loads its physical units first, a tenth of a second.
+    # ``cancel`` is enough for most factors; ``simplify`` takes longer because SymPy loads its physical units.
     for shortened in (sp.cancel, sp.simplify):
         ratio = shortened(ratio) if ratio.free_symbols else ratio
     if ratio.free_symbols:

@@ -18,9 +18,9 @@ from manufactured.tensors import Array, Tensors, dyad
 class Combined:
     """G(ε) = S + C ε + β (ε − P_K ε): a stress at rest, a linear operator and the law (3.3) together, as (3.2) allows.
 
-    With K = {|Pτ| ≤ r} the derivative is C inside K and tends to C + βP far from it, and lies between the two:
-    m is the least eigenvalue of C, L_G the largest absolute one of both. A C that is not positive softens up to the
-    edge of K, and β hardens beyond it.
+    With K = {|Pτ| ≤ r} the derivative is C inside K, tends to C + βP far from K, and always lies between the two. So m
+    is the least eigenvalue of C, and L_G the largest absolute eigenvalue of C and of C + βP. If C is not positive, G
+    softens up to the edge of K, and β hardens it beyond.
 
     Attributes:
         prestress: S, (D,).
@@ -68,7 +68,7 @@ class Combined:
 
     @property
     def reference(self) -> Array:
-        """C + (β/2) P: G minus this is Lipschitz with β/2 only."""
+        """C + (β/2) P; the difference of G and this matrix has the smaller Lipschitz constant β/2."""
         return self.linear.matrix + self.yielding.reference
 
     @property
@@ -103,6 +103,6 @@ class Combined:
         return np.asarray(linear + np.sum(resisting**2, axis=0) / (2 * self.yielding.beta))
 
     def normal_response(self, normal: Array) -> tuple[float, float, float, float]:
-        """(s, g, b, ρ) such that G(−Q n⊗n)_nn = s − g Q − b (Q − ρ)_+ for Q ≥ 0."""
+        """Return (s, g, b, ρ) such that G(−Q n⊗n)_nn = s − g Q − b (Q − ρ)_+ for Q ≥ 0."""
         b, edge = self.yielding.normal_response(normal)
         return float(self.prestress @ dyad(normal, normal)), self.linear.normal_modulus(normal), b, edge

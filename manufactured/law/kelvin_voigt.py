@@ -20,7 +20,7 @@ class KelvinVoigt:
     [5.0, 5.0, 0.0]
 
     Raises:
-        LawError: A and G act on tensors of different dimension, or A is an operator that need not be elliptic.
+        LawError: A and G act on tensors of different dimension, or A has a type that does not guarantee ellipticity.
     """
 
     A: Linear
@@ -39,7 +39,7 @@ class KelvinVoigt:
 
     @property
     def kappa(self) -> float:
-        """κ = L_G/m_A, with which B of (4.3) is Lipschitz in V, and the ω of (4.5) that serves every Lipschitz G."""
+        """κ = L_G/m_A: a Lipschitz constant of B in (4.3), and an ω in (4.5) that is valid for every Lipschitz G."""
         return self.G.lipschitz / self.A.ellipticity
 
     @property
@@ -51,7 +51,7 @@ class KelvinVoigt:
         return max(-self.G.monotonicity, 0.0) / self.A.ellipticity
 
     def require_dimension(self, dim: int) -> None:
-        """Refuse a body, or a part of one, of another dimension.
+        """Raise an error if a body or a boundary part has another dimension than the law.
 
         Raises:
             LawError: the law does not act in this dimension.
@@ -68,7 +68,7 @@ class KelvinVoigt:
 
     @property
     def steps(self) -> list[Hyperplane]:
-        """The planes (direction, offset) across which A or G jumps, each once, in order."""
+        """Return the planes (direction, offset) across which A or G jumps, without repetition, in order."""
         return sorted({*self.A.factor.steps, *self.G.factor.steps})
 
     def at(self, x: Points) -> PointLaw:
@@ -76,7 +76,7 @@ class KelvinVoigt:
         return PointLaw(self.A.at(x), self.G.at(x))
 
     def scaled(self, viscous: Array, elastic: Array) -> PointLaw:
-        """The law for given values of the factors of A and G, (...) each."""
+        """Return the law for given values of the factors of A and of G, each of shape (...)."""
         return PointLaw(self.A.scaled(viscous), self.G.scaled(elastic))
 
 

@@ -67,7 +67,7 @@ class Linear:
         return np.zeros(len(self.matrix))
 
     def normal_modulus(self, normal: Array) -> float:
-        """C_nnnn = (n⊗n)·C(n⊗n), without the factor."""
+        """Return the normal modulus C_nnnn = (n⊗n)·C(n⊗n), without the factor."""
         direction = dyad(normal, normal)
         return float(direction @ self.matrix @ direction)
 
@@ -90,7 +90,7 @@ class Linear:
         return Scaled(self.matrix, factor)
 
     def face_block(self, frame: Array) -> Array:
-        """Moduli between the strains a contact face can have, d_a·C d_b, (d, d), d_a as in ``face_strains``."""
+        """Return the moduli d_a·C d_b, (d, d), for the strains d_a that a contact face can have (``face_strains``)."""
         directions = face_strains(frame)
         return directions @ self.matrix @ directions.T
 
@@ -103,9 +103,9 @@ def face_strains(frame: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Indefinite(Linear):
-    """τ ↦ α(x) C τ with C symmetric and not positive: an elasticity operator that softens, (3.2), and no viscosity.
+    """τ ↦ α(x) C τ with C symmetric and not positive: an elasticity operator that softens. It cannot be a viscosity.
 
-    (2.7) asks symmetry and positivity of G; (3.2), on which existence and estimates rest, only that G is Lipschitz.
+    (2.7) requires that G is symmetric and positive. Existence and error estimates need only (3.2): G is Lipschitz.
 
     Raises:
         LawError: C is not square of size D(2) = 3 or D(3) = 6, not finite or not symmetric.
@@ -127,7 +127,7 @@ class Indefinite(Linear):
 
 
 def symmetric(matrix: Array) -> Array:
-    """The matrix of a symmetric tensor on S^d, (D, D).
+    """Return the matrix of a symmetric tensor on S^d, (D, D).
 
     Raises:
         LawError: not square of size D(2) = 3 or D(3) = 6, not finite or not symmetric.
@@ -171,7 +171,7 @@ class Scaled:
 
 
 def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> Linear:
-    """C τ = α(x) (2μ τ + λ (tr τ) I).
+    """Return the isotropic operator C τ = α(x) (2μ τ + λ (tr τ) I).
 
     >>> isotropic(1, 0.5).at(np.zeros((2, 1)))(np.array([[1.0], [0.0], [0.0]])).ravel().tolist()  # τ = e₁ ⊗ e₁
     [2.5, 0.5, 0.0]
@@ -183,6 +183,6 @@ def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> 
 
 
 def isotropic_matrix(mu: float, lam: float, dim: int = 2) -> Array:
-    """C of τ ↦ 2μ τ + λ (tr τ) I in Mandel form, (D, D); eigenvalues 2μ and 2μ + dλ of either sign."""
+    """Return the matrix of τ ↦ 2μ τ + λ (tr τ) I in Mandel form, (D, D); the eigenvalues are 2μ and 2μ + dλ."""
     unit = identity(dim)
     return np.asarray(2 * mu * np.eye(size(dim)) + lam * np.multiply.outer(unit, unit))

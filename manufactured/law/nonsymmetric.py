@@ -1,4 +1,4 @@
-"""A linear elasticity operator whose matrix is not symmetric, so that no energy has it as its derivative."""
+"""A linear elasticity operator whose matrix is not symmetric. It is not the derivative of an energy."""
 
 from __future__ import annotations
 
@@ -77,6 +77,6 @@ class NonSymmetric:
         return Scaled(self.matrix, factor)
 
     def face_block(self, frame: Array) -> Array:
-        """Moduli between the strains a contact face can have, d_a·C d_b, (d, d), d_a as in ``face_strains``."""
+        """Return the moduli d_a·C d_b, (d, d), for the strains d_a that a contact face can have (``face_strains``)."""
         directions = face_strains(frame)
         return directions @ self.matrix @ directions.T

@@ -1,4 +1,4 @@
-"""What an elasticity operator is, (3.2), and what it is at fixed points."""
+"""The interface of elasticity operators, (3.2), as functions of tensors and at fixed points of the body."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ class AtPoints(Protocol):
         ...
 
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
-        """Its derivative in ε where it exists: (D, ...), (D, ...) → (D, ...)."""
+        """Return the derivative with respect to ε in a direction, where it exists: (D, ...), (D, ...) → (D, ...)."""
         ...
 
     def gradient(self, strain: Callable[[], Tensors], change: Array) -> Array:
-        """∂_j of C(x) ε(x) or G(x, ε(x)) for ∂_j ε = change: (D, d, ...) → (D, d, ...); asks for ε where it matters."""
+        """Return ∂_j of C(x) ε(x) or G(x, ε(x)) for ∂_j ε = change, (D, d, ...); ``strain`` gives ε if it is needed."""
         ...
 
 
@@ -34,7 +34,7 @@ class Elasticity(Protocol):
 
     ``lipschitz`` is L_G; ``monotonicity`` a constant m with
     (G(a) − G(b))·(a − b) ≥ m |a − b|², negative where G softens; ``reference`` a constant symmetric matrix (D, D)
-    that a solver may use in place of the derivative of G (for a linear G: G itself); ``at_rest`` is G(·, 0).
+    that a solver may use instead of the derivative of G (for a linear G: G itself); ``at_rest`` is G(·, 0).
     """
 
     @property
@@ -62,5 +62,5 @@ class Elasticity(Protocol):
         ...
 
     def scaled(self, factor: Array) -> AtPoints:
-        """α G for given values of α, (...): what ``at`` is for α = ``factor`` at points, or for its means on cells."""
+        """Return α G for given values of α, (...): those of ``factor`` at points, as in ``at``, or means over cells."""
         ...

@@ -83,7 +83,7 @@ class Yield:
 
     @property
     def reference(self) -> Array:
-        """(β/2) P: G minus this is Lipschitz with β/2 only, the best constant splitting."""
+        """(β/2) P; G minus this matrix has the Lipschitz constant β/2, the least that a constant matrix allows."""
         return 0.5 * self.beta * self.convex.projector
 
     @property
@@ -124,6 +124,6 @@ class Yield:
         return np.stack([self.derivative(at, each) for each in np.moveaxis(change, 1, 0)], axis=1)
 
     def normal_response(self, normal: Array) -> tuple[float, float]:
-        """(b, ρ) such that G(−Q n⊗n)_nn = −b (Q − ρ)_+ for Q ≥ 0: b = β |P(n⊗n)|², ρ = r/|P(n⊗n)|."""
+        """Return (b, ρ) such that G(−Q n⊗n)_nn = −b (Q − ρ)_+ for Q ≥ 0: b = β |P(n⊗n)|², ρ = r/|P(n⊗n)|."""
         length = float(np.linalg.norm(self.convex.projector @ dyad(normal, normal)))
         return self.beta * length**2, self.convex.radius / length

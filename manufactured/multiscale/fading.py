@@ -2,8 +2,8 @@
 
     u_s = −y ∂_s w φ(y/D),   u_n = (w + y q) φ(y/D),   φ(η) = (1 − η)²(1 + 2η) for η < 1, zero beyond,
 
-y the distance into the body, n = −ν. As φ'(0) = 0, what D does along the face is not seen at y = 0: there u_n = w,
-u_s = 0, ε_ss = ε_sn = 0 and ε_nn = q, as for a constant depth (``manufactured.contact``).
+y the distance into the body, n = −ν. As φ'(0) = 0, the variation of D along the face has no effect at y = 0: there
+u_n = w, u_s = 0, ε_ss = ε_sn = 0 and ε_nn = q, as for a constant depth (``manufactured.contact``).
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ y = sp.Symbol("y", real=True)
 
 @lru_cache
 def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
-    """Formulas of ∂^i u_s and then of ∂^i u_n, |i| ≤ order, in y and in ∂_s^j of w, q and D, and of their rates.
+    """Return formulas of ∂^i u_s and then of ∂^i u_n, |i| ≤ order, in y and in ∂_s^j of w, q and D, and of their rates.
 
-    Made once for all faces, whose formulas are long; j up to order + 1 for w and to the order for q and D.
+    All faces share these long formulas. j goes up to order + 1 for w and up to order for q and D.
     """
     w, q, D = (sp.Function(name)(s, t) for name in "wqD")
     eta = y / D
@@ -52,16 +52,16 @@ def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
 
 @dataclass(frozen=True, eq=False)
 class FadingFace:
-    """A piece of Γ3 with the data of contact and their depth, all formulas of ``symbols.s`` and ``symbols.t``.
+    """A piece of Γ3 with its contact data and the depth of their lifting, as formulas of s and t.
 
     Attributes:
         part: the piece Γ3,i.
         gap: w(s, t), three times differentiable along the face almost everywhere.
         strain: q(s, t), the normal strain on the face.
-        pressure: p(s, t), what the law makes of q; the self-proof compares.
+        pressure: p(s, t), the pressure that the law gives for q; the self-proof checks this.
         level: ψ(s, t); the contact zone is stated to be {ψ ≥ 0}.
         depth: D(s, t) > 0.
-        least_depth: the least value of D, to a strip of which meshes for integrals are refined.
+        least_depth: the least value of D; quadrature meshes are refined in a strip of this depth.
         rough: coordinates s at which strains are singular for all times; there are none.
 
     Raises:
@@ -79,6 +79,11 @@ class FadingFace:
 
     def __post_init__(self) -> None:
         refuse_kinks(self.gap, self.strain, self.pressure, self.level, self.depth)
+
+    @property
+    def initial_gap(self) -> sp.Expr:
+        """g = 0, as in the paper."""
+        return sp.Integer(0)
 
     @cached_property
     def gap_jet(self) -> Jet:
@@ -99,17 +104,17 @@ class FadingFace:
 
     @cached_property
     def traces(self) -> tuple[Jet, Jet, Jet]:
-        """The jets of w, q and D, of which the lifting is made."""
+        """The jets of w, q and D, which determine the lifting."""
         return self.gap_jet, Jet(self.strain), self.depth_jet
 
     @cached_property
     def trace_rates(self) -> tuple[Jet, Jet, Jet]:
-        """Their rates."""
+        """The rates of the jets of w, q and D."""
         w, q, D = self.traces
         return w.rate(), q.rate(), D.rate()
 
     def traced(self, s: Array, time: complex, rate: bool, order: int) -> list[Array]:
-        """What ``lifted`` needs of w, q and D, and of their rates, at coordinates along the face, (1, n)."""
+        """Return the derivatives of w, q and D, and of their rates, that ``lifted`` needs, at coordinates s (1, n)."""
         jets = (*self.traces, *self.trace_rates) if rate else self.traces
         traces = [jet(s, time, order + more) for jet, more in zip(jets, (1, 0, 0) * 2, strict=False)]
         return [trace[i,] for trace in traces for i in range(len(trace))]
@@ -136,7 +141,7 @@ class FadingFace:
 
 
 class Fading:
-    """The fields of a ``FadingFace`` at fixed points; formulas are evaluated above the depth of the moment only."""
+    """The fields of a ``FadingFace`` at fixed points; formulas are evaluated only at points within the depth D."""
 
     def __init__(self, face: FadingFace, x: Points) -> None:
         self.face, self.frame = face, face.part.frame
@@ -163,7 +168,7 @@ class Fading:
         return self._everywhere(gradient, time, rate, 2)
 
     def modes(self) -> Modes:
-        """ε(u) as one field for each component and point: it is no sum of products of fewer."""
+        """ε(u) as one product for each component and point, because this lifting is no sum of fewer products."""
         count = len(self.y)
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
@@ -174,8 +179,8 @@ class Fading:
     def _everywhere(
         self, of: Callable[[tuple[Values, Values]], Array], time: Array | complex, rate: bool, order: int
     ) -> Array:
-        """A linear function of the derivatives of (u_s, u_n), or of their rates, in (s, y) up to an order."""
-        # Which points lie within the depth changes with time.
+        """Return, at all points, the function ``of`` the derivatives of (u_s, u_n), or of their rates, in (s, y)."""
+        # The set of points within the depth changes with time.
         return at_each(time, lambda moment: self._at_one(of, moment, rate, order))
 
     def _at_one(self, of: Callable[[tuple[Values, Values]], Array], time: complex, rate: bool, order: int) -> Array:
@@ -188,7 +193,7 @@ class Fading:
         return found.reshape(*found.shape[:-1], *self.shape)
 
     def _traced(self, time: complex, rate: bool, order: int) -> Callable[[Array], Sequence[Array]]:
-        """Numbers of points ↦ ``FadingFace.traced`` there, found once for each s where many points share it."""
+        """Return a function from point indices to ``FadingFace.traced``, computed once for points with the same s."""
         where = self.where
         if where is None:
             return lambda chosen: self.face.traced(self.s[:, chosen], time, rate, order)

@@ -36,24 +36,24 @@ from manufactured.symbols import pos, s, t
 
 T = 0.7
 START = Rational(3, 20)
-"""Where the front of a roller is at first."""
+"""The front of a roller at t = 0."""
 MIDDLE = Rational(1, 2)
-"""Where a standing patch is."""
+"""The centre of a standing patch."""
 LANDINGS = Rational(1, 10), Rational(2, 5)
-"""t_j."""
+"""The times t_j at which a standing patch touches."""
 SLOPE = Rational(1, 10)
-"""ω."""
+"""The factor ω of the gap."""
 ROLLERS = "roller", "pushing-roller", "steep-roller", "standing"
-"""What names of cases begin with, before the level."""
+"""The names of the cases without the level at their end."""
 COARSEST_ROLLER = 5
-"""The least level n: a standing patch of the half-width 2/n has to end on the face."""
+"""The least level n: a standing patch of half-width 2/n must lie within the face."""
 DEPTH = Rational(7, 10)
-"""Of the lifting, over the distance from the patch or its width."""
+"""The depth of the lifting divided by (ℓ² + ξ²)^{1/2}."""
 
 
 @lru_cache
 def rollers(level: int) -> tuple[Case, ...]:
-    """The cases with ℓ = 2/n, which are not of the catalogue: each belongs to the meshes of one level n."""
+    """Return the cases with ℓ = 2/n, which are not in the catalogue because each belongs to one level n."""
     width, (plain, pushing, steep, still) = Rational(2, level), (f"{kind}-{level}" for kind in ROLLERS)
     return (
         roller(plain, width),

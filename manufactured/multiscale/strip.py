@@ -1,4 +1,4 @@
-"""Contact data that are lifted into the strip above their own piece of Γ3 only.
+"""Contact data whose lifting is confined to the strip above one piece of Γ3.
 
 Pieces of one straight side carry details of different sizes. Each is lifted to a depth in proportion to its details,
 and one lifting must not reach above the next piece: it ends at the lines s = 0 and s = |Γ3,i|, where its data have to
@@ -28,7 +28,7 @@ class StripFace(ContactFace):
 
 
 class InStrip:
-    """A field at those of some points that lie in the strip, zero at the others."""
+    """A field at given points, set to zero at points outside the strip."""
 
     def __init__(self, field: ContributionAtPoints, inside: Array) -> None:
         self.field, self.inside = field, inside

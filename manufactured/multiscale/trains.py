@@ -11,7 +11,7 @@ Why these powers: a detail of the width ℓ that is ℓ^{3/2} high and fades at 
 |σ_ν|_{1/2} |u_ν'|_{1/2} on Γ3, so that every train counts alike, while it adds ∝ 1 to |u_ν|²_{H²(Γ3)}: with ever more
 trains of equal length, of a total that stays fixed, u stays bounded in H² and its trace does not. The phase cuts every
 level alike, as ℓ halves with h, and no front lies at a vertex of a grid. The depth and ϖ/ω are such that the work of
-contact is large beside the error.
+contact is large compared with the error.
 
 Predicted for the work of contact on meshes of n cells along a side, 32 ≤ n ≤ 128: its root is of the order 1 of the
 bound h² Σ_E |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}, as for every such h there are trains of the widths h/2, …, 4h. On coarser
@@ -37,7 +37,7 @@ from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 TRAINS = 7
-"""Trains, and pieces of Γ3."""
+"""The number of trains, and of pieces of Γ3."""
 LENGTH = Rational(1, 8)
 GAP, PRESSURE = 2, 200
 """ω and ϖ."""
@@ -45,12 +45,12 @@ GAP, PRESSURE = 2, 200
 
 @lru_cache
 def multiscale() -> tuple[Case, ...]:
-    """The cases with trains, which are not of the catalogue: meshes of its levels do not resolve them."""
+    """Return the cases with trains. They are not in the catalogue, whose levels are too coarse for them."""
     return static(), breathing()
 
 
 def static() -> Case:
-    """Patches that stay where they are, under a growing pressure."""
+    """Return the case with fixed patches under a growing pressure."""
     return _case(
         "trains",
         "patches of contact of seven widths",
@@ -60,7 +60,7 @@ def static() -> Case:
 
 
 def breathing() -> Case:
-    """Patches that widen and narrow again."""
+    """Return the case with patches that widen and narrow again."""
     mu = 4 * t * (1 - t) - Rational(1, 2)
     return _case(
         "breathing-trains",

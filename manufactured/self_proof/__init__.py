@@ -1,8 +1,7 @@
-"""A case proves itself before it is used.
+"""The self-proof: a case must satisfy every condition of the contact problem before it is used.
 
-At random points and times, with derivatives taken by the complex step (independent of the symbolic
-ones the solution is made of), the exact solution must satisfy (2.1)–(2.6), u(t) ∈ K and its stated
-contact zone to round-off.
+At random points and times, the exact solution must satisfy (2.1)–(2.6), u(t) ∈ K and its stated contact zone up to
+rounding. Derivatives are taken by the complex step, independently of the symbolic derivatives in the solution.
 """
 
 from manufactured.self_proof.finding import Finding, SelfProofError

@@ -10,7 +10,7 @@ from manufactured.tensors import Array, traction
 
 
 def traction_at_jumps(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
-    """Where a factor of A or G jumps the traction is continuous, or Div σ would have a part on the interface."""
+    """Check that the traction is continuous where a factor of A or G jumps; otherwise Div σ would not be a function."""
     findings = []
     inside = solution.body.sample(rng, 50 * count)
     size = float(np.ptp(solution.body.vertices, axis=1).max())
@@ -27,7 +27,7 @@ def traction_at_jumps(solution: ExactSolution, rng: np.random.Generator, count: 
 
 
 def bounds_of_factors(solution: ExactSolution, rng: np.random.Generator, count: int) -> list[Finding]:
-    """The factors of A and G lie between their stated bounds, on which m_A and L_G rest."""
+    """Check that the factors of A and G lie between their stated bounds, from which m_A and L_G are computed."""
     x = solution.body.sample(rng, 50 * count)
     findings = []
     for number, name, factor in (("(3.1)", "A", solution.law.A.factor), ("(3.2)", "G", solution.law.G.factor)):

@@ -6,19 +6,20 @@ import numpy as np
 
 from manufactured.body import Part
 from manufactured.exact import ExactSolution
-from manufactured.self_proof.finding import ROUND_OFF, Finding, at_times, worst
+from manufactured.self_proof.finding import OPEN_IN_CONTACT, ROUND_OFF, Finding, at_times, worst
 from manufactured.tensors import Array
 
 JUMP = 0.05
-"""Largest relative defect of changes along a face over integrals of derivatives, which may be singular at a front."""
+"""Largest accepted relative difference of a change along a face and the integral of its derivative; a derivative may be
+singular at a front."""
 GRID, INSTANTS = 211, 101
 """Points along a face, and times, at which signs and zones are checked."""
 TINY = 1e-150
-"""The scale of a quantity that vanishes."""
+"""The scale used for a quantity that is zero everywhere."""
 
 
 def signs(solution: ExactSolution) -> list[Finding]:
-    """Signs, complementarity and the stated zone on a dense grid of each face and of [0, T]."""
+    """Check signs, complementarity and the stated zone on a dense grid of each face and of [0, T]."""
     instants = np.linspace(0, solution.body.T, INSTANTS)
     findings = []
     for i, face in enumerate(solution.faces, start=1):
@@ -30,14 +31,14 @@ def signs(solution: ExactSolution) -> list[Finding]:
         contact = level >= 0
         # A body at rest touches with w = p = 0 and needs no zone.
         resting = (abs(gap).max(axis=1) == 0) & (abs(pressure).max(axis=1) <= ROUND_OFF * fields.stress_scale())
-        # Each on its own scale; on that of the strains times a small number where there is none.
+        # Each quantity has its own scale; where it is zero, the scale of the strains times a small number is used.
         scale_w = np.maximum(abs(gap), TINY)
         scale_p = np.maximum(abs(pressure), 1e-6 * fields.stress_scale())
         checks = [
-            ("u_ν ≤ 0, u ∈ K", np.maximum(-gap, 0), scale_w),
+            ("u_ν ≤ g, u ∈ K", np.maximum(-gap, 0), scale_w),
             ("σ_ν ≤ 0", np.maximum(-pressure, 0), scale_p),
-            ("w = 0, so σ_ν u_ν = 0, on the stated zone ψ ≥ 0", np.where(contact, abs(gap), 0), scale_w),
-            ("p = 0, so σ_ν u_ν = 0, off the stated zone", np.where(contact, 0, abs(pressure)), scale_p),
+            (f"{OPEN_IN_CONTACT} ψ ≥ 0", np.where(contact, abs(gap), 0), scale_w),
+            ("p = 0, so σ_ν w = 0, off the stated zone", np.where(contact, 0, abs(pressure)), scale_p),
             (
                 "w > 0 off the stated zone",
                 np.where(~contact & (gap <= 0) & ~resting[:, None], abs(level), 0),
@@ -50,8 +51,8 @@ def signs(solution: ExactSolution) -> list[Finding]:
 
 
 def _grid(part: Part) -> Array:
-    """Some GRID points along a segment, GRID^{3/2} or less on a plane part, none on its edges, (d−1, N)."""
-    # Not the ends of the face, where a formula may be singular; not a round number of cells.
+    """Return GRID points along a segment, at most GRID^{3/2} points on a plane part, none on its edges, (d−1, N)."""
+    # The ends of the face are left out, because a formula may be singular there.
     low, high = part.outline.min(axis=1), part.outline.max(axis=1)
     count = round(GRID ** (1 if part.dim == 2 else 0.75))
     axes = [a + (b - a) * (np.arange(count) + 0.5) / count for a, b in zip(low, high, strict=True)]
@@ -60,9 +61,9 @@ def _grid(part: Part) -> Array:
 
 
 def continuity(solution: ExactSolution, rng: np.random.Generator) -> list[Finding]:
-    """w, ∇_s w and (q, r) have no jumps along a face, as u ∈ H¹ needs: each changes by the integral of its derivative.
+    """Check that w, ∇_s w and (q, r) do not jump along a face, as u ∈ H¹ requires.
 
-    Along a line through the face in the direction of each coordinate.
+    Along a line in the direction of each coordinate, each quantity must change by the integral of its derivative.
     """
     nodes, weights = np.polynomial.legendre.leggauss(6)
     instants = np.linspace(0, solution.body.T, 9)

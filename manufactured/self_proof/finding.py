@@ -1,4 +1,4 @@
-"""The largest defect of a condition, and the error that lists those which are too large."""
+"""The largest defect of a condition, and the error that lists all defects that are too large."""
 
 from __future__ import annotations
 
@@ -10,9 +10,18 @@ import numpy as np
 from manufactured.tensors import Array, Points
 
 TOGETHER = 1 << 13
-"""Values that are evaluated together: more of them do not fit a cache."""
+"""Number of values that are evaluated together: more would not fit the processor cache."""
 ROUND_OFF = 1e-9
 """Largest defect relative to the size of the terms that counts as round-off."""
+
+
+OPEN_IN_CONTACT = "w = 0, so σ_ν w = 0, on the stated zone"
+"""The condition that a gap violates which is positive where there is contact."""
+INITIAL_GAP_ADVICE = (
+    "`gap` is the distance that is left at the time t, 0 where there is contact. If your formula is the distance of "
+    "the undeformed body from the foundation, give it as `initial_gap` of ContactFace.linear, and give `gap` a formula "
+    "that vanishes in contact, such as pos(-zone, 4)"
+)
 
 
 @dataclass(frozen=True)
@@ -20,10 +29,10 @@ class Finding:
     """The largest defect found in one condition.
 
     Attributes:
-        condition: its number in the source and its formula.
+        condition: the number of the condition in the source, and its formula.
         defect: size of the violation relative to the scale of the terms.
-        tolerance: what is allowed.
-        x, time: where it is attained.
+        tolerance: the largest defect that passes.
+        x, time: point and time of the largest defect.
     """
 
     condition: str
@@ -52,16 +61,17 @@ class SelfProofError(ValueError):
     def __init__(self, name: str, findings: list[Finding]) -> None:
         self.findings = findings
         lines = "\n  ".join(str(finding) for finding in findings)
+        advice = f"\n  {INITIAL_GAP_ADVICE}" if any(OPEN_IN_CONTACT in one.condition for one in findings) else ""
         super().__init__(
             f"{name} does not prove itself an exact solution:\n  {lines}\n"
-            "  change the gap, the pressure, the zone or the law until it does"
+            f"  change the gap, the pressure, the zone or the law until it does{advice}"
         )
 
 
 def worst(
     condition: str, x: Points, instants: Array, defect: Array, scale: Array, tolerance: float = ROUND_OFF
 ) -> Finding:
-    """The largest entry of defect (times, points) relative to the largest entry of scale."""
+    """Return the largest entry of defect (times, points) relative to the largest entry of scale."""
     defect = np.where(np.isfinite(defect), defect, np.inf)
     when, where = np.unravel_index(np.argmax(defect), defect.shape)
     size = max(float(np.max(np.where(np.isfinite(scale), scale, 0.0))), np.finfo(float).tiny)
@@ -71,9 +81,9 @@ def worst(
 
 
 def at_times(of: Callable[[Array], Array], instants: Array, points: int) -> Array:
-    """A field at some points and times, the first axis, of which as many are found together as serves a cache.
+    """Evaluate a field at all times, which become the first axis, in blocks that fit the processor cache.
 
-    ``of`` takes times (n,) and has them on its last axis.
+    ``of`` takes times (n,) and returns values with a last axis of length n.
     """
     together = max(1, TOGETHER // points)
     blocks = (instants[first : first + together] for first in range(0, len(instants), together))

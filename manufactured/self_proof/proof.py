@@ -1,4 +1,4 @@
-"""All conditions of Problem 2.1 together."""
+"""The self-proof of an exact solution: all conditions of Problem 2.1."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from manufactured.self_proof.interior import equilibrium, history, kinematics
 
 
 def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
-    """Check every condition; returns the findings, all passing.
+    """Check every condition and return the findings, all of which pass.
 
     >>> from manufactured import named
     >>> all(finding.passes for finding in prove(named("full-contact").solution, "full-contact"))
     True
 
     Raises:
-        SelfProofError: lists each violated condition with where and by how much.
+        SelfProofError: a condition is violated; the message lists each one with its largest defect and the place.
     """
     findings = examine(solution, seed)
     failed = [finding for finding in findings if not finding.passes]
@@ -30,7 +30,7 @@ def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
 
 
 def examine(solution: ExactSolution, seed: int = 0, points: int = 40, times: int = 8) -> list[Finding]:
-    """The largest defect of every condition at random points and times."""
+    """Return the largest defect of every condition at random points and times."""
     rng = np.random.default_rng(seed)
     instants = np.sort(rng.uniform(0, solution.body.T, times))
     inside = solution.body.sample(rng, points)

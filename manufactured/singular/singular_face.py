@@ -17,12 +17,12 @@ from manufactured.tensors import Points
 
 @dataclass(frozen=True, eq=False)
 class SingularFace:
-    """A piece of Γ3 on which a singular field makes contact: gap, pressure and zone are stated beside the field.
+    """A piece of Γ3 on which a singular field makes contact, with the gap, pressure and zone that belong to the field.
 
     Attributes:
         part: the piece Γ3,i.
         gap: w(s, t).
-        pressure: p(s, t), what the law makes of the field; the self-proof compares.
+        pressure: p(s, t), the pressure that the law gives for the field; the self-proof checks this.
         level: ψ(s, t).
         field: the displacement.
         rough: coordinates s of the singular points that do not move.
@@ -40,6 +40,11 @@ class SingularFace:
 
     def __post_init__(self) -> None:
         refuse_kinks(self.gap, self.pressure, self.level)
+
+    @property
+    def initial_gap(self) -> sp.Expr:
+        """g = 0, as in the paper."""
+        return sp.Integer(0)
 
     @cached_property
     def gap_jet(self) -> Jet:

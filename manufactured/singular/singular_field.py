@@ -57,7 +57,7 @@ class SingularField:
 
 
 class SingularAtPoints:
-    """θ(t) times fields that time does not change; derivatives of U at most of order two."""
+    """θ(t) times fields that do not depend on time; derivatives of U up to order two."""
 
     def __init__(self, field: SingularField, x: Points) -> None:
         self.field = field
@@ -161,7 +161,7 @@ def _binomial(n: int, k: int) -> int:
 
 
 class _OfMonomials(Protocol):
-    """What is made of monomials."""
+    """The interface of fields that consist of monomials."""
 
     @property
     def x(self) -> tuple[Monomial, ...]: ...
@@ -170,5 +170,5 @@ class _OfMonomials(Protocol):
 
 
 def least_exponent(fields: Iterable[_OfMonomials]) -> float:
-    """The least regular power of the distance in some fields, min(m + β); infinite without any."""
+    """Return the least power of the distance in the given fields, min(m + β); infinity without fields."""
     return min((m.m + m.beta for field in fields for m in (*field.x, *field.y) if m.c != 0), default=math.inf)

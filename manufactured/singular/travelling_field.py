@@ -70,12 +70,12 @@ class TravellingField:
 
 
 def _along(component: tuple[Monomial, ...]) -> tuple[Monomial, ...]:
-    """The monomials of ∂_x."""
+    """Return the monomials of the derivative ∂_x."""
     return tuple(Monomial(*term) for monomial in component for term in monomial.terms(1, 0))
 
 
 class TravellingAtPoints:
-    """Two fields at points that move against the face: at every time they are new ones."""
+    """A travelling field and its slope at fixed points; relative to the field, the points move along the face."""
 
     def __init__(self, field: TravellingField, x: Points) -> None:
         self.field, self.x = field, x
@@ -109,7 +109,7 @@ class TravellingAtPoints:
         return self._value(time, rate, SingularAtPoints.strain_gradient)
 
     def modes(self) -> Modes:
-        """ε(u) itself for the amplitudes: every point is a place of its own."""
+        """ε(u) itself for the amplitudes: every point has its own coordinate s."""
         count, rows = int(np.prod(self.x.shape[1:])), size(2)
 
         def amplitudes(time: Array | float, rate: bool) -> Array:

@@ -23,7 +23,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.bounded import MOVING, write_displacement
+from study.bound.bounded import MOVING, STATIC, write_displacement
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error
 from study.bound.problem import BoundError
@@ -191,14 +191,15 @@ def text(
     tolerance: Tolerance,
     stopped: str,
     sentences: Sequence[str],
-    norm: str = f"max {MOVING}",
+    norm: str = MOVING,
 ) -> list[str]:
     """Return the printed lines: whether the tolerance is reached, the evidence, and a line for each mesh."""
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
     bound, known = up(rows["bound"].iloc[-1], SHOWN), bool(rows["error"].notna().all())
     percent = _percent(rows["percent"].iloc[-1])
     reached = f"{bound}, {percent} of u," if tolerance.percent else bound
-    found = [f"{name}: {norm} ≤ {reached} {sign} {tolerance}, the tolerance {end}", *sentences, ""]
+    error = norm if norm == STATIC else f"max {norm}"
+    found = [f"{name}: {error} ≤ {reached} {sign} {tolerance}, the tolerance {end}", *sentences, ""]
     head = (
         f"{'mesh':>4} {'cells':>7} {'unknowns':>8} {'steps':>6} {'bound':>10} {'% of u':>9} {'order':>6} {'in time':>8}"
     )

@@ -18,7 +18,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.discretisation import Discretisation, refuse_solids
+from study.bound.discretisation import Discretisation, refuse_initial_gap, refuse_solids
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
 from study.bound.problem import BoundError, require_units
 from study.bound.static import compute_static, enclose_static
@@ -27,7 +27,7 @@ from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
 from study.ledger.text import down, interval, up, width
 from study.solve.evolution import Scheme
-from study.solve.steps import require_steps
+from study.solve.steps import rate_steps, require_steps
 
 LINES = 8
 """Number of times in the printed table."""
@@ -62,6 +62,16 @@ class BoundedSolution:
         """An interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V, by the better of the two bounds."""
         both = [self.enclosure.relative, *([self.plain.relative] if self.plain else [])]
         return max(low for low, _ in both), min(high for _, high in both)
+
+
+def norm_of(data: Data) -> str:
+    """Return the norm in which errors are bounded, for texts: ``STATIC`` or ``MOVING``."""
+    return STATIC if isinstance(data, Static) else MOVING
+
+
+def steps_on(data: Data, level: int, wanted: int | None) -> int:
+    """Return the number of time steps of u_h on a level: as wanted, or by the rule of the study; 1 without time."""
+    return 1 if isinstance(data, Static) else wanted or rate_steps(data.body.T, level)
 
 
 def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: int | None, refined: Refined) -> None:
@@ -100,6 +110,7 @@ def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
             f"got {refined.refinements} and {refined.shorter}"
         )
     refuse_solids(data)
+    refuse_initial_gap(data)
     require_units(data)
     data.check()
 

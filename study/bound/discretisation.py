@@ -52,6 +52,7 @@ class Discretisation:
 
     def __post_init__(self) -> None:
         refuse_solids(self.data)
+        refuse_initial_gap(self.data)
         require_units(self.data)
         refuse_jumps_in_cells(self.data, self.mesh)
         self.moduli  # noqa: B018
@@ -198,6 +199,15 @@ def refuse_solids(data: Data) -> None:
     if data.body.dim != 2:
         raise BoundError(
             f"the bound rests on composite triangles, the body has dimension {data.body.dim}; give a plane body"
+        )
+
+
+def refuse_initial_gap(data: Data) -> None:
+    """Raise BoundError unless the body touches the foundation from the start."""
+    if data.has_initial_gap:
+        raise BoundError(
+            "the bound rests on σ_ν u_ν = 0 on Γ3 and on u_ν ≤ 0, the problem has an initial gap; give a problem "
+            "without one"
         )
 
 

@@ -25,7 +25,7 @@ from study.present.figures import AdaptedMesh, adapted_mesh, draw_one
 from study.run.executor import GIB, available
 from study.run.fingerprint import of_problem
 from study.run.store import Store
-from study.solve.steps import MOST, rate_steps
+from study.solve.steps import MOST
 from study.solve.tableau import SCHEMES
 from study.statements.shared import estimates
 
@@ -40,15 +40,14 @@ def do_adapt(options: argparse.Namespace) -> int:
     adaptive.check_cells(options.cells)
     bounded.check_bound(data, family, [level], options.steps, Refined(0, 1))
     mesh = family(data.body, level)
-    static = isinstance(data, Static)
-    stage = Stage(mesh.p, mesh.t, 1 if static else options.steps or rate_steps(data.body.T, level))
+    stage = Stage(mesh.p, mesh.t, bounded.steps_on(data, level, options.steps))
     store = Store(options.out / name, written=(".",))
     kept: list[dict[str, Any]] = []
     with store.locked():
         while True:
             number = len(kept)
             # The tolerance is not part of the key: it only decides when to stop.
-            made_by = of_problem(data, case, (family, level, options.steps, scheme, static, number))
+            made_by = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
             kept.append(_stage(store, number, made_by, partial(adaptive.adapted, data, case, stage, scheme)))
             rows = adaptive.table([one["row"] for one in kept])
             table = write_text(store.directory / "adaptive.csv", rows.to_csv(index=False))
@@ -66,8 +65,7 @@ def do_adapt(options: argparse.Namespace) -> int:
         written += draw_one(store.directory, adapted_mesh(name, shown))
     print(folded(f"written: {listed(written)}"))
     sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
-    norm = bounded.STATIC if static else f"max {bounded.MOVING}"
-    print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, norm)) + "\n")
+    print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, bounded.norm_of(data))) + "\n")
     return OK if reached and all(one["inside"] for one in kept if case) else FAILED
 
 

@@ -25,7 +25,6 @@ from study.present.figures import draw_one, enclosure
 from study.run.executor import available, require
 from study.run.fingerprint import of_problem
 from study.run.store import Store
-from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
 from study.statements.shared import estimates
 
@@ -51,7 +50,7 @@ def do_bound(options: argparse.Namespace) -> int:
     if case:
         prove(case.solution, f"case {case.name}")
     static = isinstance(data, Static)
-    plan = {level: 1 if static else options.steps or rate_steps(data.body.T, level) for level in options.levels}
+    plan = {level: bounded.steps_on(data, level, options.steps) for level in options.levels}
     store = Store(options.out / name, written=(".",))
     with store.locked():
         kept = []
@@ -67,7 +66,7 @@ def do_bound(options: argparse.Namespace) -> int:
             written += draw_one(store.directory, enclosure("enclosure", over_time, name))
     print(folded(f"written: {listed(written)}"))
     sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
-    found = bounded.text(name, table, over_time, sentences, bounded.STATIC if static else bounded.MOVING)
+    found = bounded.text(name, table, over_time, sentences, bounded.norm_of(data))
     print(f"\n{found}\n")
     return OK if case is None or all(one["inside"] for one in kept) else FAILED
 

@@ -55,9 +55,8 @@ def do_displacement(options: argparse.Namespace) -> int:
     for path, u_h in read:
         print(folded(f"level {_level(u_h)}: {path}, degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles"))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
-    norm = bounded.STATIC if isinstance(data, Static) else bounded.MOVING
     last = pd.DataFrame(rows[-1]["series"])
-    print(f"\n{bounded.text(name, table, last, sentences, norm)}\n")
+    print(f"\n{bounded.text(name, table, last, sentences, bounded.norm_of(data))}\n")
     return OK if case is None or all(one["inside"] for one in rows) else FAILED
 
 

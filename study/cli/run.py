@@ -11,11 +11,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from study.cli.common import check_jobs, code_of, draw, known_undecided, listed, progress_bar
+from study.controls.contact_test import DEFECTS, contact_tests, write_contact_test
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
 from study.present.figures import drawings, overview
-from study.present.outcome import ledger_text, rates_text
+from study.present.outcome import contact_test_text, ledger_text, rates_text
 from study.present.tables import write_tables
 from study.run.executor import Pool, Processes, connected, execute, refuse_too_large, unfinished
 from study.run.judgement import collect, judge
@@ -50,29 +51,43 @@ def do_run(options: argparse.Namespace) -> int:
         refuse_too_large(unfinished(plan.jobs, store), pool)
         plan.check(processes.map)
         with store.locked():
-            measure(plan, store, pool)
+            tested = measure(plan, store, pool, Pool.of(processes))
             verdicts = judge(store.directory)
             tables = write_tables(store.directory)
             # The figures of all cases would take a third of the time of the quick study.
             drawn = draw(store.directory, processes, drawings if options.case else overview)
-    data = "rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/"
-    print(f"\n{folded(f'data: {store.data}/{data}')}")
+    data = ["rates.csv", "equivalence.csv", "claims.csv", "cases.csv", *tested, "provenance.json", "pictures/"]
+    print("\n" + folded(f"data: {store.data}/{', '.join(data)}"))
     print(folded(f"written: {listed([*tables, *drawn])}"))
     print(f"\n{rates_text(store.directory)}")
     print(ledger_text(read_claims(store.directory)))
+    if tested:
+        print(contact_test_text(store.directory))
     if any(TRY in verdict.expected for verdict in verdicts):
         print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}")
     return code_of(verdicts, options.undecided)
 
 
-def measure(plan: Plan, store: Store, pool: Pool) -> None:
-    """Run the jobs of a plan that a directory lacks, and write its data files."""
+def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[str]:
+    """Run the jobs of a plan that a directory lacks, and write its data files; returns the names of additional ones.
+
+    Parameters:
+        plan: the plan.
+        store: the directory.
+        pool: runs the jobs of the plan.
+        own_processes: runs the same jobs with deliberate defects, for the users' cases.
+    """
     refuse_to_replace(plan, store.directory)
     store.check()
-    with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
-        bar.set_description(f"{len(plan.jobs)} jobs")
+    tests = contact_tests(plan)
+    defective = [job for test in tests for defect in DEFECTS for job in test.defective(defect)]
+    with progress_bar(round(sum(job.cost for job in (*plan.jobs, *defective)))) as bar:
+        bar.set_description(f"{len(plan.jobs) + len(defective)} jobs")
         execute(plan.jobs, store, pool, lambda cost: bar.update(round(cost)))
-        collect(plan, store)
+        execute(defective, store, own_processes, lambda cost: bar.update(round(cost)))
+        written = write_contact_test(tests, store)
+        collect(plan, store, written)
+    return [path.name for path in written]
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:

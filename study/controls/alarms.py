@@ -21,7 +21,7 @@ from tabulate import tabulate
 from manufactured.tensors import Array
 from study.controls.record import Line, Record, RowKey, two_sided, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
-from study.ledger.chance import PROMISE, interval, tail
+from study.ledger.chance import PROMISE, interval, seeds_needed, tail
 from study.ledger.datafiles import ALL_ROWS, alarm_summary, write_csv
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
@@ -153,7 +153,8 @@ def text(table: pd.DataFrame) -> str:
             tabulate(weak, ["row", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
             "",
             f"{len(newer(table))} rows have a rule that is newer than the first seed: seeds count since then",
-            f"at most {PROMISE:.0%} of fresh seeds may turn the ledger red: {verdict(table)}",
+            f"at most {PROMISE:.0%} of fresh seeds may turn the ledger red: {verdict(table)} by the count alone "
+            f"({seeds_needed()} seeds without an alarm are enough; the tails judge nothing)",
         ]
     )
 

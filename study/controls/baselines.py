@@ -20,6 +20,7 @@ from study.solve.tableau import MIDPOINT
 from study.statements import thm_4_2_own_space as own
 from study.statements.contact_force import ContactForce, measure_contact
 from study.statements.from_rates import SizeOfInterpolation
+from study.statements.initial_gap import InitialGap
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder, measure
 from study.statements.shared.base import ListedNumbers, Setting
@@ -44,7 +45,7 @@ class Baseline(Protocol[S]):
         ...
 
 
-OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation()
+OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation(), InitialGap()
 
 
 @dataclass(frozen=True)

@@ -344,7 +344,7 @@ def an_eighth(steps: int) -> int:
 
 def no_contact(problem: Any) -> Any:
     """V^h instead of K^h, without constraints."""
-    return replace(problem, N=problem.N[:0], solver=freed(problem.solver))
+    return replace(problem, N=problem.N[:0], gap=0.0, solver=freed(problem.solver))
 
 
 def constraint_relaxed(setup: Any) -> Any:

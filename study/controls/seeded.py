@@ -74,7 +74,7 @@ def seeded(seed: int, part: str = WHOLE) -> Plan:
         Job(statement, setting)
         for statement in STATEMENTS
         if not isinstance(statement, Pictures | Bounds | OtherCodes)
-        for setting in (statement.settings(scope) if statement.of_every_case else on_shaken(statement, scope))
+        for setting in (statement.planned(scope) if statement.of_every_case else on_shaken(statement, scope))
     ]
     return Plan(scope, tuple(job for job in jobs if part == WHOLE or not costly(job)))
 
@@ -92,9 +92,9 @@ def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
     """
     if isinstance(statement, InterpolationOnContact):
         return grid(TRACES, (scope.family,), (16, 32, 64))
-    everywhere = [setting for setting in statement.settings(replace(scope, name="full")) if is_random(setting.family)]
+    everywhere = [setting for setting in statement.planned(replace(scope, name="full")) if is_random(setting.family)]
     if not isinstance(statement, OwnSpace):
-        quickly = statement.settings(scope)
+        quickly = statement.planned(scope)
         finest = max((setting.level for setting in quickly), default=0)
         shaken = [setting for setting in quickly if is_random(setting.family)]
         everywhere = shaken or [setting for setting in everywhere if setting.level <= finest]

@@ -52,6 +52,7 @@ from study.statements.wellposed import BoundedVelocity, Dependence
 FULL, TURNED = Sweep("full-contact", levels=(4, 8, 16)), Sweep("full-contact", angle=0.3, levels=(4, 8, 16))
 NONE, FIXED = Sweep("no-contact"), Sweep("fixed-front-off-vertex")
 MOVING, MERGING = Sweep("advance-recede"), Sweep("merging-patches")
+APART_AT_FIRST = Sweep("parabolic-gap")
 CROSSED, ROUGH = Sweep("advance-recede", families=("criss-cross",)), Sweep("rough-2", levels=(4, 8, 16, 32))
 SOLID = Sweep("cube-two-faces", levels=(6, 9, 12))
 CORNERED = Sweep("re-entrant", families=("unstructured", "graded"), levels=(8, 16, 32, 64))
@@ -141,6 +142,9 @@ CONTROLS: tuple[Control, ...] = (
     Control("contact relaxed", "v_ν ≤ √h instead of v_ν ≤ 0", FULL, "", wrong.constraint_relaxed, "order"),
     Control("contact work", "its sign flipped in the load (3.7)", MOVING, "", wrong.contact_work_times(-1.0), "order"),
     Control("normal flipped", "v_ν ≥ 0 instead of v_ν ≤ 0", MOVING, "problem.N", negative, "order"),
+    Control("initial gap flipped", "v_ν ≤ −g instead of v_ν ≤ g", APART_AT_FIRST, "problem.gap", negative,
+            ("order", "order-extrapolated", "size", "discrete-order-superclose", "discrete-share")),
+    Control("initial gap left out", "v_ν ≤ 0 instead of v_ν ≤ g", APART_AT_FIRST, "problem.gap", zero, ("order", "order-extrapolated")),
     Control("normal along an axis", "the axis nearest to ν instead of ν", TURNED, "problem.N", wrong.nearest_axis, "order"),
     Control("one active set", "the contact solve stops after one iteration", MOVING, SOLVER, wrong.one_iteration, "residual"),
     Control("clamp short", "Γ1 ends one cell too early", FULL, "", wrong.clamp_one_cell_short, "clamped"),
@@ -196,7 +200,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("stress without contact", "σ_ν = 0 instead of σ_ν ≤ 0", OWN, "solver", wrong.no_multipliers, "order-stress"),
     Control("stress law swapped", "A and G swapped in Problem 3.2", OWN, "", wrong.law_swapped, "order-strain"),
     Control("stress without memory", "the strains of the past are 0", OWN, "scheme.past", wrong.instead((0.0, 0.0)), "order-strain"),
-    Control("stress without f_2", "σν = 0 instead of f_2 on Γ2", OWN, "data.surface_load", wrong.instead(wrong.no_surface_load), "order-stress"),
+    Control("stress without f_2", "σν = 0 instead of f_2 on Γ2", OWN, "data.surface_load", wrong.instead(wrong.no_surface_load), ("order-stress", "order-sup")),
     Control("first step off", "u_1 off by 1e-4, then right", BOTH, "", wrong.step_times("first", u=1.0001), "displacement"),
     Control("first stress off", "σ_1 off by 1e-4, then right", BOTH, "", wrong.step_times("first", stress=1.0001), "stress"),
     Control("stopped early", "gaps of 1e-8 instead of 1e-15", BOTH, "solve.stress_problem:AIM", wrong.instead(Accuracy(gap=1e-8, feasibility=1e-11)), "allowed"),

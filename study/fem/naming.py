@@ -110,9 +110,14 @@ def _case_names() -> list[str]:
     return [*NAMES, *(case.name for case in _outside_the_catalogue(""))]
 
 
+def is_own(reference: str) -> bool:
+    """Return whether a reference is FILE.py:NAME, a user's own case, and not a name of the catalogue."""
+    return ":" in reference
+
+
 def name_of(reference: str) -> str:
     """What a reference is called in data files: the name of the case in FILE.py:NAME, other names as they are."""
-    return resolve(reference).name if ":" in reference else reference
+    return resolve(reference).name if is_own(reference) else reference
 
 
 def absolute(reference: str) -> str:

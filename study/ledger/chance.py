@@ -20,6 +20,7 @@ rates of its rows, however they depend on each other.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 
@@ -109,12 +110,16 @@ def pareto(places: Array) -> tuple[float, float]:
     return above * float(model.sf(1 - threshold)), float(scipy.stats.kstest(excess, model.cdf).pvalue)
 
 
-def promise_verdict(least: float, by_tail: float) -> str:
-    """Return the verdict on the promised rate, from the lower end of the rate by count and the rate by the tails.
+def promise_verdict(low: float, high: float) -> str:
+    """Return the verdict on the promised rate from the confidence interval of the rate by count alone.
 
-    It fails if the count contradicts the promise. It is undecided if the tails give a larger rate, or if a row has no
-    model of its tail.
+    The model of the tails judges nothing: it extrapolates beyond all seeds that were drawn.
     """
-    if least > PROMISE:
+    if low > PROMISE:
         return FAILS
-    return HOLDS if by_tail <= PROMISE else UNDECIDED
+    return HOLDS if high <= PROMISE else UNDECIDED
+
+
+def seeds_needed() -> int:
+    """Return the least number of seeds, none of them with an alarm, that decides that the promise is met."""
+    return math.ceil(math.log((1 - CONFIDENCE) / 2) / math.log(1 - PROMISE))

@@ -114,13 +114,13 @@ class Observation:
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
         """Return the row for a case, which says whether the prediction agrees."""
         found = self.criterion.verdict(of, case, groups, family)
-        agreement = {HOLDS: "agrees", FAILS: "differs", UNDECIDED: "undecided"}[found.verdict]
+        prediction = {HOLDS: "met", FAILS: "wrong", UNDECIDED: "undecided"}[found.verdict]
         if math.isnan(found.observed):
-            agreement = "undecided"
+            prediction = "undecided"
         if self.criterion.window == Window():
             return replace(found, expected=f"no claim: {self.reason}", verdict=REPORTED)
-        expected = f"predicted {self.criterion.window.text}; no claim, as {self.reason}: {agreement}"
-        return replace(found, expected=expected, verdict=MISSED if agreement == "differs" else REPORTED)
+        expected = f"predicted {self.criterion.window.text} ({prediction}); no claim, because {self.reason}"
+        return replace(found, expected=expected, verdict=MISSED if prediction == "wrong" else REPORTED)
 
 
 def judge(of: Named, rows: pd.DataFrame, rules: Sequence[Rule]) -> list[Verdict]:
@@ -134,7 +134,7 @@ ROUNDING = 1e-9
 """Room for rounding in bounds that hold exactly."""
 BOUND = at_most(1 + ROUNDING, low=-math.inf)
 """Window of quotients that are at most 1."""
-SHARP = Window(0.99, 1 + ROUNDING, "≥ 0.99 only if the constant is the best")
+SHARP = Window(0.99, 1 + ROUNDING, "≥ 0.99 shows that the constant is the best possible")
 """Window of the largest quotient over a constant, which samples built for the best constant attain up to rounding."""
 
 
@@ -274,18 +274,3 @@ def or_none(measure: Measure) -> Measure:
             return exactly(math.nan)
 
     return measured
-
-
-@dataclass(frozen=True)
-class Constant:
-    """The largest quotient over a constant, reported if it is smaller: that the constant is the best is not claimed."""
-
-    key: str
-    quantity: str
-    column: str
-
-    def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
-        """Return the row for a case."""
-        found = largest(self.key, self.quantity, SHARP, self.column).verdict(of, case, groups, family)
-        below = found.verdict == FAILS and found.high <= SHARP.high
-        return replace(found, verdict=REPORTED) if below else found

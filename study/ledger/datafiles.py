@@ -52,6 +52,8 @@ TEXT = {
     "caught",
     "claimed",
     "seen_by",
+    "levels",
+    "noticed_by",
     "rule",
     "part",
     "tail",
@@ -255,7 +257,7 @@ class AlarmSummary(NamedTuple):
         low, high: confidence interval of red/seeds at 95 %.
         by_tail: upper estimate of the rate from the tails of the distributions of all rows.
         light_seeds, light_red: number of all seeds, and of those on which a row that is measured on all did not hold.
-        verdict: whether the false-alarm rate is at most the promised one.
+        verdict: whether the false-alarm rate is at most the promised one, by the count of seeds alone.
     """
 
     rows: int
@@ -279,7 +281,7 @@ def alarm_summary(seeds: pd.DataFrame) -> AlarmSummary:
     rows = int((seeds["claimed"] == "yes").sum()) - len(together)
     counts = (int(line[name]) for line in (every, light) for name in ("seeds", "alarms"))
     whole, red, on_each, light_red = counts
-    return AlarmSummary(rows, whole, red, low, high, by_tail, on_each, light_red, promise_verdict(low, by_tail))
+    return AlarmSummary(rows, whole, red, low, high, by_tail, on_each, light_red, promise_verdict(low, high))
 
 
 def read_claims(directory: Path) -> pd.DataFrame:

@@ -16,6 +16,8 @@ from typing import Protocol
 
 import pandas as pd
 
+from study.ledger.numbered import named
+from study.ledger.theorems import is_exact_quotient, is_theorem
 from study.ledger.window import SMALL, Window
 
 HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
@@ -25,9 +27,12 @@ ROW_KEY = ("label", "key", "case", "family")
 """The columns of ``claims.csv`` that tell its rows apart."""
 UNCLAIMED = (REPORTED, MISSED)
 """Verdicts of rows about which no statement makes a claim."""
-ORDER, SIZE, ONE_SIDED, IDENTITY = "two-sided orders", "two-sided sizes", "one-sided bounds", "identities"
-KINDS = (ORDER, SIZE, ONE_SIDED, IDENTITY)
+ORDER, SIZE, ONE_SIDED = "two-sided orders", "two-sided sizes", "one-sided bounds"
+THEOREM, IDENTITY = "proved relations", "identities"
+KINDS = (ORDER, SIZE, ONE_SIDED, THEOREM, IDENTITY)
 """Kinds of evidence, from what bears most on a claim to what fails only if the code is broken."""
+CAN_FAIL = (ORDER, SIZE, ONE_SIDED)
+"""Kinds of rows that can fail although the code is right."""
 EXACT = 1e-6
 """An upper end, or a width, of a window up to which a row is an identity: rounding and solver tolerance, no theory."""
 NOWHERE = (-math.inf, math.inf)
@@ -116,18 +121,28 @@ def exit_code(verdicts: Sequence[Verdict]) -> int:
 
 
 def kind(row: pd.Series) -> str:
-    """Return the kind of evidence of a row of ``claims.csv``, by its window: one of ``KINDS``.
+    """Return the kind of evidence of a row of ``claims.csv``: one of ``KINDS``.
 
-    A window whose upper end, or whose width, is at most ``EXACT`` allows rounding only. A window is two-sided if both
-    ends are finite and the lower one is at least a thousandth of the upper one. The key or the quantity of an order
-    names it.
+    A row is an identity if its window allows rounding only (an upper end or a width of at most ``EXACT``), or if
+    ``theorems`` lists it. Proved relations, which ``theorems`` lists too, have a kind of their own. A window is
+    two-sided if both ends are finite and the lower one is not 0 or a tiny part of the upper one. The key or the
+    quantity of an order names it.
     """
+    label, key = str(row["label"]), str(row["key"])
     low, high = float(row["window_low"]), float(row["window_high"])
-    if high - max(low, 0.0) <= EXACT:
+    one_sided = math.isinf(low) or math.isinf(high) or 0 <= low < SMALL * high or high == 0
+    if high - low <= EXACT or (one_sided and high <= EXACT) or is_exact_quotient(label, key):
         return IDENTITY
-    if math.isinf(high) or low < 1e-3 * high:
+    if is_theorem(label, key):
+        return THEOREM
+    if one_sided:
         return ONE_SIDED
-    return ORDER if "order" in f"{row['key']} {row['quantity']}" or "-in-" in str(row["key"]) else SIZE
+    return ORDER if "order" in f"{key} {row['quantity']}" or "-in-" in key else SIZE
+
+
+def is_of_the_paper(label: str) -> bool:
+    """Return whether a row is about a numbered formula or statement of the paper."""
+    return bool(named(label))
 
 
 def window_share(row: pd.Series) -> float:
@@ -145,13 +160,13 @@ def worst_value(row: pd.Series) -> float:
 
 
 def agreement(row: pd.Series) -> str:
-    """Return how a reported row meets its prediction: agrees, differs, or undecided."""
+    """Return whether the prediction of a reported row was met, wrong or undecided."""
     low, high, observed = (float(row[name]) for name in ("window_low", "window_high", "observed"))
     if math.isnan(observed):
         return "undecided"
     if not low <= observed <= high:
-        return "differs"
-    return "agrees" if low <= row["low"] and row["high"] <= high else "undecided"
+        return "wrong"
+    return "met" if low <= row["low"] and row["high"] <= high else "undecided"
 
 
 def _judged(row: pd.Series) -> list[float]:

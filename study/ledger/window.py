@@ -42,10 +42,15 @@ class Window:
             least, largest = self.predicted
             middle = shown(least) if least == largest else f"{shown(least)} … {shown(largest)}"
             below, above = f"{least - self.low:.3g}", f"{self.high - largest:.3g}"
-            return f"{middle} ± {below}" if below == above else f"{middle}, − {below} + {above}"
+            if below == above:
+                return f"{middle} ± {below}"
+            return f"{shown(self.low)} … {shown(self.high)}, predicted {middle}"
         if math.isinf(self.high):
             return f"≥ {shown(self.low)}"
-        return f"{shown(self.low)} … {shown(self.high)}" if self.low > 0 else f"≤ {shown(self.high)}"
+        if self.low == MIN_POSITIVE:
+            return f"> 0 and ≤ {shown(self.high)}"
+        one_sided = self.low == 0 or math.isinf(self.low)
+        return f"≤ {shown(self.high)}" if one_sided else f"{shown(self.low)} … {shown(self.high)}"
 
     def contains(self, *values: float) -> bool:
         """Return whether all values lie inside; NaN does not."""
@@ -55,7 +60,7 @@ class Window:
         """Return the worst value: the farthest from the middle, or the largest or smallest of a one-sided window."""
         if math.isinf(self.high):
             distances = [-value for value in values]
-        elif self.low > SMALL * self.high or self.predicted:
+        elif self.low > SMALL * self.high or -math.inf < self.low < 0 or self.predicted:
             distances = [abs(value - (self.low + self.high) / 2) for value in values]
         else:
             distances = list(values)

@@ -23,6 +23,7 @@ from study.ledger.verdict import (
     ORDER,
     REPORTED,
     SIZE,
+    THEOREM,
     UNCLAIMED,
     VERDICTS,
     agreement,
@@ -73,7 +74,8 @@ def _ledger(data: FullRun) -> Named:
     for verdict in VERDICTS:
         yield f"ledger{verdict.capitalize()}", counts[verdict]
     kinds = count_kinds(data.claims)
-    for name, one in (("Orders", ORDER), ("Sizes", SIZE), ("Bounds", ONE_SIDED), ("Identities", IDENTITY)):
+    names = {ORDER: "Orders", SIZE: "Sizes", ONE_SIDED: "Bounds", THEOREM: "Theorems", IDENTITY: "Identities"}
+    for one, name in names.items():
         yield f"kind{name}", kinds[one]
     found, injected = count_caught(data.controls)
     yield "controls", injected
@@ -125,7 +127,7 @@ def _smooth(data: FullRun) -> Named:
     yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
     yield "residualLinear", _power(sweeps.loc[~yielding, "residual"].max())
     yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
-    yield "supremumLater", f"{data.rows(label, 'after-start')['observed'].iloc[0]:.0f}"
+    yield "supremumLater", (data.rows(label, "start-share")["verdict"] == HOLDS).sum()
 
 
 def _rough(data: FullRun) -> Named:
@@ -242,8 +244,8 @@ def _discrete(data: FullRun) -> Named:
     ):
         outcomes = rows.apply(agreement, axis=1)
         yield total, len(outcomes)
-        for outcome in ("agrees", "undecided", "differs"):
-            yield f"{name}{outcome.capitalize()}", outcomes.eq(outcome).sum()
+        for outcome, macro in (("met", "Agrees"), ("undecided", "Undecided"), ("wrong", "Differs")):
+            yield f"{name}{macro}", outcomes.eq(outcome).sum()
     label = "(5.20)–(5.21), (5.42)"
     constant = pd.concat([data.rows(label, key) for key in ("constant-5.21", "constant-5.42")])
     yield "roomLeast", below(1 / constant["high"].max(), 0)
@@ -387,7 +389,7 @@ def discrete(data: FullRun) -> str:
             for key in DISCRETE:
                 row = by_key.loc[f"{scheme}-{key}"]
                 interval = rf"\([{row['low']:.2f}, {row['high']:.2f}]\)" if row["low"] < row["high"] else _range(row)
-                mark = {"agrees": "", "undecided": "*", "differs": r"\dagger"}[agreement(row)]
+                mark = {"met": "", "undecided": "*", "wrong": r"\dagger"}[agreement(row)]
                 marked = interval + (rf"\rlap{{\(^{{{mark}}}\)}}" if mark else "")
                 cells.append("--" if pd.isna(row["observed"]) else marked)
             body.append([prose(str(case)), prose(scheme), *cells])

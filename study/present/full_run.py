@@ -11,7 +11,7 @@ import pandas as pd
 
 from study.ledger.codes import MARCHES, Codes
 from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
-from study.present.windows import earlier
+from study.present.windows import RELEASED, earlier
 
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
 EQUIVALENCE = ["case", "displacement_gap", "stress_gap", "membership", "displacement_bound", "stress_bound"]
@@ -41,6 +41,7 @@ class FullRun:
     marches: Codes | None
     sensitivity: pd.DataFrame | None
     earlier: pd.DataFrame | None
+    released: pd.DataFrame | None
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:
@@ -70,6 +71,7 @@ class FullRun:
             marches=Codes.read(directory, MARCHES),
             sensitivity=read_csv(directory, file, SENSITIVITY) if (directory / "data" / file).is_file() else None,
             earlier=earlier(directory),
+            released=earlier(directory, RELEASED),
         )
 
     def rows(self, label: str, key: str, case: str | None = None) -> pd.DataFrame:

@@ -18,8 +18,6 @@ LEARNED = {
     ("superclose", "time-share"): "Where the load is only W^{1,1} in time, the error in time falls more slowly than "
     "k^{3/2} and is not small against the discrete error.",
     ("superclose", "share-growth"): "As in the row above: the share of the error in time grows with refinement.",
-    ("contact force", "order-pressure-random"): "If the pressure jumps in time, its order in L² is below 1 on random "
-    "meshes: the error of few long edges decides.",
     ("beyond: work of contact", "order-irregular"): "On a single irregular mesh the order depends on where the fronts "
     "lie. Only means over many meshes are judged.",
     ("beyond: rollers", "best"): "The logarithm in the smoothness of the solution reduces the observed order by a "
@@ -48,6 +46,6 @@ def missed_rows(claims: pd.DataFrame) -> list[list[str]]:
                 f"the prediction of {row['label']}, {row['key']} for {row['case']} was missed: say in {__name__}."
                 "LEARNED what was learned"
             )
-        predicted = str(row["expected"]).removeprefix("predicted ").partition("; no claim")[0]
+        predicted = str(row["expected"]).removeprefix("predicted ").partition(" (wrong)")[0]
         lines.append([row["label"], row["case"], row["quantity"], predicted, cell(row["observed"]), lessons[0]])
     return lines

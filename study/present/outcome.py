@@ -11,11 +11,25 @@ from xml.etree import ElementTree
 import pandas as pd
 from tabulate import tabulate
 
-from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, read_rates
+from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, read_csv, read_rates
 from study.ledger.files import write_text
 from study.ledger.text import cell, is_narrow, significant, width
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, IDENTITY, MISSED, REPORTED, UNDECIDED, VERDICTS, Verdict
+from study.ledger.verdict import (
+    BECAUSE,
+    FAILS,
+    HOLDS,
+    IDENTITY,
+    MISSED,
+    REPORTED,
+    THEOREM,
+    UNDECIDED,
+    VERDICTS,
+    Verdict,
+)
 from study.present.notation import counted
+
+CONTACT_TEST = "case", "family", "levels", "defect", "what", "holding", "noticed", "noticed_by"
+"""Columns of ``contact-test.csv``."""
 
 
 def rates_text(directory: Path) -> str:
@@ -64,7 +78,7 @@ def ledger_text(claims: pd.DataFrame) -> str:
 def kinds_text(claims: pd.DataFrame) -> str:
     """Return a sentence that counts the rows that hold by the kind of their evidence."""
     counts = ", ".join(f"{count} {name}" for name, count in count_kinds(claims).items())
-    return f"evidence of the rows that hold: {counts} ({IDENTITY} fail only if the code is broken)"
+    return f"evidence of the rows that hold: {counts} ({THEOREM} and {IDENTITY} fail only if the code is broken)"
 
 
 def conclusion(count: Mapping[str, int]) -> str:
@@ -75,6 +89,28 @@ def conclusion(count: Mapping[str, int]) -> str:
         return "Conclusion: nothing was decided."
     rest = f"; {counted(count[UNDECIDED], 'row')} could not be decided" if count[UNDECIDED] else ""
     return f"Conclusion: no statement was contradicted, {counted(count[HOLDS], 'row')} confirmed their claims{rest}."
+
+
+def contact_test_text(directory: Path) -> str:
+    """Return how strongly each own case tests contact, from ``contact-test.csv``: what noticed each defect."""
+    table = read_csv(directory, "contact-test.csv", CONTACT_TEST)
+    lines = [text for _, rows in table.groupby("case", sort=False) for text in _contact_test(rows)]
+    return "\n".join(line for text in lines for line in textwrap.wrap(text, width(), subsequent_indent="    ")) + "\n"
+
+
+def _contact_test(rows: pd.DataFrame) -> list[str]:
+    first, missed = rows.iloc[0], rows[rows["noticed"] == 0]
+    where = f"{first['case']}, {first['family']} meshes, n = {first['levels']}"
+    if missed.empty:
+        return [
+            f"test of contact: {where}: a solver with a defect would be noticed:",
+            *(f"  {row['what']}: by {row['noticed_by']}" for _, row in rows.iterrows()),
+        ]
+    return [
+        f"weak test of contact: {where}: of {first['holding']} rows that hold, none notices "
+        f"{' or '.join(missed['what'])}. "
+        "Take a larger pressure relative to moduli and gap, a contact zone that is wider in cells, or finer levels."
+    ]
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:

@@ -32,7 +32,7 @@ def write_tables(directory: Path) -> list[Path]:
 
 def texts(directory: Path) -> dict[Path, str]:
     """Returns path ↦ text of the files that ``write_tables`` writes; raises DataError as there."""
-    makers = rates_table, ledger_table, equivalence_table, stress_table, bounds_table
+    makers = rates_table, short_ledger, equivalence_table, stress_table, bounds_table
     of_controls = controls_table(directory), sensitivity_table(directory)
     made = [*(make(directory) for make in makers), *filter(None, of_controls)]
     tables = [table.texts(directory / "tables") for table in made]
@@ -159,6 +159,35 @@ def ledger_table(directory: Path) -> Table:
         *words(verdict="verdict"),
     ]
     return Table.of("ledger", columns, read_claims(directory), grouped=2)
+
+
+def short_ledger(directory: Path) -> Table:
+    """Returns the ledger with one line for all cases that share statement, quantity, expectation and verdict.
+
+    The line has the range of the observed values, the least low end and the greatest high end of these cases.
+    Each case has its own row in ``claims.csv``.
+    """
+    shared = ["label", "statement", "quantity", "expected", "verdict"]
+    groups = read_claims(directory).groupby(shared, sort=False, dropna=False)
+    lines = groups.agg(
+        case=("case", _some_names), least=("observed", "min"), most=("observed", "max"), low=("low", "min"),
+        high=("high", "max"),
+    )  # fmt: skip
+    columns = [
+        *words(label="statement", statement="what it says"),
+        Column("case", "case", folding(0.17), names=True),
+        Column("quantity", "quantity", folding(0.22)),
+        Column("expected", "expected", folding(0.14)),
+        *numbers(least="observed, least", most="observed, most", low="low", high="high"),
+        *words(verdict="verdict"),
+    ]
+    return Table.of("ledger", columns, lines.reset_index(), grouped=2)
+
+
+def _some_names(cases: pd.Series) -> str:
+    """Returns the names of at most three cases, or how many cases there are."""
+    names = list(dict.fromkeys(cases))
+    return ", ".join(names) if len(names) <= 3 else f"{len(names)} cases"
 
 
 def equivalence_table(directory: Path) -> Table:

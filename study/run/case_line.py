@@ -21,6 +21,6 @@ def describe(case: Case) -> dict[str, Any]:
         "expected_order": case.order,
         "proved_order": proved_order(case),
         "twin": case.twin,
-        "statements": f"{case.proposition}, Thm 4.2",
+        "statements": case.proposition if case.solution.has_initial_gap else f"{case.proposition}, Thm 4.2",
         "reason": case.reason,
     }

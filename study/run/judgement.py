@@ -56,10 +56,10 @@ def data_files() -> list[DataFile]:
     return list(dict.fromkeys([*(statement.file for statement in STATEMENTS), ENCLOSURES]))
 
 
-def collect(plan: Plan, store: Store) -> None:
-    """Write the data files of a plan, and its provenance, from the stored results of its jobs."""
+def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
+    """Write the data files of a plan from the stored results of its jobs, and the provenance of these and of others."""
     rows: dict[DataFile, list[Row]] = {file: [] for file in data_files()}
-    written: list[Path] = []
+    written = list(others)
     for job in plan.jobs:
         result = store.load(job.key, job.fingerprint())
         assert result is not None, job.key

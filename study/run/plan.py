@@ -18,7 +18,7 @@ from study.ledger.files import UsageError
 from study.run.fingerprint import fingerprint
 from study.statements import STATEMENTS
 from study.statements.shared.base import Setting, Statement
-from study.statements.shared.scope import Levels, Scope
+from study.statements.shared.scope import SLOW, Levels, Scope
 
 
 @dataclass(frozen=True)
@@ -74,8 +74,12 @@ class Plan:
     @classmethod
     def of(cls, scope: Scope) -> Plan:
         """Return the jobs of all statements that measure something in a scope."""
-        statements = [statement for statement in STATEMENTS if scope.statements or statement.of_every_case]
-        jobs = [Job(statement, setting) for statement in statements for setting in statement.settings(scope)]
+        statements = [
+            statement
+            for statement in STATEMENTS
+            if scope.statements or statement.of_every_case or statement.of_own_cases
+        ]
+        jobs = [Job(statement, setting) for statement in statements for setting in statement.planned(scope)]
         return cls(scope, tuple(jobs))
 
     def keys(self) -> list[tuple[str, ...]]:
@@ -147,7 +151,7 @@ def quick() -> Scope:
     """Return the scope of the quick study, a minute: enough levels for every verdict, one mesh family for each case."""
     return Scope(
         name="quick",
-        cases=tuple(case.name for case in catalogue()),
+        cases=tuple(case.name for case in catalogue() if case.name not in SLOW),
         plane=Levels((8, 16, 32)),
         rough=Levels((8, 16, 32, 64)),
         solid=Levels((9, 12, 15)),
@@ -169,7 +173,10 @@ def full() -> Scope:
         solid_equivalence=(3, 6),
         every_family=True,
         name="full",
+        cases=tuple(case.name for case in catalogue()),
         own=(
+            ("long-time", Levels((8, 16, 32), (64,))),
+            ("cube-rough", Levels((9, 12, 18, 24))),
             *((name, Levels((16, 32, 64), (128,))) for name in NARROW),
             *((name, Levels((8, 16, 32, 64), (128, 256))) for name in FINEST),
         ),

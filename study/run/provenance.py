@@ -102,12 +102,12 @@ class Complete:
     """The first row of the ledger: a missing mesh family or level would make other rows easier to satisfy."""
 
     label: str = "data"
-    claim: str = "every planned measurement is there"
+    claim: str = "all planned measurements are present"
 
     def judge(self, planned: set[tuple[str, ...]], measured: set[tuple[str, ...]]) -> Verdict:
         """Return the row; undecided if planned rows are missing."""
         missing = sorted(planned - measured)
-        quantity = "rows of the plan that are missing" + (f", first {' '.join(missing[0])}" if missing else "")
+        quantity = "missing measurements" + (f", first {' '.join(missing[0])}" if missing else "")
         judged = *exactly(len(missing)), UNDECIDED if missing else HOLDS
         return row(self, "missing", quantity, at_most(0, f"of {len(planned)}"), judged, "all cases")
 

@@ -109,14 +109,22 @@ def _head(task: Task, mode: str, scale: float) -> Data:
         "cells": oriented(mesh.p, mesh.t).T,
         "clamped": np.unique(np.concatenate(clamped)),
         "contact": [
-            {"normal": part.normal, "facets": mesh.facets[:, space.facets(part)].T, "vertices": vertices}
-            for part, vertices in space.contact
+            {"normal": part.normal, "facets": mesh.facets[:, space.facets(part)].T, "vertices": vertices} | gap
+            for (part, vertices), gap in zip(space.contact, _gaps(task, scale), strict=True)
         ],
         "loaded": [
             {"normal": part.normal, "facets": mesh.facets[:, facets].T} for part, facets in space.on(Kind.LOADED)
         ],
         "law": numbers,
     }
+
+
+def _gaps(task: Task, scale: float) -> list[Data]:
+    """Return the initial gap at the vertices of each piece of Γ3; nothing if there is none."""
+    counts = [len(vertices) for _, vertices in task.space.contact]
+    if not task.solution.has_initial_gap:
+        return [{} for _ in counts]
+    return [{"gap": scale * gap} for gap in np.split(task.gap, np.cumsum(counts)[:-1])]
 
 
 def oriented(points: Array, cells: Array) -> Array:

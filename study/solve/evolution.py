@@ -1,6 +1,7 @@
 """Problem 5.1, continuous in time on one mesh: M u̇ + G(u) + N_{K^h}(u) ∋ F.
 
-G is bounded relative to M uniformly in h, (5.5), so the system is not stiff: no step restriction links k to h.
+K^h = {v : N v ≤ g} with the initial gap g at the vertices of Γ3, 0 in the paper. G is bounded relative to M uniformly
+in h, (5.5), so the system is not stiff: no step restriction links k to h.
 
 One time step of Problem 5.1: (w/k) M u + G(θu + (1 − θ)u_{n−1}) + N_{K^h}(u) ∋ b for u = u_n.
 
@@ -40,12 +41,13 @@ class SemiDiscrete:
         M: matrix of (·,·)_V on V^h, (n, n).
         reference: matrix of G_ref, (n, n).
         remainder: v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,); None for a linear law.
-        N: K^h = {v : Nv ≤ 0}, (m, n).
+        N: K^h = {v : Nv ≤ g}, (m, n).
         load: t ↦ F(t), (n,).
         u0: u_0^h ∈ K^h, (n,).
         T: final time.
-        solver: (S, N) ↦ the contact solve of one step.
+        solver: (S, N) ↦ the contact solve of one step; with an initial gap it takes ``gap=g``, too.
         growth: max(−m, 0)/m_A of the law, 0 for monotone G: what steps have to be short for.
+        gap: the initial gap g ≥ 0 at the contact vertices, (m,), or the number 0 as in the paper.
     """
 
     M: sps.csc_array
@@ -55,12 +57,20 @@ class SemiDiscrete:
     load: Callable[[float], Array]
     u0: Array
     T: float
-    solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver] = Signorini
+    solver: Callable[..., ContactSolver] = Signorini
     growth: float = 0.0
+    gap: Array | float = 0.0
 
     @classmethod
-    def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> SemiDiscrete:
-        """The problem for a law, a load and a start on a space."""
+    def of(
+        cls,
+        space: Space,
+        law: KelvinVoigt,
+        load: Callable[[float], Array],
+        u0: Array,
+        gap: Array | float = 0.0,
+    ) -> SemiDiscrete:
+        """The problem for a law, a load, a start and an initial gap on a space."""
         factor = means(space, law.G.factor)
         return cls(
             M=form(space, law.A),
@@ -72,7 +82,12 @@ class SemiDiscrete:
             T=space.body.T,
             solver=contact_solver(space),
             growth=law.growth,
+            gap=gap,
         )
+
+    def contact(self, S: sps.csc_array) -> ContactSolver:
+        """The contact solve in K^h for a matrix."""
+        return self.solver(S, self.N, gap=self.gap) if np.any(self.gap) else self.solver(S, self.N)
 
     def initial(self) -> State:
         """u_0^h; no contact force is known there."""
@@ -149,7 +164,7 @@ class State:
         u: u_n ∈ K^h, (n,).
         multipliers: λ_n ≥ 0, nodal contact forces, (m,).
         iterations: contact solves spent.
-        residual: () ↦ the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u)_+ and |λ·N u| and λ_−, relative to the
+        residual: () ↦ the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u − g)_+ and |λ·(N u − g)| and λ_−, relative to the
             size of u and λ: zero for an exact contact solve. Found when it is asked for, which takes as long as a step
             on a coarse mesh.
     """
@@ -176,7 +191,7 @@ class ContactStep:
         scheme.require_unique(k, problem.growth)
         self.problem, self.scheme, self.k = problem, scheme, k
         self.S = sps.csc_array(scheme.newest / k * problem.M + scheme.theta * problem.reference)
-        self.solve, self.forces = problem.solver(self.S, problem.N), problem.N.T
+        self.solve, self.forces = problem.contact(self.S), problem.N.T
         self.known = [sps.csc_array(weight / k * problem.M) for weight in scheme.past]
         if scheme.theta < 1:
             self.known[0] = sps.csc_array(self.known[0] - (1 - scheme.theta) * problem.reference)
@@ -224,7 +239,7 @@ class ContactStep:
     def _residual(self, u: Array, multipliers: Array, b: Array) -> float:
         """As in ``State``."""
         defect = self.S @ u + self.forces @ multipliers - b
-        normal = self.problem.N @ u
+        normal = self.problem.N @ u - self.problem.gap
         size, force = _largest(u), _largest(multipliers)
         parts = (
             math.sqrt(defect @ defect) / max(math.sqrt(b @ b), TINY),

@@ -18,6 +18,7 @@ from manufactured.exact import ExactSolution
 from manufactured.law import Elasticity, PointLaw
 from manufactured.tensors import Array, Tensors, identity
 from study.fem.error_norm import ErrorNorm
+from study.fem.initial_gap import gaps_at_vertices
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
@@ -74,7 +75,8 @@ class Motion:
         """
         space = Space(family(solution.body, level), solution.body)
         v_norm = ErrorNorm(solution, space)
-        problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
+        start, gap = v_norm.sample(0.0).interpolant, gaps_at_vertices(solution, space)
+        problem = SemiDiscrete.of(space, solution.law, v_norm.load, start, gap)
         cells = on_cells(space, solution.law)
         found = []
         for state, velocity in velocities(problem, BDF2, steps):
@@ -97,7 +99,8 @@ def _frame(space: Space, G: Elasticity, cells: PointLaw, problem: SemiDiscrete, 
         contact=float(state.multipliers @ (problem.N @ velocity)),
         load=float(problem.load(state.time) @ velocity),
     )
-    return Frame(state.time, state.u, velocity, viscous + elastic, problem.N @ state.u, state.multipliers, power)
+    normal = problem.N @ state.u - problem.gap
+    return Frame(state.time, state.u, velocity, viscous + elastic, normal, state.multipliers, power)
 
 
 def von_mises(stress: Tensors) -> Array:

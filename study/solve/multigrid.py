@@ -1,8 +1,9 @@
-"""One contact solve: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ 0}, by multigrid: memory and time are linear in n.
+"""One contact solve: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ g}, by multigrid: memory and time are linear in n.
 
 Coordinates. At a vertex with rows n_1, …, n_r of N its d unknowns are replaced by the values of these rows and of an
 orthonormal basis of the rest, all scaled so that the matrix A of the quadratic form has a diagonal of ones. Then K^h
-is {w : w_i ≤ 0 for the bounded i}, whatever the normals are.
+is {w : w_i ≤ g_i for the bounded i}, whatever the normals are, with the initial gap g, 0 in the paper, scaled like
+the rows.
 
 As in ``signorini``, a primal–dual active set tells which unknowns are held at their bound. A correction, with f for b,
 
@@ -56,19 +57,22 @@ class MultigridError(RuntimeError):
 class Multigrid:
     """The contact solve with a fixed S and N; starts from its last solution and active set.
 
-    N u ≤ 0, λ ≥ 0 and λ·N u = 0 hold to rounding, S u + Nᵀλ = b up to the tolerance.
+    N u ≤ g, λ ≥ 0 and λ·(N u − g) = 0 hold to rounding, S u + Nᵀλ = b up to the tolerance.
 
     Args:
         S: symmetric positive definite, d unknowns for each vertex, one vertex after the other, (n, n).
         N: every row has its entries at one vertex; the rows of a vertex are linearly independent, (m, n).
         x: the vertices, (d, n/d), for the rigid motions.
         tolerance: bound for ‖S u + Nᵀλ − b‖/‖b‖.
+        gap: the initial gap g ≥ 0, (m,) or a number.
 
     Raises:
         ValueError: x does not have the unknowns of S, or N is not of the form above.
     """
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points, tolerance: float) -> None:
+    def __init__(
+        self, S: sps.csc_array, N: sps.csr_array, x: Points, tolerance: float, gap: Array | float = 0.0
+    ) -> None:
         if x.size != S.shape[0]:
             raise ValueError(
                 f"S has {S.shape[0]} unknowns, but {x.shape[1]} vertices in dimension {len(x)} have {x.size}: "
@@ -84,6 +88,7 @@ class Multigrid:
         self.basis = block_diagonal(inverse / scale[:, None, :])
         self.coordinates = block_diagonal(blocks * scale[:, :, None])
         self.forces = scale.ravel()[self.bounded]
+        self.highest = self.forces * gap
         self.A = sps.bsr_array(self.basis.T @ S @ self.basis)
         self.finest, self.coarse = levels(self.A, self.coordinates @ rigid_motions(x))
         self.w = np.zeros(S.shape[0])
@@ -128,8 +133,8 @@ class Multigrid:
         z, _ = cg(self.cut, self.free * r, rtol=reduction, maxiter=ITERATIONS, M=preconditioner)
         w = w + z
         values = w[self.bounded]
-        w[self.bounded] = np.minimum(values, 0)
-        return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > 0)
+        w[self.bounded] = np.minimum(values, self.highest)
+        return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > self.highest)
 
     def cycle(self, r: Array) -> Array:
         """A symmetric V-cycle r ↦ B r, B ≈ A⁻¹ on the unknowns that are not held, for an r that vanishes elsewhere."""

@@ -1,9 +1,10 @@
-"""One contact step: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ 0}, by condensation on the contact unknowns.
+"""One contact step: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ g}, by condensation on the contact unknowns.
 
-The optimality conditions are S u + Nᵀλ = b, N u ≤ 0, λ ≥ 0 and λ·N u = 0. Only the m rows of N are constrained. With
-the compliance W = N S⁻¹ Nᵀ, computed once, the multipliers therefore solve the small complementarity problem
+g ≥ 0 is the initial gap at the contact vertices, 0 in the paper. The optimality conditions are S u + Nᵀλ = b,
+N u ≤ g, λ ≥ 0 and λ·(N u − g) = 0. Only the m rows of N are constrained. With the compliance W = N S⁻¹ Nᵀ, computed
+once, the multipliers therefore solve the small complementarity problem
 
-    g = N S⁻¹ b − W λ ≤ 0,   λ ≥ 0,   λ·g = 0,
+    d = N S⁻¹ b − g − W λ ≤ 0,   λ ≥ 0,   λ·d = 0,
 
 by a primal–dual active set method (M. Hintermüller, K. Ito, K. Kunisch, The primal-dual active set strategy as a
 semismooth Newton method, SIAM J. Optim. 13 (2003) 865–888). Then u = S⁻¹(b − Nᵀλ).
@@ -41,16 +42,17 @@ class Signorini:
 
     Args:
         S: symmetric positive definite, (n, n).
-        N: the constraints N v ≤ 0, linearly independent rows, (m, n).
+        N: the constraints N v ≤ g, linearly independent rows, (m, n).
         x: points of the unknowns, for the order of elimination (see ``Cholesky``), (d, p).
+        gap: the initial gap g, (m,) or a number.
 
     Raises:
         LinAlgError: S is not positive definite.
     """
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None, gap: Array | float = 0.0) -> None:
         contact = np.unique(N.nonzero()[1])
-        self.N = N
+        self.N, self.initial_gap = N, gap
         self.factor = Cholesky(S, contact, x)
         self.contact = slice(S.shape[0] - len(contact), None)
         columns = sps.csc_array(N)[:, self.factor.order[self.contact]].toarray().T
@@ -62,7 +64,7 @@ class Signorini:
     def __call__(self, b: Array) -> tuple[Array, Array]:
         """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,); for several b, (k, n) and (k, m)."""
         y = self.factor.forward(b)
-        gaps = y[..., self.contact] @ self.Y
+        gaps = y[..., self.contact] @ self.Y - self.initial_gap
         single = b.ndim == 1
         multipliers = self.complementarity(gaps) if single else np.array([self.complementarity(gap) for gap in gaps])
         y[..., self.contact] -= multipliers @ self.Y.T

@@ -6,8 +6,6 @@ import math
 from collections.abc import Callable
 from functools import partial
 
-import scipy.sparse as sps
-
 from study.fem.space import Displacements
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
@@ -21,8 +19,8 @@ SHARE = 0.01
 """Error allowed to multigrid, relative to the discretisation error, by the estimate in ``residual``."""
 
 
-def contact_solver(space: Displacements) -> Callable[[sps.csc_array, sps.csr_array], ContactSolver]:
-    """(S, N) ↦ the contact solver for matrices on a space, chosen by its dimension and number of unknowns."""
+def contact_solver(space: Displacements) -> Callable[..., ContactSolver]:
+    """(S, N, gap=0) ↦ the contact solver for matrices on a space, chosen by its dimension and number of unknowns."""
     if space.dofs <= FACTORED[space.dim]:
         return partial(Signorini, x=space.free_points)
     return partial(Multigrid, x=space.free_points, tolerance=multigrid_tolerance(space.dim, space.dofs))

@@ -1,4 +1,4 @@
-"""Every statement that is measured or judged, in the order of the source; statements beyond it come last."""
+"""The list of all statements, in the order of the paper; statements that go beyond the paper come last."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
 from study.statements.growing_errors import GrowingErrors
 from study.statements.hypercircle import Hypercircle
+from study.statements.initial_gap import InitialGap
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn, Norms
 from study.statements.landings import Landings
@@ -96,6 +97,7 @@ BEYOND = (
     NoPotential(),
     FullyDiscrete(),
     Landings(),
+    InitialGap(),
 )
 CERTIFIED = BoundedError(), EnclosedError()
 
@@ -113,4 +115,4 @@ STATEMENTS: tuple[Statement, ...] = (
     WithoutRow(),
     Pictures(),
 )
-"""The only list of statements."""
+"""All statements; the commands and the ledger read this list."""

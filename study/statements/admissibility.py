@@ -1,7 +1,8 @@
-"""(3.9)–(3.11), (4.14), (4.15): the stress of the displacement scheme is admissible, and does the work of the load.
+"""(3.9)–(3.11), (4.14), (4.15): the stress of a solution is admissible, and its work equals the work of the load.
 
-With backward Euler the stress at t_n is σ_n = A ε(δu_n) + G ε(u_n), δu_n = (u_n − u_{n−1})/k. Here it is computed from
-the strains of the cells, independently of the residual that the contact solver reports.
+The paper states this for the exact solution; here it is tested for the solution of backward Euler. Its stress at t_n is
+σ_n = A ε(δu_n) + G ε(u_n), δu_n = (u_n − u_{n−1})/k. It is computed from the strains of the cells, without the residual
+that the contact solver reports. The violations must be round-off, because all statements hold exactly for this scheme.
 """
 
 from __future__ import annotations
@@ -28,21 +29,21 @@ from study.statements.thm_4_2 import beyond
 
 STEPS = 12
 SAMPLES = 8
-"""Number of random v ∈ K^h and of random τ ∈ Σ^h(t) at every step."""
+"""Number of random v ∈ K^h, and of random τ ∈ Σ^h(t), at every time step."""
 
-_BY_WHAT = f"round-off at every step, and for law (3.3) a fixed point stopped at {FIXED_POINT:g}"
+_BY_WHAT = f"rounding at every step, and for law (3.3) a fixed-point iteration stopped at {FIXED_POINT:g}"
 ROUND_OFF, ROUNDED = at_most(1e-10, _BY_WHAT), positive_at_most(1e-10, _BY_WHAT)
-"""For inequalities, which may hold with room, and for equations between sums, which leave rounding."""
+"""Windows for inequalities, whose violation may be 0, and for equations between sums, whose round-off is not 0."""
 
 
 class Admissibility(ListedNumbers):
-    """σ_n ∈ Σ^h(t_n), (σ_n, ε(u_n)) = (f_n, u_n), and the inequalities (3.10) and (3.11)."""
+    """Measures how far σ_n ∈ Σ^h(t_n), (σ_n, ε(u_n)) = (f_n, u_n), (3.10) and (3.11) are violated."""
 
     label = "(3.9)–(3.11), (4.14), (4.15)"
     claim = "σ(t) ∈ Σ(t) and (σ(t), ε(u(t)))_Q = (f(t), u(t))_V"
     rules = (
         largest("membership", "(3.10): u_n ∈ K^h", ROUND_OFF, "membership"),
-        largest("cone", "(4.15): distance of F − Eᵀσ_n from {Nᵀλ : λ ≥ 0}", ROUNDED, "distance"),
+        largest("cone", "(4.15): distance of F − Eᵀσ_n from the contact forces {Nᵀλ : λ ≥ 0}", ROUNDED, "distance"),
         largest("work", "(4.14): |(σ_n, ε(u_n))_Q − (f_n, u_n)_V|", ROUNDED, "work"),
         largest("displacements", "(3.10): violation for random v ∈ K^h", ROUND_OFF, "displacements"),
         largest("stresses", "(3.11): violation for random τ ∈ Σ^h(t_n)", ROUND_OFF, "stresses"),
@@ -60,7 +61,7 @@ class Admissibility(ListedNumbers):
 
 
 def largest_violations(setup: Experiment) -> dict[str, float]:
-    """Return the largest violations over the steps, each relative to the largest size of its terms."""
+    """Return the largest violation of each statement over the time steps, relative to its largest term."""
     space, problem = setup.space, setup.problem
     cells, k, root = on_cells(space, setup.solution.law), problem.T / setup.steps, np.sqrt(space.volumes)
     rivals = Rivals(space, problem, cells.A, np.random.default_rng(SEED))
@@ -87,14 +88,14 @@ def largest_violations(setup: Experiment) -> dict[str, float]:
 
 
 class Rivals:
-    """Random members of K^h and of Σ^h(t), made without the contact solver; A is the viscosity on the cells."""
+    """Makes random members of K^h and of Σ^h(t) without the contact solver. A is the viscosity on the cells."""
 
     def __init__(self, space: Space, problem: SemiDiscrete, A: AtPoints, rng: np.random.Generator) -> None:
         self.space, self.problem, self.A, self.rng = space, problem, A, rng
         self.riesz = Cholesky(problem.M)
 
     def displacements(self, u: Array) -> Iterator[Array]:
-        """Yield SAMPLES members of K^h at distances up to |u| from u."""
+        """Yield SAMPLES members of K^h, the projections of random points at distances up to |u| from u."""
         N, size = self.problem.N, float(np.linalg.norm(u))
         for _ in range(SAMPLES):
             direction = self.rng.standard_normal(len(u))
@@ -105,7 +106,10 @@ class Rivals:
             yield v - N.T @ multipliers
 
     def stresses(self, load: Array) -> Iterator[Tensors]:
-        """Yield SAMPLES members A ε(w) + ρ of Σ^h(t): (w, v)_V = F·v − λ·Nv, λ ≥ 0, and (ρ, ε(v))_Q = 0 on V^h."""
+        """Yield SAMPLES members A ε(w) + ρ of Σ^h(t).
+
+        Here (w, v)_V = F·v − λ·Nv with a random λ ≥ 0, and ρ is random with (ρ, ε(v))_Q = 0 for v ∈ V^h.
+        """
         space, N = self.space, self.problem.N
         for _ in range(SAMPLES):
             multipliers = self.rng.uniform(size=N.shape[0]) * np.linalg.norm(load) / np.sqrt(N.shape[0])

@@ -1,22 +1,25 @@
-"""Beyond the source: how much of (5.36) holds at the natural front of frictionless contact while it advances.
+"""Beyond the paper: convergence at a natural front of frictionless contact that advances, which violates (5.36).
 
-Near a front between contact and separation, elastic displacements of finite energy without forces begin with r^{1/2};
-those that neither penetrate nor pull begin with r^{3/2}. In σ = Aε(u̇) + Gε(u) the velocity plays the role of the
-elastic displacement, and where the front moves it has one power less than u: for u ~ r^{3/2} it is
-u̇ ~ −ċ ∂_x u ~ r^{1/2}, with p ~ ċ r^{−1/2}. This is a pressure where ċ > 0, and pulls where ċ < 0. So fronts that
-recede are expected to have w ~ r^{5/2} and p ~ r^{1/2}, which satisfies (5.36). The supplement proves a part of this,
-in the proposition on moving fronts: none has w ~ r^{3/2} and a pressure in H^{1/2}.
+Near a front between contact and separation, elastic displacements of finite energy without forces behave like r^{1/2};
+if they neither penetrate the foundation nor need tension, they behave like r^{3/2}. In σ = Aε(u̇) + Gε(u) the velocity
+plays the role of the elastic displacement. Where the front c(t) moves, u ~ r^{3/2} gives u̇ ~ −ċ ∂_x u ~ r^{1/2} and
+p ~ ċ r^{−1/2}. This is pressure if ċ > 0, but tension if ċ < 0. So receding fronts are expected to have w ~ r^{5/2} and
+p ~ r^{1/2}, which satisfies (5.36). The supplement proves a part of this in the proposition on moving fronts: no front
+has both w ~ r^{3/2} and a pressure in H^{1/2}.
 
-``manufactured.natural_motion`` is an advancing front in closed form, with f_0 and f_2 as (3.4) requires. Predicted:
+**Measured** on ``manufactured.natural_motion``, an advancing front in closed form, with f_0 and f_2 as (3.4) requires.
+**Predicted**:
 
-* ‖u − u^h‖ ~ h, as u(t) ∈ H^{5/2−ε}. Theorem 4.1 and Proposition 5.3 apply, 5.4 does not, and 1/2 is proved;
-* ‖u̇ − Π^h u̇‖_{L²(0,T;V)} ~ h^{1/2}, approached from above, as smooth parts have the order 1;
-* the *excess* ‖u^h − u^h_lin‖, where u^h_lin is the solution with σ_ν as a traction. The front passes a cell in a time
-  ~ h, in which velocities are wrong by h^{1/2}, so an error of h^{3/2} remains in each of h^{−1} cells. If all cells
-  keep the same error, it adds up like the smooth trail of a roller, to h^{3/2}; otherwise to h. The order is between
-  both, where the proof has 1/2.
+* ‖u − u^h‖ ~ h, because u(t) ∈ H^{5/2−ε}. Theorem 4.1 and Proposition 5.3 apply, Proposition 5.4 does not; the order
+  1/2 is proved.
+* ‖u̇ − Π^h u̇‖_{L²(0,T;V)} ~ h^{1/2}. Observed orders are higher on coarse meshes, because smooth parts have order 1.
+* The *excess* ‖u^h − u^h_lin‖, where u^h_lin solves the linear problem with σ_ν as a traction, has an order between 1
+  and 3/2; the proof gives 1/2. The front passes a cell in a time ~ h, during which velocities have an error of h^{1/2}.
+  So an error of h^{3/2} remains in each of h^{−1} cells. If it is the same in all cells, the sum is smooth and of order
+  h^{3/2}; otherwise it is of order h.
 
-The load is (f_0, v) + (f_2, v)_{Γ2}: f_0 is bounded, while the stress that ``ErrorNorm.load`` would need is not.
+The load is computed as (f_0, v) + (f_2, v)_{Γ2}, because f_0 is bounded, while the stress that ``ErrorNorm.load``
+integrates is not.
 """
 
 from __future__ import annotations
@@ -48,22 +51,22 @@ from study.statements.shared.norms import Velocity, dual_norm, maximum, midpoint
 from study.statements.shared.scope import Scope
 
 DEGREE, RAISED = 2, 6
-"""Degrees of the cell rule for f_0, and of the rule that it is compared with."""
+"""Degrees of the cell rule for f_0, and of the finer rule that shows its quadrature error."""
 PER_CELL = 2
-"""Time steps for each cell along a side; twice as many give the solution used for u^h."""
+"""Time steps for each cell along a side. The solution with twice as many steps stands for u^h."""
 INSTANTS, FEW = 32, 4
-"""Numbers of times for errors and velocities, and for loads by the finer rule."""
-INTERPOLATION = around(1, STEEPER, "that of interpolation, where 1/2 is proved")
-SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "the two finest levels; smooth parts of order 1 raise it")
-TRAIL = between(1, 1.5, STEEPER, STEEPER, "1 if cells keep parts of their own, 3/2 if all keep the same")
+"""Number of times at which errors and velocities are measured, and at which loads are compared with the finer rule."""
+INTERPOLATION = around(1, STEEPER, "the order of interpolation; 1/2 is proved")
+SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "from from the two finest levels; smooth parts of order 1 raise it")
+TRAIL = between(1, 1.5, STEEPER, STEEPER, "1 if cells keep different parts, 3/2 if all keep the same")
 NEGLIGIBLE = positive_at_most(0.02, "of the error")
 
 
 class AdvancingFront(ListedNumbers):
-    """Errors, velocities and excess at a natural front that advances."""
+    """Measures the error, the interpolation error of the velocity and the excess at an advancing natural front."""
 
     label = "beyond: advancing front"
-    claim = "‖u − u^h‖ ~ h at the natural front that advances, where 1/2 is proved"
+    claim = "‖u − u^h‖ ~ h at an advancing natural front, where the order 1/2 is proved"
     rules = (
         between_levels("order", "order of ‖u − u^h‖ over two refinements", INTERPOLATION, "error", 2, ENOUGH),
         order("rate", "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}", SINGULAR, "rate", last=2),
@@ -71,17 +74,16 @@ class AdvancingFront(ListedNumbers):
         largest("time", "time share", NEGLIGIBLE, "time share"),
         largest("quadrature", "change under finer quadrature of f_0", NEGLIGIBLE, "quadrature"),
     )
-    # Not on random meshes: there chance decides in which cells a singular front lies, and orders of single levels
-    # depend on it.
+    # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
     quick = grid((NAME,), ("unstructured",), (8, 16, 32))
     full = grid((NAME,), ("one-diagonal", "unstructured"), (8, 16, 32, 64))
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
-        """All settings in a study of the whole catalogue, to which the case does not belong."""
+        """Return all settings if the whole catalogue is studied; the case itself is not in the catalogue."""
         return self.places(scope.full) if scope.whole else []
 
     def cost(self, setting: Setting) -> float:
-        """The number of time steps grows like the number of cells along a side."""
+        """Return the expected time in µs; the number of time steps grows like the number of cells along a side."""
         return 100.0 * setting.level**3
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -89,7 +91,7 @@ class AdvancingFront(ListedNumbers):
         v_norm = ErrorNorm(solution, space)
         load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, DEGREE))
         problem = SemiDiscrete.of(space, solution.law, load, v_norm.sample(0.0).interpolant)
-        # Without the contact condition, and with σ_ν as a traction.
+        # The linear problem of the excess: no contact condition (no rows of N), and σ_ν as a traction in the load.
         linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) + pressure_load(solution, space, time))
         coarse, fine = (path(problem, MIDPOINT, times * steps) for times in (1, 2))
         error = largest_error(v_norm, problem.T, fine)
@@ -105,14 +107,17 @@ class AdvancingFront(ListedNumbers):
 
 
 def largest_error(v_norm: ErrorNorm, T: float, states: Array) -> float:
-    """Return max ‖u − u^h‖_V over about as many nodes as there are instants."""
+    """Return max ‖u − u^h‖_V over about INSTANTS nodes in time."""
     steps = len(states) - 1
     nodes = range(0, steps + 1, max(1, steps // INSTANTS))
     return maximum(v_norm.distance(v_norm.sample(n * T / steps), states[n]) for n in nodes)
 
 
 def effect_of_quadrature(solution: ExactSolution, space: Space, problem: SemiDiscrete) -> float:
-    """Return T max ‖δf‖_V for the change δf of f by finer rules, which bounds the change of u^h since G is monotone."""
+    """Return a bound of the change of u^h if finer rules integrate the load.
+
+    The bound is T max ‖δf‖_V with the change δf of the load; it holds because G is monotone.
+    """
     riesz, changes = Cholesky(problem.M), []
     for time in midpoints(problem.T, FEW):
         finer, coarser = (load_from_forces(solution, space, time, degree) for degree in (RAISED, DEGREE))
@@ -121,7 +126,7 @@ def effect_of_quadrature(solution: ExactSolution, space: Space, problem: SemiDis
 
 
 def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:
-    """Return ∫_{Γ3} σ_ν v_ν at one time, by rules graded towards the front, (n_dofs,)."""
+    """Return the functional v ↦ ∫_{Γ3} σ_ν v_ν at one time, by rules graded towards the front, (n_dofs,)."""
     (face,), mesh = solution.faces, space.mesh
     assert isinstance(face, SingularFace)
     assert isinstance(face.field, TravellingField)

@@ -1,11 +1,11 @@
-"""(4.13): σν = f_2 on Γ2 and σ_τ = 0 on Γ3, two conditions that the scheme has only weakly.
+"""(4.13): σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which the discrete solution satisfies only in the limit h → 0.
 
 The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13). They do for
 h → 0 in two senses. The orders are predicted for solutions with σ ∈ W^{1,∞}:
 
 * In L²(Γ). ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is h^{−1/2} times
-  the error in the cells along Γ, which may hold all of it. If the error is spread evenly, as W^{1,∞} estimates say for
-  smooth solutions on quasi-uniform meshes, these cells hold h^{3/2}, and ‖σ^hν − σν‖ is of order 1, no more: σ^h is
+  the error in the cells along Γ, which may contain all of it. If the error is spread evenly, as W^{1,∞} estimates say
+  for smooth solutions on quasi-uniform meshes, these cells hold h^{3/2}, and ‖σ^hν − σν‖ is of order 1, no more: σ^h is
   constant on the cell. For σ_τ alone, which ‖σ^hν − σν‖ bounds, the first-order term depends on how the triangles along
   Γ3 lie.
 * Against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V, and since the scheme
@@ -15,7 +15,7 @@ h → 0 in two senses. The orders are predicted for solutions with σ ∈ W^{1,�
 
   order 2, whatever the time step leaves in σ^h − σ.
 
-The second half of the file makes the smooth fields, which other statements use, too.
+The second half of the file makes the smooth fields v; other statements use them as well.
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ INSTANTS = 8
 Field = Callable[[Points], Vectors]
 """A smooth field of displacements, analytic in x."""
 FIELDS = 3
-"""Smooth fields for each of the two conditions."""
-STRONG = around(1, 0.25, "the error is spread evenly (1/2 is all that ‖σ − σ^h‖_Q = O(h) gives)")
+"""Number of smooth fields for each of the two conditions."""
+STRONG = around(1, 0.25, "if the error is distributed evenly (‖σ − σ^h‖_Q = O(h) alone gives 1/2)")
 SUPERCLOSE = between(1, 2, 0.25, 0, "2 where triangles along Γ3 are symmetric")
 WEAK = around(2, 0.3, "O(h) in σ − σ^h times O(h) in v − Π^h v")
 
 
 class NaturalConditions(ListedNumbers):
-    """Orders of both conditions for the discrete stress at the midpoints of time steps."""
+    """Measures how far the discrete stress violates both conditions at the midpoints of time steps."""
 
     label = "(4.13)"
     claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
@@ -60,8 +60,7 @@ class NaturalConditions(ListedNumbers):
         order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
         Observation(
             order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
-            "it is bounded by the row above, and what is of first order in it depends on how the triangles along Γ3 "
-            "lie",
+            "the row above bounds it, and its part of first order depends on the arrangement of the triangles along Γ3",
         ),
         weighted("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly", CELLS),
         weighted("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly", CELLS),
@@ -74,14 +73,14 @@ class NaturalConditions(ListedNumbers):
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        # With an odd number of steps for each instant, instants lie in the middle of steps.
+        # Each instant is then the midpoint of a step, because there is an odd number of steps for each instant.
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
         setup = Experiment.at(setting, MIDPOINT, steps)
         return with_h(setup.space.h, tractions(setup))
 
 
 def tractions(setup: Experiment) -> dict[str, float]:
-    """Return the norms relative to ‖σν‖ on Γ2 ∪ Γ3, the weak ones with fields of ‖v‖_V = 1."""
+    """Return the norms of the violations, relative to ‖σν‖ on Γ2 ∪ Γ3; the smooth fields have ‖v‖_V = 1."""
     body = setup.space.body
     loaded, contact = ([Side(setup, part) for part in body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT))
     against_load, against_contact = (weighted_strains(setup, f(body)) for f in (fields_on_loaded, fields_on_contact))
@@ -102,7 +101,7 @@ def tractions(setup: Experiment) -> dict[str, float]:
 
 
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
-    """Yield (t, σ^h(t)) at the instants, each the middle of a step: σ^h = A ε(δu_n) + G ε((u_n + u_{n−1})/2)."""
+    """Yield the instants t and σ^h(t) = A ε(δu_n) + G ε((u_n + u_{n−1})/2); each t is the midpoint of a step."""
     space, cells, k = setup.space, on_cells(setup.space, setup.solution.law), setup.problem.T / setup.steps
     each = setup.steps // INSTANTS
     for n, (before, after) in enumerate(pairwise(setup.scheme.march(setup.problem, setup.steps))):
@@ -112,7 +111,7 @@ def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
 
 
 class Side:
-    """One part of Γ with its quadrature points, the exact solution there, and the cells behind them."""
+    """One part of the boundary with quadrature points, the exact solution at them, and the cells next to the part."""
 
     def __init__(self, setup: Experiment, part: Part) -> None:
         mesh, facets = setup.space.mesh, setup.space.facets(part)
@@ -137,12 +136,12 @@ class Side:
 
 
 WeightedStrains = list[tuple[Array, Fields, Array]]
-"""For each cell rule its cells, the exact solution at its points, and w ε(v)/‖v‖_V of several fields v with the weights
-w, (v, D, cells, points)."""
+"""For each cell rule: its cells, the exact solution at its points, and w ε(v)/‖v‖_V for several fields v with the
+quadrature weights w, (fields, D, cells, points)."""
 
 
 def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
-    """Evaluate the strains of smooth fields, scaled to ‖v‖_V = 1, at the points of the cell rules."""
+    """Return the strains of smooth fields v, scaled to ‖v‖_V = 1, at the points of the cell rules."""
     found, squares = [], np.zeros(len(fields))
     for rule in rules(setup.solution, setup.space.mesh, DEGREE):
         exact, strains = setup.solution.at(rule.points), np.array([strain(v, rule.points) for v in fields])
@@ -152,9 +151,9 @@ def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
 
 
 def weak_defect(strains: WeightedStrains, stress: Tensors, time: float) -> float:
-    """Return Σ_v ((σ^h, ε(v))_Q − (f, v)_V)² over smooth fields v at one time.
+    """Return the sum of ((σ^h, ε(v))_Q − (f, v)_V)² over smooth fields v at one time.
 
-    For these fields (f, v)_V = (σ, ε(v))_Q, by Green's formula (2.14) with (2.2), (2.4) and (2.5).
+    (f, v)_V is computed as (σ, ε(v))_Q, which is equal by Green's formula (2.14) with (2.2), (2.4) and (2.5).
     """
     works = [np.einsum("Icq,vIcq->v", stress[:, c, None] - exact.stress(time), e) for c, exact, e in strains]
     return float(np.sum(np.sum(works, axis=0) ** 2))
@@ -185,7 +184,7 @@ def fields_on_contact(body: Body) -> list[Field]:
 
 
 def planes(body: Body, kind: Kind) -> list[Part]:
-    """Return one part of each plane that carries a condition."""
+    """Return one part of the given kind for each line or plane in which such parts lie."""
 
     def same(a: Part, b: Part) -> bool:
         return np.allclose(a.normal, b.normal) and np.allclose(a.normal @ (a.start - b.start), 0)
@@ -195,7 +194,7 @@ def planes(body: Body, kind: Kind) -> list[Part]:
 
 
 def distances(x: Points, parts: list[Part]) -> Array:
-    """Return the product of the distances of points to the planes of some parts, (...)."""
+    """Return the product of the distances of the points to the planes of the given parts, (...)."""
     product: Array = np.ones(x.shape[1:])
     for part in parts:
         product = product * part.coordinates(x)[1]
@@ -203,7 +202,7 @@ def distances(x: Points, parts: list[Part]) -> Array:
 
 
 def vanishing(field: Field, parts: list[Part]) -> Field:
-    """Multiply a field by the distances to the planes of some parts, so that it vanishes there."""
+    """Return the field times the distances to the planes of the given parts; it vanishes on these parts."""
     return lambda x: field(x) * distances(x, parts)
 
 
@@ -217,6 +216,6 @@ def waves(body: Body, rng: np.random.Generator) -> Field:
 
 
 def strain(field: Field, x: Points, tiny: float = 1e-30) -> Tensors:
-    """Return ε(v) at points by the complex step, (d, ...) → (D, ...)."""
+    """Return ε(v) at points x (d, ...), by the complex step, (D, ...)."""
     steps = [1j * tiny * unit.reshape((-1,) + (1,) * (x.ndim - 1)) for unit in np.eye(len(x))]
     return mandel(np.stack([field(x + step).imag / tiny for step in steps], axis=1))

@@ -1,11 +1,13 @@
 """The hypotheses on the law: (3.1) on A, (3.2) on G, and (3.3), G(ε) = β (ε − P_K ε), as an example of (3.2).
 
-They hold almost everywhere in Ω: the law is tested at the vertices and the centres of the cells of a mesh. A law
-states m_A and ‖A‖ from the eigenvalues of its matrix. Here only values Aτ are used: the quotients Aτ·τ/|τ|² stay
-between both constants and come near them after steps of the power method, for A and for 2‖A‖ − A. A is symmetric by
-construction, since a law refuses a matrix that is not. The derivative of G at a tensor is the matrix of
-``AtPoints.derivative``; pairs of tensors along the eigenvectors of its extreme eigenvalues show whether the stated
-constants are the best.
+The paper requires them almost everywhere in Ω. Each law of the catalogue is tested at the vertices and the centres of
+the cells of a mesh.
+
+* (3.1): a law computes m_A and ‖A‖ from the eigenvalues of its matrix. The test uses only values Aτ: the quotients
+  Aτ·τ/|τ|² must lie between both constants, and the power method for A and for 2‖A‖ − A must come near them. A is
+  symmetric by construction, because a law refuses other matrices.
+* (3.2): the quotients |G(a) − G(b)|/|a − b| must be at most L_G. Some of the pairs a, b differ along eigenvectors of
+  the derivative of G with extreme eigenvalues (``AtPoints.derivative``); they show whether L_G is the best constant.
 """
 
 from __future__ import annotations
@@ -19,17 +21,17 @@ from manufactured.law import AtPoints, Yield
 from manufactured.tensors import Array, Points, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import BOUND, ROUNDING, Constant, Observation, largest
+from study.ledger.criterion import BOUND, ROUNDING, SHARP, Observation, largest
 from study.ledger.window import at_most
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.meshes import LAWS, named, place, space_of
 from study.statements.shared.scope import REGULAR
 
 SCALES = (-3.0, 3.0)
-"""Decimal logarithms of the sizes of generated tensors: both sides of any yield point."""
+"""Smallest and largest log10 of the norms of random tensors; they lie on both sides of any yield point."""
 SKEW = "|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)"
-ZERO = at_most(1e-12, "0 but for rounding")
-MONOTONE = at_most(ROUNDING, "never positive but for rounding", low=-math.inf)
+ZERO = at_most(1e-12, "0 up to rounding")
+MONOTONE = at_most(ROUNDING, "never positive, up to rounding", low=-math.inf)
 
 
 def points(space: Space) -> Points:
@@ -38,51 +40,54 @@ def points(space: Space) -> Points:
 
 
 def tensors(rng: np.random.Generator, dim: int, count: int) -> Tensors:
-    """Return random tensors of sizes over several orders of magnitude, (D, count)."""
+    """Return random tensors whose norms differ by several orders of magnitude, (D, count)."""
     directions = rng.standard_normal((size(dim), count))
     return directions / np.linalg.norm(directions, axis=0) * 10 ** rng.uniform(*SCALES, count)
 
 
 def derivative(operator: AtPoints, strain: Tensors) -> Array:
-    """Return the matrices of the derivative at tensors, (D, n) → (n, D, D)."""
+    """Return the matrices of the derivative of an operator at n tensors (D, n), (n, D, D)."""
     units = np.eye(len(strain))
     columns = [operator.derivative(strain, np.broadcast_to(unit[:, None], strain.shape)) for unit in units]
     return np.moveaxis(np.stack(columns, axis=1), 2, 0)
 
 
 class OfLaws(ListedNumbers):
-    """Every law of the catalogue on one mesh of its case's body."""
+    """Base class of the statements that are tested for every law of the catalogue, each on one mesh."""
 
     def places(self, full: bool) -> list[Setting]:
         return place(named(*LAWS), REGULAR, (16,) if full else (8,), (4,) if full else (2,))
 
 
 class Viscosity(OfLaws):
-    """Aτ·τ/|τ|² for random tensors and along the power method to its extremes; Aσ·τ − σ·Aτ."""
+    """Measures the extremes of Aτ·τ/|τ|² for random tensors and by the power method, and |Aσ·τ − σ·Aτ|."""
 
     label = "(3.1)"
     claim = "A is symmetric, bounded and elliptic with the constant m_A"
     rules = (
-        Constant("ellipticity", "m_A / smallest Aτ·τ/|τ|²", "ellipticity"),
-        Constant("bound", "largest Aτ·τ/|τ|² / ‖A‖", "bound"),
-        Observation(largest("symmetry", SKEW, ZERO, "asymmetry"), "it is symmetric by construction of a law"),
+        largest("ellipticity", "m_A / smallest Aτ·τ/|τ|²", SHARP, "ellipticity"),
+        largest("bound", "largest Aτ·τ/|τ|² / ‖A‖", SHARP, "bound"),
+        Observation(largest("symmetry", SKEW, ZERO, "asymmetry"), "every law is symmetric by construction"),
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, A = space_of(setting), resolve(setting.case).solution.law.A
         x = points(space)
         found = extreme_quotients(A.at(x), space.dim, x.shape[1])
-        # A smallest quotient that is negative is a violation, too.
+        # If the smallest quotient is not positive, A is not elliptic, so the ratio must count as a violation.
         found["ellipticity"] = A.ellipticity / found["smallest"] if found["smallest"] > 0 else math.inf
         return with_h(space.h, {**found, "bound": found["largest"] / A.lipschitz})
 
 
 POWER = 100
-"""Steps of the power method: eigenvalues of 2‖A‖ − A that differ by 5 % are separated to 0.95^{2·100} = 4e-5."""
+"""Steps of the power method. They separate eigenvalues of 2‖A‖ − A that differ by 5 % up to 0.95^{2·100} = 4e-5."""
 
 
 def extreme_quotients(A: AtPoints, dim: int, count: int) -> dict[str, float]:
-    """Return the smallest and the largest Aτ·τ/|τ|², and the largest |Aσ·τ − σ·Aτ| over it, |σ| = |τ| = 1."""
+    """Return the smallest and the largest Aτ·τ/|τ|², and the asymmetry of A.
+
+    The asymmetry is the largest |Aσ·τ − σ·Aτ| for |σ| = |τ| = 1, divided by the largest Aτ·τ/|τ|².
+    """
     rng = np.random.default_rng(SEED)
 
     def random_units() -> Tensors:
@@ -90,7 +95,7 @@ def extreme_quotients(A: AtPoints, dim: int, count: int) -> dict[str, float]:
         return tensor / np.linalg.norm(tensor, axis=0)
 
     def power_method(operator: Callable[[Tensors], Tensors]) -> list[Array]:
-        """Return the quotients of A on the way to the largest quotient of an operator."""
+        """Return the quotients Aτ·τ/|τ|² in all steps of the power method for another operator."""
         tensor, found = random_units(), []
         for _ in range(POWER):
             found.append(np.sum(A(tensor) * tensor, axis=0))
@@ -107,17 +112,17 @@ def extreme_quotients(A: AtPoints, dim: int, count: int) -> dict[str, float]:
 
 
 class ElasticityOperator(OfLaws):
-    """|G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for generated tensors, and G(·, 0).
+    """Measures |G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for random tensors, and G(·, 0).
 
-    (3.2) requires that G(·, 0) lies in Q, which holds if it is the stress at rest that the law states.
+    (3.2) requires G(·, 0) ∈ Q. This holds if G(·, 0) equals the stress at zero strain that the law states.
     """
 
     label = "(3.2)"
     claim = "|G(x, a) − G(x, b)| ≤ L_G |a − b|, G(·, 0) ∈ Q"
     rules = (
-        Constant("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", "quotient"),
+        largest("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", SHARP, "quotient"),
         largest("monotonicity", "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
-        largest("at-zero", "|G(x, 0) − S| / L_G, S the stress at rest that the law states", ZERO, "at zero"),
+        largest("at-zero", "|G(x, 0) − S| / L_G, S the stated stress of the law at rest", ZERO, "at zero"),
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -135,11 +140,11 @@ class ElasticityOperator(OfLaws):
 
 
 NEAR = 1e-4
-"""Relative distance of near pairs, which give difference quotients for the derivative."""
+"""Relative distance |a − b|/|a| of near pairs; their quotients approximate the derivative of G."""
 
 
 def pairs(operator: AtPoints, rng: np.random.Generator, dim: int, count: int) -> Iterator[tuple[Tensors, Tensors]]:
-    """Yield far and near random pairs, and near pairs along the steepest and the flattest direction."""
+    """Yield distant and near random pairs, and near pairs along eigenvectors of the extreme eigenvalues of G'."""
     a = tensors(rng, dim, count)
     yield a, tensors(rng, dim, count)
     matrices = derivative(operator, a)
@@ -149,13 +154,13 @@ def pairs(operator: AtPoints, rng: np.random.Generator, dim: int, count: int) ->
 
 
 class Projection(OfLaws):
-    """P_K ε = ε − G(ε)/β lies in K, is the nearest point of K, and is not expansive."""
+    """Measures whether P_K ε = ε − G(ε)/β is a projection: in K, the nearest point of K, and not expansive."""
 
     label = "(3.3)"
     claim = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
     rules = (
         largest("expansion", "|P_K a − P_K b| / |a − b|", BOUND, "expansion"),
-        largest("membership", "P_K a ∈ K: gauge of K at P_K a", BOUND, "membership"),
+        largest("membership", "P_K a ∈ K: |P P_K a| / r", BOUND, "membership"),
         largest("nearest", "(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K", ZERO, "nearest"),
         largest("identity", "|P_K k − k| / |k|, k ∈ K", ZERO, "identity"),
     )
@@ -170,7 +175,7 @@ class Projection(OfLaws):
 
 
 def projection(G: Yield, count: int) -> dict[str, float]:
-    """Return the largest violations over generated tensors."""
+    """Return the largest violation of each property of a projection, over random tensors."""
     rng = np.random.default_rng(SEED)
     a = np.hstack([tensors(rng, G.dim, count), G.convex.radius * tensors(rng, G.dim, count)])
     b, k = rng.permutation(a, axis=1), inside(G, rng.permutation(a, axis=1), rng)
@@ -190,10 +195,10 @@ def projection(G: Yield, count: int) -> dict[str, float]:
 
 
 def gauge(G: Yield, strain: Tensors) -> Array:
-    """Return |Pτ|/r, which is at most 1 on K, (n,)."""
+    """Return |Pτ|/r with the projector P and the radius r of K, which is at most 1 for τ ∈ K, (n,)."""
     return np.linalg.norm(G.convex.projector @ strain, axis=0) / G.convex.radius
 
 
 def inside(G: Yield, strain: Tensors, rng: np.random.Generator) -> Tensors:
-    """Shrink tensors into K, many of them to its boundary."""
+    """Return tensors in K, which are the given tensors scaled down; many lie on the boundary of K."""
     return strain / np.maximum(gauge(G, strain), 1.0) * np.minimum(rng.uniform(0, 2, strain.shape[1]), 1.0)

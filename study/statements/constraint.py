@@ -1,8 +1,9 @@
-"""The vertices decide whether v ∈ V^h lies in K, and Π^h maps continuous functions of K into K^h (around (5.23)).
+"""K^h and Π^h (near (5.23)): v ∈ V^h lies in K if v_ν ≤ 0 at the vertices of Γ3, and Π^h v ∈ K^h for continuous v ∈ K.
 
-The code represents K^h = V^h ∩ K by {v : Nv ≤ 0}. Here the definition of K, v_ν ≤ 0 on all of Γ3 and v = 0 on Γ1, is
-tested at points between the vertices. Normals and facets come from the geometry of the body. N is only used to make
-functions inside K^h (Nv ≤ 0, among them extreme rays) and outside (one (Nv)_i > 0).
+The solvers represent K^h = V^h ∩ K by {v : Nv ≤ 0}, where Nv are normal displacements at vertices. The test checks the
+definition of K, v_ν ≤ 0 on all of Γ3 and v = 0 on Γ1, at points between the vertices, with normals and facets from the
+geometry of the body. It uses N only to make functions in K^h (Nv ≤ 0, including extreme rays of the cone) and functions
+outside K^h (one (Nv)_i > 0). No violation is allowed, because linear functions attain their maximum at vertices.
 """
 
 from __future__ import annotations
@@ -26,21 +27,21 @@ from study.statements.shared.meshes import BODIES, EVERY, IRREGULAR, named, plac
 from study.statements.shared.norms import maximum, minimum
 
 SAMPLES = 40
-"""Number of random functions inside K^h, extreme rays, functions outside and smooth fields."""
+"""Number of functions of each kind: random functions in K^h, extreme rays, functions outside K^h, smooth fields."""
 INSTANTS = 33
-"""Times at which the exact solution is interpolated."""
+"""Number of times at which the exact solution is interpolated."""
 INSIDE, CORNER = 24, 0.95
-"""Random points on each facet, and the barycentric coordinate of one more point near each of its vertices."""
+"""Number of random points on each facet, and the barycentric coordinate of one more point near each of its vertices."""
 TOLERANCE = 1e-8
-"""A vertex nearer to a part of the boundary lies on it."""
-NEVER = at_most(1e-12, "never positive but for rounding", low=-math.inf)
-SEEN = Window(0.5, 1.0, "of that at the vertex")
-"""If v_ν = 1 at a vertex and v_ν ≥ −1 at the others, the point near this vertex has at least 2 · 0.95 − 1 = 0.9."""
-CLAMPED = at_most(1e-12, "0 but for rounding")
+"""A vertex lies on a part of the boundary if its distance from the part is below this number."""
+NEVER = at_most(1e-12, "never positive, up to rounding", low=-math.inf)
+SEEN = Window(0.5, 1.0, "of the value at the vertex")
+"""If v_ν = 1 at one vertex and v_ν ≥ −1 at the others, v_ν ≥ 2 · 0.95 − 1 = 0.9 at the point near this vertex."""
+CLAMPED = at_most(1e-12, "0 up to rounding")
 
 
 class VertexConstraint(ListedNumbers):
-    """The largest v_ν on Γ3 of functions inside and outside K^h, once for each body."""
+    """Measures the largest v_ν on Γ3 for functions inside and outside K^h, on each body."""
 
     label = "K^h"
     claim = "v ∈ V^h lies in K if and only if v_ν ≤ 0 at the vertices of Γ3"
@@ -62,7 +63,7 @@ class VertexConstraint(ListedNumbers):
 
 
 class Interpolant(ListedNumbers):
-    """The largest v_ν on Γ3 of Π^h v, for v = u(t) at many times and for random smooth v ∈ K."""
+    """Measures the largest normal component of Π^h v on Γ3, for v = u(t) at many times and random smooth v ∈ K."""
 
     label = "Π^h"
     claim = "Π^h v ∈ K^h for v ∈ K ∩ C(Ω̄)"
@@ -106,13 +107,13 @@ class NormalTrace:
 
 
 def with_trace(space: Space, v: Array, values: Array) -> Array:
-    """Return the function with Nv = values that is nearest to v in nodal values."""
+    """Return the function with normal displacements ``values`` on Γ3 whose nodal values are nearest to those in v."""
     N = space.N
     return v + N.T @ np.linalg.solve((N @ N.T).toarray(), values - N @ v)
 
 
 def members(space: Space, rng: np.random.Generator) -> Iterator[Array]:
-    """Yield random functions with Nv ≤ 0, with many active constraints, and extreme rays of this cone."""
+    """Yield random functions with Nv ≤ 0 and many zeros in Nv, and extreme rays of the cone {Nv ≤ 0}."""
     count = space.N.shape[0]
     for _ in range(SAMPLES):
         yield with_trace(space, rng.standard_normal(space.dofs), np.minimum(rng.standard_normal(count), 0.0))
@@ -130,7 +131,7 @@ def nonmembers(space: Space, rng: np.random.Generator) -> Iterator[Array]:
 
 
 def violation(trace: NormalTrace, v: Array) -> float:
-    """Return the largest v_ν on Γ3 or (Nv)_i."""
+    """Return the larger of max v_ν on Γ3 and max_i (Nv)_i."""
     return maximum((trace.highest(v), (trace.space.N @ v).max()))
 
 
@@ -147,9 +148,9 @@ def over_time(trace: NormalTrace, solution: ExactSolution) -> dict[str, float]:
 
 
 def admissible(body: Body, rng: np.random.Generator) -> list[Field]:
-    """Return random smooth v ∈ K.
+    """Return random smooth functions v ∈ K.
 
-    With the squared distances δ_1, δ_3 and δ_i to Γ1, to Γ3 and to Γ3 without Γ3,i, and random waves w, w_i and b_i,
+    Let δ_1, δ_3 and δ_i be the squared distances to Γ1, to Γ3 and to Γ3 without Γ3,i. With random waves w, w_i and b_i,
 
         v = δ_1 (δ_3 w + Σ_i δ_i (w_i − (w_i)_ν ν − b_i² ν)),   so that v_ν = −δ_1 δ_i b_i² on Γ3,i.
     """

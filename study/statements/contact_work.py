@@ -6,25 +6,28 @@ catalogue with a few smooth fronts it is 1e-6 … 1e-3 of the error, too small t
 in rough-trace). Here it is measured for the cases of ``manufactured.multiscale``, whose contact zones have details of
 the size of h on every mesh.
 
-**Measured**, with integrals on a mesh that is refined until its cells are a third of the depth of every lifting:
+**Measured**, with integrals on a mesh that is refined until its cells are a third of the depth of every lifting, the
+width ℓ over which contact data are continued into the body:
 
 * ``work``: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}, R = ∫_{Γ3} p Π^h w as p w = 0;
 * ``error``: max_t ‖u − u^h‖_V;
 * ``excess``: max_t ‖u^h − u^h_lin‖_V, where u^h_lin solves the linear problem with p as a given traction: the part of
   the error that is due to contact.
 
-**Predicted.** On grids all edges are equal, ℓ halves with h, and every train of waves is cut at the same places, so
-R/h² is the sum over the trains of one function of ℓ/h. It is constant, and the root has order 1, as long as there are
-trains of all widths h/2 … 4h, for 32 ≤ n ≤ 128: ± 0.15 there, and lower before. With random vertices each edge cuts the
-waves at another place. Between four and sixteen edges lie on the train that contributes most, and R_E varies between
-them as much as it is large, so single orders may be off by 0.5: they are reported. If that is the reason, the mean of R
-over random vertices has the order of grids, and its relative standard deviation falls like n^{−1/2}: both are claimed.
+**Predicted.** The gap and the pressure are trains of waves of width ℓ; from one train to the next ℓ is halved. On grids
+all edges are equal and cut every train at the same places, so R/h² is the sum over the trains of one function of ℓ/h.
+This sum is constant, and the root of R has order 1, as long as there are trains of all widths h/2 to 4h, which holds
+for 32 ≤ n ≤ 128. The window is ± 0.15 there; on coarser meshes the order is lower. With random vertices each edge cuts
+the waves at another place. Only four to sixteen edges lie on the train that contributes most, and the contributions R_E
+of single edges vary by 100 %, so single orders may be off by 0.5: they are reported. If this explanation is right, the
+mean of R over random vertices has the order 1, and its relative standard deviation falls like n^{−1/2}: both are
+claimed.
 Unstructured meshes have equal edges on each piece, whose number does not double. They cut the waves at other places on
-every level, all edges in the same way, so the work may nearly vanish on one of them (observed: orders −2.5 … 1.2,
-shares from 0.011).
+every level, all edges in the same way, so the work may nearly vanish on one level (observed: orders −2.5 to 1.2, and
+work / error as small as 0.011).
 
-No order is predicted for the error and the excess: a train is resolved only for h < ℓ/10, so the error has hardly begun
-to fall where R has. On grids work / error must be above 1/50, twenty times its value for smooth fronts.
+No order is predicted for the error and the excess: a train is resolved only for h < ℓ/10, so on these meshes the error
+has hardly begun to fall. On grids work / error must be above 1/50, twenty times its value for smooth fronts.
 """
 
 from __future__ import annotations
@@ -62,7 +65,7 @@ from study.statements.shared.norms import midpoints, norm
 from study.statements.shared.scope import Scope
 
 PARTS = 3
-"""Cells of the refined mesh to the depth of a lifting."""
+"""Number of cells of the refined mesh across the depth of a lifting."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,8 +73,9 @@ class Resolved:
     """V^h on a mesh, with integrals on another mesh that is refined where the exact solution has details.
 
     Attributes:
-        v_norm: on the refined mesh.
-        inclusion: free values on the mesh → free values on the refined one.
+        space: V^h on the mesh.
+        v_norm: the error norm on the refined mesh.
+        inclusion: the matrix from the degrees of freedom of V^h to the degrees of freedom on the refined mesh.
     """
 
     solution: ExactSolution
@@ -81,13 +85,13 @@ class Resolved:
 
     @classmethod
     def of(cls, solution: ExactSolution, space: Space) -> Resolved:
-        """Refine the mesh of a space for a solution."""
+        """Return the space together with a mesh that is refined for the solution."""
         mesh, nodal = refined(space.mesh, lambda corners: least_depth(solution, corners) / PARTS)
         fine = Space(mesh, space.body)
         return cls(solution, space, ErrorNorm(solution, fine, along=()), inclusion_of(space, fine, nodal))
 
     def load(self, time: float) -> Array:
-        """Return (f, ·)_V, (dofs,)."""
+        """Return the load v ↦ (f, v)_V on V^h, (dofs,)."""
         return np.asarray(self.inclusion.T @ self.v_norm.load(time))
 
     def distance(self, time: float, v: Array) -> float:
@@ -96,7 +100,11 @@ class Resolved:
 
 
 def least_depth(solution: ExactSolution, corners: Points) -> Array:
-    """Return the least depth of a lifting that reaches into a cell, (2, 3, cells) → (cells,)."""
+    """Return for each cell the least depth of the liftings that are non-zero in it, (cells,).
+
+    Args:
+        corners: the corners of the cells, (2, 3, cells).
+    """
     found = np.full(corners.shape[2:], math.inf)
     for face in solution.faces:
         assert isinstance(face, ContactFace | FadingFace)
@@ -108,7 +116,7 @@ def least_depth(solution: ExactSolution, corners: Points) -> Array:
 
 
 def pressing_on(at: Resolved) -> Callable[[float], Array]:
-    """Return the function t ↦ ∫_{Γ3} p v_ν for v ∈ V^h, (dofs,)."""
+    """Return the function of t whose values are the functionals v ↦ ∫_{Γ3} p v_ν on V^h, (dofs,)."""
     space, rules = at.v_norm.space, []
     mesh = space.mesh
     for face in at.solution.faces:
@@ -140,29 +148,26 @@ def error_and_excess(at: Resolved, steps: int) -> dict[str, float]:
 
 
 FACE_RULE = composite(512, 4)
-"""Quadrature on a piece of Γ3: ℓ is at least 1/64 of the piece."""
+"""Quadrature rule on a piece of Γ3, with at least 8 intervals on the width ℓ, which is at least 1/64 of the piece."""
 TIME_NODES = 8
 """Nodes of the midpoint rule in time."""
 DRAWS = 400
-"""Random sets of vertices on Γ3, for the mean and the standard deviation."""
+"""Number of random sets of vertices on Γ3 from which mean and standard deviation are computed."""
 
 
 @dataclass(frozen=True, eq=False)
 class TotalWork:
-    """The function from the vertices of every piece of Γ3 to ∫_0^T R(t; Π^h u − u) dt, R = ∫_{Γ3} p Π^h w.
+    """Computes ∫_0^T R(t; Π^h u − u) dt with R = ∫_{Γ3} p Π^h w from the vertices on every piece of Γ3.
 
-    The integral in time is the midpoint rule. Many sets of vertices are evaluated together: the contribution of an edge
-    follows from cumulative sums over the quadrature points before its ends.
+    Time is integrated by the midpoint rule. Many sets of vertices are evaluated together: the contribution of an edge
+    is a difference of cumulative sums over the quadrature points.
     """
 
     solution: ExactSolution
 
     @cached_property
     def moments(self) -> list[Array]:
-        """Cumulative sums of p and of p s over the points of every piece, weighted in space and time.
-
-        (2, points + 1, TIME_NODES) for each piece.
-        """
+        """Cumulative weighted sums of p and of p s over the points, (2, points + 1, TIME_NODES) for each piece."""
         T, found = self.solution.body.T, []
         for face in self.solution.faces:
             place, weights = self._rule(face)
@@ -173,14 +178,14 @@ class TotalWork:
         return found
 
     def _rule(self, face: Face) -> tuple[Array, Array]:
-        """Return points and weights on a piece."""
+        """Return the points and weights of the quadrature rule on a face."""
         place, weights = FACE_RULE
         return face.part.measure * place, face.part.measure * weights
 
     def __call__(self, vertices: Sequence[Array]) -> Array:
-        """Return the work for increasing coordinates of vertices along each piece, (..., vertices) → (...).
+        """Return the work, (...), for the increasing coordinates of the vertices on each piece, (..., vertices).
 
-        From s_i to the next vertex, p Π^h w = p w(s_i) + p (s − s_i) w' with the derivative w' of Π^h w.
+        On the edge that begins at s_i, p Π^h w = p w(s_i) + p (s − s_i) w' with the derivative w' of Π^h w.
         """
         total, times = np.zeros(np.shape(vertices[0])[:-1]), midpoints(self.solution.body.T, TIME_NODES)
         for face, moments, s in zip(self.solution.faces, self.moments, vertices, strict=True):
@@ -199,7 +204,7 @@ def vertices_on(space: Space) -> list[Array]:
 
 
 def shaken(vertices: Sequence[Array], rng: np.random.Generator) -> list[Array]:
-    """Move equidistant vertices on every piece as on shaken meshes, by up to a fifth of an edge; the ends stay."""
+    """Return equidistant vertices after random shifts by up to a fifth of an edge, as on shaken meshes; ends stay."""
     moved = []
     for s in vertices:
         shift = rng.uniform(-1, 1, s.size) * Shaken().amplitude * (s[1] - s[0])
@@ -217,35 +222,35 @@ def over_random_vertices(total: TotalWork, vertices: Sequence[Array]) -> dict[st
 
 GRID = "one-diagonal"
 COARSE = 32
-"""The coarsest level with trains of enough widths on both sides of h."""
+"""The coarsest level with trains of all widths from h/2 to 4h."""
 
 
 def from_32(key: str, quantity: str, column: str, window: Window) -> Criterion:
-    """Return the criterion for the order from each level to the next, from n = 32 on."""
+    """Return the criterion for the orders of a column from level to level, for n ≥ 32."""
     found = consecutive(key, f"{quantity}, level by level from n = 32", window, column)
     return replace(found, measure=lambda group: found.measure(group[group["level"] >= COARSE]), levels=ENOUGH)
 
 
 ROOT = "order of ‖R(·; Π^h u − u)‖^{1/2}"
 FIRST_ORDER = around(1, 0.15, "trains of all widths from h/2 to 4h")
-HALF = around(0.5, 0.15, "as of a sum of n independent edges")
-NOT_RESOLVED = "a train is resolved for h < ℓ/10 only"
-SHARE = at_least(0.02, "smooth fronts have 1e-6 … 1e-3")
+HALF = around(0.5, 0.15, "as for a sum of n independent edges")
+NOT_RESOLVED = "a mesh resolves a train only for h < ℓ/10"
+SHARE = at_least(0.02, "smooth fronts give 1e-6 … 1e-3")
 
 
 def share(group: pd.DataFrame) -> Measured:
-    """Return the least ratio of the root of the work and the error."""
+    """Return the smallest quotient of the root of the work and the error."""
     return exactly((group["work"] / group["error"]).to_numpy().min())
 
 
 def excess_share(group: pd.DataFrame) -> Measured:
-    """Return the largest ratio of the excess and the error."""
+    """Return the largest quotient of the excess and the error."""
     return exactly((group["excess"] / group["error"]).to_numpy().max())
 
 
 ON_GRIDS = (
     from_32("order", f"{ROOT}, on grids", "work", FIRST_ORDER),
-    from_32("order-mean", f"{ROOT}, R the mean over {DRAWS} times random vertices", "mean work", FIRST_ORDER),
+    from_32("order-mean", f"{ROOT}, R averaged over {DRAWS} random meshes", "mean work", FIRST_ORDER),
     from_32("spread", "order of the relative standard deviation of R over random vertices", "spread", HALF),
     Criterion("share", "‖R‖^{1/2} / error, least", SHARE, share, ("work", "error")),
 )
@@ -257,26 +262,26 @@ ON_ALL_MESHES = (
     Observation(from_32("error", "order of ‖u − u^h‖_V", "error", Window()), NOT_RESOLVED),
     Observation(
         Criterion("excess-share", "‖u^h − u^h_lin‖_V / error, largest", Window(), excess_share, ("excess", "error")),
-        "what contact costs in V has no bound of its own",
+        "no bound of the effect of contact in V is claimed",
     ),
     Observation(from_32("excess", "order of ‖u^h − u^h_lin‖_V", "excess", Window()), NOT_RESOLVED),
 )
 
 
 class WorkOfContact(ListedNumbers):
-    """The root of the work of contact, the error, and the excess over the linear problem."""
+    """Measures the root of the work of contact, the error, and the excess over the linear problem."""
 
     label = "beyond: work of contact"
     claim = "‖R(·; Π^h u − u)‖^{1/2} = O(h) with contact at every scale, u_ν not bounded in H²(Γ3)"
     effort = 5
-    # Full study only: coarse meshes show nothing, and fine ones take time.
+    # Only in the full study: the claimed orders begin at n = 32, which takes long.
     full = (
         *grid(("trains", "breathing-trains"), (GRID, "shaken"), (16, 32, 64, 128)),
         *grid(("trains",), ("unstructured",), (16, 32, 64, 128)),
     )
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
-        """Only if the whole catalogue is studied, because the cases with trains do not belong to it."""
+        """Return all settings if the whole catalogue is studied; the cases themselves are not in the catalogue."""
         return self.places(scope.full) if scope.whole else []
 
     def measure(self, setting: Setting) -> dict[str, float]:

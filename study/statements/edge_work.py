@@ -1,4 +1,4 @@
-"""Beyond the source: the work of contact on every edge, the lemma behind Prop. 5.4 without regularity of the trace.
+"""Beyond the paper: a bound of the work of contact on every edge, which makes Prop. 5.4 hold for traces not in H²(Γ3).
 
 On an edge E of length h let N = {u_ν ≠ 0}, C = {u_ν = 0}, R_E = ∫_E σ_ν (Π^h u_ν − u_ν). Since σ_ν = 0 almost
 everywhere on N, for all 0 < ϱ < 1 (the proof is in the supplement to the article)
@@ -6,17 +6,19 @@ everywhere on N, for all 0 < ϱ < 1 (the proof is in the supplement to the artic
     |R_E| ≤ β h^{1+2ϱ} |σ_ν|_{ϱ,E} |u_ν'|_{ϱ,E},
     β = min{(2π)^{−1} (h/|N|)^{1/2}, 8^{−1/2} (h/|C|)^{1/2}} ≤ C_0 < 0.388.
 
-The sum over edges gives |R| ≤ C_0 h^{2s} Σ_i |σ_ν|_{ϱ,Γ3,i} |u_ν'|_{ϱ,Γ3,i}, ϱ = s − 1/2. Two things are measured:
+The sum over edges gives |R| ≤ C_0 h^{2s} Σ_i |σ_ν|_{ϱ,Γ3,i} |u_ν'|_{ϱ,Γ3,i}, ϱ = s − 1/2. **Measured** are
 
-* R_E of exact solutions over its bound with ϱ = 1/2, on every edge with both N and C, at several times;
-* the supremum of |∫_E λ Π w| over its bound, with the sets N and C of these edges divided into 64 panels, for **all** λ
-  that vanish on N and all piecewise quadratic w that vanish on C. The functional has rank two, through the values of w
-  at both ends, so the supremum is the root of the largest eigenvalue of a 2 × 2 matrix.
+* the quotient of |R_E| and its bound with ϱ = 1/2 for exact solutions, at several times, on every edge on which neither
+  N nor C is empty;
+* the supremum of |∫_E λ Π w| divided by its bound over **all** λ that vanish on N and all piecewise quadratic w that
+  vanish on C. The sets N and C are those of the same edges, resolved by 64 panels. The functional depends on w only
+  through its values at both ends, so it has rank two, and the supremum is the root of the largest eigenvalue of a 2 × 2
+  matrix.
 
-**Predicted.** Both are at most 1, as this is proved. Solutions stay far below, since nothing makes them extremal. The
-first expression in β is the smaller one if |N| > 2h/(2 + π²); edges of both kinds must occur, or the row would say
-less. A pressure that is larger by a constant, which no seminorm sees, and so does not vanish on N, must break the
-bound.
+**Predicted.** Both are at most 1, because the bound is proved. Exact solutions stay far below 1, because they are not
+extremal functions. The first expression in β is the smaller one if |N| > 2h/(2 + π²). Edges on which it is smaller and
+edges on which it is larger must both occur, otherwise only one of them is tested. The negative control adds a constant
+to the pressure. This does not change its seminorm, but the pressure no longer vanishes on N, and the bound must fail.
 """
 
 from __future__ import annotations
@@ -45,17 +47,17 @@ EQUAL = 2 / (2 + math.pi**2)
 """|N|/h at which both expressions in β are equal."""
 C_0 = math.sqrt((2 + math.pi**2) / (8 * math.pi**2))
 TIMES = 0.23, 0.5, 0.81
-"""Fractions of T at which edges are looked at."""
+"""Fractions of T at which the edges are examined."""
 CHANGES = 16
-"""Edges with more changes of contact are left out, since 64 panels do not resolve them."""
+"""Edges with more changes between contact and gap are left out, because 64 panels do not resolve them."""
 EXPONENTS = 0.05, 0.25, 0.5
-"""ϱ of the suprema: s = 0.55, 0.75, 1."""
+"""The exponents ϱ for which suprema are computed: s = 0.55, 0.75, 1."""
 WORK, OF_ALL, OVERALL = "R_E / bound", "supremum / bound", "R_E / (h² |σ_ν| |u_ν'|)"
 BRANCHES = "edges by |N|", "edges by |C|"
 
 
 class EdgeWork(ListedNumbers):
-    """R_E of exact solutions, and suprema over all pressures and gaps, over their bound."""
+    """Measures |R_E| of exact solutions, and its supremum over all pressures and gaps, divided by the bound."""
 
     label = "beyond: work on edges"
     claim = "|R_E| ≤ C_0 h^{2s} |σ_ν|_{s−1/2,E} |u_ν'|_{s−1/2,E} on every edge of Γ3, C_0 < 0.388"
@@ -66,12 +68,17 @@ class EdgeWork(ListedNumbers):
     )
     rules = (
         largest("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", at_most(1.0, "proved"), WORK),
-        largest("all", "the same for all σ_ν, u_ν' with these sets, s = 0.55, 0.75, 1", at_most(1.0, "proved"), OF_ALL),
+        largest(
+            "all",
+            "largest quotient for all σ_ν, u_ν' with these sets, s = 0.55, 0.75, 1",
+            at_most(1.0, "proved"),
+            OF_ALL,
+        ),
         largest("constant", "|R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", at_most(C_0, "proved"), OVERALL),
     )
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
-        """All settings in a study of the whole catalogue, to which the cases with trains do not belong."""
+        """Return all settings if the whole catalogue is studied, because the cases with trains are not in it."""
         return self.places(scope.full) if scope.whole else super().settings(scope)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -93,14 +100,14 @@ class EdgeWork(ListedNumbers):
 
 
 def rarer_kind(group: pd.DataFrame) -> Measured:
-    """Return on how many edges β takes its rarer expression, over all levels."""
+    """Return the number of edges, over all levels, on which β equals the one of its two expressions that is rarer."""
     return exactly(group[list(BRANCHES)].to_numpy().sum(axis=0).min())
 
 
 BOTH_KINDS = Criterion(
     "branches",
-    "edges of the rarer kind, by |N| or by |C|",
-    at_least(1, "both bounds of the lemma are met"),
+    "edges on which the rarer of the two bounds is the smaller one, |N| or |C|",
+    at_least(1, "both bounds of the lemma are used"),
     rarer_kind,
     BRANCHES,
 )
@@ -108,10 +115,10 @@ BOTH_KINDS = Criterion(
 
 @dataclass(frozen=True, eq=False)
 class Edges:
-    """Edges with both N and C.
+    """Edges on which there are both contact and a gap.
 
     Attributes:
-        touching: whether the points of ``FIRST`` touch, (n, points).
+        touching: whether there is contact at the points of ``FIRST``, (n, points).
         open_part: |N|/h, (n,).
         quotients: |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
     """
@@ -122,7 +129,7 @@ class Edges:
 
 
 def mixed_edges(solution: ExactSolution, space: Space) -> Iterator[Edges]:
-    """Yield the edges of every piece of Γ3 with both N and C, at every time."""
+    """Yield, for every piece of Γ3 and every time, the edges on which there are both contact and a gap."""
     for face in solution.faces:
         corners = space.mesh.p[:, space.mesh.facets[:, space.facets(face.part)]]
         ends = np.sort(face.part.coordinates(corners)[0][0], axis=0)
@@ -133,10 +140,10 @@ def mixed_edges(solution: ExactSolution, space: Space) -> Iterator[Edges]:
 
 
 def edges_at(solution: ExactSolution, face: Face, ends: Array, time: float) -> Edges:
-    """Select the edges between coordinates (2, n) with both N and C at one time.
+    """Return the edges, out of n edges with the end coordinates (2, n), with both contact and a gap at one time.
 
-    The quotients are computed on (0, 1). From there to an edge the seminorm |·|_{1/2} does not change, and R_E takes
-    the factor h.
+    The quotients are computed on the interval (0, 1). Scaling it to an edge multiplies R_E by h and leaves the seminorm
+    |·|_{1/2} unchanged.
     """
     places = [ends[0][:, None] + (ends[1] - ends[0])[:, None] * x for x, _ in (FIRST, SECOND)]
     touching = face.level_jet(places[0][None], time)[(0,)] >= 0
@@ -154,17 +161,21 @@ def edges_at(solution: ExactSolution, face: Face, ends: Array, time: float) -> E
 
 
 def beta(open_part: Array) -> Array:
-    """Return β for |N|/h in (0, 1)."""
+    """Return β, given |N|/h in (0, 1)."""
     return np.minimum(1 / np.sqrt(open_part) / (2 * np.pi), 1 / np.sqrt(8 * (1 - open_part)))
 
 
 def supremum(touching: Array, rho: float) -> float:
-    """Return sup |∫ λ Π w| / (|λ|_ϱ |w'|_ϱ) over its bound β on (0, 1), for contact at points of ``FIRST``.
+    """Return sup |∫ λ Π w| / (|λ|_ϱ |w'|_ϱ) divided by its bound β on (0, 1).
 
-    λ and w' are piecewise linear on the panels, λ = 0 on the panels of N and w' = 0 on the panels of C. The supremum is
-    0 if λ or w' must vanish. In w = w(0) + ∫ w' only the panels of N at both ends count, since w = 0 at the panels of C
-    next to them. Between panels of C, w' is free here although w has to return to 0: where N has inner parts this is an
-    upper bound.
+    λ and w' are piecewise linear on the panels, with λ = 0 on the panels of N and w' = 0 on the panels of C. The result
+    is 0 if λ or w' must vanish. The values of w at both ends follow from w' on the panels of N there, because w = 0 on
+    the next panel of C. Between panels of C, w' is not forced to have the integral 0, so the result is then only an
+    upper bound of the supremum.
+
+    Args:
+        touching: whether there is contact at the points of ``FIRST``, (points,).
+        rho: ϱ.
     """
     contact = touching.reshape(PANELS, -1).mean(axis=1) >= 0.5
     if contact.all() or not contact.any():
@@ -180,13 +191,13 @@ def supremum(touching: Array, rho: float) -> float:
 
 
 def with_all_panels(panels: Array) -> Array:
-    """Return which nodes have all their panels among the given ones."""
+    """Return whether both panels next to a node are marked in ``panels``, for each node."""
     padded = np.concatenate([[True], panels, [True]])
     return np.asarray(padded[:-1] & padded[1:])
 
 
 def dual_products(A: Array, free: Array, functionals: Array) -> Array:
-    """Return f_i A^{-1} f_j of two functionals on the free nodes, (2, 2)."""
+    """Return f_i A⁻¹ f_j for two functionals f_1, f_2, with A restricted to the free nodes, (2, 2)."""
     if not free.any():
         return np.zeros((2, 2))
     chosen = functionals[:, free]

@@ -4,10 +4,10 @@
 ("bound"), and enclosed from both sides by a better trajectory ũ ("enclosure"), at many times. A row of ``bounds.csv``
 is one computed displacement; ``enclosures.csv`` has its bounds over time.
 
-**Judged.** No error may lie outside. This is a theorem (``paper/bound.tex``), but the program may be wrong: a row fails
-if one sampled error lies outside, for one mesh, scheme or time. How close the ends are is a matter of efficiency. It is
-judged where it was announced, for the case with check values, and reported elsewhere. Two enclosures enclose an
-observed order, also where the solution is unknown.
+**Judged.** Every error must lie between its bounds. This is a theorem (``paper/bound.tex``), but the program may be
+wrong: a row fails if one sampled error lies outside, for one mesh, scheme or time. The distance of the bounds is a
+matter of efficiency. It is judged only for CHECKED, the case for which the documentation promises a tight enclosure,
+and reported otherwise. Enclosures on two levels enclose an observed order, even if the exact solution is unknown.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ from study.fem.naming import choose, family_named, resolve
 from study.ledger.criterion import Observation, Rule, every, largest
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.orders import orders
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
-from study.ledger.window import Window, at_most, positive_at_most
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Span, Verdict, row
+from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.evolution import Scheme
 from study.solve.steps import PACE, rate_steps
 from study.solve.tableau import SCHEMES
@@ -46,13 +46,13 @@ COMPUTED = "case", "family", "scheme", "trajectory", "level", "h", "steps", "exp
 BOUNDED = "error", "lowest", "highest", "above", "below", "upper", "lower"
 PARTS = "residual", "contact", "oscillation", "bending"
 COLUMNS = (*COMPUTED, *BOUNDED, *PARTS)
-"""``bounds.csv``.
+"""The columns of ``bounds.csv``, with d = ‖ũ(t) − u_h(t)‖_V and the bound y of ‖u(t) − ũ(t)‖_V.
 
-    case, family, scheme, level, h, steps: the computed displacement u_h, which is P1.
+    case, family, scheme, level, h, steps: identify the computed P1 displacement u_h.
     expected_order: the predicted order, NaN where none is predicted.
     trajectory: "bound" for ũ = u_h, "enclosure" for a better ũ.
     error: max_t ‖u(t) − u_h(t)‖_V over the sampled times.
-    lowest, highest: the ends of its enclosure, the second over all times.
+    lowest, highest: the ends of the enclosure of this error; the upper end is the maximum over all times.
     above: max_t error/(d + y); the error is below the bound iff this is ≤ 1.
     below: max_t (d − y)_+/error; the error is above the lower bound iff this is ≤ 1.
     upper, lower: effectivities max (d + y)/error and min (d − y)_+/error over the times in [T/2, T].
@@ -68,9 +68,13 @@ TIMES = 96
 # Cases, schemes and meshes.
 @dataclass(frozen=True)
 class BoundSetting(Setting):
-    """The setting of one row of ``bounds.csv``, which also has the name of the scheme of u_h, and how ũ is computed.
+    """The setting of one row of ``bounds.csv``.
 
-    ``case`` may be the name of a problem whose solution is unknown.
+    ``case`` may also be the name of a problem whose solution is unknown.
+
+    Attributes:
+        scheme: the name of the time scheme of u_h.
+        by: how ũ is computed.
     """
 
     scheme: str
@@ -78,12 +82,12 @@ class BoundSetting(Setting):
 
     @property
     def trajectory(self) -> str:
-        """The name of ũ, which is the label of the statement."""
+        """The kind of ũ, "bound" or "enclosure", which is also the label of the statement."""
         return self.by.name
 
     @property
     def refinements(self) -> int:
-        """Refinements from the mesh of u_h to the mesh of ũ."""
+        """The number of refinements from the mesh of u_h to the mesh of ũ."""
         return self.by.refinements if isinstance(self.by, Refined) else 0
 
 
@@ -92,9 +96,10 @@ QUICK = (
     ("yield-on-a-part", "criss-cross", "bdf2"),
     ("hexagon", "unstructured", "midpoint"),
 )
-"""Cases whose bounds the quick study computes, with mesh family and scheme: memory, law (3.3), three faces."""
+"""Triples (case, mesh family, scheme) for the quick study; the laws include memory terms and the law (3.3)."""
 ROTATION = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
-"""The full study bounds the errors of the schemes of a case on meshes of these families in turn."""
+"""In the full study the first scheme of a case is measured on the first of these mesh families, and so on
+cyclically."""
 ROTATION_STARTS = {
     "rotated": "shaken",
     "natural-front": "criss-cross",
@@ -103,23 +108,27 @@ ROTATION_STARTS = {
     "softening": "criss-cross",
     "double-well": "shaken",
 }
-"""Where the rotation starts for cases for which this is not the family that the case names first."""
+"""The first mesh family of the rotation, for cases that do not start with the first family that they name."""
 CHECKED, CHECKED_LEVEL = "advance-recede", 32
-"""The case with check values, and the level at which the enclosure is announced to be tight."""
+"""The case and the level for which the documentation promises a tight enclosure."""
 
 
 def eligible(case: Case) -> bool:
-    """Return whether the bound exists: in the plane, with f_0 ∈ L²(Ω)², tensors smooth in every cell."""
+    """Return whether the bound applies: a plane body, f_0 ∈ L²(Ω)², and A and G smooth in every cell."""
     return case.solution.body.dim == 2 and case.regularity.force_in_L2 and not case.regularity.kink
 
 
 def by_midpoint(case: str, family: str, levels: Sequence[int], by: Trajectory) -> list[BoundSetting]:
-    """Return settings on some levels with the midpoint rule."""
+    """Return the settings of a case on the given levels, with the midpoint rule."""
     return [BoundSetting(case, family, level, "midpoint", by) for level in levels]
 
 
 def quick_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
-    """Yield one scheme for each quick case, and enclosures on two levels with a known and an unknown solution."""
+    """Yield the settings of the quick study.
+
+    They are one bound for each case in QUICK, and enclosures on two levels for one case with a known solution and one
+    problem with an unknown solution.
+    """
     studied = {case.name for case in cases}
     for name, family, scheme in QUICK:
         if name in studied:
@@ -130,7 +139,11 @@ def quick_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
 
 
 def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
-    """Yield every case with every scheme, families in turn; enclosures on two levels; problems without a solution."""
+    """Yield the settings of the full study.
+
+    They are bounds for every case and every scheme, on mesh families in rotation, enclosures on two levels, and
+    problems whose solution is unknown.
+    """
     for case in filter(eligible, cases):
         in_turn = families_in_turn(case)
         for family, scheme in zip(in_turn, SCHEMES, strict=True):
@@ -144,7 +157,7 @@ def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
 
 
 def families_in_turn(case: Case) -> list[str]:
-    """Return the names of a mesh family for each scheme: those of ``ROTATION`` that can mesh the body, in turn."""
+    """Return the name of a mesh family for each scheme, cyclically from the families that can mesh the body."""
     serving = [family for family in ROTATION if family in families(case)]
     first = serving.index(ROTATION_STARTS.get(case.name, (case.families or serving)[0]))
     return [serving[(first + turn) % len(serving)] for turn in range(len(SCHEMES))]
@@ -153,9 +166,12 @@ def families_in_turn(case: Case) -> list[str]:
 # Measurement.
 @dataclass(frozen=True)
 class ResolvedProblem:
-    """The problem that a computed displacement approximates: of a case, or one whose solution is unknown.
+    """The problem that a computed displacement approximates, with a known or an unknown exact solution.
 
-    ``order`` is the predicted order, NaN where none is predicted; ``pace`` says how fast things happen in time.
+    Attributes:
+        order: the predicted order, or NaN.
+        pace: determines the number of time steps, as for a case.
+        case: the case with the exact solution, or None.
     """
 
     name: str
@@ -167,7 +183,7 @@ class ResolvedProblem:
 
 @lru_cache
 def resolve_problem(reference: str) -> ResolvedProblem:
-    """Return the problem of the study with this name, or the problem of the case behind a reference."""
+    """Return the problem with an unknown solution that has the given name, or the problem of the given case."""
     problem = problems_without_solution().get(reference)
     if problem is not None:
         return ResolvedProblem(
@@ -179,14 +195,14 @@ def resolve_problem(reference: str) -> ResolvedProblem:
 
 @lru_cache
 def problems_without_solution() -> dict[str, OpenProblem]:
-    """Return the problems of the study whose solution is unknown by name; their formulas take time to compile."""
+    """Return the problems of the study with unknown solutions, by name; cached, because compiling formulas is slow."""
     return {problem.name: problem for problem in problems()}
 
 
 def measure(
     problem: ResolvedProblem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
 ) -> tuple[dict[str, Any], Enclosure]:
-    """Return the row of ``bounds.csv`` and the bounds over time; comparisons with an unknown error are NaN.
+    """Return the row of ``bounds.csv`` and the bounds over time; values that need an unknown error are NaN.
 
     Raises:
         BoundError: f_0 ∉ L²(Ω)².
@@ -228,17 +244,17 @@ def over_time(found: Enclosure) -> dict[str, list[float]]:
 
 
 class Bounds(Statement):
-    """The measurement that the statements "bound" and "enclosure" share."""
+    """Base class of the statements "bound" and "enclosure", which have the same measurement."""
 
     file = BOUNDS
 
     def settings(self, scope: Scope) -> list[BoundSetting]:
-        """The cases of the study, and problems without a known solution."""
+        """Return the settings for the cases of the study and for problems with an unknown solution."""
         found = (full_bounds if scope.full else quick_bounds)(scope.resolved())
         return [setting for setting in found if setting.trajectory == self.label]
 
     def measure(self, setting: BoundSetting) -> dict[str, Any]:
-        """Return a row of ``bounds.csv``, and columns of ``enclosures.csv``."""
+        """Return a row of ``bounds.csv`` under the key "row", and columns of ``enclosures.csv`` under "times"."""
         family, scheme = family_named(setting.family), choose("scheme", setting.scheme, SCHEMES)
         row, found = measure(
             resolve_problem(setting.case), family, setting.level, scheme, self.steps(setting), setting.by
@@ -246,14 +262,14 @@ class Bounds(Statement):
         return {"row": row, "times": over_time(found)}
 
     def records(self, setting: BoundSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """One row of ``bounds.csv``, and one of ``enclosures.csv`` for every time."""
+        """Yield one row of ``bounds.csv``, and one row of ``enclosures.csv`` for every time."""
         yield BOUNDS, found["row"]
         common = {name: found["row"][name] for name in KEY}
         for values in zip(*found["times"].values(), strict=True):
             yield ENCLOSURES, {**common, **dict(zip(found["times"], values, strict=True))}
 
     def cost(self, setting: BoundSetting) -> float:
-        """By cells of the mesh of ũ and its steps: a time node costs three stress solves of degree 3."""
+        """Return the expected time in µs, proportional to the cells of the mesh of ũ and its time steps."""
         shorter = setting.by.shorter if isinstance(setting.by, Refined) else 1
         return 220.0 * setting.level**2 * 4**setting.refinements * self.steps(setting) * shorter
 
@@ -265,26 +281,28 @@ class Bounds(Statement):
         return rate_steps(problem.data.body.T, setting.level, problem.pace)
 
 
-# Criteria. An error must be positive; a lower bound on a coarse mesh may be zero.
+# Criteria. The quotient with the error must be positive; the quotient with the lower bound may be zero on coarse
+# meshes.
 ABOVE = largest("above", "largest error / upper bound", positive_at_most(1.0, "at every sampled time"), "above")
 BELOW = largest("below", "largest lower bound / error", at_most(1.0, "at every sampled time"), "below")
 REACH = Observation(
     largest("upper", "upper bound / error over [T/2, T], largest", Window(), "upper"),
-    "how far an end is from the error; what is claimed is that it never crosses it",
+    "this is the distance of an end from the error; the claim is that the end never crosses the error",
 )
 HERE = f"at n = {CHECKED_LEVEL}"
 TIGHT = (
     every("tight-above", f"upper bound / error {HERE}", Window(1.0, 1.15, "over [T/2, T]"), "upper"),
     every("tight-below", f"lower bound / error {HERE}", Window(0.85, 1.0, "over [T/2, T]"), "lower"),
 )
-WIDTH = 0.2
-"""Largest width of an interval for the order that is narrow enough to decide anything."""
-LAST = "no claim: what two meshes enclose is wider than what all do"
-KNOWN = "no claim: it contains the order of the errors whenever these lie within their bounds, the row above"
+ROOM = 0.15
+"""Tolerance around a predicted order, the same as for orders between levels in other statements."""
+LAST = "no claim: the interval from two meshes is wider than the interval from all meshes"
+KNOWN = "no claim: it contains the order of the errors whenever the row above holds"
+UNPREDICTED = "no claim: neither the solution nor its order is known"
 
 
 class BoundedError(Bounds):
-    """The bound from the computed displacement alone."""
+    """Judges the upper bound that is computed from the displacement u_h alone."""
 
     label = "bound"
     claim = "‖u(t) − u_h(t)‖_V ≤ y(t), from u_h and an admissible stress alone"
@@ -299,7 +317,7 @@ class BoundedError(Bounds):
 
 
 class EnclosedError(Bounds):
-    """The enclosure of the error by a better trajectory, and the enclosure of the order."""
+    """Judges the enclosure of the error by means of a better trajectory ũ, and the enclosure of the order."""
 
     label = "enclosure"
     claim = "d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t), without the exact solution"
@@ -321,28 +339,30 @@ class EnclosedError(Bounds):
         return found
 
     def judge_order(self, case: str, family: str, levels: pd.DataFrame, known: bool) -> Verdict:
-        """Return the row for the interval of the order between the coarsest and the finest level.
+        """Return the row of the ledger for the interval that contains the order between coarsest and finest level.
 
-        Without an exact solution the interval must contain the predicted order and be narrow enough to decide anything.
-        With one it contains the order of the errors whenever these lie inside, so that it is only reported.
+        Without an exact solution the whole interval must lie in the window of the predicted order; the row fails if
+        interval and window have no common point. With an exact solution the interval is only reported, because it
+        follows from the enclosures of the errors that it contains their order.
         """
         coarse, fine = levels.iloc[0], levels.iloc[-1]
         ratio = math.log(coarse["h"] / fine["h"])
         first, last = ((line["lowest"], line["highest"]) for line in (coarse, fine))
         span = order_interval(first, last, ratio)
         sizes = [line["error"] if known else line["lowest"] + line["highest"] for line in (coarse, fine)]
+        observed = float(orders(np.array([coarse["h"], fine["h"]]), np.array(sizes))[0])
         order = math.nan if known else float(fine["expected_order"])
         quantity = f"order of max_t ‖u − u_h‖_V, u_h of the scheme, k with h, n = {coarse['level']} to {fine['level']}"
-        verdict, expected = contains(span, order)
-        found = float(orders(np.array([coarse["h"], fine["h"]]), np.array(sizes))[0]), span, verdict
-        return row(self, "order", quantity, Window(order, order), found, case, family, expected)
+        if math.isnan(order):
+            window, verdict, expected = Window(math.nan, math.nan), REPORTED, KNOWN if known else UNPREDICTED
+        else:
+            window = around(order, ROOM, "the whole interval")
+            verdict, expected = judge_interval(span, window), ""
+        return row(self, "order", quantity, window, (observed, span, verdict), case, family, expected)
 
 
-def contains(span: tuple[float, float], order: float) -> tuple[str, str]:
-    """Return whether an interval at most WIDTH wide contains an order, as a verdict, and the expectation in words."""
-    if math.isnan(order):
-        return REPORTED, KNOWN
-    expected = f"contains {order:g}, at most {WIDTH} wide"
-    if span[1] - span[0] > WIDTH:
-        return UNDECIDED, expected
-    return (HOLDS if span[0] <= order <= span[1] else FAILS), expected
+def judge_interval(span: Span, window: Window) -> str:
+    """Return the verdict: holds if the interval lies in the window, fails if they are disjoint, otherwise undecided."""
+    if window.contains(*span):
+        return HOLDS
+    return FAILS if span[1] < window.low or span[0] > window.high else UNDECIDED

@@ -5,8 +5,9 @@ With e = u − u^h and η = u − Π^h u the right sides without their constants
     (5.21):  ‖η_0‖_V + ‖η̇‖_{L²(0,T;V)} + ‖R(·; −η)‖_{L¹(0,T)}^{1/2} + ‖e_0‖_V,
     (5.42):  the same with (‖σ_ν‖_{L^∞(0,T;L²(Γ3))} ‖η_ν‖_{L¹(0,T;L²(Γ3))})^{1/2} for the third term.
 
-R(t; v) = ∫_{Γ3} σ_ν v_ν by (5.40), which ``residual`` compares with the definition of R. The source hides ‖σ_ν‖ in its
-c; here it is part of the bound, so that (5.41) makes the second bound the larger one.
+R(t; v) = ∫_{Γ3} σ_ν v_ν by (5.40), which ``residual`` compares with the definition of R. The paper includes ‖σ_ν‖ in
+the constant c. Here ‖σ_ν‖ is part of the bound, so the second bound is larger than the first by (5.41). Measured are
+the ratios of each right side and the error, under refinement and with the following constant c.
 
 **The constant.** With χ = Π^h u − u^h = e − η and the operator B of (4.2), (5.12) says
 
@@ -24,7 +25,7 @@ and with e = η + χ, ‖χ_0‖_V ≤ ‖e_0‖_V + ‖η_0‖_V and ‖η(s)�
           ≤ c · (right side),   c = e^{ωT} max(2 + LT, ‖2 + L(T − ·)‖_{L²(0,T)}).
 
 This avoids (5.15) and (5.16), whose 2‖e‖_V ‖η‖_V would make c twice as large. The remaining slack comes from one
-constant for a sum of terms, and from L, which takes G at its steepest and A at its weakest.
+constant for a sum of terms, and from L, which combines the largest slope of G with the smallest eigenvalue of A.
 
 **The ratio under refinement.** The error has the order min(1, s). The right side has the order of its term of lowest
 order (``manufactured.regularity``): min(1, s') from η̇ in both bounds, and in (5.42) min(1, τ/2) from ‖η_ν‖^{1/2}. Only
@@ -82,18 +83,18 @@ ROUGH = "fixed-front-off-vertex", "rough-1.75", "rough-2", "rough-2.25"
 INSTANTS = 64
 """Nodes of the midpoint rule for the norms in time."""
 ROUND_OFF = 1e-11
-"""Pressures below this part of the size of stresses are zero."""
-STEADY = Window(0.7, 1.4, "over two refinements: orders that differ by less than 1/4")
-PROVED = positive_at_most(1.0, "with the constant c of the proof; 1/observed is the room that it leaves")
+"""Pressures count as zero if they are smaller than this number times the size of the stresses."""
+STEADY = Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4")
+PROVED = positive_at_most(1.0, "with the constant c of the proof")
 BOUNDS = "(5.21)", "(5.42)"
 RATE, TRACE = "‖η̇‖_{L²(0,T;V)}", "(‖σ_ν‖ ‖η_ν‖)^{1/2}"
-"""Terms that may be of lower order than the error."""
+"""Terms of the bounds that may be of lower order than the error."""
 LOGARITHM = "τ = 2"
-"""Column: whether (5.42) carries a logarithm."""
+"""Name of the column that tells whether a logarithm appears in (5.42)."""
 
 
 class ErrorBounds(ListedNumbers):
-    """The right sides of (5.21) and (5.42) over the error, under refinement and with the constant of the proof."""
+    """Measures the right sides of (5.21) and (5.42) divided by the error, and the error over c · (right side)."""
 
     label = "(5.20)–(5.21), (5.42)"
     claim = "‖u − u^h‖_{L∞(0,T;V)} ≤ c (‖u_0 − v_0^h‖_V + ‖u̇ − v̇^h‖_{L²(0,T;V)} + ‖R‖^{1/2}) + c ‖u_0 − u_0^h‖_V"
@@ -116,7 +117,7 @@ class ErrorBounds(ListedNumbers):
 
 
 def predicted(case: Case) -> dict[str, float]:
-    """Return γ of both bounds, and whether (5.42) carries a logarithm."""
+    """Return the predicted γ of both bounds, and whether a logarithm appears in (5.42)."""
     found = case.regularity
     proved = {"(5.21)": found.rate_smoothness, "(5.42)": found.proved_order}
     growth = {exponent(bound): max(case.order - proved[bound], 0.0) for bound in BOUNDS}
@@ -124,7 +125,7 @@ def predicted(case: Case) -> dict[str, float]:
 
 
 def exponent(bound: str) -> str:
-    """Return the column of γ."""
+    """Return the name of the column with the γ of a bound."""
     return f"γ of {bound}"
 
 
@@ -135,21 +136,21 @@ def rules_for(groups: Groups) -> Iterator[Rule]:
     known = {name: float(table[name].iloc[0]) if name in table else math.nan for name in names}
     for bound in BOUNDS:
         number, gamma = bound.strip("()"), known[exponent(bound)]
-        quantity = f"right side of {bound} / error: change under refinement"
-        # Undecided without a prediction.
+        quantity = f"right-hand side of {bound} / error: change under refinement"
+        # The column of γ is required, so that the row is undecided if there is no prediction.
         steady = replace(change(f"steady-{number}", quantity, STEADY, bound), columns=(bound, exponent(bound)))
         if gamma > 0:
             yield growing(f"growth-{number}", bound, gamma, RATE if gamma == known[exponent("(5.21)")] else TRACE)
         elif bound == "(5.42)" and known[LOGARITHM] > 0:
             lower = replace(steady, quantity=f"{quantity}, of lower order by |log h|^{{1/4}}")
-            yield Observation(lower, "a logarithm does not show on a few levels")
+            yield Observation(lower, "a few levels cannot show a logarithm")
         else:
             yield steady
         yield largest(f"constant-{number}", f"error / (c · right side of {bound})", PROVED, f"{bound}, c")
 
 
 def growing(key: str, bound: str, gamma: float, term: str) -> Criterion:
-    """Return the criterion for the exponent with which the term of lowest order of a bound grows over the error."""
+    """Return the criterion for the exponent γ with which (term of lowest order) / error grows like h^{−γ}."""
     window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
     falling = order("", "", window, term)
 
@@ -162,14 +163,14 @@ def growing(key: str, bound: str, gamma: float, term: str) -> Criterion:
 
 
 def constant(law: KelvinVoigt, T: float) -> float:
-    """Return c of the proof."""
+    """Return the constant c of the estimate in the module docstring."""
     L, omega = law.kappa, law.growth
     on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)
     return math.exp(omega * T) * max(2 + L * T, on_rate)
 
 
 def sides(setup: Experiment) -> dict[str, float]:
-    """Return the right side of both bounds over the error, and the error over c · (right side)."""
+    """Return, for both bounds, (right side) / error and error / (c · right side)."""
     v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
     states = setup.scheme.march(problem, setup.steps)
     error = maximum(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)

@@ -1,10 +1,10 @@
-"""Three statements that are judged from rows of ``rates.csv`` and measure nothing themselves.
+"""Three statements that are judged from the rows of ``rates.csv``, which ``prop_5_3`` and ``prop_5_4`` measure.
 
-* (5.23): the size of the interpolation error, for the cases of Proposition 5.4. It must agree with its leading term,
-  which is computed from second derivatives of u and shares no code with the errors.
+* (5.23): the size of the interpolation error, for the cases of Proposition 5.4. The error must agree with its leading
+  term, which is computed from second derivatives of u by other code.
 * (5.36): whether Proposition 5.4 needs this regularity. For the cases of Proposition 5.3, which miss it, the observed
   order on uniform meshes is reported next to the order that the proof gives for their regularity.
-* Axes: a body in another position must have the same errors on congruent meshes.
+* Axes: a rotated body must have the same errors on rotated meshes.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ NEAR = around(1, 0.05, "on the finest level")
 
 
 class SizeOfInterpolation(Statement):
-    """‖u − Π^h u‖_V over its leading term, for the cases of Proposition 5.4."""
+    """Judges the quotient of ‖u − Π^h u‖_V and its leading term, for the cases of Proposition 5.4."""
 
     label = "(5.23)"
     claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
@@ -35,10 +35,10 @@ class SizeOfInterpolation(Statement):
 
 
 class RegularityNeeded(Statement):
-    """The observed order against the order that the proof of Prop. 5.4 gives for a solution that misses (5.36)."""
+    """Reports observed orders next to the orders that the proof of Prop. 5.4 gives for solutions without (5.36)."""
 
     label = "(5.36)"
-    claim = "is the regularity that Prop. 5.4 asks for needed?"
+    claim = "is the regularity needed that Prop. 5.4 assumes?"
     file = RATES
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -46,30 +46,29 @@ class RegularityNeeded(Statement):
         for case, mine in rows[rows["claim"] == "Prop. 5.3"].groupby("case", sort=False):
             proved = at_least(float(mine["proved_order"].iloc[0]), "the order that the proof gives")
             seen = between_levels("order", "order seen, on uniform meshes", proved, "error", 2, ENOUGH)
-            rule = Observation(seen, "the source claims an order for (5.36) alone")
+            rule = Observation(seen, "the source claims an order only under (5.36)")
             found.append(rule.verdict(self, str(case), by_family(mine[mine["family"] != GRADED])))
         return found
 
 
 WITH_AXES = (GRADED, "unstructured")
-"""Mesh families whose meshes depend on the axes."""
+"""Mesh families for which the mesh of the rotated body is not the rotated mesh."""
 SAME_MESH = ["family", "scheme", "level"]
 DIFFERENCE = "relative difference of"
 SAME = at_most(1e-10)
-ROUND_OFF = at_most(1e-7, "round-off times the condition of the matrices, of order h⁻², in a small difference")
+ROUND_OFF = at_most(1e-7, "rounding times the condition number of the matrices, of order h⁻², in a small difference")
 CHANGES = (
     largest("errors", f"{DIFFERENCE} ‖u − u^h‖_V, ‖u − Π^h u‖_V", SAME, "error", "interpolation_error"),
     largest("discrete-error", f"{DIFFERENCE} ‖Π^h u − u^h‖_V", ROUND_OFF, "discrete_error"),
 )
-"""No lower ends: the twelve digits in ``rates.csv`` agree for both bodies on most meshes, as fresh random ones showed.
-"""
+"""The windows have no lower ends, because on most meshes all twelve digits in ``rates.csv`` agree for both bodies."""
 
 
 class Turned(Statement):
-    """The largest relative difference of errors between a body and the same body in another position."""
+    """Judges the largest relative difference between the errors of a case and of the same case with a rotated body."""
 
     label = "axes"
-    claim = "nothing depends on the axes: a turned body has the errors of the unturned one"
+    claim = "the results do not depend on the axes: a rotated body has the same errors"
     file = RATES
     rules = CHANGES
 
@@ -83,7 +82,7 @@ class Turned(Statement):
 
 
 def relative_changes(rows: pd.DataFrame, twin: pd.DataFrame) -> pd.DataFrame:
-    """Return |e/e' − 1| for the errors e of a case and e' of its twin; without columns if they share no meshes."""
+    """Return |e/e' − 1| for the errors e of a case and e' of its twin; no columns if they have no meshes in common."""
     names = [name for rule in CHANGES for name in rule.columns]
     same = rows[~rows["family"].isin(WITH_AXES)]
     pairs = same.merge(twin[[*SAME_MESH, *names]], on=SAME_MESH, suffixes=("", "_twin"))

@@ -1,15 +1,17 @@
-"""Beyond the source: the fully discrete error in h and k, for which the source says that estimates are open.
+"""Beyond the paper: the error of fully discrete schemes in h and k; the paper calls estimates of it an open problem.
 
-With u_n^{hk} of a time scheme and u^h of Problem 5.1 two errors are measured over tables of (h, k):
+Let u_n^{hk} be the solution of a time scheme and u^h the solution of Problem 5.1. For many (h, k) two errors are
+measured,
 
     e(h, k) = max_n ‖u(t_n) − u_n^{hk}‖_V,     d(h, k) = max_n ‖u^h(t_n) − u_n^{hk}‖_V
 
-over the nodes t_n that all grids of a table share, so that every entry is a maximum over the same times. Predicted
-before measuring:
+at the nodes t_n that belong to the time grids of all k, so that all maxima are over the same times. Predicted before
+measuring, and reported without a verdict, because the paper claims nothing:
 
 * e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q. The reason is that e is nearly all
   interpolation error, which is nearly orthogonal in V to V^h, where the error in time lies;
-* d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so Problem 5.1 is not stiff and no scheme sees h;
+* d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so Problem 5.1 is not stiff and d does not depend on
+  h;
 * q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, 3/2 where u̇^h jumps because vertices change contact.
   For 3/2 there is no theory: ``landings`` shows that only 1 may remain.
 """
@@ -38,28 +40,28 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import maximum
 
 COUNTS = (4, 8, 16, 32, 64, 128)
-"""Time steps of the tables, so few that the error in time is not hidden by the error in space."""
+"""Numbers of time steps, so small that the error in time is not hidden by the error in space."""
 FINEST = 1024
-"""Steps of the midpoint rule whose solution is used for u^h."""
+"""Number of steps of the midpoint rule whose solution stands for u^h."""
 ASYMPTOTIC = COUNTS[2:]
-"""Steps from which the order of d is read."""
+"""Numbers of steps from which the order of d is computed."""
 VISIBLE = 0.5
-"""An order in k is read from e only if d/e is at least this for two numbers of steps."""
+"""An order in k is computed from e only if d/e is at least this number for two numbers of steps."""
 SECOND = between(1.5, 2, 0.1, 0.1, "3/2 where vertices change contact")
 ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND, "midpoint": SECOND}
 CONFIDENCE = 0.95
-"""Of the intervals of fitted parameters."""
+"""Confidence level of the intervals of fitted parameters."""
 IN_H = around(1, 0.15)
-OPEN = "the source leaves it open (no number: not to be seen; undecided: a wide interval)"
+OPEN = "the source leaves it open"
 
 
 class FullyDiscrete(ListedNumbers):
-    """e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
+    """Measures e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
 
     label = "beyond: fully discrete"
     effort = 30
     claim = "the fully discrete error is of order p in h and q in k, open in the source"
-    # Only in the full study: nothing is judged here, and every table needs a solution in a thousand steps.
+    # Only in the full study: nothing is judged here, and every mesh needs a solution with 1024 time steps.
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -71,14 +73,14 @@ class FullyDiscrete(ListedNumbers):
 
 
 def columns(scheme: Scheme, which: str) -> list[str]:
-    """Return the columns of e or d of a scheme."""
+    """Return the names of the columns with e or d ("which") of a scheme."""
     return [f"{scheme.name} {count} {which}" for count in COUNTS]
 
 
 def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
     """Yield e and d of every scheme and number of steps, with the names of ``columns``."""
     v_norm, M = setup.v_norm, setup.problem.M
-    # Schemes and grids share most of their times.
+    # Cached, because schemes and numbers of steps have most of their times in common.
     load = lru_cache(maxsize=None)(setup.problem.load)
     problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
     common = min(COUNTS)
@@ -121,7 +123,12 @@ def observations(scheme: Scheme) -> Iterator[Observation]:
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The errors of one scheme on one mesh family: h (levels,), coarse to fine; e and d (levels, numbers of steps)."""
+    """The errors of one scheme on one mesh family.
+
+    Attributes:
+        h: mesh sizes, from coarse to fine, (levels,).
+        e, d: both errors, (levels, numbers of steps).
+    """
 
     h: Array
     e: Array
@@ -130,14 +137,14 @@ class Table:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A least-squares fit: its parameters with Student intervals at 95 %, and the root mean square of its residuals."""
+    """A least-squares fit: the parameters with Student intervals at 95 %, and the root mean square residual."""
 
     parameters: list[Measured]
     misfit: float
 
 
 def fit(residuals: Callable[[Array], Array], start: Array) -> Fit:
-    """Minimise Σ r_i² from a start, with intervals from the Jacobian at the minimum."""
+    """Return the least-squares fit for residuals r(x), with intervals from the Jacobian at the minimum."""
     found = least_squares(residuals, start, method="lm", x_scale="jac")
     freedom = len(found.fun) - len(start)
     variance = 2 * found.cost / freedom
@@ -148,14 +155,17 @@ def fit(residuals: Callable[[Array], Array], start: Array) -> Fit:
 
 
 def fit_d(table: Table) -> Fit:
-    """Fit (log C, q, s) of d = C k^q h^s."""
+    """Return the fit of d = C k^q h^s, with the parameters (log C, q, s)."""
     log_h, log_k = np.log(table.h)[:, None], -np.log(ASYMPTOTIC)
     log_d = np.log(table.d[:, -len(ASYMPTOTIC) :])
     return fit(lambda x: (x[0] + x[1] * log_k + x[2] * log_h - log_d).ravel(), np.array([0.0, 1.0, 0.0]))
 
 
 def fit_e(table: Table, power: float = 2.0) -> Fit:
-    """Fit (log C_h, p, log C_k, q) of e^r = (C_h h^p)^r + (C_k k^q)^r for a power r, started from the fit of d."""
+    """Return the fit of e^r = (C_h h^p)^r + (C_k k^q)^r for a power r, with the parameters (log C_h, p, log C_k, q).
+
+    The iteration starts from the fit of d.
+    """
     log_h, log_k, log_e = np.log(table.h)[:, None], -np.log(COUNTS), np.log(table.e)
 
     def residuals(x: Array) -> Array:
@@ -168,5 +178,5 @@ def fit_e(table: Table, power: float = 2.0) -> Fit:
 
 
 def visible(table: Table) -> bool:
-    """Return whether the error in time can be seen in e on the finest mesh."""
+    """Return whether d is at least VISIBLE times e for two numbers of steps on the finest mesh."""
     return int(np.sum(table.d[-1] / table.e[-1] >= VISIBLE)) >= 2

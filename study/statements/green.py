@@ -5,19 +5,20 @@ With (2.2), (2.4), σ_τ = 0 on Γ3 and v = 0 on Γ1, Green's formula says that 
     (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν = (f_0, v)_H + (f_2, v)_{L²(Γ2)}.
 
 The left side is ``ErrorNorm.load``, which needs no derivative of σ. The right side is computed from the forces, term by
-term. The defect is the distance of both sides in the dual norm of V^h, ‖F‖² = FᵀM⁻¹F, over the **smallest** of the
-four terms that is not zero. So a term left out, or of the wrong sign, gives 1 or 2, however large the others are.
+term. The defect is the distance of both sides in the dual norm of V^h, ‖F‖² = FᵀM⁻¹F, divided by the **smallest**
+non-zero term of the four. So a missing term gives at least 1 and a wrong sign at least 2, however large the others are.
 
-Only quadrature may remain. It is round-off where f_0 is smooth off straight lines that cut cells. Otherwise f_0 jumps
-inside cells (along the curve where the material begins to yield, the cylinder over a front in 3D, or where a front
-turned), and a rule on cells of size η misses some η^d in each cell that is crossed. Two criteria are used there, both
-with a **composite** rule, which is a rule of degree 4 on cells halved several times:
+Only the quadrature error may remain. It is at round-off level if f_0 is smooth except on known straight lines, along
+which cells are cut. Otherwise f_0 jumps inside cells: on the curve where the material begins to yield, on the cylinder
+below a front in 3D, or where a front turned. A rule on cells of size η then has an error of about η^d in each cell that
+the jump crosses. Two criteria are used for such cases, with a **composite** rule: degree 4 on cells halved several
+times.
 
-* On cells halved often, the defect is at most a tenth of the smallest term. So every term must be there.
-* At fixed V^h the defect falls with the halvings. After k of them a function of V^h sees 2^{k(d−1)} crossed cells on
-  its support, with errors of size 2^{−kd}. Their sum falls like 2^{−k} if all errors have one sign, and like
-  2^{−k(d+1)/2} if signs are random. One halving alone scatters more, so the window is for all halvings together, with a
-  factor of two for the scatter. A coefficient wrong by some per cent would stop the fall.
+* After all halvings the defect is at most a tenth of the smallest term, so no term can be missing.
+* At fixed V^h the defect falls with the halvings. After k halvings the support of a basis function contains 2^{k(d−1)}
+  crossed cells, with errors of size 2^{−kd}. The sum falls like 2^{−k} if all errors have one sign, and like
+  2^{−k(d+1)/2} if signs are random. The window is for all halvings together, with a factor of two for scatter. With a
+  coefficient that is wrong by a few per cent the defect would stop falling.
 
 V^h lies in the space on halved cells. A functional on that space is restricted to V^h by the values of the functions of
 V^h at the new vertices.
@@ -54,15 +55,15 @@ from study.statements.shared.norms import dual_norm, maximum, minimum
 from study.statements.shared.scope import REGULAR
 
 TIMES = (0.23, 0.61, 0.79)
-"""Fractions of T: before, between and after the events of all cases (``lift-and-land`` lifts at 0.3 and lands at 0.7).
-There the work of contact is at least 1/300 of the largest term, where it is not zero."""
+"""Fractions of T at which both sides are compared: before, between and after the events of all cases, such as landings.
+At these times the work of contact is 0 or at least 1/300 of the largest term."""
 FINE, COARSE = {2: 16, 3: 8}, 4
 """Degrees of the rules on the cells themselves, by dimension, and on halved cells."""
 HALVINGS = {2: 3, 3: 2}
-"""How often cells are halved, by dimension."""
-SMOOTH = positive_at_most(1e-10, "with the fine rule: f_0 is smooth off straight lines")
-KINKED = positive_at_most(0.1, "f_0 jumps along curves, a term left out gives 1")
-SHRINKING = positive_at_most(2.0, "times 2^{−k} for k halvings: 1 if all errors have one sign, 2 for their scatter")
+"""Number of halvings of the cells, by dimension."""
+SMOOTH = positive_at_most(1e-10, "with the fine quadrature rule: f_0 is smooth away from straight lines")
+KINKED = positive_at_most(0.1, "f_0 jumps along curves; a missing term would give 1")
+SHRINKING = positive_at_most(2.0, "k halvings give 2^{−k}: 1 if all errors have one sign, up to 2 if they vary")
 ROUND_OFF = 1e-12
 """Smaller defects and terms are rounding."""
 
@@ -75,7 +76,7 @@ FOR_FORCES_WITH_JUMPS = (
 
 
 class Green(ListedNumbers):
-    """Both sides of Green's formula as functionals on V^h, for the cases with Div σ ∈ H."""
+    """Measures the distance of both sides of Green's formula as functionals on V^h, for the cases with Div σ ∈ H."""
 
     label = "(2.14)"
     effort = 15
@@ -93,7 +94,7 @@ class Green(ListedNumbers):
             return with_h(space.h, {"fine rule": defect(case.solution, space, FINE[space.dim]), "smooth": 1.0})
         halvings = HALVINGS[space.dim]
         whole, halved = (defect(case.solution, space, COARSE, k) for k in (0, halvings))
-        # Round-off cannot shrink further.
+        # ROUND_OFF replaces smaller defects, because round-off does not shrink with the halvings.
         shrunk = 2**halvings * (max(halved, ROUND_OFF) / max(whole, ROUND_OFF))
         return with_h(space.h, {"whole cells": whole, "halved cells": halved, "shrunk": shrunk, "smooth": 0.0})
 
@@ -103,17 +104,17 @@ class Green(ListedNumbers):
 
 
 def by_smoothness(rows: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Split rows into those of cases whose f_0 is smooth off lines, and the others."""
+    """Return the rows of the cases for which ``smooth_off_lines`` is true, and the rows of all other cases."""
     smooth = rows["case"].isin(rows.loc[(rows["quantity"] == "smooth") & (rows["value"] == 1), "case"])
     return rows[smooth], rows[~smooth]
 
 
 def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0) -> float:
-    """Return the largest distance of both sides over the times, relative to their smallest term, in the norm of V^h'.
+    """Return the largest distance of both sides over the times, in the dual norm, relative to the smallest term.
 
-    Parameters:
-        degree: degree of the cell rules.
-        halvings: how often the cells of the space are halved for the rules.
+    Args:
+        degree: the degree of the cell rules.
+        halvings: the number of halvings of the cells on which the rules are used.
     """
     riesz = Cholesky(unloaded(space, solution.law).M)
     fine, prolong = refined(space, halvings)
@@ -134,7 +135,7 @@ def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0
 
 
 def refined(space: Space, halvings: int) -> tuple[Space, sps.csr_array]:
-    """Halve the cells of a space several times.
+    """Return the space on cells that are halved several times, and the prolongation to it.
 
     Returns:
         The space on the halved cells, and the prolongation of P1 functions by their vertex values,
@@ -148,7 +149,7 @@ def refined(space: Space, halvings: int) -> tuple[Space, sps.csr_array]:
 
 
 def smallest_positive(sizes: Sequence[float]) -> float:
-    """Return the smallest size that is not zero up to rounding."""
+    """Return the smallest of the given norms that is not zero up to round-off."""
     negligible = ROUND_OFF * maximum(sizes)
     return minimum(size for size in sizes if not size <= negligible)
 
@@ -159,9 +160,10 @@ def square_integrable(case: Case) -> bool:
 
 
 def smooth_off_lines(case: Case) -> bool:
-    """Return whether all kinks of f_0 are known straight lines at all times.
+    """Return whether f_0 is smooth except on known straight lines, at all times.
 
-    A front that moves leaves kinks where it turned; a nonlinear G leaves kinks where the material begins to yield.
+    This is false for moving fronts, which leave kinks where they turned, and for a nonlinear G, which has kinks where
+    the material begins to yield.
     """
     law, faces = case.solution.law, case.solution.faces
     homogeneous = law.A.factor is UNIFORM and isinstance(law.G, Linear) and law.G.factor is UNIFORM
@@ -169,9 +171,10 @@ def smooth_off_lines(case: Case) -> bool:
 
 
 def cut_at_fronts(solution: ExactSolution, time: float) -> ExactSolution:
-    """Return the solution whose quadrature rules also cut cells at the fronts of one time.
+    """Return the solution with quadrature rules that also cut cells along the fronts at one time.
 
-    Cells can be cut along one line only, so solutions in 3D, with several faces or with other such lines stay.
+    Rules can cut a cell along one line only, so solutions in 3D, with several faces or with other cuts are returned
+    unchanged.
     """
     face, *others = solution.faces
     if solution.body.dim > 2 or others or solution.rough or not isinstance(face, ContactFace):

@@ -1,21 +1,21 @@
-"""(5.21) and the theorem on time where T and L_G/m_A are not about 1: the growth of errors, and the need for e^{ωT}.
+"""(5.21) and the theorem on backward Euler for large and small T and ω = L_G/m_A: errors grow like e^{ωT}, not faster.
 
-``solution_divergence`` measures differences of two solutions of Problem 5.1 over decades of T and of ω = L_G/m_A. Here
-errors are measured. G is multiplied by a number, as there, for the law of the case and for the even law G = −ωA.
-Predicted before measuring:
+T and ω are varied over two decades, by scaling time and G. The laws are the law of the case and G = −ωA (column
+"even"). ``solution_divergence`` does the same for the distance of two solutions of Problem 5.1; here errors are
+measured. Predicted before measuring:
 
-* *No contact, even law, u = (1/10 + t/T) U.* Let P_h be the projection onto V^h in (·,·)_V. With B = −ωI and V^h for
-  K^h, the difference P_h u − u^h = e^{ωt} (P_h u_0 − Π^h u_0) is known, and orthogonal to u − P_h u. So at T
+* *No contact, G = −ωA, u = (1/10 + t/T) U.* Let P_h be the projection onto V^h in (·,·)_V. Here B = −ωI in (4.2), and
+  V^h replaces K^h. Then P_h u − u^h = e^{ωt} (P_h u_0 − Π^h u_0), which is orthogonal to u − P_h u. So at T
 
       ‖u − u^h‖_V² = ‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V².
 
   The midpoint rule is exact for functions linear in t, and makes e^{ωT} larger by ωT z²/12, at most 3.3e-3 for
-  z = ωk ≤ 1/16. So the exponential is attained. For ωT = 10 it is 2e4, while the constants of the proof and Π^h u_0 for
-  P_h u_0 lose 1e2 to 1e3: errors would be above c · (right side of (5.21)) if c had no e^{ωT}. (With K^h, as the first
-  prediction had it, the quotient is 0.92 for ωT = 10: the error of u^h exceeds the gap, and u^h lands. The other rows
-  use K^h.)
-* *Moving contact, both laws*: errors are below c · (right side of (5.21)), for all ω and T. c contains e^{ωT}, since
-  max(−m, 0)/m_A, the exponent of ``error_bounds``, is ω for both laws.
+  z = ωk ≤ 1/16. So the exponential is attained. For ωT = 10 it is 2e4, while the estimates in the proof overestimate
+  the error by only 1e2 to 1e3. So errors would be above c · (right side of (5.21)) if c did not contain e^{ωT}. (The
+  first prediction was for K^h; there the quotient is 0.92 for ωT = 10, because the error of u^h becomes larger than the
+  gap and u^h comes into contact. The other rows use K^h.)
+* *Moving contact, both laws*: errors are below c · (right side of (5.21)), for all ω and T. The constant c contains
+  e^{ωT}, because the exponent max(−m, 0)/m_A in ``error_bounds`` is ω for both laws.
 * *Monotone laws, G = ωA:* the bound of ``backward_euler`` has no exponential, and holds for all ω and T.
 """
 
@@ -48,24 +48,24 @@ from study.statements.shared.norms import maximum, norm
 from study.statements.solution_divergence import SWEEP, column, columns, even_law, scaled, steps_for
 
 FEWEST = 64
-"""Least number of steps of the midpoint rule; a large ωT needs more."""
+"""Least number of steps of the midpoint rule; more are used for large ωT."""
 COUNTS, FINEST = (8, 32), 256
-"""Steps of backward Euler, and of the midpoint rule whose solution is used for u^h."""
+"""Numbers of steps of backward Euler, and of the midpoint rule whose solution stands for u^h."""
 LONGEST = tuple((omega, T) for omega, T in SWEEP if omega * T == max(a * b for a, b in SWEEP))
-"""The (ω, T) with the largest e^{ωT}."""
+"""The pairs (ω, T) with the largest e^{ωT}."""
 KNOWN = around(1, 5e-3, "the midpoint rule adds 3.3e-3 at most")
 PROVED = positive_at_most(1.0, "proved")
 NEEDED = at_least(1.0, "e^{ωT} = 2e4")
 
 
 class GrowingErrors(ListedNumbers):
-    """Errors over their bounds, and over their known values."""
+    """Measures errors divided by their bounds, and by their predicted values if these are known."""
 
     label = "(5.21), T and L_G/m_A"
     effort = 500
-    claim = "errors grow like e^{ωT}, ω = L_G/m_A, where G = −ωA, and nowhere faster"
+    claim = "errors grow like e^{ωT}, ω = L_G/m_A, if G = −ωA, and never faster"
     rules = (
-        every("known", "‖u − u^h‖ at T / what it must be, G = −ωA, no contact", KNOWN, *columns("even", "known")),
+        every("known", "‖u − u^h‖ at T / predicted value, G = −ωA, no contact", KNOWN, *columns("even", "known")),
         every(
             "needed",
             "error / (c e^{−ωT} · right side of (5.21)), no contact, ωT = 10",
@@ -74,7 +74,7 @@ class GrowingErrors(ListedNumbers):
         ),
         largest(
             "bound",
-            "error / (c · right side of (5.21)), moving contact, own law and G = −ωA",
+            "error / (c · right side of (5.21)), moving contact, with the law of the case and with G = −ωA",
             PROVED,
             *columns("own", "bound"),
             *columns("even", "bound"),
@@ -99,13 +99,16 @@ class GrowingErrors(ListedNumbers):
 
 
 def experiment(solution: ExactSolution, setting: Setting) -> Experiment:
-    """Return the experiment for a solution on the mesh of a setting, with steps short compared with 1/ω and T."""
+    """Return the experiment for a solution on the mesh of a setting, with time steps much shorter than 1/ω and T."""
     steps = max(FEWEST, steps_for(solution.law, solution.body.T))
     return Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
 
 
 def opening(law: KelvinVoigt, T: float) -> ExactSolution:
-    """Return w = (1/10 + t/T)(1 + 4x(1 − x)) with ε_nn = 0 on Γ3: never in contact, and linear in t."""
+    """Return a solution that is never in contact and linear in t, with the gap w = (1/10 + t/T)(1 + 4x(1 − x)).
+
+    On Γ3, ε_nn = 0.
+    """
     body, time = unit_square(T), t / Rational(T).limit_denominator(1000)
     (part,) = body.of(Kind.CONTACT)
     gap = (Rational(1, 10) + time) * (1 + 4 * s * (1 - s))
@@ -114,18 +117,18 @@ def opening(law: KelvinVoigt, T: float) -> ExactSolution:
 
 
 def share(setup: Experiment) -> float:
-    """Return error / (c · right side of (5.21))."""
+    """Return the quotient of the error and c · (right side of (5.21))."""
     return sides(setup)["(5.21), c"]
 
 
 def error_at_end(setup: Experiment) -> float:
-    """Return ‖u(T) − u^h(T)‖_V for u^h in V^h in place of K^h."""
+    """Return ‖u(T) − u^h(T)‖_V for the solution u^h in V^h, that is, without the contact condition."""
     end = path(replace(setup.problem, N=setup.problem.N[:0]), setup.scheme, setup.steps)[-1]
     return setup.v_norm.distance(setup.v_norm.sample(setup.problem.T), end)
 
 
 def known(setup: Experiment, omega: float) -> float:
-    """Return (‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2} at T."""
+    """Return the predicted error (‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2} at T."""
     v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
     start = projection(setup, 0.0) - problem.u0
     return math.hypot(
@@ -141,7 +144,7 @@ def projection(setup: Experiment, time: float) -> np.ndarray:
 
 
 def in_time(setup: Experiment, law: KelvinVoigt) -> float:
-    """Return the largest error of backward Euler over its bound, under the load of the setup for another law."""
+    """Return the largest quotient of the error of backward Euler and its bound, for the load of ``setup`` and a law."""
     problem = replace(
         SemiDiscrete.of(setup.space, law, setup.problem.load, setup.problem.u0),
         T=setup.problem.T,

@@ -1,6 +1,7 @@
-"""Displacement and stress formulation bound each other's errors, at a frozen time.
+"""The theorem of Prager and Synge: a displacement u^h and a stress σ^h bound each other's errors in static contact.
 
-If gap and pressure of a case are held at one time, then u̇ = 0 and C = G: elastic contact with known exact u and σ.
+The paper has no such statement. If gap and pressure of a case are frozen at one time, then u̇ = 0, and the problem is
+elastic contact with the tensor C = G and known exact u and σ.
 For u^h ∈ K^h of P1 and a stress σ^h that balances P f_0, P f_2 with σ^h_τ = 0, σ^h_ν ≤ 0 on Γ3, Green's formula gives
 
     ‖σ^h − Cε(u^h)‖²_{C⁻¹} = ‖e‖²_C + ‖σ − σ^h‖²_{C⁻¹} − 2(f_0 − P f_0, e) − 2(f_2 − P f_2, e)_{Γ2}
@@ -9,14 +10,16 @@ For u^h ∈ K^h of P1 and a stress σ^h that balances P f_0, P f_2 with σ^h_τ 
 the theorem of Prager and Synge with additional terms. (σ^h_ν − σ_ν) e_ν ≥ −σ^h_ν u^h_ν, and with the constants of
 ``study.stresses.oscillation`` the loads are at most Ω ‖e‖_C, so that with η² = ‖σ^h − Cε(u^h)‖² + 2∫_{Γ3} σ^h_ν u^h_ν
 
-    (‖u − u^h‖² + ‖σ − σ^h‖²)^½ ≤ Ω + (Ω² + η²)^½:     a bound without the exact solution.
+    (‖u − u^h‖² + ‖σ − σ^h‖²)^½ ≤ Ω + (Ω² + η²)^½.
 
-Predicted: the bound is never below the left side ("both errors"). It is η (1 + O(Ω/η)), and η tends to both errors,
-since only the cells at the fronts contribute to ∫ σ^h_ν u^h_ν. For stresses of degree 3 and smooth f_0, Ω ~ h⁴ while
-errors are ~ h. Where a front makes f_0 jump (m = 2), Ω ~ h^{3/2}, and only bound/errors − 1 ~ h^{1/2} can be expected.
-One more degree halves Ω; degree 3 is within 5 % from n = 16 on. The plain ratio, without Ω and the contact term, need
-not be ≥ 1. With degree 1, f_0 − P f_0 is orthogonal to constants only, and there is no such constant Ω; the plain ratio
-is shown.
+The right side is a bound that does not contain the exact solution.
+
+**Predicted**: the bound is never below the left side ("both errors"). It is η (1 + O(Ω/η)), and η tends to the left
+side, because only the cells at the fronts contribute to ∫ σ^h_ν u^h_ν. For stresses of degree 3 and smooth f_0, Ω ~ h⁴
+while errors are ~ h. If f_0 jumps at a front (m = 2), Ω ~ h^{3/2}, and only bound/errors − 1 ~ h^{1/2} can be expected.
+Raising the degree by one halves Ω; with degree 3 the bound exceeds both errors by at most 5 % from n = 16 on. The ratio
+without Ω and the contact term may be below 1 and is reported. For stresses of degree 1, f_0 − P f_0 is orthogonal to
+constants only, so there is no such Ω, and only this ratio is available.
 
 Sources: W. Prager, J. L. Synge, Approximations in elasticity based on the concept of function space, Quart. Appl. Math.
 5 (1947) 241–269; for contact A. Weiss, B. I. Wohlmuth, A posteriori error estimator and error control for contact
@@ -49,7 +52,7 @@ from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
 FROZEN = Rational(1, 3)
-"""Time at which gap and pressure are held."""
+"""Time at which gap and pressure are frozen."""
 CASES = ("full-contact", "fixed-front-off-vertex", "advance-recede", "merging-patches", "corner")
 LOW, HIGH = 1, 3
 """Degrees of the stresses."""
@@ -58,17 +61,17 @@ NEAR = around(1, 0.05, "from n = 16 on")
 
 
 def plain(degree: int) -> Observation:
-    """Return the criterion of the ratio without Ω and the contact term."""
+    """Return the reported criterion for the ratio without Ω and the contact term, for a degree of the stresses."""
     quantity = f"‖σ^h − Cε(u^h)‖ / both errors, stresses of degree {degree}"
     ratio = every(f"plain-{degree}", quantity, NEAR, f"plain_{degree}")
     return Observation(ratio, "it is a bound only with the oscillation of the forces")
 
 
 class Hypercircle(ListedNumbers):
-    """‖σ^h − Cε(u^h)‖ over both errors, for linear laws with constant coefficients."""
+    """Measures the bound and ‖σ^h − Cε(u^h)‖, each divided by both errors, for linear laws with constant tensors."""
 
     label = "Prager–Synge"
-    claim = "u^h and σ^h bound each other's errors, at a frozen time"
+    claim = "u^h and σ^h bound each other's errors at a fixed time"
     rules = (
         every("guaranteed", "guaranteed bound of both errors / both errors", TIGHT, "guaranteed"),
         plain(LOW),
@@ -91,7 +94,7 @@ class Hypercircle(ListedNumbers):
 
 
 def frozen(solution: ExactSolution) -> ExactSolution:
-    """Return the solution with gap and pressure of one time for all times, in elastic equilibrium: u̇ = 0."""
+    """Return the static solution whose gap and pressure are at all times those of the case at t = FROZEN."""
     faces = []
     for face in solution.faces:
         assert isinstance(face, ContactFace)
@@ -108,7 +111,7 @@ class Pair:
     Attributes:
         error: (‖u − u^h‖²_C + ‖σ − σ^h‖²_{C⁻¹})^½.
         distance: ‖σ^h − Cε(u^h)‖_{C⁻¹}.
-        oscillation: Ω; not a number for stresses of degree 1.
+        oscillation: Ω, or NaN for stresses of degree 1.
         bound: Ω + (Ω² + η²)^½.
     """
 
@@ -130,7 +133,7 @@ class Pair:
             pressed = space.boundary_tractions(edges, stress.tractions)[..., 0]
             mass = interval_mass(1, space.degree)
             work += float(np.einsum("na,nb,ab,n->", ends, pressed, mass, space.lengths[edges]))
-        # With degree 1 the remainder of the loads is not orthogonal to P1. The cells are disjoint, so squares add up.
+        # With degree 1 there is no Ω, because f_0 − P f_0 is not orthogonal to P1 functions.
         cells = Oscillation(space, self.compliance)(snapshot.left_out) if space.degree > 1 else np.nan
         self.oscillation = float(np.linalg.norm(cells))
         self.bound = self.oscillation + float(np.sqrt(self.oscillation**2 + self.distance**2 + 2 * max(work, 0.0)))

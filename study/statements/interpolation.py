@@ -1,12 +1,13 @@
 """Interpolation in V, (5.23), and on the pieces of Γ3, (5.24).
 
-For v(t) = u(t) at fixed times and for a smooth field that vanishes on Γ1,
+The paper states, for v ∈ V,
 
     ‖v − Π^h v‖_V = O(h)  for v ∈ H²(Ω)^d,      ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} = O(h²)  for v_ν ∈ H²(Γ3,i).
 
-Both are sharp for piecewise linear functions, so orders are judged from both sides. (5.24) is printed with h, not h²:
-the proof of Prop. 5.4 takes its root in (5.42) and so needs h². Traces with w ~ s_+^α at a front lie in H^τ for
-τ < α + 1/2, and have the order min(2, α + 1/2).
+The orders are measured for v = u(t) at fixed times, and for a smooth field v that vanishes on Γ1. Both orders are sharp
+for piecewise linear functions, so the windows have two ends. (5.24) is printed with h instead of h². The proof of
+Prop. 5.4 takes the root of this error in (5.42), so it needs h². Traces with w ~ s_+^α at a front lie in H^τ for
+τ < α + 1/2, and their predicted order is min(2, α + 1/2).
 """
 
 from __future__ import annotations
@@ -43,23 +44,25 @@ from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.meshes import BODIES_WITH_LAWS, CELLS, EVERY, named, place, space_of, split_random
 
 TIMES = (0.23, 0.61)
-"""Fractions of T between the events of all cases."""
+"""Fractions of T at which u is interpolated; no event such as a landing happens in any case at these times."""
 RAISED = 2
-"""Additional degrees of cell rules and points on facets, since kinks cross cells and facets."""
+"""Increase of the degree of cell rules and of the points on facets, because kinks cross cells and facets."""
 ROUND_OFF = 1e-10
-"""Relative errors smaller than this are rounding: traces that are zero or linear have no error with an order."""
+"""Smaller relative errors count as round-off: a trace that is zero or linear has no interpolation error."""
 TRACES = (
     "full-contact",
     "fixed-front-on-vertex",
     "advance-recede",
     "rotated",
     "corner",
+    "contact-at-clamp",
     "hexagon",
     "cube-disc",
     "cube-two-faces",
     "natural-front",
     "rough-trace",
     "moving-rough",
+    "cube-rough",
     "rough-1.75",
     "rough-2",
     "rough-2.25",
@@ -69,34 +72,34 @@ TRACES = (
 )
 """One case for every pair of a body and a regularity of the trace on Γ3."""
 ROOM = 0.15
-"""Tolerance for orders: fronts cut cells at different places on each level, and meshes that are not nested differ by
-chance."""
+"""Tolerance for orders. It is needed because fronts cut cells at different places on each level, and because the meshes
+of different levels are not nested."""
 
 
 SMOOTH = "a smooth field"
 FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": f"u({fraction:g} T)" for fraction in TIMES}}
-"""Key of a row ↦ name of its v."""
+"""Name of the function v that is interpolated, by the key of the row."""
 REGULARITY = "τ"
-"""Column: v_ν ∈ H^s(Γ3,i) for s < τ, from the exponents of the case."""
+"""Name of the column with the τ for which v_ν ∈ H^s(Γ3,i) for s < τ; it follows from the exponents of the case."""
 
 
 def at(fraction: float) -> str:
-    """Return the name of u at a fraction of T."""
+    """Return the name of v = u(t) for t at a fraction of T."""
     return FIELDS[f"u-{fraction}"]
 
 
 def size_of(face: int) -> str:
-    """Return the column of the mesh size on Γ3,i."""
+    """Return the name of the column with the mesh size on Γ3,i."""
     return f"size of Γ3,{face}"
 
 
 def trace_of(v: str, face: int) -> str:
-    """Return the column of the error of v_ν on Γ3,i."""
+    """Return the name of the column with the interpolation error of v_ν on Γ3,i."""
     return f"{v} on Γ3,{face}"
 
 
 def smooth(body: Body) -> Field:
-    """Return waves times the distance to Γ1, a field in V."""
+    """Return a smooth random field that vanishes on Γ1."""
     return vanishing(waves(body, np.random.default_rng(SEED)), planes(body, Kind.CLAMPED))
 
 
@@ -104,10 +107,10 @@ def smooth(body: Body) -> Field:
 
 
 class InterpolationInV(ListedNumbers):
-    """Orders of ‖v − Π^h v‖_V, for the cases with u(t) ∈ H² on each cell.
+    """Measures ‖v − Π^h v‖_V for the cases with u(t) ∈ H² on each cell, and judges its order.
 
-    On random meshes the order of two coarse levels depends on which cells lie where v bends. There one order of all
-    levels is judged, with the numbers of cells as weights.
+    On random meshes the order from two coarse levels depends on the random size of the cells where v is strongly
+    curved. Therefore the order from all levels is judged there, with the numbers of cells as weights.
     """
 
     label = "(5.23)"
@@ -117,7 +120,7 @@ class InterpolationInV(ListedNumbers):
         if not full:
             return place(named("no-contact", "advance-recede"), EVERY, (8, 16, 32))
         cases = [case for case in named(*BODIES_WITH_LAWS) if case.regularity.smoothness > 1]
-        # Graded meshes have cells smaller than h at singular points.
+        # No graded meshes, because their cells at singular points are much smaller than h, and the order in h changes.
         return [s for s in place(cases, EVERY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -157,14 +160,14 @@ def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
 
 
 class InterpolationOnContact(ListedNumbers):
-    """Orders of ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)}, where v_ν is not linear."""
+    """Measures ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} for traces that are not linear, and judges its order."""
 
     label = "(5.24)"
     claim = "‖v_ν − Π^h v_ν‖_{L²(Γ3,i)} ≤ c h² |v_ν|_{H²(Γ3,i)}, printed with h"
 
     def places(self, full: bool) -> list[Setting]:
-        # The squared error is Σ_e |e|⁵ |w''|²/120 over edges, and few edges make most of it. Where their lengths are
-        # random, as on shaken meshes, orders scatter by 0.3 from seed to seed.
+        # No shaken meshes: a few edges contribute most of the squared error Σ_e |e|⁵ |w''|²/120, so with random lengths
+        # of edges the order varies by 0.3 from seed to seed.
         traces, without = named(*(TRACES if full else ("advance-recede", "rough-2"))), (Graded().name, Shaken().name)
         return [s for s in place(traces, EVERY, (16, 32, 64), (8, 16, 24)) if s.family not in without]
 
@@ -191,21 +194,21 @@ class InterpolationOnContact(ListedNumbers):
 
 
 def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
-    """Return the criterion of a trace: order 2 is claimed for τ > 2, min(2, τ) is predicted for the others."""
+    """Return the criterion for the order of a trace: 2 is claimed for τ > 2, otherwise min(2, τ) is predicted."""
     key, name = f"{key}-face-{face}", trace_of(v, face)
     quantity = f"order of ‖v_ν − Π^h v_ν‖, v = {name}"
     if tau >= 2.5:
         return in_induced_size(consecutive(key, f"{quantity}, level by level", around(2.0, ROOM), name), face)
     if tau > 2:
-        # The error in the cell of the front, where w'' is not bounded, depends on where the front cuts the cell.
+        # Over two refinements, because the error in the cell of the front depends on where the front cuts the cell.
         over_two = between_levels(key, f"{quantity}, over two refinements", around(2.0, ROOM), name, 2, ENOUGH)
         return in_induced_size(over_two, face)
     criterion = in_induced_size(order(key, f"{quantity}, fitted", around(tau, 0.3), name), face)
-    return Observation(criterion, "the trace is not in H² and (5.24) says nothing about it")
+    return Observation(criterion, "the trace is not in H², so that (5.24) does not apply")
 
 
 def in_induced_size(criterion: Criterion, face: int) -> Criterion:
-    """Return the criterion with the mesh size on Γ3,i for h."""
+    """Return the criterion with h replaced by the mesh size on Γ3,i."""
 
     def measure(table: pd.DataFrame) -> Measured | None:
         return criterion.measure(table.assign(h=table[size_of(face)]))
@@ -216,7 +219,7 @@ def in_induced_size(criterion: Criterion, face: int) -> Criterion:
 def induced_size(space: Space, part: Part) -> float:
     """Return the mesh size on a part, ((d − 1)! |Γ3,i| / number of facets)^{1/(d−1)}.
 
-    Unstructured meshes divide each part into a whole number of facets, so it is not quite proportional to h.
+    On unstructured meshes this size is not exactly proportional to h, because a part has a whole number of facets.
     """
     along = space.dim - 1
     return float((math.factorial(along) * part.measure / len(space.facets(part))) ** (1 / along))

@@ -1,11 +1,11 @@
-"""Korn's inequality (2.17) on V^h ⊂ V, and the equivalence (3.6) of ‖·‖_V and ‖·‖_{H_1} that follows from it.
+"""Korn's inequality (2.17), and the equivalence (3.6) of the norms ‖·‖_V and ‖·‖_{H_1} that follows from it.
 
-The square of the constant in (2.17) is an infimum over V, which the minimum over V^h bounds from above:
+Both are tested on V^h ⊂ V. The minimum over V^h is an upper bound of the square of the constant in (2.17):
 
     C_K² = inf_{v ∈ V} ‖ε(v)‖_Q² / ‖v‖_{H_1}² ≤ min_{v ∈ V^h} ‖ε(v)‖_Q² / ‖v‖_{H_1}².
 
-The minimum is the smallest eigenvalue of (ε(·), ε(·))_Q against the product of H_1. It falls under refinement, and for
-nested spaces it cannot rise. (2.17) says that its limit for h → 0 is positive. With (3.1)
+The minimum is the smallest eigenvalue of (ε(·), ε(·))_Q with respect to the inner product of H_1. It falls under
+refinement; for nested spaces it cannot rise. By (2.17) its limit for h → 0 is positive. With (3.1)
 
     m_A C_K² ‖v‖_{H_1}² ≤ ‖v‖_V² ≤ ‖A‖ ‖v‖_{H_1}²
 
@@ -32,25 +32,25 @@ FALLING = at_most(1 + ROUNDING, "on every level")
 LIMIT = Window(0.7, 1.0, "of the finest value")
 """Eigenvalues that tend to zero leave the window. Values like h^p extrapolate to 0. Values like 1/(c + |log h|), the
 slowest (Γ1 is a point), extrapolate to m/(2m − 2) < 0.7 of the last value if that is 1/m times the unit of log 2."""
-OVER = "eigenvalue, finest level over the one before"
+OVER = "eigenvalue, finest level / next coarser level"
 SETTLED = Window(0.75, 1.25)
 """From one level to the next a power h^{1/2} would change by the factor 0.71 or 1.41."""
 
 
 def extrapolated(table: pd.DataFrame) -> Measured:
-    """Return Aitken's limit of the last three values over the last one; −∞ if their differences do not shrink."""
+    """Return Aitken's extrapolation of the last three values over the last value; −∞ if differences do not shrink."""
     first, second, last = table[VALUE].to_numpy()[-3:]
     before, drop = first - second, second - last
     return exactly((last - drop**2 / (before - drop)) / last if before > drop else -math.inf)
 
 
 class Korn(ListedNumbers):
-    """Smallest eigenvalue of (ε(·), ε(·))_Q against the product of H_1, once for each body."""
+    """Measures min ‖ε(v)‖_Q² / ‖v‖_{H_1}² over V^h, as an eigenvalue, for each body."""
 
     label = "(2.17)"
     claim = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
     rules = (
-        greatest_ratio("falling", f"{VALUE}, level over level", FALLING, VALUE, 2),
+        greatest_ratio("falling", f"{VALUE} / value on the next coarser level", FALLING, VALUE, 2),
         Criterion("limit", f"limit of the {VALUE} for h → 0", LIMIT, extrapolated, (VALUE,), ENOUGH),
     )
 
@@ -64,7 +64,7 @@ class Korn(ListedNumbers):
 
 
 class Norms(ListedNumbers):
-    """Extreme eigenvalues of (·,·)_V against the product of H_1, once for each body and viscosity."""
+    """Measures the extremes of ‖v‖_V² / ‖v‖_{H_1}² over V^h, as eigenvalues, for each pair of a body and a viscosity."""
 
     label = "(3.6)"
     claim = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h, by (2.17) and (3.1)"

@@ -1,19 +1,20 @@
-"""(4.3) and (5.5): ‖B^h u − B^h v‖_V ≤ L_G/m_A ‖u − v‖_V for (B^h u, v)_V = (G ε(u), ε(v))_Q, on every mesh.
+"""(4.3) and (5.5): the operator B, (Bu, v)_V = (G ε(u), ε(v))_Q, is Lipschitz with the constant L_G/m_A on every V^h.
 
-On V^h, B^h = M⁻¹G with the matrix M of (·,·)_V. For linear G the largest quotient is the largest absolute eigenvalue
-of G against M. The most negative eigenvalue belongs to (4.4): B^h + ω I is monotone for no ω below its size. In
-general large quotients are searched: from u along a direction d, the next direction is B^h(u + d) − B^h(u), scaled.
-For a linear G this is the power method, and quotients rise.
+**Measured** are the largest quotients ‖B^h u − B^h v‖_V / ‖u − v‖_V. On V^h, B^h = M⁻¹G with the matrix M of (·,·)_V.
+For linear G the largest quotient is the largest absolute eigenvalue of G with respect to M. The most negative
+eigenvalue −c is used for (4.4): B^h + ω I is monotone only for ω ≥ c. For nonlinear G large quotients are searched:
+from u along a direction d, the next direction is B^h(u + d) − B^h(u), scaled. For a linear G this is the power method.
 
-L_G/m_A need not be the best constant. Pointwise |G ε·ε| ≤ κ A ε·ε, where κ is the largest absolute eigenvalue of A⁻¹G
-(with the derivative of G at no strain or at large strains), and so ‖B‖ ≤ κ ≤ L_G/m_A. From below: a field that
-oscillates fast inside Ω, v = a cos(n k·x) φ, has nearly the strains sym(a ⊗ k) of rank at most two, so that
+**Judged.** L_G/m_A need not be the best constant, so the window of this quotient has no lower end. Pointwise
+|G ε·ε| ≤ κ A ε·ε, where κ is the largest absolute eigenvalue of A⁻¹G (with the derivative of G at zero strain or at
+large strains). So ‖B‖ ≤ κ ≤ L_G/m_A. There is also a lower bound of ‖B‖: a field v = a cos(n k·x) φ that oscillates
+fast inside Ω has strains close to multiples of sym(a ⊗ k), a tensor of rank at most two, so
 
     ‖B‖ ≥ κ_1 = max {|G τ·τ| / (A τ·τ) : τ = sym(a ⊗ k)}.
 
-A plane body that is free on a part of Γ reaches κ also where κ belongs to τ = I: ε(v) is a multiple of I if v_1 + i v_2
-is holomorphic, and e^{nz} decays from the boundary as fast as one likes. Space has no such fields, by Liouville's
-theorem.
+A plane body with a free part of its boundary attains κ even if the eigenvector of κ is τ = I: ε(v) is a multiple of I
+if v_1 + i v_2 is holomorphic, and e^{nz} decays arbitrarily fast away from the boundary. In 3D there are no such
+fields, by Liouville's theorem.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from manufactured.law import Indefinite, KelvinVoigt, Linear
 from manufactured.tensors import Array, mandel, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import BOUND, ROUNDING, Constant, finest
+from study.ledger.criterion import BOUND, ROUNDING, finest
 from study.ledger.criterion import largest as largest_of
 from study.ledger.window import at_least, at_most
 from study.solve.evolution import SemiDiscrete
@@ -40,26 +41,26 @@ from study.statements.shared.norms import maximum
 from study.statements.shared.scope import REGULAR
 
 STRAINS = (1e-2, 1.0, 1e2, 1e4)
-"""Sizes of the strains of generated functions, on both sides of any yield point."""
+"""Sizes of the strains of random functions, on both sides of any yield point."""
 PAIRS, CLIMBS = 10, 30
-"""Random pairs of each size, and steps of the search for large quotients."""
+"""Number of random pairs for each size of strains, and number of steps of the search for large quotients."""
 LARGE = 1e6
-"""Size of strains beyond any yield point."""
+"""A size of strains beyond any yield point."""
 DIRECTIONS = 4000
-"""Tensors sym(a ⊗ k) for κ_1."""
+"""Number of random tensors sym(a ⊗ k) from which κ_1 is computed."""
 POINTWISE = at_most(1 + 1e-5, low=-math.inf)
-"""With room, since κ comes from samples of x and of strains."""
+"""The window has a tolerance, because κ is computed at sample points and for sample strains."""
 NOT_VACUOUS = at_least(0.97, "on the finest level")
-"""V^h resolves fields that oscillate over some cells, at n = 16 to three per cent."""
+"""At n = 16, V^h resolves fields that oscillate over a few cells up to three per cent."""
 
 
 class Lipschitz(ListedNumbers):
-    """The largest quotients of B^h, once for each law and body."""
+    """Measures the largest quotients of B^h, for each pair of a law and a body."""
 
     label = "(4.3), (5.5)"
     claim = "‖B u − B v‖_V ≤ L_G/m_A ‖u − v‖_V, on V^h with the same constant"
     rules = (
-        Constant("constant", "largest quotient / (L_G/m_A)", "over the constant"),
+        largest_of("constant", "largest quotient / (L_G/m_A)", BOUND, "over the constant"),
         largest_of("pointwise", "largest quotient / κ", POINTWISE, "over the pointwise constant"),
         finest("waves", "largest quotient / κ_1", NOT_VACUOUS, "over the waves"),
         largest_of("monotonicity", "−(B u − B v, u − v)_V / ‖u − v‖_V² over L_G/m_A, (4.4)", BOUND, "monotonicity"),
@@ -99,7 +100,7 @@ class Operator:
 
 
 def quotients(space: Space, operator: Operator) -> Iterator[tuple[float, float]]:
-    """Yield Lipschitz and monotonicity quotients of random pairs, and of pairs that are improved step by step."""
+    """Yield pairs of a Lipschitz and a monotonicity quotient, for random pairs and in the search for large quotients."""
     rng = np.random.default_rng(SEED)
 
     def function(strain: float) -> Array:
@@ -120,7 +121,7 @@ def quotients(space: Space, operator: Operator) -> Iterator[tuple[float, float]]
 
 
 def pointwise(space: Space, law: KelvinVoigt) -> tuple[float, float]:
-    """Return (κ, κ_1) over the points of a mesh."""
+    """Return (κ, κ_1), computed from the law at the points of a mesh."""
     x, D, rng = points(space), size(space.dim), np.random.default_rng(SEED)
     large = tensors(rng, space.dim, x.shape[1])
     large *= LARGE / np.linalg.norm(large, axis=0)

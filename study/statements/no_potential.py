@@ -1,29 +1,29 @@
-"""Beyond the source: backward Euler for the fully discrete scheme under (3.2) alone, where G has no potential.
+"""Beyond the paper: the error of backward Euler is O(h + k) under (3.2) alone, that is, even if G has no potential.
 
-The last paragraph of the source leaves error estimates for fully discrete schemes open. ``backward_euler`` has one for
-an elasticity G with a convex potential. The theorem measured here asks only what the source asks: G is Lipschitz,
-(3.2). With κ = L_G/m_A and steps of any size below 1/κ, max_t ‖u^h − û^{hk}‖_V ≤ c k with a constant c that no mesh
-enters, so that with Prop. 5.4 the fully discrete error is O(h + k). ``study.solve.euler_bounds`` has both bounds with
-all constants, paper/proofs_euler.tex the proof. The solver factorises with the symmetric part of G; the fixed-point
-iteration for nonlinear laws treats the rest.
+The last paragraph of the paper leaves error estimates for fully discrete schemes open. ``backward_euler`` has an
+estimate for an elasticity G with a convex potential. The theorem tested here assumes only (3.2), that G is Lipschitz.
+With κ = L_G/m_A and steps of any size below 1/κ, max_t ‖u^h − û^{hk}‖_V ≤ c k, where c does not depend on the mesh. So
+by Prop. 5.4 the fully discrete error is O(h + k). ``study.solve.euler_bounds`` has two bounds with all constants, one
+from the data and one from the computed solution; paper/proofs_euler.tex has the proof. The solver factorises the
+symmetric part of G; the fixed-point iteration for nonlinear laws treats the skew part.
 
 Predicted before measuring, for levels 4, 8, 16, up to 256 steps, and an elasticity with κ = 1.78, γ = 1, T = 1:
 
 * *Bounds.* Errors are below both bounds for every mesh and every step, equal steps or steps that alternate between k
-  and k/3. Shares fall short of 1 by the factors by which both bounds overestimate a smooth load: with e^{γT}, (1/√2 +
-  κT/2) and (2 + κT/2) the bound by the data should be 10 to 100 times the error, that by the solution 3 to 30 times.
+  and k/3. For a smooth load the bounds overestimate: with the factors e^{γT}, (1/√2 + κT/2) and (2 + κT/2) the bound
+  from the data should be 10 to 100 times the error, and the bound from the solution 3 to 30 times.
 * *Order 1 in k*, 1 ± 0.1 by least squares on every mesh: u̇^h jumps where vertices land, and (1 − γk)^{−T/k} is larger
   than e^{γT} by the factor 1.16 for four steps, which raises the order over all halvings by a few hundredths.
-* *No mesh enters*: the error with the shortest steps changes by less than ten per cent from the coarsest to the
-  finest mesh, as the constant is that of u^h, which converges.
-* *The constant κT/2 is the best*: for u̇ + Bu = 0 in the plane with B a rotation by a right angle times κ, backward
-  Euler turns too slowly and loses length. The error is ‖u_0‖ (1 − e^{−κ²kT/2}) up to higher orders, and ‖z‖ = κ‖u_0‖,
-  so that the bound by the data is attained up to the factor (κT/2)/(κT/2 + 1/√2) for k → 0. For κ = 10, T = 1 and 1000
-  steps this is 0.876 times 0.975, that is 0.855; the window is 0.8 … 1.
+* *The constant does not depend on the mesh*: the error with the shortest steps changes by less than ten per cent from
+  the coarsest to the finest mesh, because the constant belongs to u^h, which converges.
+* *The constant κT/2 is the best*: let u̇ + Bu = 0 in the plane, where B is κ times the rotation by a right angle. The
+  solution of backward Euler becomes too short. Its error is ‖u_0‖ (1 − e^{−κ²kT/2}) up to higher orders, and
+  ‖z‖ = κ‖u_0‖. So the bound from the data is attained up to the factor (κT/2)/(κT/2 + 1/√2) for k → 0. For κ = 10, T =
+  1 and 1000 steps the quotient is 0.876 · 0.975 = 0.855; the window is 0.8 to 1.
 
-What the first measurement showed and changed:
+Changes after the first measurement:
 
-* The bound by the solution is less than 2.2 times the error, much better than predicted.
+* The bound from the solution is less than 2.2 times the error, much better than predicted.
 * The error with the shortest steps grows by 17 per cent from n = 4 to n = 16, since four cells do not resolve the gap;
   from n = 6 to n = 12 it grows by 5 per cent. Levels start at 6 since then; the window was not changed.
 * No row noticed that the skew part of G was left out of the solver: it changed u^h by 8 per cent only. The skew part
@@ -31,8 +31,8 @@ What the first measurement showed and changed:
   exact solution for k = T/(4n) was added; its window 1 ± 0.15 was set when errors for n ≤ 12 on shaken meshes were
   known.
 * 64 steps are enough for all rows.
-* Meshes are not random, though the first measurement had shaken ones, too, where all rows held: rows on random meshes
-  are judged on fresh seeds, which would take hours.
+* Shaken meshes are no longer used, although all rows held on them: rows on random meshes must be judged on fresh seeds,
+  which would take hours.
 """
 
 from __future__ import annotations
@@ -63,23 +63,23 @@ from study.statements.shared.scope import Scope
 COUNTS = (4, 8, 16, 32, 64)
 """Numbers of steps: four halvings of k, from k ≫ h to k ≪ h."""
 FINEST = 256
-"""Steps of the midpoint rule that stands for u^h."""
+"""Number of steps of the midpoint rule whose solution stands for u^h."""
 PER_CELL = 4
-"""Steps to a cell along a side for the error against the exact solution, k = T/(4n)."""
+"""Number of steps for each cell along a side, k = T/(4n), where errors against the exact solution are measured."""
 UNEQUAL = 3
-"""Ratio of neighbouring steps where steps are not equal."""
+"""Quotient of the lengths of neighbouring steps, where steps alternate."""
 ROTATION, TURNS = 10.0, 1000
 """κ and the number of steps of the rotation in the plane."""
 PROVED = positive_at_most(1.0, "proved for every h and k")
 IN_K = around(1, 0.1, "least squares over four halvings, every mesh")
-UNIFORM = around(1, 0.1, "no mesh enters the constant")
+UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
 IN_H = around(1, 0.15, "least squares over all levels, k = T/(4n)")
 BEST = Window(0.8, 1.0, "0.855 predicted; a constant below 0.8 κT/2 would be too small")
 KINDS = "equal", "unequal"
 
 
 def partition(kind: str, count: int) -> Array:
-    """The ends of ``count`` steps as indices of the fine grid, (count + 1,)."""
+    """Return the times between ``count`` equal or unequal steps, as indices of the finest time grid, (count + 1,)."""
     if kind == "equal":
         return np.arange(0, FINEST + 1, FINEST // count)
     pair = 2 * FINEST // count
@@ -88,7 +88,7 @@ def partition(kind: str, count: int) -> Array:
 
 
 def orders_in_k(kind: str) -> Criterion:
-    """The order of the error in k on every mesh, for one kind of steps."""
+    """Return the criterion for the order of the error in k on every mesh, for equal or for unequal steps."""
     columns = tuple(f"{kind} {count} error" for count in COUNTS)
 
     def measure(group: pd.DataFrame) -> Measured:
@@ -101,23 +101,23 @@ def orders_in_k(kind: str) -> Criterion:
 
 
 def share(kind: str, bound: str) -> Criterion:
-    """The largest quotient of the error and one of its bounds, for one kind of steps."""
+    """Return the criterion for the largest quotient of the error and a bound, for equal or for unequal steps."""
     quantity = f"‖u^h − û^{{hk}}‖ / its bound by the {bound}, {kind} steps"
     return largest(f"{bound}-{kind}", quantity, PROVED, *(f"{kind} {count} by {bound}" for count in COUNTS))
 
 
 class NoPotential(ListedNumbers):
-    """Errors of backward Euler in k, over both bounds, for an elasticity without a potential."""
+    """Measures errors of backward Euler, also divided by both bounds, for an elasticity without a potential."""
 
     label = "beyond: O(h + k), no potential"
     effort = 150
-    claim = "max_t ‖u^h − û^{hk}‖_V ≤ c(κ, T, ‖u̇^h(0+)‖, Var f) k for backward Euler under (3.2) alone, whatever h"
+    claim = "max_t ‖u^h − û^{hk}‖_V ≤ c(κ, T, ‖u̇^h(0+)‖, Var f) k for backward Euler under (3.2) alone, for every h"
     rules = (
         *(share(kind, bound) for bound in ("data", "solution") for kind in KINDS),
         *(orders_in_k(kind) for kind in KINDS),
         change(
             "uniform",
-            f"‖u^h − û^{{hk}}‖ with {COUNTS[-1]} steps, finest mesh over coarsest",
+            f"‖u^h − û^{{hk}}‖ with {COUNTS[-1]} steps, finest mesh / coarsest mesh",
             UNIFORM,
             f"equal {COUNTS[-1]} error",
         ),
@@ -126,7 +126,7 @@ class NoPotential(ListedNumbers):
         largest(
             "reference",
             f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error",
-            positive_at_most(0.1, "hardly matters for the error"),
+            positive_at_most(0.1, "so it hardly changes the error"),
             "reference",
         ),
     )
@@ -134,7 +134,7 @@ class NoPotential(ListedNumbers):
     full = grid((NAME,), ("one-diagonal", "unstructured"), (6, 12, 24))
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
-        """Those of a study of the whole catalogue, to which the case does not belong."""
+        """Return all settings if the whole catalogue is studied; the case itself is not in the catalogue."""
         return self.places(scope.full) if scope.whole else []
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -146,7 +146,7 @@ class NoPotential(ListedNumbers):
 
 
 def fully_discrete(setup: Experiment, steps: int) -> float:
-    """max ‖u(t_n) − U_n‖_V for so many equal steps, against the exact solution."""
+    """Return max_n ‖u(t_n) − U_n‖_V for the exact solution u and backward Euler with equal steps."""
     times = setup.problem.T * np.arange(steps + 1) / steps
     states = backward_euler(setup.problem, times.tolist())
     samples = (setup.v_norm.sample(t) for t in times.tolist())
@@ -154,8 +154,8 @@ def fully_discrete(setup: Experiment, steps: int) -> float:
 
 
 def errors_and_shares(problem: SemiDiscrete, kappa: float, growth: float) -> dict[str, float]:
-    """Errors and their shares of both bounds for all numbers of steps, equal and unequal."""
-    # Trajectories share most of their times, exactly, as they lie on one grid.
+    """Return errors, and errors divided by both bounds, for all numbers of equal and unequal steps."""
+    # Cached, because all time grids are parts of one grid, so that trajectories need the load at the same times.
     problem = replace(problem, load=lru_cache(maxsize=None)(problem.load))
     times = problem.T * np.arange(FINEST + 1) / FINEST
     flow = GradientFlow(problem, np.array([problem.load(t) for t in times.tolist()]))
@@ -176,7 +176,7 @@ def errors_and_shares(problem: SemiDiscrete, kappa: float, growth: float) -> dic
 
 
 def between(states: Array, nodes: Array) -> Array:
-    """The piecewise linear interpolant of states at nodes of the fine grid at all nodes of the grid."""
+    """Return the linear interpolant in time, at all nodes of the finest grid, of states at some of its nodes."""
     after = np.clip(np.searchsorted(nodes, np.arange(FINEST + 1)), 1, len(nodes) - 1)
     begin, end = nodes[after - 1], nodes[after]
     part = ((np.arange(FINEST + 1) - begin) / (end - begin))[:, None]
@@ -184,7 +184,7 @@ def between(states: Array, nodes: Array) -> Array:
 
 
 def rotating() -> float:
-    """The error of backward Euler for u̇ + Bu = 0 in the plane over its bound, B = κ times the turn by a right angle."""
+    """Return error / bound of backward Euler for u̇ + Bu = 0 in the plane; B is κ times a rotation by a right angle."""
     turn = ROTATION * np.array([[0.0, 1.0], [-1.0, 0.0]])
     none, start = sps.csc_array((2, 2)), np.array([1.0, 0.0])
     M = sps.csc_array(np.eye(2))

@@ -7,15 +7,16 @@ the unit square, for grids with n = 8, 16, 32, … cells along a side (proof in 
 
 and the spikes λ_j(r) = min{1, log(R_j/r)/4^j} for r < R_j = 4^{−j}, 0 beyond. The sum converges uniformly and in H¹,
 and u_0 = 0 on the boundary, so that u_0 ∈ K ∩ C(Ω̄). On the grid with n = 2^i every point of A_j, j ≤ i, is a vertex,
-which sees a_j as if it were the value of u_0 around it. ‖u_0‖_V has a bound in closed form and Π^h u_0 is known
-exactly, so that ‖Π^h u_0‖_V − ‖u_0‖_V bounds ‖u_0 − Π^h u_0‖_V from below without quadrature.
+so the interpolant has the value a_j there, although the spike is much narrower than a cell. ‖u_0‖_V has a bound in
+closed form and Π^h u_0 is known exactly, so ‖Π^h u_0‖_V − ‖u_0‖_V is a lower bound of ‖u_0 − Π^h u_0‖_V without
+quadrature.
 
 Predicted before measuring, with the Lamé constants μ, λ of A:
 
 * ‖Π^h u_0‖_V = ((3μ + λ)(n − 4))^{1/2} up to 5 %: the 4^{j−1} spikes of level j ≤ i interpolate to hat functions of the
-  energy 6μ + 2λ times a_j², which have disjoint supports for one j, and 2^{−j} 4^{j−1} sums to (n − 4)/2. Hats of
+  energy 6μ + 2λ times a_j², which have disjoint supports for one j, and Σ_j 2^{−j} 4^{j−1} = (n − 4)/2. Hats of
   different levels do not share an edge of the grid; spikes wider than a cell change values by 1/64 of a_j at most.
-* ‖Π^h u_0‖_V is at least (5 m_A n/16)^{1/2}, which is proved; the quotient of both is about 2.
+* ‖Π^h u_0‖_V is at least (5 m_A n/16)^{1/2}, which is proved; the predicted value is about twice as large.
 * The lower bound of ‖u_0 − Π^h u_0‖_V grows from every level to the next, with orders in h between −1.5 and −1/2, since
   the constant ‖u_0‖_V is subtracted from a multiple of (n − 4)^{1/2}.
 * On the finest grid it is at least three times ‖u_0‖_V, the error of the start u_0^h = 0.
@@ -38,17 +39,17 @@ from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import space_of
 
 FIRST = 3
-"""The first level of spikes, for which 4^{−j} is small against 2^{−j}."""
+"""The smallest j; from there on the radius 4^{−j} of the spikes is small compared with their distance 2^{−j}."""
 DIRECTION = np.array([0.0, 1.0])
 """e_2."""
-PREDICTED = around(1, 0.05, "spikes seen as hat functions")
+PREDICTED = around(1, 0.05, "the interpolant of a spike is a hat function")
 PROVED = positive_at_most(1.0, "proved")
 GROWS = Window(-1.5, -0.5, "grows at least like h^{−1/2}, every consecutive order")
-WORSE = at_least(3.0, "worse than u_0^h = 0, on the finest grid")
+WORSE = at_least(3.0, "a larger error than u_0^h = 0, on the finest grid")
 
 
 class NodalStart(ListedNumbers):
-    """‖Π^h u_0‖_V and a lower bound of ‖u_0 − Π^h u_0‖_V for a continuous u_0."""
+    """Measures ‖Π^h u_0‖_V and a lower bound of ‖u_0 − Π^h u_0‖_V for the counterexample u_0."""
 
     label = "beyond: nodal start"
     claim = "false: there is u_0 ∈ K ∩ C(Ω̄) for which ‖u_0 − Π^h u_0‖_V grows like h^{−1/2}"
@@ -79,12 +80,13 @@ class NodalStart(ListedNumbers):
 
 
 def interpolant(space: Space, level: int) -> Array:
-    """Π^h u_0 on the grid with ``level`` = 2^i cells along a side, (n_dofs,)."""
+    """Return Π^h u_0 on the grid with ``level`` = 2^i cells along a side, (n_dofs,)."""
     return space.interpolate(np.multiply.outer(DIRECTION, spikes(space.mesh.p, level.bit_length() - 1)))
 
 
 def spikes(x: Points, last: int) -> Array:
-    """v at points of a grid with 2^i cells along a side, i = ``last``, where spikes of later levels vanish, (...)."""
+    """Return v at points of the grid with 2^i cells along a side, i = ``last``, where spikes with j > i vanish, (...).
+    """
     total = np.zeros(x.shape[1:])
     for j in range(FIRST, last + 1):
         spacing = 2.0**-j
@@ -97,14 +99,14 @@ def spikes(x: Points, last: int) -> Array:
 
 
 def mean_energy(A: Linear) -> float:
-    """½ Σ_i A d_i·d_i with d_i = sym(e_i ⊗ e_2): what ∫ A ε(v e_2)·ε(v e_2) is for a radial v with ∫ |∇v|² = 1.
+    """Return ∫ A ε(v e_2)·ε(v e_2) for a radial v with ∫ |∇v|² = 1.
 
-    (3μ + λ)/2 for an isotropic A.
+    It is ½ Σ_i A d_i·d_i with d_i = sym(e_i ⊗ e_2), which is (3μ + λ)/2 for an isotropic A.
     """
     directions = np.array([dyad(axis, DIRECTION) for axis in np.eye(2)])
     return float(np.einsum("iI,IJ,iJ->", directions, A.matrix, directions)) / 2
 
 
 def norm_of_start(A: Linear) -> float:
-    """A bound of ‖u_0‖_V: the sum over j of a_j (4^{j−1} · 2π/4^j · ``mean_energy``)^{1/2}, a geometric series."""
+    """Return an upper bound of ‖u_0‖_V, the geometric series Σ_j a_j (4^{j−1} · 2π/4^j · ``mean_energy``)^{1/2}."""
     return math.sqrt(math.pi / 2 * mean_energy(A)) * 2 ** (-FIRST / 2) / (1 - math.sqrt(0.5))

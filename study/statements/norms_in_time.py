@@ -1,11 +1,11 @@
-"""(3.8), (5.9): f ∈ W^{1,1}(0,T;V), and (4.12): σν ∈ L^∞(0,T;L²(Γ)), by their norms on finer and finer grids.
+"""(3.8), (5.9): f ∈ W^{1,1}(0,T;V), and (4.12): σν ∈ L^∞(0,T;L²(Γ)), tested by norms on finer and finer grids.
 
 **(3.8).** f^h(t) = M⁻¹F(t) of (5.9) is the projection of f(t) on V^h. With N intervals the norms of the increments of
-f^h in V add up to its variation on the grid. By the triangle inequality it grows with N; in W^{1,1} increments become
-small. Predicted:
+f^h in V add up to the variation of f^h on the grid. By the triangle inequality the variation grows with N. For f in
+W^{1,1} the increments become small. Predicted:
 
-* from a grid to the next finer one the variation settles, to 1 % for loads with finitely many turns; without bounded
-  variation it would grow by a power of 2;
+* the variation hardly grows from a grid to the next finer one, by at most 1 % for loads that turn finitely often;
+  without bounded variation it would grow by a power of 2;
 * after four halvings the largest increment is 1/16 where ḟ is bounded, and 1/2 for ``load-w11``, whose load goes like
   (t − t_0)^{1/4}. A jump would leave 1, which bounded variation alone allows. In ``lift-and-land`` u̇ and σ_ν jump, and
   in f the two jumps cancel;
@@ -13,15 +13,15 @@ small. Predicted:
   cent where a patch is three cells wide (n = 8, not judged for moving fronts) and a quarter of that on each finer mesh,
   within 5 % from n = 16 on. A load that is not in V would let the norm grow.
 
-At first ``moving-rough`` was among the cases that must settle; there the variation grew by 0.8, 1 and 1.3 % at n = 8,
-16 and 32. Its ε(u̇) ~ (s − c)^{1/4} moves with the front, so u̇, and with it f = u̇ + Bu + R, has increments of the
-size k^{3/4} in V, whose sum is not bounded: (3.8) does not hold. Theorem 4.1 does not apply to this load; u ∈
+At first ``moving-rough`` was judged as well; there the variation grew by 0.8, 1 and 1.3 % at n = 8, 16 and 32. Its ε(u̇)
+~ (s − c)^{1/4} moves with the front, so u̇, and with it f = u̇ + Bu + R, has increments of the size k^{3/4} in V, whose sum is not bounded: (3.8) does not hold. Theorem 4.1 does not apply to this load; u ∈
 W^{1,∞}(0,T;V) is known since u was constructed. The case is reported.
 
-**(4.12).** The norm of the exact traction on all of Γ is computed by rules that do not resolve where it is rough. Its
-largest value is taken over twice as many intervals as there are cells along a side. Predicted: it settles for every
-case of Proposition 5.4. In ``junction``, with r^{−1/2} at the point where Γ1 meets Γ3, its square grows by the same
-amount from mesh to mesh, like log 1/h: there (4.12) does not hold, nor is it claimed.
+**(4.12).** The norm of the exact traction on Γ is computed by quadrature rules that are not adapted to singularities,
+on finer and finer meshes. Its maximum is taken over twice as many times as there are cells along a side. Predicted:
+this maximum converges for every case of Proposition 5.4. In ``junction``, where the traction behaves like r^{−1/2} at
+the point where Γ1 meets Γ3, the square of the norm grows by the same amount from mesh to mesh, like log 1/h. There
+(4.12) does not hold, and the paper does not claim it.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ from study.statements.shared.scope import REGULAR
 
 INTERVALS = 512
 COARSER = 16
-"""Increments are compared with those of intervals so many times as long."""
-SETTLES = Window(1 - ROUNDING, 1.01, "it never falls, and grows by a power of 2 without bounded variation")
+"""Increments of the load are compared with increments over intervals that are longer by this factor."""
+SETTLES = Window(1 - ROUNDING, 1.01, "it cannot fall, and without bounded variation it grows by a power of 2")
 CONTINUOUS = Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump")
 UNIFORM = around(1, 0.05, "f^h tends to f")
 ROUGH = "moving-rough"
@@ -61,14 +61,24 @@ WITHOUT = "ε(ü) ~ (s − c)^{α−4} with α = 13/4 is not square integrable a
 
 
 class LoadInTime(ListedNumbers):
-    """Variation, increments and norm of f^h."""
+    """Measures the variation, the largest increment and the norm of f^h."""
 
     label = "(3.8), (5.9)"
     claim = "f ∈ W^{1,1}(0,T;V), and f^h ∈ W^{1,1}(0,T;V^h) uniformly in h"
     rules = (
-        every("variation", f"variation of f^h, {INTERVALS} intervals over half as many", SETTLES, "variation"),
-        every("increments", f"largest increment of f^h over that of {COARSER} times as long", CONTINUOUS, "increments"),
-        change("uniform", "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh over coarsest", UNIFORM, "norm", levels=2),
+        every(
+            "variation",
+            f"variation of f^h on {INTERVALS} intervals / on {INTERVALS // 2} intervals",
+            SETTLES,
+            "variation",
+        ),
+        every(
+            "increments",
+            f"largest increment of f^h / largest increment over {COARSER} times as long intervals",
+            CONTINUOUS,
+            "increments",
+        ),
+        change("uniform", "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh / coarsest mesh", UNIFORM, "norm", levels=2),
     )
     quick = grid(("lift-and-land",), ("unstructured",), (8, 16))
     full = grid(
@@ -97,22 +107,22 @@ def increments(loads: Array, riesz: Cholesky) -> Array:
 
 # σν ∈ L^∞(0,T;L²(Γ)).
 
-BOUNDED = around(1, 0.02, "settled, at the same time on twice as fine meshes and grids in time")
-LOGARITHM = around(1, 0.1, "a logarithm: increments of the square do not fall")
+BOUNDED = around(1, 0.02, "the maximum has converged, at the same time on meshes and time grids twice as fine")
+LOGARITHM = around(1, 0.1, "logarithmic growth: the increments of the square do not fall")
 UNBOUNDED = "junction"
 """The case with σν ∉ L²(Γ)."""
 
 
 def growth_of_square(group: pd.DataFrame) -> Measured:
-    """Return the last increment of the squared norm over the one before."""
+    """Return the increment of the squared norm in the last refinement over the increment in the refinement before."""
     *_, first, second, third = group["norm"].to_numpy() ** 2
     return exactly((third - second) / (second - first))
 
 
-SETTLED = change("bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh over the one before", BOUNDED, "norm", since=-2)
+SETTLED = change("bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh", BOUNDED, "norm", since=-2)
 GROWING = Criterion(
     "unbounded",
-    "increments of max_t ‖σν‖²_{L²(Γ)} under refinement, last over the one before: not in L²(Γ)",
+    "increments of max_t ‖σν‖²_{L²(Γ)} under refinement, last / previous increment: not in L²(Γ)",
     LOGARITHM,
     growth_of_square,
     ("norm",),
@@ -121,7 +131,7 @@ GROWING = Criterion(
 
 
 class TractionInTime(ListedNumbers):
-    """max_t ‖σν‖_{L²(Γ)} for the cases of Proposition 5.4, and one case in which it must not be bounded."""
+    """Measures max_t ‖σν‖_{L²(Γ)} for the cases of Proposition 5.4, and for one case in which it must grow."""
 
     label = "(4.12)"
     claim = "σν ∈ L^∞(0,T;L²(Γ)^d) for the solutions of Prop. 5.4"
@@ -140,7 +150,7 @@ class TractionInTime(ListedNumbers):
 
 
 def largest_traction(space: Space, setting: Setting) -> float:
-    """Return max_t ‖σν‖_{L²(Γ)} over twice as many intervals as the level."""
+    """Return max_t ‖σν‖_{L²(Γ)} over the ends of 2n equal intervals in time, for level n."""
     solution, squares, sides = resolve(setting.case).solution, [], []
     for part in space.body.parts:
         rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)

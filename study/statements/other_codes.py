@@ -39,9 +39,9 @@ from study.statements.shared.base import REPORTED as OF_FILE
 from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 LABEL, ALL = "other codes", "all cases"
-ROUNDED = at_most(1e-10, "of the error, ten times what the digits of a task leave open")
-DEFORMED = at_most(1e-8, "of the error: contact at deformed places, which are 1e-5 away")
-OWN = at_most(0.1, "nine digits; 1 if one was copied from the other")
+ROUNDED = at_most(1e-10, "of the error, ten times the rounding of a task file")
+DEFORMED = at_most(1e-8, "of the error: contact is evaluated in the deformed position, 1e-5 away")
+OWN = at_most(0.1, "compared in nine digits; 1 if one code's answers are a copy")
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class OtherCodes(ListedNumbers):
     """Errors of frozen problems and of trajectories, and the errors of other people's codes if there are any."""
 
     label = LABEL
-    claim = "the errors of this study, frozen and through time, by codes of other people"
+    claim = "other codes have the same errors as this study, in static problems and in time stepping"
     joined_file = OtherErrors("codes/errors.csv", LISTED.key, COLUMNS, label=LABEL)
     quick = grid(("advance-recede",), ("one-diagonal",), (8,))
     full = (
@@ -116,7 +116,7 @@ class OtherCodes(ListedNumbers):
             judged = value, span, verdict
         short = f"{BECAUSE}{missing} problems lack an error" if missing else ""
         name = f"{peer.code} {' '.join(sorted(run[VERSION].unique()))}, {peer.variant}"
-        quantity = f"{name}: |‖u − u^h‖_V / that of this study − 1|, {len(run)} problems"
+        quantity = f"{name}: |‖u − u^h‖_V / error of this study − 1|, {len(run)} problems"
         return row(self, peer.key, quantity, peer.window, judged, ALL, expected=f"{peer.window.text}{short}")
 
     def own_digits(self, rows: pd.DataFrame) -> Verdict:
@@ -129,7 +129,7 @@ class OtherCodes(ListedNumbers):
         if len(parts):
             value, span = greatest(parts)
             judged = value, span, HOLDS if OWN.contains(*span) else FAILS
-        quantity = "part of the problems in which two codes have the same distance from the solution in K^h"
+        quantity = "share of problems in which two codes have the same distance from the solution in K^h"
         return row(self, "own-digits", quantity, OWN, judged, ALL)
 
     def cost(self, setting: Setting) -> float:

@@ -185,6 +185,7 @@ class Pictures(Statement):
     claim = "what the figures show of a case"
     file = JsonFiles("pictures", ("case",))
     of_every_case = True
+    initial_gap = True
 
     def settings(self, scope: Scope) -> list[Setting]:
         """Return every case on one mesh."""

@@ -65,12 +65,12 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
     falling = at_most(0.999, "on every level")
     yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
     by_chance, others = split_random(uniform)
-    steeper = f"s is taken {STEEPER:g} above the predicted order, as far as the row on orders allows"
+    steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the row on orders allows"
     if others:
         yield _limit("limit", LIMIT, expected), others
         yield Observation(_limit("limit-steeper", Window(), expected + STEEPER), steeper), others
     if by_chance:
-        yield Observation(_limit("limit-random", Window(), expected), "it scatters from seed to seed"), by_chance
+        yield Observation(_limit("limit-random", Window(), expected), "it varies from seed to seed"), by_chance
     yield _order("order", "order seen", expected), uniform
     if graded:
         yield _order("order-graded", "order seen on graded meshes", 1.0), graded

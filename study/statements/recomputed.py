@@ -107,8 +107,8 @@ SAME = around(1, 0.005, "quadrature")
 FORCES = "|λ − λ̃| / |λ̃| over all steps"
 DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
 ALIKE = "both with the load of u^h"
-STOPPED = positive_at_most(1e-9, "of ‖u^h‖_V, where both solvers stop")
-STOPPED_FORCES = at_most(1e-9, "of λ, where both solvers stop")
+STOPPED = positive_at_most(1e-9, "of ‖u^h‖_V, tolerance of both solvers")
+STOPPED_FORCES = at_most(1e-9, "of λ, tolerance of both solvers")
 TRAJECTORIES = (
     largest("start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", at_most(1e-10, "of ‖Π^h u_0‖_V, only rounding"), "start"),
     largest("displacement", DISPLACEMENTS, at_most(2e-3, "of ‖u^h‖_V, quadrature of the load"), "displacement"),
@@ -124,13 +124,13 @@ class Recomputed(Statement):
     """Three errors and two trajectories, over all mesh families of a case, by the midpoint rule."""
 
     label = "computed again"
-    claim = "the errors of rates.csv and Problem 5.1 behind them, from other quadrature, assembly and solvers"
+    claim = "the errors in rates.csv, computed again from Problem 5.1 with other quadrature, assembly and solvers"
     file = RECOMPUTED
     joined_file = RATES
     rules = (
         ratio("error", "‖u − u^h‖_V", SAME),
         ratio("interpolation_error", "‖u − Π^h u‖_V", SAME),
-        ratio("discrete_error", "‖Π^h u − u^h‖_V", around(1, 0.01, "quadrature of the load, too")),
+        ratio("discrete_error", "‖Π^h u − u^h‖_V", around(1, 0.01, "quadrature, also of the load")),
         *TRAJECTORIES,
     )
 

@@ -66,15 +66,15 @@ POINTS = 20
 """Gauss points on a facet, exact to degree 39: p ~ (c − s)_+² on a facet graded to c has degree 31."""
 INSTANTS = 64
 """Times at which contact is looked for."""
-CANCELLING = positive_at_most(1e-8, "with the fine rule: 1/h times the 1e-10 for a smooth f_0")
-BOUND = positive_at_most(1 + 1e-9, "by the inequality of Cauchy and Schwarz")
+CANCELLING = positive_at_most(1e-8, "with the fine quadrature rule: 1/h times 1e-10 for a smooth f_0")
+BOUND = positive_at_most(1 + 1e-9, "by the Cauchy–Schwarz inequality")
 
 
 class Residual(ListedNumbers):
     """The definition of R against the integral over Γ3 and against its bound, for the cases with f_0(t) ∈ H."""
 
     label = "(5.40), (5.41)"
-    claim = "R(t; v) = ∫_{Γ3} σ_ν v_ν for v ∈ V; then |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ is Cauchy and Schwarz"
+    claim = "R(t; v) = ∫_{Γ3} σ_ν v_ν for v ∈ V; then |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ by the Cauchy–Schwarz inequality"
 
     def places(self, full: bool) -> list[Setting]:
         if full:

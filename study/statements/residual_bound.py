@@ -37,7 +37,7 @@ from study.statements.thm_4_2 import beyond
 INSTANTS = 32
 """Times at which the norms are taken."""
 TERM_BY_TERM = positive_at_most(1.0, "proved")
-AT_REST = positive_at_most(1e-10, "0 but for rounding: u^h ≡ 0 solves, while the printed bound is 0")
+AT_REST = positive_at_most(1e-10, "0 up to rounding: u^h ≡ 0 is the solution, although the printed bound is 0")
 ATTAINED = Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)")
 NEVER = at_most(1 + ROUNDING, "proved")
 
@@ -49,9 +49,9 @@ class ResidualBound(ListedNumbers):
     claim = "|R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(0,T;V)} + ‖G(·, 0)‖_Q) ‖v‖_V, c and G(·, 0) explicit"
     rules = (
         largest("bound", "max_s ‖R(s)‖ / the bound, exact solution", TERM_BY_TERM, "bound"),
-        largest("rest", "G(·, 0) = A ε(z): distance of −R from the forces of contact / its size", AT_REST, "rest"),
+        largest("rest", "G(·, 0) = A ε(z): distance of −R from the contact forces / its size", AT_REST, "rest"),
         largest("prestress", "G(·, 0) = A ε(z): ‖R‖ / (‖G(·, 0)‖_Q / √m_A)", NEVER, "prestress"),
-        every("attained", "the same over √(m_A/‖A‖), the least that it can be", ATTAINED, "attained"),
+        every("attained", "‖R‖ / (‖G(·, 0)‖_Q / √m_A) over √(m_A/‖A‖), its least possible value", ATTAINED, "attained"),
     )
     quick = grid(("full-contact",), ("unstructured",), (8,))
     full = grid((*EVOLVING, "anisotropic", "hexagon", *SOFTENING), ("unstructured",), (8, 16))

@@ -304,15 +304,15 @@ def seminorm(solution: ExactSolution, panels: int) -> float:
 
 # Criteria.
 EXCESS = "order of ‖u^h − u^h_lin‖_V"
-EQUAL = Window(0.75, 1.1, "1 less a logarithm: all vertices of Γ3 have equal neighbourhoods")
-HALF = around(0.5, 0.15, "neighbours keep different displacements; 1 if all kept the same")
-ONE = around(1, 0.25, "the trail is left at few vertices")
+EQUAL = Window(0.75, 1.1, "order 1 up to a logarithm: all vertices of Γ3 have equal neighbourhoods")
+HALF = around(0.5, 0.15, "neighbouring vertices keep different displacements; order 1 if all kept the same")
+ONE = around(1, 0.25, "only few vertices keep a displacement")
 ONE_MESH = around(0.5, 0.3, "one random mesh for every level")
 SIMILAR = around(1, 0.1, "the same picture at every ℓ = 2h")
-SUM = around(0.5, 0.35, "as of a sum over n vertices")
+SUM = around(0.5, 0.35, "as for a sum over n vertices")
 LINEAR = Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}")
-STEPS = at_most(0.02, "of the excess, so that it is not one of the steps")
-JUMP = around(2 * math.log(2), 0.15, "2 log 2 of a step of the height 1; other powers of ℓ vanish or explode")
+STEPS = at_most(0.02, "of the excess, so that the excess does not come from time steps")
+JUMP = around(2 * math.log(2), 0.15, "2 log 2 for a step of height 1; other powers of ℓ tend to 0 or infinity")
 
 
 def excess_order(key: str, where: str, window: Window) -> Criterion:
@@ -333,37 +333,38 @@ def growth_of_seminorm(group: pd.DataFrame) -> Measured:
 
 
 BOUND = largest_quotient("bound", "error / right side of the theorem", at_most(1.0, "proved"), "error", "right side")
-STANDING_ORDER = excess_order("order-standing", "patches that stay where they are", ONE)
+STANDING_ORDER = excess_order("order-standing", "patches that do not move", ONE)
 STANDING_SHAKEN = Observation(
-    excess_order("order-standing-shaken", "the same on single shaken meshes", ONE),
-    "the trail at few vertices hangs on their few neighbourhoods",
+    excess_order("order-standing-shaken", "patches that do not move, single shaken meshes", ONE),
+    "it depends on the neighbourhoods of few vertices",
 )
 ALTERNATING_ORDER = excess_order("order-alternating", "alternating diagonals", HALF)
 EQUAL_ORDER = excess_order("order-equal", "one or two diagonals", EQUAL)
 AT_END = Observation(
     order("order-end", f"{EXCESS} at T, one or two diagonals", EQUAL, "excess at T"),
-    "it was looked at when orders of the largest one had been seen to rise beyond 1: with one diagonal that is one of "
-    "the start, on all meshes but the finest",
+    "this quantity was chosen after orders above 1 had been seen for the maximum in time, which with one diagonal "
+    "occurs at the start, on all meshes except the finest",
 )
 NEAR_PATCH = Observation(
-    order("nodal-beside", "order of nodal errors beside the patch, one or two diagonals", SIMILAR, "M_h beside"),
-    "it was looked at when orders of M_h had been seen to rise beyond 1: with one diagonal that is one at an end of Γ3",
+    order("nodal-beside", "order of nodal errors next to the patch, one or two diagonals", SIMILAR, "M_h beside"),
+    "this quantity was chosen after orders of M_h above 1 had been seen: with one diagonal M_h occurs at an end of Γ3",
 )
 SHAKEN_ORDER = excess_order("order-shaken", "mean over shaken meshes", HALF)
 UNSTRUCTURED_ORDER = Observation(
     excess_order("order-unstructured", "unstructured meshes", ONE_MESH),
-    "sweeps that even a mesh out leave the part of order 1 in sight, and one mesh hangs on chance",
+    "smoothing of a mesh leaves the part of order 1 visible, and a single mesh depends on chance",
 )
 SCATTER = Observation(
-    order("scatter", "order of the relative standard deviation over them", SUM, "scatter"),
-    "eight meshes know a standard deviation to a quarter",
+    order("scatter", "order of the relative standard deviation over shaken meshes", SUM, "scatter"),
+    "eight meshes determine a standard deviation only to a quarter",
 )
 BEST = Observation(
-    order("best", "order of E_h = ‖u − P_hu‖_V, that of the linear problem", LINEAR, "E_h"), "a logarithm bends it"
+    order("best", "order of E_h = ‖u − P_hu‖_V, the error of the linear problem", LINEAR, "E_h"),
+    "a logarithm changes the order from level to level",
 )
 SHARE = Observation(
     largest_quotient("share", "excess / error, largest", Window(), "excess", "error"),
-    "what contact costs in V has no bound of its own",
+    "no bound of the effect of contact in V is claimed",
 )
 TIME = Criterion("time", "change of the excess with k/2", STEPS, change_by_half_steps, ("excess", "excess, k/2"))
 GROWTH = Criterion(
@@ -418,8 +419,8 @@ class Rollers(ListedNumbers):
 
     label = "beyond: rollers"
     claim = (
-        "u ∈ L^∞(0,T;H²) ∩ W^{1,1}(0,T;V) gives O(h^{1/2}) up to a logarithm, and what contact costs beside the linear "
-        "problem is of this order for rollers of the width 2h on irregular meshes"
+        "u ∈ L^∞(0,T;H²) ∩ W^{1,1}(0,T;V) gives O(h^{1/2}) up to a logarithm, and the error that contact adds to the "
+        "linear problem has this order for rollers of width 2h on irregular meshes"
     )
     # Full study only: the orders show on fine meshes.
     full = (

@@ -50,19 +50,24 @@ COUNT = 12
 """Number of random u whose constraints are all random, and of random u that violate one constraint."""
 INSTANT = 0.61
 """Fraction of T at which f and Σ^h are taken."""
-CONE = positive_at_most(1e-10, "0 but for rounding")
-HALFWAY = around(1, 1e-9, "an equation but for rounding")
+CONE = positive_at_most(1e-10, "0 up to rounding")
+HALFWAY = around(1, 1e-9, "an equation, up to rounding")
 
 
 class Separation(ListedNumbers):
     """The four steps for random u ∉ K^h and random σ ∈ Σ^h(t), once for each body."""
 
     label = "(4.16)–(4.27)"
-    claim = "a u outside K is told from K by τ̃ = A ε(P u − u), and then (3.15) fails for every σ ∈ Σ(t)"
+    claim = "τ̃ = A ε(P u − u) separates a u outside K from K, and then (3.15) fails for every σ ∈ Σ(t)"
     rules = (
-        largest("cone", "(4.16), (4.23): distance of −(τ̃, ε(·))_Q from the forces of contact / its size", CONE, "cone"),
+        largest("cone", "(4.16), (4.23): distance of −(τ̃, ε(·))_Q from the contact forces / its size", CONE, "cone"),
         every("gap", "(4.17)–(4.20): −(τ̃, ε(u))_Q / ‖P u − u‖_V²", HALFWAY, "least gap", "largest gap"),
-        largest("stresses", "(4.24): τ̃ + σ̃, 2σ − σ̃ ∈ Σ^h, distance of f less them from the cone", CONE, "stresses"),
+        largest(
+            "stresses",
+            "(4.24): τ̃ + σ̃, 2σ − σ̃ ∈ Σ^h, distance of the rest of f from the cone of contact forces",
+            CONE,
+            "stresses",
+        ),
         every("refuted", "(4.25)–(4.27): least (τ − σ, ε(u))_Q / half of (τ̃, ε(u))_Q", HALFWAY, "refuted"),
     )
 

@@ -56,7 +56,7 @@ KINDS = 5
 SMALL = 0.01
 """Largest strain of an eigenvector at T, far inside K, where the law is linear."""
 SEEN = around(1, 1e-3, "the midpoint rule adds 3.3e-4 at most")
-NEVER = positive_at_most(1 + 1e-7, "proved; room for fixed points")
+NEVER = positive_at_most(1 + 1e-7, "proved; tolerance for fixed-point iterations")
 ATTAINED = Window(1 - 1e-7, 1 + 1e-7, "B = −ωI: equality but for rounding")
 
 
@@ -75,12 +75,19 @@ class SolutionDivergence(ListedNumbers):
 
     label = "Thm 2.2, (4.4)"
     effort = 150
-    claim = "where G softens, solutions part like e^{ct}, c the softest mode, and never faster than e^{ωt}, ω = L_G/m_A"
+    claim = (
+        "if G softens, the distance of two solutions grows like e^{ct}, c the rate of the softest mode, and never "
+        "faster than e^{ωt}, ω = L_G/m_A"
+    )
     rules = (
         every("rate", "rate of growth / c, softest mode under contact, all ω and T", SEEN, *columns("own", "rate")),
         every("rate-even", "rate of growth / ω for G = −ωA, all ω and T", SEEN, *columns("even", "rate")),
-        largest("bound", "‖u − v‖_V / its bound, other loads and starts", NEVER, *columns("own", "bound")),
-        every("bound-even", "the same for G = −ωA, largest, all ω and T", ATTAINED, *columns("even", "bound")),
+        largest(
+            "bound", "‖u − v‖_V / its bound, for other loads and initial displacements", NEVER, *columns("own", "bound")
+        ),
+        every(
+            "bound-even", "‖u − v‖_V / its bound for G = −ωA, largest, all ω and T", ATTAINED, *columns("even", "bound")
+        ),
     )
     quick = grid(("softening",), ("shaken",), (4,))
     full = grid(SOFTENING, ("unstructured",), (6, 12))

@@ -68,10 +68,10 @@ INSTANTS = (3, 6, 12, 24, 48, 72, 96)
 POINTS = 2
 """Gauss points in each step."""
 
-_BY_WHAT = f"round-off, and for law (3.3) a fixed point stopped at {FIXED_POINT:g} of u beside products with e"
+_BY_WHAT = f"rounding, and for law (3.3) a fixed-point iteration stopped at {FIXED_POINT:g} of u"
 NEVER, EQUAL = at_most(1e-8, _BY_WHAT, low=-np.inf), positive_at_most(1e-8, _BY_WHAT)
-BY_PARTS = positive_at_most(0.003, "two points of Gauss leave k² ~ 1e-4 of the terms where velocities jump")
-INTEGRATED = Window(0.2, 1.0, "proved; at T/32 errors that stay leave 1/(1 + L T/8)")
+BY_PARTS = positive_at_most(0.003, "two Gauss points leave an error k² ~ 1e-4 of the terms where velocities jump")
+INTEGRATED = Window(0.2, 1.0, "proved; errors that are constant in time give 1/(1 + L T/8) at T/32")
 YOUNG = Window(0.01, 1.0, "proved; 0.03 … 0.15 for e like η")
 IN_TIME = Window(0.1, 1.0, "proved; 1/2 where η grows from zero")
 TOGETHER = Window(0.003, 1.0, "proved; 0.01 … 0.1 for e like η")
@@ -81,7 +81,7 @@ class StepsOfTheEstimate(ListedNumbers):
     """The ratio of the left to the right side of each inequality, and the defects of the equations."""
 
     label = "(5.11)–(5.16), (5.18), (5.19)"
-    claim = "‖u(t) − u^h(t)‖_V² ≤ what (5.12), (5.14), (5.16) and (5.19) say, at every t and with their constants"
+    claim = "the bounds (5.12), (5.14), (5.16) and (5.19) of ‖u(t) − u^h(t)‖_V² hold at every t, with their constants"
     rules = (
         largest("5.12", "(left − right side of (5.12)) / its terms, any v^h ∈ K^h", NEVER, "violation"),
         largest("slack-5.12", "(5.12): |right − left − work of contact| / terms", EQUAL, "slack"),

@@ -31,18 +31,21 @@ STEADY = positive_at_most(2.0, "k^{3/2} against h² over two refinements")
 """With k ~ h^{2/3} the share of errors of order 2 in k would be 2.5 times as large."""
 
 ROUGH_IN_TIME = "load-w11"
-BY_CHANCE = "ü ~ (t − t_0)^{−3/4}, so that the order in k is below 3/2, by where in a step t_0 lies"
+BY_CHANCE = "ü ~ (t − t_0)^{−3/4}, so that the order in k is below 3/2 and depends on the position of t_0 in a step"
 
 
 class Superclose(ListedNumbers):
     """The order of the discrete error for the plane cases of Proposition 5.4, and the share of the error in time."""
 
     label = "superclose"
-    claim = "‖Π^h u − u^h‖_{L∞(0,T;V)} is of order 3/2 to 2 on one-diagonal meshes, with k ~ h"
+    claim = (
+        "‖Π^h u − u^h‖_{L∞(0,T;V)} is of order 3/2 to 2 on one-diagonal meshes, with k ~ h, if u̇ is Lipschitz except "
+        "for jumps"
+    )
     rules = (
         order("order", "order of ‖Π^h u − u^h‖_V, k ~ h", ORDER, "discrete error", last=ENOUGH),
         largest("time-share", "time share of ‖Π^h u − u^h‖_V, by half as many steps", TIME, "time share"),
-        change("share-growth", "time share, finest level over the coarsest", STEADY, "time share"),
+        change("share-growth", "time share, finest level / coarsest level", STEADY, "time share"),
     )
 
     def places(self, full: bool) -> list[Setting]:

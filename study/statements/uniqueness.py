@@ -28,7 +28,7 @@ from study.statements.shared.norms import maximum, norm
 from study.statements.thm_4_2_own_space import StressExperiment
 
 STEPS = 12
-_BY_WHAT = f"exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step"
+_BY_WHAT = f"exact solvers, or a fixed-point iteration stopped at {FIXED_POINT:g} in every step"
 EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), positive_at_most(1e-9, _BY_WHAT)
 """From any start a solver ends with the same active set and the same digits; other arithmetic leaves rounding."""
 INTERIOR = positive_at_most(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
@@ -44,12 +44,14 @@ class OneTrajectory(ListedNumbers):
     """
 
     label = "Thm 4.1, 5.2"
-    claim = "one trajectory on V^h from different starts, solvers and splittings: a test of the solvers"
+    claim = "different initial guesses, solvers and splittings give one solution in V^h: a test of the solvers"
     rules = (
         largest("random-starts", "from random active sets", EXACTLY, "random starts"),
         largest("least-squares", "by Lawson and Hanson's method on the dual", OTHERWISE, "least squares"),
-        largest("fixed-point", "by a fixed point with all of G on the right", OTHERWISE, "fixed point"),
-        largest("interior-point", "by an interior point method on the whole programme", INTERIOR, "interior point"),
+        largest(
+            "fixed-point", "by a fixed-point iteration with all of G on the right-hand side", OTHERWISE, "fixed point"
+        ),
+        largest("interior-point", "by an interior point method on the whole problem", INTERIOR, "interior point"),
     )
     quick = grid((*EVOLVING, *SOFTENING), ("shaken",), (6,))
     full = (
@@ -142,7 +144,7 @@ class OneStress(ListedNumbers):
     """
 
     label = "Thm 4.3"
-    claim = "one stress on Σ^h from different starts and solvers: a test of the solvers"
+    claim = "different initial guesses and solvers give one stress in Σ^h: a test of the solvers"
     rules = (
         largest("random-starts", "stresses from random active sets", EXACTLY, "random starts"),
         largest("least-squares", "stresses by Lawson and Hanson's method on the dual", OTHERWISE, "least squares"),

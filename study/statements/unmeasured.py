@@ -34,7 +34,7 @@ class Misprints(Listed):
     """Places where the printed text of the source is wrong, and how to read them."""
 
     label = "slips"
-    claim = "slips in the printed text"
+    claim = "misprints in the paper"
     lines = (
         ("zero-on-clamped-part", "(5.23)", "for all v ∈ H²(Ω)²",
          "read: for v ∈ H²(Ω)² with v = 0 on Γ1: Π^h v ∈ V^h vanishes there, and ‖·‖_V is a norm on V; rows of (5.23) "
@@ -52,7 +52,7 @@ class Misprints(Listed):
          "read: 𝓛_G/m_A for 𝓛_G in both, as ‖·‖_V carries A, and ds for dt"),
         ("residual-at-zero", "(5.27)", "|R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(0,T;V)}) ‖v‖_V",
          "read: with ‖G(·, 0)‖_Q in the sum: (3.2) lets G(·, 0) be any element of Q, and rows of (5.27) have one for "
-         "which the printed bound is 0 and R is not"),
+         "which the printed bound is 0 and R is not 0"),
         ("root-in-5.28", "(5.28)", "‖u − v^h‖_{L∞(0,T;V)} in the infimum",
          "read: its square root, as in (5.33): (5.21) takes R^{1/2}"),
         ("left-side-of-5.31", "(5.31), first line", "left side is ‖u_ε − Π^h u_ε‖_{L²(0,T;V)}",
@@ -76,7 +76,7 @@ class Untested(Listed):
     """Claims of the source about infinitely many functions or data: they are listed without a verdict."""
 
     label = NOT_TESTED
-    claim = "statements that no finite number of computations can test"
+    claim = "statements that finitely many computations cannot test"
     lines = (
         ("existence", "Thm 2.2, 4.1, 4.3, 5.2", "a solution exists for all data with (3.1), (3.2), (3.4), (3.5)",
          "not tested: exact solutions are constructed, and programmes solved, for the data of the cases alone; that "
@@ -98,7 +98,7 @@ class WithoutRow(Listed):
     """Definitions, problems, assumptions, and steps that other rows judge, and why each has no row."""
 
     label = NO_ROW
-    claim = "formulas that define, restate or lead to what other rows judge"
+    claim = "formulas that need no row: definitions, restatements, and steps towards other statements"
     lines = (
         ("problem", "Problem 2.1, (2.1)–(2.6)", "the mechanical problem",
          "a problem, not a claim: every exact solution is checked against it before it is used"),
@@ -138,7 +138,7 @@ class WithoutRow(Listed):
          "which this start violates it"),
         ("convergence", "(5.26)", "the error tends to 0", "what Prop. 5.3 says: judged there"),
         ("both", "(5.28)", "(5.21) with (5.27) for R",
-         "follows from these two, which are judged; as printed it lacks a root, a slip"),
+         "follows from these two, which are judged; as printed, a root is missing"),
         ("smooth-interpolants", "(5.30)–(5.32)", "interpolation of a smooth u_ε",
          "(5.23), judged for smooth fields too"),
         ("first-order", "(5.37)", "the error is O(h)", "what Prop. 5.4 says: judged there"),

@@ -30,8 +30,8 @@ FEW = ("advance-recede", "yield-on-a-part")
 STEPS = {"k": 24, "k/2": 48, "k/4": 96}
 SUPREMUM_AT = 192
 """Intervals of the grid for sup_t ‖u̇(t)‖_V: twice as many as in the finest grid for u^h."""
-BOUNDED = Window(0.5, 1.5, "at every h and k")
-LIMIT = around(1, 0.1, "u̇^h → u̇ and u̇ is continuous but for isolated times")
+BOUNDED = Window(0.5, 1.5, "for all h and k")
+LIMIT = around(1, 0.1, "u̇^h → u̇, and u̇ is continuous except at isolated times")
 
 
 class BoundedVelocity(ListedNumbers):
@@ -66,10 +66,10 @@ def fastest(problem: SemiDiscrete, steps: int) -> float:
 
 SIZES = (0.1, 1.0, 10.0)
 """Sizes of the perturbations, relative to the data."""
-NEVER = positive_at_most(1 + 1e-7, f"room for fixed points stopped at {FIXED_POINT:g}")
+NEVER = positive_at_most(1 + 1e-7, f"tolerance for fixed-point iterations stopped at {FIXED_POINT:g}")
 SHARP = Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4")
 UNDAMPED = "‖u − v‖_V / (‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = 0, allowed by monotone G"
-AFTER_ONE_STEP = "the same after one step, ω = L_G/m_A, f − g constant and off the contact"
+AFTER_ONE_STEP = "‖u − v‖_V / its bound after one step, ω = L_G/m_A, f − g constant and not acting on the contact"
 
 
 @dataclass(frozen=True, eq=False)

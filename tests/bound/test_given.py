@@ -27,10 +27,13 @@ from manufactured import (
     x2,
 )
 from manufactured.tensors import Array
-from study.bound.enclosing import Enclosure
+from study.bound.bounded import contact_sentences
+from study.bound.discretisation import Discretisation
+from study.bound.enclosing import Enclosure, enclose, enclose_several
 from study.bound.fields import read
 from study.bound.given import GivenDisplacement, bound_displacement, given
 from study.bound.problem import BoundError
+from study.bound.trajectory import Refined
 
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 VARIANTS = ("less", "more", "penetrating", "of another problem")
@@ -131,6 +134,27 @@ def test_displacements_of_an_independent_solver_are_enclosed(seed: int, evolving
 @pytest.mark.parametrize("seed", range(6, 36))
 def test_sixty_random_problems_have_no_error_outside(seed: int, evolving: bool) -> None:
     check_random_problem(seed, evolving)
+
+
+def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation() -> None:
+    angles = np.pi * (1 + np.linspace(0, 1, 17))
+    disk = polygon(np.stack([np.cos(angles), np.sin(angles)], axis=1).tolist(), [Kind.CONTACT] * 16 + [Kind.CLAMPED])
+    (sentence,) = contact_sentences(disk)
+    assert sentence.startswith("Γ3 has 16 sides that do not lie on one line")
+    assert "a curved one" in sentence
+    in_two = polygon([(0, 0), (1, 0), (2, 0), (1, 1)], [Kind.CONTACT, Kind.CONTACT, Kind.LOADED, Kind.CLAMPED])
+    assert contact_sentences(in_two) == []
+
+
+def test_displacements_on_one_mesh_share_the_better_displacement_and_its_bound() -> None:
+    data, arrays = square(), field()
+    given_ones = [given(data, **(arrays | {"u": factor * arrays["u"]})) for factor in (1.0, -2.0)]
+    coarse, better = Discretisation(data, given_ones[0].mesh), Refined(1, 1)
+    together = enclose_several(coarse, given_ones, better)
+    for one, u_h in zip(together, given_ones, strict=True):
+        alone = enclose(coarse, u_h, better)
+        assert (one.lowest, one.highest, one.norm) == (alone.lowest, alone.highest, alone.norm)
+    assert together[0].highest != together[1].highest
 
 
 def square(T: float = 1.0) -> Data:

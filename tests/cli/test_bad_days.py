@@ -87,7 +87,7 @@ def test_levels_are_added_to_a_directory_by_naming_them(
 def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def measured(plan: Any, store: Any, pool: Any) -> Any:
+    def measured(plan: Any, store: Any, *pools: Any) -> Any:
         raise UsageError(f"it would write in {store.directory}")
 
     write_text(tmp_path / "results" / "data" / "provenance.json", "{}")

@@ -199,7 +199,7 @@ def test_the_number_of_steps_grows_slower_than_the_number_of_cells(finished: Pat
 def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(capsys, finished: Path) -> None:
     source = finished.parent / "pocket.py"
     found = refused(capsys, "run", "--case", f"{source}:pocket", "--levels", "8", "16", "--out", str(finished))
-    assert "pocket criss-cross midpoint 32" in found
+    assert "pocket criss-cross 32" in found
     assert "--out" in found
 
 
@@ -224,8 +224,8 @@ def rising(table: pd.DataFrame) -> pd.DataFrame:
         (lambda data: spoil(data, lambda t: t.drop(columns="time_share")), 2, "lacks the columns time_share"),
         (lambda data: spoil(data, lambda t: t.assign(discrete_error=0.0)), 2, "discrete_error: stands 0.0, expected a"),
         (lambda data: spoil(data, lambda t: t.assign(case="other")), 2, "other one-diagonal midpoint 8 is not among"),
-        (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), 2, "rows of the plan that are missing"),
-        (lambda data: spoil(data, lambda t: t.head(0)), 2, "rows of the plan that are missing"),
+        (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), 2, "missing measurements"),
+        (lambda data: spoil(data, lambda t: t.head(0)), 2, "missing measurements"),
     ],
 )
 def test_damaged_or_incomplete_data_never_pass(finished: Path, tmp_path: Path, capsys, damage, code, message) -> None:

@@ -236,8 +236,8 @@ def with_gap(task: Any) -> Any:
 )
 def test_an_initial_gap_is_judged(factor: float, cause: str) -> None:
     task = with_gap(exported("layered"))
-    gap = factor * task.constraints()[3]
-    found = judged(faults.in_contact(lambda W, free, _: judge.active_set(W, free - gap)), task)
+    gap = (1 - factor) * task.constraints()[3]
+    found = judged(faults.in_contact(lambda W, free, _: judge.active_set(W, free + gap)), task)
     assert (found.verdict == "exact for P1") == (factor == 1)
     assert cause in found.cause
 

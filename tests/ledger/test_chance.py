@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from study.ledger.chance import FEWEST, Tail, interval, promise_verdict, tail
+from study.ledger.chance import FEWEST, Tail, interval, promise_verdict, seeds_needed, tail
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 
 
@@ -103,16 +103,14 @@ def test_too_few_seeds_have_no_tail() -> None:
 
 
 @pytest.mark.parametrize(
-    ("least", "by_tail", "state"),
+    ("alarms", "seeds", "state"),
     [
-        (0.0, 0.01, HOLDS),
-        (0.01, 0.005, HOLDS),
-        (0.0, 0.0101, UNDECIDED),
-        (0.0, math.nan, UNDECIDED),
-        (0.0101, 0.005, FAILS),
+        (0, 100, UNDECIDED),
+        (0, seeds_needed() - 1, UNDECIDED),
+        (0, seeds_needed(), HOLDS),
+        (5, 100, FAILS),
+        (0, 0, UNDECIDED),
     ],
 )
-def test_one_false_alarm_in_a_hundred_is_promised_if_neither_count_nor_tails_contradict_it(
-    least: float, by_tail: float, state: str
-) -> None:
-    assert promise_verdict(least, by_tail) == state
+def test_the_count_of_seeds_alone_decides_whether_the_promise_is_kept(alarms: int, seeds: int, state: str) -> None:
+    assert promise_verdict(*interval(alarms, seeds)) == state

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from study.ledger.criterion import (
-    Constant,
+    SHARP,
     Criterion,
     between_levels,
     change,
@@ -21,7 +21,7 @@ from study.ledger.criterion import (
     order,
 )
 from study.ledger.datafiles import with_orders
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
+from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 from study.ledger.window import around, at_most
 
 LEVELS = (8, 16, 32, 64)
@@ -38,7 +38,7 @@ def levels(values: object, count: int = len(LEVELS)) -> pd.DataFrame:
     return pd.DataFrame({"h": 1 / np.array(LEVELS), "e": np.broadcast_to(values, len(LEVELS))}).head(count)
 
 
-def judged(rule: Criterion | Constant, *families: pd.DataFrame) -> Verdict:
+def judged(rule: Criterion, *families: pd.DataFrame) -> Verdict:
     return rule.verdict(Claim(), "a", {str(i): family for i, family in enumerate(families)})
 
 
@@ -115,9 +115,11 @@ def test_one_family_that_cannot_tell_leaves_all_undecided_and_one_that_fails_is_
     assert judged(rule).verdict == UNDECIDED
 
 
-@pytest.mark.parametrize(("quotient", "verdict"), [(1.0, HOLDS), (0.9, REPORTED), (1.01, FAILS), (math.nan, FAILS)])
-def test_a_constant_that_is_not_the_best_is_reported_and_one_that_is_exceeded_fails(quotient, verdict) -> None:
-    assert judged(Constant("key", "quotient", "e"), levels(quotient)).verdict == verdict
+@pytest.mark.parametrize("quotient", [0.9, 1.01, math.nan])
+def test_a_quotient_over_a_best_constant_must_be_one(quotient) -> None:
+    rule = largest("key", "quotient", SHARP, "e")
+    assert judged(rule, levels(1.0)).verdict == HOLDS
+    assert judged(rule, levels(quotient)).verdict == FAILS
 
 
 def test_the_column_of_orders_is_empty_where_there_are_none() -> None:

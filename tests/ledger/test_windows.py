@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -11,7 +12,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study.ledger.criterion import Criterion, Observation
+from study.ledger.datafiles import read_claims
+from study.ledger.theorems import EXACT_QUOTIENTS, THEOREMS
 from study.ledger.verdict import (
+    CAN_FAIL,
     FAILS,
     HOLDS,
     IDENTITY,
@@ -20,9 +24,11 @@ from study.ledger.verdict import (
     ORDER,
     REPORTED,
     SIZE,
+    THEOREM,
     UNDECIDED,
     agreement,
     exit_code,
+    is_of_the_paper,
     kind,
     window_share,
 )
@@ -58,7 +64,7 @@ def test_a_window_distinguishes_wrong_from_unclear(value: float, low: float, hig
     ("window", "text"),
     [
         (around(1, 0.15, "every consecutive order"), "1 ± 0.15: every consecutive order"),
-        (between(1.5, 2, 0.15, 0.2), "1.5 … 2, − 0.15 + 0.2"),
+        (between(1.5, 2, 0.15, 0.2), "1.35 … 2.2, predicted 1.5 … 2"),
         (around(0.5444837, 0.15), "0.544 ± 0.15"),
         (at_most(0.02, "of the error"), "≤ 0.02: of the error"),
         (at_most(1 + 1e-9, low=-math.inf), "≤ 1 + 1e-9"),
@@ -66,6 +72,7 @@ def test_a_window_distinguishes_wrong_from_unclear(value: float, low: float, hig
         (at_least(0.97), "≥ 0.97"),
         (Window(0.7, 1.4), "0.7 … 1.4"),
         (around(0, 0.1), "0 ± 0.1"),
+        (Window(-1.5, -0.5), "-1.5 … -0.5"),
     ],
 )
 def test_a_window_writes_its_own_text(window: Window, text: str) -> None:
@@ -87,14 +94,14 @@ def test_a_row_is_known_by_label_key_case_and_family_and_carries_its_window() ->
 
 def test_a_prediction_without_a_claim_is_reported_and_missed_if_it_was_wrong() -> None:
     for value, outcome, verdict in (
-        (1.0, "agrees", REPORTED),
-        (1.2, "differs", MISSED),
+        (1.0, "met", REPORTED),
+        (1.2, "wrong", MISSED),
         (math.nan, "undecided", REPORTED),
     ):
         criterion = Criterion("key", "a quantity", around(1, 0.1), lambda _, v=value: (v, (v, v)), ())
         row = Observation(criterion, "nobody knows").verdict(Claim(), "a", {"shaken": pd.DataFrame({"h": [1.0]})})
         assert row.verdict == verdict
-        assert row.expected == f"predicted 1 ± 0.1; no claim, as nobody knows: {outcome}"
+        assert row.expected == f"predicted 1 ± 0.1 ({outcome}); no claim, because nobody knows"
         assert agreement(pd.Series(vars(row))) == outcome
 
 
@@ -127,11 +134,35 @@ def test_a_failure_goes_before_an_undecided_row_and_a_missed_prediction_is_no_fa
         (at_least(0.97), "waves", ONE_SIDED),
         (at_most(1e-10), "residual", IDENTITY),
         (at_most(1 + 1e-9, low=1 - 1e-9), "equality", IDENTITY),
+        (at_most(1e-12, low=-math.inf), "sign", IDENTITY),
+        (Window(-1.5, -0.5), "order", ORDER),
     ],
 )
 def test_evidence_has_a_kind_by_its_window(window: Window, key: str, expected: str) -> None:
     row = replace(judged(window, 1.0, 1.0, 1.0), key=key, quantity="a quantity")
     assert kind(pd.Series(vars(row))) == expected
+
+
+@pytest.mark.parametrize(
+    ("label", "key", "expected"),
+    [("(3.6)", "upper", THEOREM), ("(3.1)", "bound", IDENTITY), ("Prop. 5.4", "parallelogram", THEOREM)],
+)
+def test_rows_that_only_a_wrong_program_fails_are_no_evidence_for_a_claim(label: str, key: str, expected: str) -> None:
+    row = replace(judged(at_most(1.0), 0.5, 0.5, 0.5), label=label, key=key, quantity="a quantity")
+    assert kind(pd.Series(vars(row))) == expected
+    assert expected not in CAN_FAIL
+
+
+def test_every_proved_relation_names_rows_of_the_committed_ledger() -> None:
+    claims = read_claims(Path(__file__).parents[2] / "results")
+    rows = set(claims[["label", "key"]].itertuples(index=False, name=None))
+    listed = {(label, key) for table in (THEOREMS, EXACT_QUOTIENTS) for label, keys in table.items() for key in keys}
+    assert listed <= rows
+
+
+@pytest.mark.parametrize(("label", "paper"), [("Prop. 5.4", True), ("(4.4), (4.5), (5.6)", True), ("bound", False)])
+def test_a_row_is_about_the_paper_if_its_label_has_a_number_of_the_paper(label: str, paper: bool) -> None:
+    assert is_of_the_paper(label) is paper
 
 
 @pytest.mark.parametrize(

@@ -169,9 +169,9 @@ EARLY = sp.Rational(3, 10)
 @pytest.mark.parametrize(
     ("changes", "condition"),
     [
-        ({"gap": -20 * pos(s - C, 4)}, "u_ν ≤ 0"),
-        ({"gap": 20 * pos(s - C + sp.Rational(1, 100), 4)}, "w = 0, so σ_ν u_ν = 0, on the stated zone"),
-        ({"gap": 20 * pos(s - C + SHIFT, 4), "level": C - s - SHIFT}, "p = 0, so σ_ν u_ν = 0, off the stated zone"),
+        ({"gap": -20 * pos(s - C, 4)}, "u_ν ≤ g"),
+        ({"gap": 20 * pos(s - C + sp.Rational(1, 100), 4)}, "w = 0, so σ_ν w = 0, on the stated zone"),
+        ({"gap": 20 * pos(s - C + SHIFT, 4), "level": C - s - SHIFT}, "p = 0, so σ_ν w = 0, off the stated zone"),
         ({"gap": 20 * pos(s - C, 4) * (1 + pos(s - sp.Rational(9, 10), 0))}, "w without jumps"),
         ({"strain": Memory(20 * pos(C - s, 2) * (1 - 2500 * pos(t * (EARLY - t), 2)), 3, 3, 1.0)}, "σ_ν ≤ 0"),
         ({"strain": Memory(20 * pos(C - s, 2), 2.5, 7, 1.0)}, "p = −σ_ν"),

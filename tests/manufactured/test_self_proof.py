@@ -7,12 +7,18 @@ import re
 
 import numpy as np
 import pytest
+from sympy import Rational, cos, pi
 
 from manufactured import SelfProofError, examine, named, prove
+from manufactured.body import Kind, unit_square
+from manufactured.cases.laws import proportional
+from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Fields
 from manufactured.exact.solution import FaceFields
+from manufactured.self_proof import interior
 from manufactured.self_proof.contact_zone import _grid, signs
 from manufactured.self_proof.finding import Finding, worst
+from manufactured.symbols import pos, s, t
 
 OFF = 1e-6
 """A relative defect that no condition may let pass."""
@@ -25,7 +31,7 @@ SMALL_DEFECTS = [
     (Fields, "strain", r"(2.10) ε(u) = sym ∇u"),
     (Fields, "strain_rate", r"(2.10) ε(u̇) = sym ∇u̇"),
     (Fields, "velocity", r"(2.6) u̇ = ∂u/∂t"),
-    (FaceFields, "gap", r"(2.5) w = −u_ν"),
+    (FaceFields, "gap", r"(2.5) w = g − u_ν"),
     (FaceFields, "stated_pressure", r"(2.5) p = −σ_ν"),
 ]
 
@@ -41,8 +47,8 @@ def violated(solution: ExactSolution) -> str:
 def test_the_conditions_on_gamma_3_are_looked_at_all_along_it(name: str, apart: float) -> None:
     for face in named(name).solution.faces:
         points, (low, high) = _grid(face.part), (face.part.outline.min(axis=1), face.part.outline.max(axis=1))
-        for s, a, b in zip(points, low, high, strict=True):
-            assert np.diff(np.sort([a, *s, b])).max() <= apart * (b - a)
+        for places, a, b in zip(points, low, high, strict=True):
+            assert np.diff(np.sort([a, *places, b])).max() <= apart * (b - a)
 
 
 def off_by_a_millionth(values: np.ndarray) -> np.ndarray:
@@ -67,7 +73,7 @@ def test_each_numbered_condition_is_examined_where_it_has_something_to_say() -> 
     numbers = {re.match(r"\([\d.]+\)", finding.condition)[0] for finding in examine(LAYERS)}
     assert numbers == {"(2.1)", "(2.2)", "(2.3)", "(2.4)", "(2.5)", "(2.6)", "(2.9)", "(2.10)", "(3.1)", "(3.2)"}
     said = [finding.condition for finding in examine(LAYERS)]
-    for words in ("Div σ + f_0", "σν continuous", "u(t) = u_0 + ∫u̇ dt", "σ_τ = 0", "u_ν ≤ 0", "σ_ν ≤ 0", "w > 0 off"):
+    for words in ("Div σ + f_0", "σν continuous", "u(t) = u_0 + ∫u̇ dt", "σ_τ = 0", "u_ν ≤ g", "σ_ν ≤ 0", "w > 0 off"):
         assert any(words in one for one in said), words
 
 
@@ -89,3 +95,27 @@ def test_what_is_no_number_passes_nothing(defect: float) -> None:
     x, scale = np.zeros((2, 2)), np.ones((1, 2))
     assert not worst("(2.2)", x, np.zeros(1), np.array([[0.0, defect]]), scale).passes
     assert not worst("(2.2)", x, np.zeros(1), np.array([[0.0, 1e-8]]), np.array([[defect, 1.0]])).passes
+
+
+def ten_periods() -> ExactSolution:
+    """Contact that comes and goes ten times until T = 20."""
+    body, law = unit_square(T=20.0), proportional(0.2)
+    c = Rational(1, 2) + cos(pi * t) / 4
+    (part,) = body.of(Kind.CONTACT)
+    face = ContactFace.linear(part, law, body.T, 20 * pos(s - c, 4), 20 * pos(c - s, 2), c - s)
+    return ExactSolution(body, law, (face,))
+
+
+def test_the_integral_of_the_velocity_is_computed_finely_enough_for_a_long_time(monkeypatch) -> None:
+    solution = ten_periods()
+    x = solution.body.sample(np.random.default_rng(0), 20)
+    assert interior.history(solution, x).passes
+    monkeypatch.setattr(interior, "MOST", interior.PANELS)
+    assert not interior.history(solution, x).passes
+
+
+def test_finer_panels_do_not_hide_a_wrong_velocity(monkeypatch) -> None:
+    right = Fields.velocity
+    monkeypatch.setattr(Fields, "velocity", lambda fields, time: 1.001 * right(fields, time))
+    solution = ten_periods()
+    assert not interior.history(solution, solution.body.sample(np.random.default_rng(0), 20)).passes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pandas as pd
@@ -11,7 +12,7 @@ from study.ledger.datafiles import DataError, read_claims
 from study.ledger.verdict import REPORTED
 from study.ledger.window import MIN_POSITIVE
 from study.present import windows
-from study.present.windows import NOT_NOTHING, added, changes, earlier
+from study.present.windows import NOT_NOTHING, RELEASED, added, changes, earlier, release
 
 RESULTS = Path(__file__).parents[2] / "results"
 CLAIMS = read_claims(RESULTS)
@@ -31,6 +32,23 @@ def test_every_change_of_the_committed_ledger_has_a_reason() -> None:
     assert all(change.why for change in [*changes(THEN, CLAIMS), *added(THEN, CLAIMS)])
 
 
+def test_every_change_since_the_last_release_has_a_reason() -> None:
+    """A window was changed? Say why in ``study.present.windows.WHY``; the page on windows lists it then."""
+    released = earlier(RESULTS, RELEASED)
+    assert all(change.why for change in changes(released, CLAIMS))
+
+
+def test_a_release_records_the_window_of_every_claimed_row(tmp_path: Path) -> None:
+    (tmp_path / "data").mkdir()
+    shutil.copy(RESULTS / "data" / "claims.csv", tmp_path / "data")
+    release(tmp_path)
+    assert changes(earlier(tmp_path, RELEASED), CLAIMS) == []
+    edited = CLAIMS.copy()
+    edited.loc[KEY, "window_high"] = 1.2
+    with pytest.raises(DataError, match="say why"):
+        changes(earlier(tmp_path, RELEASED), edited)
+
+
 @pytest.mark.parametrize(
     "edit",
     [
@@ -46,7 +64,7 @@ def test_a_window_that_is_moved_or_a_row_that_is_given_up_needs_one(edit: dict[s
     edited = CLAIMS.copy()
     for column, value in edit.items():
         edited.loc[KEY, column] = value
-    with pytest.raises(DataError, match=r"the window of Prop\. 5\.4, order for .* was 0\.85 … 1\.15 at 27a936c"):
+    with pytest.raises(DataError, match=r"the window of Prop\. 5\.4, order for .* was 0\.85 … 1\.15 before"):
         changes(THEN, edited)
 
 
@@ -54,7 +72,7 @@ def test_a_reason_is_shown_with_the_number_of_rows(monkeypatch: pytest.MonkeyPat
     monkeypatch.setitem(windows.WHY, ("Prop. 5.4", "order"), "the reason")
     edited = CLAIMS.copy()
     edited.loc[KEY, "window_high"] = 1.2
-    (change,) = [one for one in changes(THEN, edited) if one.key == "order"]
+    (change,) = [one for one in changes(THEN, edited) if (one.label, one.key) == ("Prop. 5.4", "order")]
     assert (change.before, change.today, change.why, change.rows) == (
         "0.85 … 1.15",
         "0.85 … 1.2",

@@ -44,6 +44,11 @@ class Page:
         return {block["name"]: block["text"] for block in BLOCK.finditer(self.text) if block["name"]}
 
     @property
+    def downloads(self) -> list[Path]:
+        """The files beside the page that it tells to download."""
+        return [self.path.with_name(name) for name in re.findall(r"{download}`([^`]+)`", self.text)]
+
+    @property
     def session(self) -> str:
         """The Python that the page runs."""
         return "\n".join(self._blocks(self.text, "python"))

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks import compare, growth, parallel, ratios, report
+from benchmarks import compare, curved, growth, parallel, ratios, report
 from benchmarks.peers import problem as exchange
 from study.solve.tableau import BACKWARD_EULER
 
@@ -110,3 +110,10 @@ def test_programs_that_are_installed_solve_the_same_problem(tmp_path: Path, monk
         (tmp_path / "peer.py").write_text(script)
         failed = compare.run(compare.Peer("peer", "peer.py", ()), tmp_path / "problem.npz", 0.6, sys.executable)
         assert failed.remark == remark
+
+
+def test_on_a_curved_face_exact_normals_give_the_smaller_distance_to_the_interpolant() -> None:
+    coarse, fine = curved.errors(8, 0), curved.errors(16, 0)
+    assert all(1.5 < before["error"] / after["error"] < 2.5 for before, after in zip(coarse, fine, strict=True))
+    exact, averaged = fine
+    assert exact["distance"] == 0 < averaged["distance"] < averaged["error"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterable
@@ -18,6 +19,7 @@ from study.cli.main import parser
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
 ELSEWHERE = {
     "python examples/errors.py": "project/test_habits.py::test_the_example_prints_the_table_beside_it",
+    "python frd.py": "project/test_pages.py::test_the_commands_of_a_page_end_with_success",
     "python checker.py": "certify/test_checker.py::test_a_copy_of_the_file_checks_a_certificate_without_any_package",
     "python -m pip install .": "project/test_packaging.py::test_the_wheel_works_with_numpy_and_sympy_alone",
     "python solver.py": "orders/test_convergence_check.py::test_the_tutorial_turns_red_when_its_solver_breaks",
@@ -70,6 +72,8 @@ def run(page: Page, directory: Path, command: list[str]) -> str:
     """What a command prints in the directory of a page's files; it has to succeed."""
     for name, text in page.files.items():
         (directory / name).write_text(text, encoding="utf-8")
+    for path in page.downloads:
+        shutil.copy(path, directory)
     programs = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     # The judge, which a page tells to copy beside one's own program.
     paths = {"PATH": programs, "PYTHONPATH": str(ROOT / "examples" / "codes")}
@@ -110,7 +114,8 @@ TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for l
     ids=lambda page: page.name,
 )
 def test_the_commands_of_a_page_end_with_success(page: Page, tmp_path: Path) -> None:
-    typed = [line for line in page.typed if words(line)[0] == "study" and not is_one_of(line, CI)]
+    programs = [f"python {name}" for name in page.files]
+    typed = [line for line in page.typed if (words(line)[0] == "study" and not is_one_of(line, CI)) or line in programs]
     expect(page.printed("sh"), "".join(run(page, tmp_path, words(line)) for line in typed))
 
 

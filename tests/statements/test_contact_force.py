@@ -8,9 +8,9 @@ import pytest
 
 from manufactured.catalogue import named
 from study.fem.mesh import OneDiagonal
-from study.ledger.verdict import FAILS, HOLDS, MISSED, UNCLAIMED, UNDECIDED
+from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNCLAIMED, UNDECIDED
 from study.solve.tableau import MIDPOINT
-from study.statements.contact_force import ContactForce, Forces, errors_in_time, measure_contact
+from study.statements.contact_force import LANDS, ContactForce, Forces, errors_in_time, measure_contact
 from study.statements.shared.experiment import Experiment
 
 LEVELS = np.array([8.0, 16.0, 32.0])
@@ -36,6 +36,14 @@ def test_on_random_meshes_a_low_order_of_the_pressure_is_a_missed_prediction_and
     found = verdicts(pd.concat([table(family="one-diagonal"), table(family="shaken", pressure=0.2)]))
     assert found.pop("order-pressure-random") == MISSED
     assert set(found.values()) == {HOLDS}
+
+
+def test_a_pressure_that_jumps_in_time_has_the_predicted_order_one_half_on_every_mesh() -> None:
+    half = {name: 1 / LEVELS**0.5 for name in ("pressure", "dual", "resultant")}
+    rows = pd.concat([table(LANDS, **half), table(LANDS, "shaken", **half)])
+    found = [verdict for verdict in ContactForce().judge(rows) if verdict.key.startswith("order")]
+    assert {verdict.key for verdict in found} >= {"order-pressure", "order-pressure-random"}
+    assert all(verdict.verdict == REPORTED and verdict.expected.endswith("agrees") for verdict in found)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,16 @@ import pandas as pd
 import pytest
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
-from study.statements.enclosure import CHECKED, CHECKED_LEVEL, WIDTH, BoundedError, EnclosedError, contains
+from study.ledger.window import around
+from study.statements.enclosure import (
+    CHECKED,
+    CHECKED_LEVEL,
+    ROOM,
+    UNPREDICTED,
+    BoundedError,
+    EnclosedError,
+    judge_interval,
+)
 
 
 def bounds(trajectory: str, levels: tuple[int, ...] = (8, 16), case: str = "a", **changes) -> pd.DataFrame:
@@ -80,8 +89,14 @@ def test_an_order_is_judged_where_nobody_knows_the_error() -> None:
     assert verdicts(EnclosedError(), unknown[:1]) == {}
 
 
-def test_an_interval_says_something_if_it_is_narrow() -> None:
-    assert contains((0.95, 0.95 + WIDTH), 1.0)[0] == HOLDS
-    assert contains((0.85, 0.86 + WIDTH), 1.0)[0] == UNDECIDED
-    assert contains((1.01, 1.05), 1.0)[0] == FAILS
-    assert contains((0.95, 1.05), math.nan)[0] == REPORTED
+def test_the_whole_interval_of_an_order_must_lie_in_the_window_of_every_other_order() -> None:
+    window = around(1, ROOM)
+    assert judge_interval((0.86, 1.14), window) == HOLDS
+    assert judge_interval((0.84, 1.02), window) == UNDECIDED
+    assert judge_interval((1.16, 1.2), window) == FAILS
+
+
+def test_a_problem_without_a_known_solution_and_a_predicted_order_says_so() -> None:
+    rows = bounds("enclosure", known=False, expected_order=math.nan, error=math.nan, above=math.nan, below=math.nan)
+    (order,) = EnclosedError().judge(rows)
+    assert (order.verdict, order.expected) == (REPORTED, UNPREDICTED)

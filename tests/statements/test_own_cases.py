@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from test_propositions import prop_5_3, prop_5_4, table
 
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, UNDECIDED, Verdict
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.judgement import with_reasons
 from study.statements.own_cases import enough, finer, judge_own, least_levels
 
@@ -149,3 +149,39 @@ def test_levels_are_added_until_an_order_can_be_decided() -> None:
     assert enough([8], 3, dim=3) == [8, 12, 16]
     assert "try --levels 16 32 48" in reason(own(following([0.6, 0.8]).assign(dim=3))["order"])
     assert (least_levels("Prop. 5.3"), least_levels("Prop. 5.4")) == (4, 3)
+
+
+def force(key: str, verdict: str, observed: float) -> Verdict:
+    return replace(
+        own(following([1.0, 1.0]))["order"], label="contact force", key=key, verdict=verdict, observed=observed
+    )
+
+
+def test_orders_of_the_contact_force_say_nothing_where_meshes_do_not_resolve_contact() -> None:
+    for off, resolved in ((0.01, True), (0.2, False)):
+        rows = [force("order-pressure", HOLDS, 1.2), force("resultant", HOLDS if resolved else FAILS, off)]
+        found = judge_own(rows, following([1.0, 1.0]))
+        if resolved:
+            assert [one.verdict for one in found] == [HOLDS, HOLDS]
+        else:
+            assert all("the force on a face is wrong by 20% on the finest" in reason(one) for one in found)
+
+
+def test_a_missed_order_of_the_contact_force_is_undecided_and_penetration_fails() -> None:
+    rows = [force("order-pressure", FAILS, 0.5), force("penetration", FAILS, 0.1), force("resultant", HOLDS, 0.01)]
+    missed, inside, _ = judge_own(rows, following([1.0, 1.0]))
+    assert "not settled on these meshes" in reason(missed)
+    assert inside.verdict == FAILS
+
+
+def test_a_contact_force_that_gains_no_half_order_is_reported_and_one_below_the_order_of_the_error_undecided() -> None:
+    for order, verdict in ((1.2, REPORTED), (0.7, UNDECIDED)):
+        (row,) = judge_own([force("order-dual-superclose", FAILS, order)], following([1.0, 1.0]))
+        assert row.verdict == verdict
+
+
+def test_a_time_share_of_the_contact_force_says_nothing_about_the_errors() -> None:
+    rows = [force("time-share", FAILS, 0.6), *prop_5_4(following([0.5, 0.5]))]
+    share, *others = judge_own(rows, following([0.5, 0.5]))
+    assert "raise `pace`" in reason(share)
+    assert {row.key: row.verdict for row in others}["order"] == FAILS

@@ -215,10 +215,3 @@ def test_theorem_4_2_fails_above_the_bound_by_the_duality_gap_and_where_the_boun
     for column in bounds:
         assert FAILS in verdicts(SameMesh().judge(good.assign(**{column: 1e-4}))).values()
         assert FAILS in verdicts(SameMesh().judge(good.assign(**{column: np.nan}))).values()
-
-
-def test_four_cases_must_have_their_supremum_after_the_start() -> None:
-    rows = pd.concat([table(case=name, expected_order=1.0) for name in "abcd"])
-    for changed, holds in ((rows, True), (rows.assign(initial_error=rows["error"]), False)):
-        last = [v for v in FirstOrder().judge(changed) if v.case == "all cases"]
-        assert ([verdict.verdict for verdict in last] == [HOLDS]) is holds

@@ -35,19 +35,22 @@ REPORTED = "_reported"
 
 
 class Statement:
-    """A numbered statement of the paper, or a question beyond it. Two instances of one class are equal.
+    """A numbered statement of the paper, or a statement of this study. Two instances of one class are equal.
 
-    A subclass sets the attributes and overrides ``measure``; a statement that is judged from the rows of another one
-    measures nothing. By default a measurement is one row of the data file, and each criterion is applied to every case.
+    A subclass sets the attributes and overrides ``measure``, unless it is judged from the measurements of another
+    statement. By default a measurement is one row of the data file, and each criterion is applied to every case.
 
     Attributes:
         label: the number of the statement.
-        claim: the statement in words.
-        file: the data file with the rows from which it is judged.
-        beside: another data file; its columns are joined to the rows with the same key as ``NAME_reported``.
+        claim: the claim in words.
+        file: the data file with the rows from which the statement is judged.
+        joined_file: a second data file or None. Its columns are added to the rows of ``file`` that have the same key,
+            under the names ``NAME_reported``.
         rules: the criteria, each of which gives one row of the ledger for every case.
         quick, full: the settings of the quick and of the full study.
-        of_every_case: whether it is measured on every case of a run, also on cases of users.
+        of_every_case: whether the statement is measured on every case of a run, including the cases of users.
+        initial_gap: whether the statement is also measured on cases with an initial gap; the paper has no such gap.
+        of_own_cases: whether ``settings`` includes the cases of users although ``of_every_case`` is false.
     """
 
     label: str
@@ -58,13 +61,19 @@ class Statement:
     quick: Sequence[Any] = ()
     full: Sequence[Any] = ()
     of_every_case: bool = False
+    initial_gap: bool = False
+    of_own_cases: bool = False
+
+    def planned(self, scope: Scope) -> Sequence[Any]:
+        """Return the settings of a study, without cases with an initial gap unless ``initial_gap`` is set."""
+        return self.settings(scope if self.initial_gap else scope.of_the_paper())
 
     def places(self, full: bool) -> Sequence[Any]:
         """Return the settings of the full or of the quick study."""
         return self.full if full else self.quick
 
     def settings(self, scope: Scope) -> Sequence[Any]:
-        """Return the settings of a study: of all places those whose case is studied."""
+        """Return the settings whose case belongs to the study."""
         return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
     def measure(self, setting: Any) -> Mapping[str, Any]:
@@ -76,7 +85,7 @@ class Statement:
         yield self.file, found
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """Return rows of the ledger from the rows of its data file, joined with the predictions for their cases."""
+        """Return rows of the ledger from rows of the data file, which contain the predictions for their cases."""
         cases = [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
         return [rule.verdict(self, case, groups) for case, groups in cases for rule in self.rules]
 
@@ -102,22 +111,22 @@ class Statement:
 SEED = 2002
 """Seed of all random numbers in measurements."""
 EVOLVING = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
-"""Cases that represent all others when trajectories are measured: linear laws, moving fronts, law (3.3)."""
+"""The cases on which trajectories are measured: they have linear laws, moving fronts and the law (3.3)."""
 SOFTENING = ("softening", "double-well")
-"""A linear and a nonlinear case whose G is not monotone: they satisfy (3.2) and no more."""
+"""A case with a linear and a case with a nonlinear G that is Lipschitz, as (3.2) requires, but not monotone."""
 LISTED = CsvFile(
     "statements.csv",
     ("label", "case", "family", "level"),
     ("label", "case", "family", "level", "h", "quantity", "value"),
 )
-"""Measurements of most statements, one row for each number."""
+"""The data file of most statements, with one row for each measured number."""
 
 
 class ListedNumbers(Statement):
     """A statement whose numbers are listed one by one in ``statements.csv``.
 
     Attributes:
-        effort: time of a measurement relative to most others at the same level.
+        effort: run time of a measurement, relative to a typical statement at the same level.
     """
 
     file: DataFile = LISTED
@@ -134,11 +143,11 @@ class ListedNumbers(Statement):
         return judge(self, rows, self.rules)
 
     def cost(self, setting: Setting) -> float:
-        """Return the expected time in µs by level and dimension alone."""
+        """Return the expected time in µs, which is estimated from the level and the dimension."""
         return self.effort * float(setting.level**2) * (230 if setting.dim == 2 else 30_000)
 
     def memory(self, setting: Setting) -> float:
-        """Return the largest memory of all such statements at the level."""
+        """Return the estimated memory, which is the same for all statements of this class at one level."""
         return estimates.statement(setting.dim, setting.level)
 
 
@@ -148,5 +157,5 @@ def grid(cases: Sequence[str], families: Sequence[str], levels: Sequence[int]) -
 
 
 def with_h(h: float, values: Mapping[str, float]) -> dict[str, float]:
-    """Return the mesh size and numbers as one mapping, as ``ListedNumbers.measure`` must."""
+    """Return the result of ``ListedNumbers.measure``: the mesh size under the key "h", and the given numbers."""
     return {"h": h, **{name: float(value) for name, value in values.items()}}

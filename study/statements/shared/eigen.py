@@ -13,14 +13,14 @@ from study.solve.evolution import SemiDiscrete
 from study.statements.shared.base import SEED
 
 SMALLEST, LARGEST = 1e-9, 1e-4
-"""Relative residuals at which eigenvectors are accepted. The largest eigenvalues lie in clusters, where vectors do not
-converge; the value is a Rayleigh quotient, whose error is about the square."""
+"""Relative tolerances for the smallest and the largest eigenvalue. The largest eigenvalues lie in clusters, where
+eigenvectors converge slowly. A loose tolerance is enough: the error of a Rayleigh quotient is about its square."""
 LANCZOS = 40
 """Number of Lanczos vectors."""
 
 
 def unloaded(space: Space, law: KelvinVoigt) -> SemiDiscrete:
-    """Return Problem 5.1 without load and at rest, for the matrices of a law on V^h."""
+    """Return Problem 5.1 with zero load and zero initial displacement, used for its matrices."""
     return SemiDiscrete.of(space, law, lambda time: np.zeros(space.dofs), np.zeros(space.dofs))
 
 

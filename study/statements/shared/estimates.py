@@ -1,10 +1,10 @@
-"""How much memory a measurement takes at most: one formula in the number of its unknowns.
+"""Upper estimates of the memory of a measurement from its number of unknowns.
 
-An interpreter with all imports and compiled formulas takes at most 384 MiB. Each unknown adds at most 16 KiB in the
-plane and 64 KiB in space, for the factor of its matrix and its share of all fields. Both constants are rounded up, so
-that every estimate is above the measured memory, by a factor of one to six.
+The Python process with all imports and compiled formulas takes at most 384 MiB. Each unknown adds at most 16 KiB in
+the plane and 64 KiB in space, for the matrix factor and the fields. These constants are rounded up, so that every
+estimate is one to six times the measured memory.
 
-They come from peaks of the resident size with one thread, here in MiB beyond 384:
+The constants come from measured peaks of the resident memory with one thread, here in MiB beyond 384:
 
     displacement   plane n = 128: 139, criss-cross 275, shaken 417; n = 256: 827, shaken 1542; space n = 24: 1440,
                    shaken n = 12: 390, 18: 1220; by multigrid n = 36: 2250, 48: 4100, shaken 6300 and 15000
@@ -23,7 +23,7 @@ BASE = 384 * MIB
 PER_UNKNOWN = {2: 16 * KIB, 3: 64 * KIB}
 """Bytes for each unknown, by dimension."""
 TEXT = {2: 1 * KIB, 3: 3 * KIB}
-"""Bytes for the numbers of one unknown at one time as text, by dimension."""
+"""Bytes to write the numbers of one unknown at one time as text, by dimension."""
 SMALL, SOLID = 736 * MIB, 2304 * MIB
 """Bytes for statements with meshes of fixed size, in the plane and in space."""
 STRESSES = 18
@@ -31,7 +31,7 @@ STRESSES = 18
 
 
 def cells(family: str) -> int:
-    """Return the number of cells of a plane mesh, relative to two triangles in each square."""
+    """Return the number of cells of a plane mesh divided by the number on a one-diagonal mesh."""
     return 2 if family == "criss-cross" else 1
 
 
@@ -67,10 +67,10 @@ def bound(n: int, refinements: int, family: str) -> float:
 
 
 def adapted(cells: int) -> float:
-    """Return the bytes for a bound from u_h alone on a mesh of so many cells."""
+    """Return the bytes for a bound from u_h alone on a mesh with the given number of cells."""
     return BASE + PER_UNKNOWN[2] * STRESSES * cells
 
 
 def task(dim: int, n: int, family: str, steps: int) -> float:
-    """Return the bytes for writing a task with so many steps."""
+    """Return the bytes for writing a task with the given number of time steps."""
     return displacement(dim, n, family) + TEXT[dim] * unknowns(dim, n, family) * steps

@@ -22,12 +22,12 @@ def midpoints(T: float, count: int) -> Array:
 
 
 def maximum(values: Iterable[float | np.floating[Any]]) -> float:
-    """Return the largest value; NaN if one value is NaN, which Python's ``max`` hides unless it comes first."""
+    """Return the largest value, or NaN if one value is NaN; Python's ``max`` would ignore a NaN unless it is first."""
     return float(np.max([*values]))
 
 
 def minimum(values: Iterable[float | np.floating[Any]]) -> float:
-    """Return the smallest value; NaN if one value is NaN."""
+    """Return the smallest value, or NaN if one value is NaN."""
     return float(np.min([*values]))
 
 
@@ -37,17 +37,17 @@ def norm(problem: SemiDiscrete, v: Array) -> float:
 
 
 def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
-    """Return ‖f‖_V for (f, v)_V = F·v on V^h, which is (FᵀM⁻¹F)^{1/2}.
+    """Return the dual norm (FᵀM⁻¹F)^{1/2} of the functional v ↦ F·v on V^h.
 
     Args:
         functional: F, (dofs,).
-        riesz: b ↦ M⁻¹b.
+        riesz: the function b ↦ M⁻¹b, with the matrix M of (·,·)_V.
     """
     return math.sqrt(max(float(functional @ riesz(functional)), 0.0))
 
 
 class Velocity:
-    """‖u̇(t)‖_V and ‖u̇(t) − Π^h u̇(t)‖_V for the exact velocity, by the cell rules of ``ErrorNorm``."""
+    """Computes ‖u̇(t)‖_V and ‖u̇(t) − Π^h u̇(t)‖_V for the exact velocity, by the cell rules of ``ErrorNorm``."""
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
         self.space = space
@@ -76,12 +76,13 @@ class Velocity:
 
 
 class Energies:
-    """Products in V and works of stresses on strains, at the points with which ``ErrorNorm`` integrates the load.
+    """Computes inner products in V and the work of stresses on strains.
 
-    The same points make sure that works and load contain the same stress.
+    The quadrature points are those with which ``ErrorNorm`` integrates the load, so that the stress in a work and the
+    stress in the load have the same quadrature error.
 
     Attributes:
-        exact: the solution at the points, whose strains are (D, points).
+        exact: the exact solution at the quadrature points; its strains have the shape (D, points).
     """
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
@@ -120,7 +121,10 @@ class Energies:
 
 
 class ContactWork:
-    """R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), for v ∈ V^h from the exact pressure, by the facet rules of ``ErrorNorm``."""
+    """Computes R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), for v ∈ V^h, by the facet rules of ``ErrorNorm``.
+
+    σ_ν is minus the exact contact pressure.
+    """
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
         self.space, self._faces = space, []

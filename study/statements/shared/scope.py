@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Self
 
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
@@ -14,32 +16,53 @@ from study.solve.steps import StepsError, rate_steps, require_steps
 from study.solve.tableau import SCHEMES
 
 REGULAR = "one-diagonal", "unstructured"
-"""Mesh families in order of preference if one is enough for each case: structured meshes if they fit the body."""
+"""The mesh families to use if one family for each case is enough; the first that can mesh the body is used."""
+
+SLOW = ("long-time", "cube-rough")
+"""Cases of the catalogue that only the full study measures, because they take long."""
+
+
+def of_the_paper(cases: Iterable[Case]) -> list[Case]:
+    """Return the cases without an initial gap, because the paper has no initial gap."""
+    return [case for case in cases if not case.solution.has_initial_gap]
 
 
 def serving(case: Case) -> list[MeshFamily]:
-    """Return the families that can mesh the body of a case, structured ones first; UsageError if there are none."""
+    """Return the families that can mesh the body of a case, structured ones first.
+
+    Raises:
+        UsageError: no family can mesh the body.
+    """
     if found := [family for family in FAMILIES if family.serves(case.solution.body)]:
         return found
     raise UsageError(f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped")
 
 
 def regular(case: Case) -> MeshFamily:
-    """Return the first family of ``REGULAR`` that can mesh the body of a case; UsageError if no family can."""
+    """Return the first family of ``REGULAR`` that can mesh the body of a case.
+
+    Raises:
+        UsageError: no family can mesh the body.
+    """
     served = {family.name: family for family in serving(case)}
     return next(served[name] for name in REGULAR if name in served)
 
 
 @dataclass(frozen=True)
 class Levels:
-    """The levels for one kind of case: ``all`` on every mesh family, and the finer ``first`` on regular meshes only."""
+    """The levels for one kind of case.
+
+    Attributes:
+        all: the levels on every mesh family.
+        first: finer levels, which are added on the ``regular`` family of a case only.
+    """
 
     all: tuple[int, ...]
     first: tuple[int, ...] = ()
 
     @property
     def on_regular(self) -> tuple[int, ...]:
-        """All levels, as on regular meshes."""
+        """All levels, which are used on the ``regular`` family of a case."""
         return (*self.all, *self.first)
 
 
@@ -49,7 +72,7 @@ class Scope:
 
     Attributes:
         name: quick or full.
-        cases: references, catalogue names or FILE.py:NAME.
+        cases: the cases, by their names in the catalogue or as FILE.py:NAME.
         plane, rough, solid: levels for plane cases with (5.36), for plane cases without it, whose orders need more
             levels, and in 3D.
         equivalence, solid_equivalence: levels of Theorem 4.2 on one mesh, in 2D and 3D.
@@ -58,8 +81,8 @@ class Scope:
         scheme: name of the time scheme.
         k: time step at every level; None for the time step of each case.
         statements: whether all statements are measured, or only those that are measured on every case.
-        own: pairs (case, levels) of cases that have other levels.
-        command: the command that runs the study, for messages.
+        own: pairs (case name, levels) for cases with levels that differ from the levels above.
+        command: the command that runs the study, shown in messages.
     """
 
     name: str
@@ -83,19 +106,25 @@ class Scope:
 
     @property
     def whole(self) -> bool:
-        """Whether every case of the catalogue is studied."""
-        return {case.name for case in catalogue()} <= set(self.cases)
+        """Whether all cases without an initial gap are studied; the quick study may leave out the slow cases."""
+        return {case.name for case in of_the_paper(catalogue())} - set(() if self.full else SLOW) <= set(self.cases)
+
+    def of_the_paper(self) -> Self:
+        """Return the scope without the cases that have an initial gap."""
+        kept = [reference for reference in self.cases if not resolve(reference).solution.has_initial_gap]
+        return replace(self, cases=tuple(kept))
 
     def resolved(self) -> list[Case]:
-        """The cases."""
+        """Return the cases as objects."""
         return [resolve(reference) for reference in self.cases]
 
     def check(self) -> None:
-        """Refuse invalid levels, time steps and names.
+        """Raise an error if levels, time steps or names are invalid.
 
         Raises:
-            UsageError: levels are below 2 or not increasing, the time step is longer than T, far too small or so long
-                that a step need not have one solution, two cases have the same name, or no family can mesh a body.
+            UsageError: levels are below 2 or do not increase; the time step is longer than T, far too short, or so long
+                that the problem of one step may have no or several solutions; two cases have the same name; or no
+                family can mesh a body.
         """
         if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
@@ -114,7 +143,10 @@ class Scope:
             self._require_unique(case)
 
     def _require_unique(self, case: Case) -> None:
-        """Refuse time steps that need not have one solution, which is possible if the law softens."""
+        """Refuse time steps so long that the problem of one step may have no or several solutions.
+
+        This is possible if the law softens.
+        """
         solution = case.solution
         steps = self.steps(case, min(self.levels_of(case).on_regular))
         try:
@@ -123,7 +155,7 @@ class Scope:
             raise UsageError(f"{case.name}: {error}") from error
 
     def steps(self, case: Case, level: int) -> int:
-        """Return the number of time steps at a level: of size k if it is given, or by the pace of the case."""
+        """Return the number of time steps at a level, from the time step k or, if k is None, the pace of the case."""
         T = case.solution.body.T
         return rate_steps(T, level, case.pace) if self.k is None else round(T / self.k)
 

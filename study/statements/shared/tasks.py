@@ -1,13 +1,17 @@
 """Contact problems with known solutions as plain data, for other people's codes (docs/reference/tasks.md).
 
-Frozen: at each time t_n the static Signorini problem for the elastic operator G with the initial stress
-s_0 = A ε(u̇(t_n)), whose solution is u(t_n). It has no time step and no error in time, and any static code can solve
-it. With u̇(t_n) from the exact solution, find u ∈ K^h with
+A task has two modes:
 
-    (G ε(u) + s_0, ε(v − u))_Q ≥ b·(v − u) for all v ∈ K^h,     b·v = (σ(t_n), ε(v))_Q + ∫_{Γ3} p v_ν.
+* "frozen": a static Signorini problem at each time t_n, which any static code can solve, without time steps and without
+  an error in time. The elastic operator is G, the initial stress is s_0 = A ε(u̇(t_n)) with the exact velocity, and
+  the exact solution is u(t_n). Find u ∈ K^h with
 
-March: the same problem step after step with C = A/k + G/2 instead of G, midpoint rule, where the caller computes
-s_0 = (G/2 − A/k) ε(u_{n−1}). All but u and its reference data is scaled by S: the problem is positively homogeneous.
+      (G ε(u) + s_0, ε(v − u))_Q ≥ b·(v − u) for all v ∈ K^h,     b·v = (σ(t_n), ε(v))_Q + ∫_{Γ3} p v_ν.
+
+* "march": the steps of the midpoint rule. Each step is the same problem with C = A/k + G/2 for G, and the caller
+  computes s_0 = (G/2 − A/k) ε(u_{n−1}).
+
+All data except u and its reference values are scaled by a factor S; the problem is positively homogeneous.
 """
 
 from __future__ import annotations
@@ -24,6 +28,7 @@ from manufactured.case import Case
 from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
 from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
+from study.fem.initial_gap import gaps_at_vertices
 from study.fem.material import form
 from study.fem.mesh import MeshFamily
 from study.fem.moments import Amplitudes, QuadraturePoints, StrainSums, amplitudes_of
@@ -37,8 +42,8 @@ from study.solve.tableau import MIDPOINT
 from study.statements.shared.norms import maximum
 
 FROZEN_TIMES = 0.15, 0.55, 0.9
-"""Default times of frozen problems in units of T: in no case is one a time of a jump, or of a front at a vertex of
-n = 2^k."""
+"""Default times of frozen problems as fractions of T. In no case of the catalogue does a quantity jump at one of these
+times, and no front is then at a vertex of a grid with n = 2^j."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +51,8 @@ class Task:
     """The frozen problems and the trajectory of one case on one mesh.
 
     Raises:
-        UsageError: the law of the case is not linear, so that constants do not describe it, or it softens, so that
-            static problems with G need not have a solution.
+        UsageError: the law is not linear, so that a matrix of constants does not describe it, or it softens, so that
+            static problems with G may have no solution.
     """
 
     case: Case
@@ -79,6 +84,11 @@ class Task:
         return ErrorNorm(self.solution, self.space)
 
     @cached_property
+    def gap(self) -> Array | float:
+        """The initial gap at the vertices of all pieces of Γ3, (m,), or the number 0 if there is none."""
+        return gaps_at_vertices(self.solution, self.space)
+
+    @cached_property
     def _rates(self) -> tuple[Callable[[float, bool], Amplitudes], StrainSums]:
         solution, mesh = self.solution, self.space.mesh
         points = QuadraturePoints.on_cells(rules(solution, mesh, self.v_norm.degree, shared_lines(solution)))
@@ -93,31 +103,31 @@ class Task:
 
     @cached_property
     def _solve(self) -> ContactSolver:
-        return contact_solver(self.space)(form(self.space, self.solution.law.G), self.space.N)
+        return contact_solver(self.space)(form(self.space, self.solution.law.G), self.space.N, gap=self.gap)
 
     def static(self, time: float) -> Array:
         """Return the solution in K^h of the frozen problem at t, (dofs,)."""
         return self._solve(self.v_norm.load(time) - self.space.functional(self.initial_stress(time)))[0]
 
     def error(self, times: Sequence[float]) -> float:
-        """Return the largest ‖u(t) − u^h‖_V of the frozen problems at some times in units of T."""
+        """Return the largest ‖u(t) − u^h‖_V of the frozen problems at the given fractions of T."""
         frozen = [part * self.solution.body.T for part in times]
         return maximum(self.v_norm.distance(self.v_norm.sample(t), self.static(t)) for t in frozen)
 
     def march(self, steps: int) -> tuple[SemiDiscrete, Iterator[State]]:
-        """Return Problem 5.1 from the interpolant of u_0, and its states by the midpoint rule, the start first."""
+        """Return Problem 5.1 with the initial value Π^h u_0, and the states of the midpoint rule from t = 0 on."""
         start = self.v_norm.sample(0.0).interpolant
-        problem = SemiDiscrete.of(self.space, self.solution.law, self.v_norm.load, start)
+        problem = SemiDiscrete.of(self.space, self.solution.law, self.v_norm.load, start, self.gap)
         return problem, MIDPOINT.march(problem, steps)
 
     def error_of_march(self, steps: int) -> float:
-        """Return the largest ‖u(t_n) − u_n‖_V for n ≥ 1."""
+        """Return the largest error ‖u(t_n) − u_n‖_V of the midpoint rule for n ≥ 1."""
         _, states = self.march(steps)
         next(states)
         return maximum(self.v_norm.distance(self.v_norm.sample(state.time), state.u) for state in states)
 
     def resultants(self, time: float) -> Array:
-        """Return Σ_i ∫ p φ_i over the vertices off Γ1 of each piece of Γ3, (pieces,)."""
+        """Return the exact contact force on each piece of Γ3, Σ_i ∫ p φ_i over the vertices not on Γ1, (pieces,)."""
         found = []
         for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
             points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
@@ -127,7 +137,7 @@ class Task:
         return np.array(found)
 
     def pressures(self, time: float) -> list[Array]:
-        """Return p at the vertices off Γ1 of each piece of Γ3."""
+        """Return the exact pressure at the vertices of each piece of Γ3 that are not on Γ1."""
         found = []
         for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
             s, _ = part.coordinates(self.space.mesh.p[:, vertices])
@@ -135,11 +145,14 @@ class Task:
         return found
 
     def initial_tractions(self, time: float) -> list[Array]:
-        """Return A ε(u̇) ν at the ends of the facets of each piece of Γ3, (facets, d, d)."""
+        """Return the viscous traction A ε(u̇) ν at the vertices of the facets of each piece of Γ3, (facets, d, d)."""
         return [self._tractions(part, facets, time, total=False) for part, facets in self.space.on(Kind.CONTACT)]
 
     def loads_on(self, time: float) -> list[Array]:
-        """Return f_2 = σν at the ends of the facets of each part of Γ2, (facets, d, d); b contains its work already."""
+        """Return f_2 = σν at the vertices of the facets of each part of Γ2, (facets, d, d).
+
+        The load b of a task already contains the work of f_2.
+        """
         return [self._tractions(part, facets, time, total=True) for part, facets in self.space.on(Kind.LOADED)]
 
     def _tractions(self, part: Any, facets: Array, time: float, total: bool) -> Array:

@@ -1,0 +1,41 @@
+"""A body above a flat foundation, which it reaches with its left end first; A and G are not proportional.
+
+    g = 1/2,   w = 2 (x − c)_+^4/(1/4 + (x − c)²),   p = 40 (c − x)_+²,   ψ = c − x,   q(0) = 0,
+    c(t) = −1/6 + 5t/6
+
+on the unit square. Beyond the paper: the initial gap g is not zero, and w = g − u_ν is what is left of it.
+
+Predicted order 1: u_n = w − g on Γ3, and a constant g adds a smooth field. The front moves, and the exponents
+α = 4 > 7/2 and m = 2 > 3/2 give (5.36), with which the proof of Prop. 5.4 holds for u minus a lifting of g.
+
+Nothing touches before t = 1/5. Then the front enters at the left end and moves to x = 2/3, on no vertex of the meshes
+at t = 1.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+
+def case() -> Case:
+    body = unit_square()
+    law = not_proportional()
+    (part,) = body.of(Kind.CONTACT)
+    c = Rational(-1, 6) + 5 * t / 6
+    gap = 2 * pos(s - c, 4) / (Rational(1, 4) + (s - c) ** 2)
+    face = ContactFace.linear(part, law, body.T, gap, 40 * pos(c - s, 2), c - s, initial_gap=Rational(1, 2))
+    return Case(
+        name="closing-gap",
+        summary="initial gap 1/2 above a flat foundation closes from the left",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="a constant initial gap adds a smooth field; α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1",
+        families=("criss-cross",),
+    )

@@ -1,0 +1,43 @@
+"""A block that is clamped at its left side and in contact from the clamp on; A and G are not proportional.
+
+    w = 20 (x − c)_+^4,   p = 400 x (c − x)_+²,   ψ = c − x,   q(0) = −p(0)/g,   c(t) = 1/5 + t/2
+
+on the unit square. Γ1 is the left side, Γ3 the bottom, Γ2 the rest: Γ1 and Γ3 meet at the origin, at a right angle, and
+the contact zone [0, c(t)] begins there.
+
+Predicted order 1: p has the factor x, so w and q vanish at x = 0, for all times, and the lifting with them, which is
+(2.3). It is smooth at the junction. The front moves, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that
+Prop. 5.4 applies.
+
+Contact that meets a clamp usually has a singularity there (``junction``), whatever the zone does; this load is one
+without.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, polygon
+from manufactured.case import Case
+from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+
+def case() -> Case:
+    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
+    body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], kinds)
+    law = not_proportional()
+    (part,) = body.of(Kind.CONTACT)
+    c = Rational(1, 5) + t / 2
+    face = ContactFace.linear(part, law, body.T, 20 * pos(s - c, 4), 400 * s * pos(c - s, 2), c - s)
+    return Case(
+        name="contact-at-clamp",
+        summary="Γ1 meets Γ3 at a right angle, and contact from there on to a front that moves",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="p has the factor x, so u is smooth at the clamp; α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by "
+        "Prop. 5.4",
+        families=("unstructured",),
+    )

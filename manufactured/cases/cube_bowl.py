@@ -1,0 +1,42 @@
+"""The unit cube above a foundation like a bowl turned upside down, on which a disc of contact grows.
+
+    g = 1/10 + (3/5) |s − (1/2, 1/2)|²,   w = 2 (1/5 + t) (−ψ)_+^4/(1/2 − ψ)²,   p = 500 ψ_+²,   q(0) = −p(0)/g_e,
+    ψ = 1/10 + t/10 − |s − c(t)|²,   c(t) = (2/5 + t/10, 1/2 + t/20)
+
+with the coordinates s = (x, y) along the bottom; A and G not proportional, g_e = 7. Beyond the paper: the initial gap g
+is not zero, and w = g − u_ν is what is left of it.
+
+Predicted order 1: u_n = w − g on Γ3 with a polynomial g, which adds a smooth field. The front moves, and the exponents
+α = 4 > 7/2 and m = 2 > 3/2 across the circle give (5.36), with which the proof of Prop. 5.4 holds in 3D, too, for u
+minus a lifting of g.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, box
+from manufactured.case import Case
+from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s1, s2, t
+
+
+def case() -> Case:
+    body = box()
+    law = not_proportional(3)
+    (part,) = body.of(Kind.CONTACT)
+    half = Rational(1, 2)
+    level = (1 + t) / 10 - (s1 - Rational(2, 5) - t / 10) ** 2 - (s2 - half - t / 20) ** 2
+    gap = 2 * (Rational(1, 5) + t) * pos(-level, 4) / (half - level) ** 2
+    initial_gap = Rational(1, 10) + Rational(3, 5) * ((s1 - half) ** 2 + (s2 - half) ** 2)
+    face = ContactFace.linear(part, law, body.T, gap, 500 * pos(level, 2), level, initial_gap=initial_gap)
+    return Case(
+        name="cube-bowl",
+        summary="cube above a bowl turned upside down, a disc of contact grows",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="a paraboloid as initial gap adds a smooth field; α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1",
+        pace=4,
+    )

@@ -1,0 +1,38 @@
+"""An oblique front that moves over the bottom of a cube and is too rough for (5.36).
+
+    w = 20 (1/5 + t) (−ψ)_+^{13/4},   p = 150 ψ_+²,   ψ = c(t) − (x + y/2),   c(t) = 1/2 + t/4,   q(0) = −p(0)/g
+
+on the unit cube with the coordinates (x, y) along its bottom, A and G not proportional. The front is the line
+x + y/2 = c(t), which is parallel to no edge of the meshes: ``moving-rough`` in space.
+
+Predicted order 1: across the front u(t) ∈ H^{1+s} for s < min(α − 3/2, m − 1/2) = 3/2 with α = 13/4 and m = 2, so that
+the interpolation error of u has order 1. α < 7/2 misses (5.36), so no order is claimed. Orders are predicted to rise
+towards 1 from below: on the coarsest meshes the cells are as large as the layer in which w and p change.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, box
+from manufactured.case import Case
+from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s1, s2, t
+
+
+def case() -> Case:
+    body, law = box(), not_proportional(3)
+    (part,) = body.of(Kind.CONTACT)
+    level = Rational(1, 2) + t / 4 - (s1 + s2 / 2)
+    gap = 20 * (Rational(1, 5) + t) * pos(-level, Rational(13, 4))
+    face = ContactFace.linear(part, law, body.T, gap, 150 * pos(level, 2), level)
+    return Case(
+        name="cube-rough",
+        summary="cube, an oblique front with u(t) in H², u̇(t) not",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(gap=3.25, pressure=2, moving=True),
+        order=1,
+        reason="u(t) ∈ H² for α = 13/4, m = 2 across the front: interpolation of order 1; α < 7/2 misses (5.36)",
+        pace=2,
+    )

@@ -1,0 +1,42 @@
+"""A body above a round foundation: the initial gap is a parabola, with a patch of contact about its apex.
+
+    g = 2 (x − 1/2)²,   w = 8 (1 + t) (−ψ)_+^4/(1/5 − ψ)³,   p = 500 ψ_+²,   q(0) = −p(0)/g_e,
+    ψ = 1/16 + t(1 − t)/4 − (x − b(t))²,   b(t) = 9/20 + t/10
+
+on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so a = g_e = 3. Beyond the paper: the initial gap g is not zero, and
+w = g − u_ν is what is left of it.
+
+Predicted order 1: u_n = w − g on Γ3 with a polynomial g, which adds a smooth field. Both fronts move, and the exponents
+α = 4 > 7/2 and m = 2 > 3/2 give (5.36), with which the proof of Prop. 5.4 holds for u minus a lifting of g.
+
+The patch has the half-width 1/4 at both ends and 0.35 at t = 1/2; within it the body takes the shape of the foundation.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.laws import proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+
+def case() -> Case:
+    body = unit_square()
+    law = proportional()
+    (part,) = body.of(Kind.CONTACT)
+    level = Rational(1, 16) + t * (1 - t) / 4 - (s - Rational(9, 20) - t / 10) ** 2
+    gap = 8 * (1 + t) * pos(-level, 4) / (Rational(1, 5) - level) ** 3
+    initial_gap = 2 * (s - Rational(1, 2)) ** 2
+    face = ContactFace.linear(part, law, body.T, gap, 500 * pos(level, 2), level, initial_gap=initial_gap)
+    return Case(
+        name="parabolic-gap",
+        summary="initial gap above a round foundation, a patch about its apex widens, narrows and drifts",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="a parabola as initial gap adds a smooth field; α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1",
+        families=("shaken",),
+    )

@@ -1,0 +1,10 @@
+"""HTML tables for notebooks, which show a solution or a case as the value of a cell."""
+
+from collections.abc import Iterable
+from html import escape
+
+
+def table(rows: Iterable[tuple[str, object]]) -> str:
+    """Return an HTML table of names and values."""
+    cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(str(value))}</td></tr>" for name, value in rows)
+    return f"<table>{cells}</table>"

@@ -1,0 +1,151 @@
+"""How strongly a user's own case tests contact: two deliberate defects of contact, and the rows that notice them.
+
+Where the pressure is small, or the contact zone is a few cells wide, the error in V is the error of the gap alone: all
+rows hold, whatever happens at contact. So the jobs of the run are repeated with each defect on one mesh family. A
+defect is noticed if a row that holds without it does not hold with it.
+
+Only rows that compare with the exact solution count. Residuals of the contact solves and u^h_ν ≤ 0 between vertices
+fail with such defects whatever the case is: these rows test the program, not the case.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import pandas as pd
+
+from study.controls import replacements as wrong
+from study.controls.control import Replacement, within
+from study.fem.naming import is_own, resolve
+from study.ledger.datafiles import DataFile, Row, write_csv
+from study.ledger.verdict import HOLDS, Verdict
+from study.run.fingerprint import code_hash
+from study.run.plan import Job, Plan
+from study.run.store import Store
+from study.statements import contact_force, prop_5_4
+from study.statements.contact_force import EXACT, ContactForce, touches
+from study.statements.own_cases import judge_own, least_levels
+from study.statements.prop_5_4 import EVIDENCE, RATES, Rates
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.scope import regular
+
+FILE = "contact-test.csv"
+DEFECTS: Mapping[str, tuple[str, Replacement]] = {
+    "contact in places": ("v_ν ≤ 0 at every other vertex of Γ3 only", wrong.in_places),
+    "contact forces": ("contact forces times 1.1", wrong.forces_times(1.1)),
+}
+"""Name ↦ description, and the wrong contact solver from the correct one."""
+OF_THE_PROGRAM = {rule.key for rule in (*EVIDENCE, *EXACT)}
+"""Keys of rows that do not compare with the exact solution."""
+CODE = "study/controls/contact_test.py", "study/controls/control.py", "study/controls/replacements.py"
+
+
+@dataclass(frozen=True)
+class DefectiveJob(Job):
+    """A job with a defect of the contact solver. It replaces names in modules: run it in a process of its own.
+
+    Attributes:
+        defect: name in ``DEFECTS``.
+    """
+
+    defect: str = ""
+
+    @property
+    def key(self) -> str:
+        """The name of the file with the result."""
+        return f"contact-test__{self.defect.replace(' ', '-')}__{super().key}"
+
+    def fingerprint(self) -> str:
+        """Return the cache key of the result."""
+        return hashlib.sha256(f"{super().fingerprint()} {code_hash(CODE)}".encode()).hexdigest()[:16]
+
+    def run(self) -> Mapping[str, Any]:
+        """Measure with the defect; returns numbers by their names."""
+        change = within("problem.solver", DEFECTS[self.defect][1])
+        with (
+            patch.object(prop_5_4, "Experiment", change(Experiment)),
+            patch.object(contact_force, "Experiment", change(Experiment)),
+        ):
+            return super().run()
+
+
+@dataclass(frozen=True)
+class ContactTest:
+    """A user's case on one mesh family.
+
+    Attributes:
+        reference: FILE.py:NAME.
+        family: name of the mesh family.
+        jobs: the jobs of the run that are repeated with each defect.
+    """
+
+    reference: str
+    family: str
+    jobs: tuple[Job, ...]
+
+    @classmethod
+    def of(cls, plan: Plan, reference: str) -> ContactTest:
+        """Return the test on the first mesh family and the finest levels of the run, as many as an order needs."""
+        case = resolve(reference)
+        family = regular(case).name
+        levels = plan.scope.levels_of(case).all[-least_levels(case.proposition) :]
+        jobs = [job for job in plan.jobs if isinstance(job.statement, Rates | ContactForce)]
+        mine = [job for job in jobs if (job.setting.case, job.setting.family) == (reference, family)]
+        return cls(reference, family, tuple(job for job in mine if job.setting.level in levels))
+
+    def defective(self, defect: str) -> list[DefectiveJob]:
+        """Return the jobs with a defect."""
+        return [DefectiveJob(job.statement, job.setting, defect) for job in self.jobs]
+
+    def rows(self, store: Store) -> list[Row]:
+        """Return the rows of ``contact-test.csv``, one for each defect, from the stored results."""
+        sound = {name for name, verdict in verdicts(self.jobs, store).items() if verdict.verdict == HOLDS}
+        found: list[Row] = []
+        for defect, (what, _) in DEFECTS.items():
+            after = verdicts(self.defective(defect), store)
+            noticed = sorted(name for name in sound if name not in after or after[name].verdict != HOLDS)
+            found.append(
+                {
+                    "case": resolve(self.reference).name,
+                    "family": self.family,
+                    "levels": " ".join(map(str, sorted({job.setting.level for job in self.jobs}))),
+                    "defect": defect,
+                    "what": what,
+                    "holding": len(sound),
+                    "noticed": len(noticed),
+                    "noticed_by": "; ".join(noticed),
+                }
+            )
+        return found
+
+
+def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
+    """Return the rows that compare with the exact solution by label and key, from the stored results of jobs."""
+    rows: dict[DataFile, list[Row]] = {}
+    for job in jobs:
+        result = store.load(job.key, job.fingerprint())
+        assert result is not None, job.key
+        for file, row in job.records(result):
+            rows.setdefault(file, []).append({**row, "expected_order": resolve(job.setting.case).order})
+    tables = {file: pd.DataFrame(of_file) for file, of_file in rows.items()}
+    statements = dict.fromkeys(job.statement for job in jobs)
+    found = judge_own([verdict for one in statements for verdict in one.judge(tables[one.file])], tables[RATES])
+    return {f"{one.label}, {one.key}": one for one in found if one.key not in OF_THE_PROGRAM}
+
+
+def contact_tests(plan: Plan) -> list[ContactTest]:
+    """Return the tests of a plan: one for each case of a user that touches."""
+    return [ContactTest.of(plan, one) for one in plan.scope.cases if is_own(one) and touches(resolve(one).solution)]
+
+
+def write_contact_test(tests: Sequence[ContactTest], store: Store) -> list[Path]:
+    """Write ``contact-test.csv`` from the stored results and return its path; nothing without a test."""
+    path = store.data / FILE
+    if tests:
+        write_csv(path, pd.DataFrame([row for test in tests for row in test.rows(store)]))
+    return [path] if tests else []

@@ -1,0 +1,65 @@
+"""Contact codes judged without an exact solution: what is on record proves orders, and the page says so."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from manufactured.problems import ramp
+from study.fem.naming import family_named
+from study.present.marks import put
+from study.run.tasks import march, plain
+
+ROOT = Path(__file__).parents[2]
+sys.path.append(str(ROOT / "examples" / "bounds"))
+import judge_codes  # noqa: E402
+
+BOUNDS = pd.read_csv(judge_codes.TABLE)
+FINEST = BOUNDS[BOUNDS["level"] == BOUNDS["level"].max()]
+FIXED = FINEST["method"].str.endswith("fixed")
+
+
+def test_at_least_four_codes_of_others_are_bounded_on_three_meshes() -> None:
+    assert {"Kratos", "NGSolve", "GetFEM", "CalculiX", "scikit-fem"} <= set(BOUNDS["code"])
+    assert (BOUNDS.groupby(judge_codes.KEY)["level"].nunique() == 3).all()
+    assert (BOUNDS["kind"] == "guaranteed").all()
+
+
+def test_a_fixed_penalty_is_proved_to_have_an_order_below_one() -> None:
+    assert FIXED.sum() >= 4
+    assert (FINEST[FIXED]["order_high"] < 1).all()
+
+
+def test_codes_that_are_right_have_an_order_around_one() -> None:
+    right = FINEST[~FIXED]
+    assert (right["order_low"] < 1).all()
+    assert (right["order_high"] > 0.95).all()
+    assert (right["order_high"] - right["order_low"]).max() < 0.3
+
+
+def test_upper_bounds_are_at_most_twice_the_errors() -> None:
+    assert (BOUNDS["highest"] / BOUNDS["lowest"]).max() < 2
+
+
+def test_the_page_shows_the_record() -> None:
+    text = judge_codes.PAGE.read_text(encoding="utf-8")
+    assert "<!-- bounds-of-codes -->" in text
+    assert put(text, "bounds-of-codes", judge_codes.summary(BOUNDS)) == text, "run: make codes-bounds"
+
+
+@pytest.mark.parametrize("level", [4])
+def test_the_march_that_codes_get_is_the_problem_of_the_study(level: int) -> None:
+    """Static steps of the exported march, solved by condensation, give the displacement of the study."""
+    import this_study
+    from contact_judge import Task, answer
+
+    data = ramp()
+    task = judge_codes.task("ramp", data, family_named("one-diagonal")(data.body, level), level)
+    exported = Task("ramp", plain(march(task, level)))
+    u = answer(exported, this_study.make)
+    _, states = task.march(level)
+    expected = [task.space.nodal(state.u).T for state in states]
+    assert abs(u - expected[1:]).max() <= 1e-10 * abs(u).max()

@@ -1,0 +1,136 @@
+"""Contact solves with N u ≤ g, and who refuses an initial gap."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import contact_judge as judge
+import faults
+import numpy as np
+import pytest
+import this_study
+
+from manufactured import catalogue, named, s
+from manufactured.data import Data
+from study.bound.bounded import check_problem
+from study.bound.problem import BoundError
+from study.bound.trajectory import Refined
+from study.fem.initial_gap import gaps_at_vertices
+from study.fem.material import form
+from study.fem.mesh import OneDiagonal, Shaken, Unstructured
+from study.fem.space import Space
+from study.run.plan import Plan, full, quick
+from study.run.tasks import frozen, plain
+from study.solve.multigrid import Multigrid
+from study.solve.signorini import Signorini
+from study.solve.stress_problem import StressError
+from study.solve.tableau import MIDPOINT
+from study.statements.initial_gap import InitialGap
+from study.statements.pictures import Pictures
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.tasks import Task
+from study.statements.thm_4_2 import problems
+
+GAPS = {case.name for case in catalogue() if case.solution.has_initial_gap}
+
+
+def loaded() -> tuple:
+    """S, N, a load that closes some gaps and opens others, g and the vertices of a cube."""
+    solution = named("cube-bowl").solution
+    space = Space(Shaken()(solution.body, 7), solution.body)
+    S, N, gap = form(space, solution.law.A), space.N, gaps_at_vertices(solution, space)
+    b = S @ np.random.default_rng(1).standard_normal(space.dofs)
+    return S, N, b, gap, space.free_points
+
+
+def test_the_solution_satisfies_complementarity_with_the_gap() -> None:
+    S, N, b, gap, _ = loaded()
+    u, forces = Signorini(S, N, gap=gap)(b)
+    left = gap - N @ u
+    assert S @ u + N.T @ forces == pytest.approx(b, abs=1e-10 * abs(b).max())
+    assert left.min() >= -1e-12
+    assert forces.min() >= 0
+    assert abs(forces * left).max() <= 1e-12 * forces.max()
+    assert 0 < np.count_nonzero(forces) < len(gap)
+
+
+def test_multigrid_finds_the_same_solution() -> None:
+    S, N, b, gap, x = loaded()
+    u, forces = Signorini(S, N, x, gap)(b)
+    found, pressed = Multigrid(S, N, x, 1e-11, gap)(b)
+    assert found == pytest.approx(u, abs=1e-7 * abs(u).max())
+    assert pressed == pytest.approx(forces, abs=1e-6 * forces.max())
+    assert ((gap - N @ found) >= -1e-12).all()
+
+
+def test_every_face_has_its_own_gap_in_the_order_of_the_constraints() -> None:
+    solution = named("hexagon").solution
+    faces = tuple(replace(face, initial_gap=(i + 1) * s**2) for i, face in enumerate(solution.faces))
+    apart = replace(solution, faces=faces)
+    space = Space(Unstructured()(apart.body, 8), apart.body)
+    gap, row = gaps_at_vertices(apart, space), 0
+    for i, (part, vertices) in enumerate(space.contact):
+        for vertex in vertices:
+            distance = np.linalg.norm(space.mesh.p[:, vertex] - part.start)
+            assert gap[row] == pytest.approx((i + 1) * distance**2)
+            row += 1
+    assert row == len(gap)
+
+
+def test_the_residual_of_a_step_knows_the_gap() -> None:
+    setup = Experiment.of(named("parabolic-gap").solution, OneDiagonal(), 8, MIDPOINT, 4)
+    assert max(state.residual() for state in setup.scheme.march(setup.problem, 4)) < 1e-10
+    wrong = replace(setup.problem, gap=0.0)
+    assert next(setup.scheme.march(wrong, 4)).u == pytest.approx(setup.problem.u0)
+    step = setup.problem.stepper(MIDPOINT, 0.25)
+    step.problem = wrong  # the residual of a correct step, with respect to the cone of the paper
+    assert step(1, [setup.problem.initial()]).residual() > 1e-3
+
+
+def test_theorem_4_2_is_not_about_a_gap() -> None:
+    with pytest.raises(StressError, match="initial gap"):
+        problems(named("closing-gap").solution, OneDiagonal(), 4)
+
+
+def test_bounds_refuse_a_gap() -> None:
+    with pytest.raises(BoundError, match="initial gap; give a problem"):
+        check_problem(Data.of(named("closing-gap").solution), None, Refined(0, 1))
+
+
+@pytest.mark.parametrize("scope", [quick(), full()], ids=lambda scope: scope.name)
+def test_no_statement_but_its_own_is_measured_on_a_gap(scope) -> None:
+    about = {type(job.statement) for job in Plan.of(scope).jobs if getattr(job.setting, "case", None) in GAPS}
+    assert about == {InitialGap, Pictures}
+
+
+@pytest.mark.parametrize("scale", [1.0, 10.0])
+def test_a_task_has_the_gap_in_the_units_of_its_loads(scale: float) -> None:
+    task = Task(named("parabolic-gap"), OneDiagonal(), 4)
+    (piece,) = frozen(task, (0.5,), scale)["contact"]
+    x = task.space.mesh.p[0, piece["vertices"]]
+    assert piece["gap"] == pytest.approx(scale * 2 * (x - 0.5) ** 2)
+    assert "gap" not in frozen(Task(named("full-contact"), OneDiagonal(), 4), (0.5,))["contact"][0]
+
+
+def exported(level: int) -> judge.Task:
+    data = frozen(Task(named("parabolic-gap"), OneDiagonal(), level), (0.15, 0.55, 0.9))
+    return judge.Task(f"parabolic-gap-{level}", json.loads(json.dumps(plain(data))))
+
+
+def test_our_adapter_solves_a_task_with_a_gap() -> None:
+    tasks = [exported(8), exported(16)]
+    (found,) = judge.assess(tasks, {task.name: judge.answer(task, this_study.make) for task in tasks})
+    assert found.verdict == "exact for P1"
+
+
+@pytest.mark.parametrize(
+    ("factor", "cause"),
+    [(0.0, "the initial gap is forgotten"), (-1.0, "the initial gap is taken with the reversed sign")],
+)
+def test_the_judge_names_a_gap_that_is_forgotten_or_reversed(factor: float, cause: str) -> None:
+    tasks = [exported(8), exported(16)]
+    make = faults.gap_times(factor)
+    (found,) = judge.assess(tasks, {task.name: judge.answer(task, make) for task in tasks})
+    assert found.verdict not in ("exact for P1", "consistent")
+    assert cause in found.cause

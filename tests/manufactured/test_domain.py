@@ -1,0 +1,94 @@
+"""An exact solution exists in the body and on [0, T] only; points, times and shapes beyond are refused in words."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sympy import Rational
+
+from manufactured import (
+    Case,
+    CaseError,
+    ContactFace,
+    Data,
+    ExactSolution,
+    FormulaError,
+    KelvinVoigt,
+    Kind,
+    Regularity,
+    SelfProofError,
+    evaluate,
+    isotropic,
+    named,
+    pos,
+    prove,
+    s,
+    t,
+    unit_square,
+)
+
+BRACKET = named("re-entrant").solution
+
+
+@pytest.mark.parametrize("point", [(5, 5), (1.5, 1.5), (-1e-6, 0.5), (np.nan, 0.5), (np.inf, 0.5)])
+def test_a_point_outside_the_body_is_refused_also_at_a_re_entrant_corner(point: tuple[float, float]) -> None:
+    with pytest.raises(ValueError, match=r"lies outside the body.*1 of 2 points.*\[0, 2\] × \[0, 2\]"):
+        BRACKET.at(np.array([point, (0.5, 0.5)]).T)
+
+
+def test_points_outside_by_rounding_and_complex_steps_are_accepted() -> None:
+    corners = BRACKET.body.vertices
+    for by in (1e-12, 1e-30j):
+        assert np.isfinite(BRACKET.at(corners + by).displacement(0.5)).all()
+
+
+@pytest.mark.parametrize("time", [3, -0.1, 1 + 1e-6, np.nan])
+def test_a_time_outside_the_interval_is_refused_alone_and_among_others(time: float) -> None:
+    fields, on_face = BRACKET.at([[0.5], [0.5]]), BRACKET.on(BRACKET.faces[0], [[0.5]])
+    fields.displacement(1 + 1e-12)
+    for field in (fields.displacement, fields.stress, fields.body_force, on_face.gap, on_face.pressure):
+        for given in (time, np.array([0.5, time])):
+            with pytest.raises(ValueError, match=r"lies outside \[0, 1\]"):
+                field(given)
+
+
+@pytest.mark.parametrize(
+    ("x", "told"),
+    [
+        ([0, -0.4], r"shape \(2, n\).*got the shape \(2,\); write one point as \[\[0\], \[-0\.4\]\]"),
+        (np.zeros((7, 2)), r"got the shape \(7, 2\); transpose it"),
+        (np.zeros((3, 3)), r"got the shape \(3, 3\)"),
+        (0.5, r"got the shape \(\)"),
+        ([[0, 1], [0]], "rows of different lengths"),
+    ],
+)
+def test_a_wrong_shape_says_which_shape_is_wanted(x: object, told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        BRACKET.at(x)
+    with pytest.raises(ValueError, match=told):
+        evaluate(BRACKET, x, 0.5)
+
+
+def test_a_pressure_like_a_root_is_led_to_the_case_with_a_natural_front() -> None:
+    for label in ({"gap": 2, "pressure": 0.5}, {"gap": 1.5, "pressure": 0.5}):
+        with pytest.raises(ValueError, match=r"natural-front of the catalogue.*SingularFace.*on_contact=1\.5"):
+            Regularity(**label)
+
+
+def test_an_initial_gap_is_refused_in_data_as_there_is_none() -> None:
+    law = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "linear")
+    with pytest.raises(FormulaError, match=r"got gap; there is no initial gap in data"):
+        Data.formulas(unit_square(), law, f0=(0, 0), gap=0.05)
+
+
+def test_an_initial_gap_given_as_the_gap_is_led_to_initial_gap() -> None:
+    body, law = unit_square(), KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+    (floor,) = body.of(Kind.CONTACT)
+    zone = Rational(1, 16) - (s - Rational(1, 2)) ** 2
+    face = ContactFace.linear(floor, law, body.T, (s - Rational(1, 2)) ** 2 / 2, 100 * t * pos(zone, 2), level=zone)
+    solution = ExactSolution(body, law, (face,))
+    advice = r"give it as `initial_gap` of ContactFace\.linear"
+    with pytest.raises(CaseError, match=f"the pressure has a front and the gap has none.*{advice}"):
+        Case("bowl", "initial gap", solution, Regularity(gap=2, pressure=2), order=1, reason="test")
+    with pytest.raises(SelfProofError, match=f"(?s)on the stated zone.*{advice}"):
+        prove(Case("bowl", "initial gap", solution, Regularity(pressure=2), order=1, reason="test").solution, "bowl")
