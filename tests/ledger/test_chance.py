@@ -46,6 +46,14 @@ def test_few_seeds_give_a_rate_that_counts_how_few_they_are() -> None:
     assert np.mean(normal) > 3 * stats.norm.sf(3)
 
 
+def test_a_normal_row_has_the_rate_of_the_prediction_bound_that_lies_on_the_edge() -> None:
+    """The upper prediction bound of one more value is mean + t s √(1 + 1/n), with n − 1 degrees of freedom."""
+    places = np.linspace(-1, 1, 8)
+    bound = stats.t.ppf(0.95, 7) * places.std(ddof=1) * math.sqrt(9 / 8)
+    found = tail(places + 1 - bound, False)
+    assert (found.model, found.rate) == ("normal", pytest.approx(0.05))
+
+
 def test_both_ends_of_a_window_count_where_it_has_two() -> None:
     places = samples(stats.norm(-0.7, 0.1), 3000)
     assert tail(places, True).rate == pytest.approx(stats.norm.sf(3), rel=0.5)
@@ -58,6 +66,16 @@ def test_a_heavy_tail_is_not_taken_for_a_normal_one() -> None:
     assert (found.model, found.serves) == ("Pareto", True)
     assert found.rate == pytest.approx(heavy.sf(1), rel=1.0)
     assert found.rate > 0.2 * heavy.sf(1)
+
+
+@pytest.mark.parametrize("shape", [-0.2, 0.3])
+def test_the_shape_and_the_scale_of_a_pareto_tail_are_found(shape: float) -> None:
+    """60 places lie below 1/2, and 20 are quantiles of a known tail above it."""
+    model = stats.genpareto(shape, scale=0.2)
+    excess = model.ppf((np.arange(1, 21) - 0.35) / 20)
+    found = tail(np.array([*np.linspace(-3, 0.5 - excess[0], 60), *(0.5 + excess)]), False)
+    assert found.model == "Pareto"
+    assert found.rate == pytest.approx(model.sf(0.5) / 4, rel=0.3)
 
 
 def test_a_bounded_tail_ends() -> None:
