@@ -18,6 +18,8 @@ LEARNED = {
     ("superclose", "time-share"): "Where the load is only W^{1,1} in time, the error in time falls more slowly than "
     "k^{3/2} and is not small against the discrete error.",
     ("superclose", "share-growth"): "As in the row above: the share of the error in time grows with refinement.",
+    ("contact force", "order-resultant"): "Errors of the resultant have both signs and cancel by chance on a coarse "
+    "irregular mesh. On a face that meets Γ1 the bound by the dual norm, which excludes low orders, does not hold.",
     ("beyond: work of contact", "order-irregular"): "On a single irregular mesh the order depends on where the fronts "
     "lie. Only means over many meshes are judged.",
     ("beyond: rollers", "best"): "The logarithm in the smoothness of the solution reduces the observed order by a "
