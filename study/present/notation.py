@@ -47,7 +47,8 @@ _SCRIPT = re.compile(r"(?:^|[^A-Za-z])(?:[A-Za-z]|max|min|sup|inf|lim)[\^_]|\d\^
 _SHORT = re.compile(r"(?:\(?[B-HJ-Zb-z]\)?|[+/|]|\(?[-+]?[\d./]+\)?|[A-Z]?\([^()]*\))[,;]?")
 _TAIL = re.compile(r"[.,;:]+$")
 _NUMBER = re.compile(r"(-?[\d.]+)(?:e([+-]\d+))?|(-?)inf")
-_TOKEN = re.compile(r"[\^_]\{(?:[^{}]|\{[^{}]*\})*\}|[\^_].|[A-Za-z]{2,}|.", re.DOTALL)
+# The subscript of u_lin is a word; elsewhere a script without braces is one character, as in P_hu.
+_TOKEN = re.compile(r"[\^_]\{(?:[^{}]|\{[^{}]*\})*\}|_lin\b|[\^_].|[A-Za-z]{2,}|.", re.DOTALL)
 
 _SPELLINGS = {"u̇(t)": "u̇", "~": "∼", "ᵀ": "^{T}", "𝓛": "L", "½": "^{1/2}", "Nv": "N v", "(Nv)": "(N v)"}
 _EXPONENT = re.compile(r"\^(\d+(?:\.\d+)?)")
@@ -172,7 +173,7 @@ def _formula(text: str) -> str:
         if token in _ACCENTS and out:
             out[-1] = f"{_ACCENTS[token]}{{{out[-1]}}}"
         elif token[0] in "^_" and len(token) > 1:
-            script = token[2:-1] if token[1] == "{" else token[1]
+            script = token[2:-1] if token[1] == "{" else token[1:]
             # Two letters are two variables, as in e^{ct} and u^{hk}, not a word.
             out.append(f"{token[0]}{{{script if _TWO.fullmatch(script) else _formula(script)}}}")
         else:
