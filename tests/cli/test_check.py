@@ -413,8 +413,8 @@ def test_the_committed_run_passes_and_every_file_is_compared_or_named(
     told = " ".join(refusal(committed, capsys, code=0).split())
     cases = len(pd.read_csv(committed / "data" / "cases.csv"))
     assert re.search(
-        r"\d+ rows in \d files are those of the \d+ measurements planned; \d+ relations hold in all of them; "
-        rf"predictions of {cases} cases; \d+ verdicts and \d+ files stand as they would be written",
+        r"\d+ rows in \d files belong to the \d+ planned measurements; \d+ relations hold in all of them; "
+        rf"predictions of {cases} cases; \d+ verdicts and \d+ files agree with what would be written now",
         told,
     )
     named = {word.rstrip(";") for word in told.partition("not checked")[2].split()}
