@@ -159,9 +159,10 @@ def text(table: pd.DataFrame) -> str:
             "",
             tabulate(weak, ["check", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
             "",
-            f"{len(newer(table))} checks have a rule newer than the first seed; only later seeds count for them",
-            f"at most {PROMISE:.0%} of fresh seeds may raise an alarm: {verdict(table)} by the count alone "
-            f"({seeds_needed()} seeds without an alarm are enough; the tails judge nothing)",
+            f"{len(newer(table))} checks have a rule newer than the first seed;",
+            "only later seeds count for them",
+            f"at most {PROMISE:.0%} of fresh seeds may raise an alarm: {verdict(table)} by the count",
+            f"alone ({seeds_needed()} seeds without an alarm are enough; the tails judge nothing)",
         ]
     )
 

@@ -109,5 +109,5 @@ def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded() -> 
 
 def test_every_measurement_with_rows_in_a_table_can_be_drawn(own: Path) -> None:
     jobs = planned_jobs(own)
-    assert {job.statement.file.name for job in jobs} == {"rates.csv", "equivalence.csv"}
+    assert {job.statement.file.name for job in jobs} == {"rates.csv", "equivalence.csv", "contact.csv"}
     assert {job.key for job in draw_jobs(jobs, len(jobs), 1)} == {job.key for job in jobs}

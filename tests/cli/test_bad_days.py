@@ -251,8 +251,10 @@ def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(
         printed = capsys.readouterr().out
         assert [line for line in printed.splitlines() if len(line) > 80] == []
     last = printed.strip().splitlines()
-    assert any(line.startswith("22 checks: 21 hold, 0 fail, 0 undecided, 0 missed") for line in last)
-    assert last[-1] == "Conclusion: no statement was contradicted, 21 checks confirmed their claims."
+    (counts,) = filter(
+        None, (re.match(r"\d+ checks: (\d+) hold, 0 fail, 0 undecided, 0 missed", line) for line in last)
+    )
+    assert last[-1] == f"Conclusion: no statement was contradicted, {counts[1]} checks confirmed their claims."
     assert sum("written: " in line for line in last) == 1
     assert len(last) < 40
 

@@ -196,7 +196,7 @@ def test_too_few_levels_are_named_before_anything_is_measured(
         "study: here it would begin",
     ]
     told = refused(capsys, "run", "--case", "rough-2", "--levels", "8", "16", "32", "--out", str(tmp_path))
-    assert "takes 4 levels" in told
+    assert "needs 4 levels" in told
     assert refused(capsys, "run", "--out", str(tmp_path)) == "study: here it would begin\n"
 
 

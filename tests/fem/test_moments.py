@@ -11,7 +11,7 @@ from entrywise import near
 from hypothesis import given
 from hypothesis import strategies as st
 
-from manufactured.catalogue import catalogue
+from manufactured.catalogue import catalogue, named
 from manufactured.law import LawError, Linear
 from manufactured.multiscale import multiscale, rollers
 from manufactured.natural_motion import natural_motion
@@ -164,7 +164,13 @@ def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(
             assert np.allclose(multiples, np.rint(multiples), atol=1e-6)
 
 
-@pytest.mark.parametrize("case", PLANE[::4], ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case",
+    map(
+        named, ("full-contact", "advance-recede", "load-w11", "heterogeneous", "hexagon", "layered-unmet", "re-entrant")
+    ),
+    ids=lambda case: case.name,
+)
 def test_sharing_coordinates_changes_the_mean_strains_by_less_than_the_rule_itself_leaves(case) -> None:
     solution = case.solution
     mesh = next(family for family in FAMILIES if family.serves(solution.body))(solution.body, 8)

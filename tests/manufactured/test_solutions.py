@@ -80,7 +80,8 @@ def test_fields_of_liftings_of_variable_depth_at_many_times_are_those_at_each(ca
 def test_fields_on_a_grid_at_many_times_are_those_at_each(case: str) -> None:
     """Points of a grid share their place along a face."""
     grid = np.round(8 * CASES[case].solution.body.sample(np.random.default_rng(3), 200)) / 8
-    agree_in_time(CASES[case], grid + 1e-3, WITH_FORCES)
+    inside = CASES[case].solution.body.contains(grid + 1e-3)
+    agree_in_time(CASES[case], grid[:, inside] + 1e-3, WITH_FORCES)
 
 
 @pytest.mark.parametrize("name", ["junction", "natural-front"])

@@ -226,7 +226,7 @@ def test_jobs_that_a_lost_cluster_has_cancelled_end_the_run(tmp_path) -> None:
             future.set_running_or_notify_cancel()
             return future
 
-    with pytest.raises(JobsError, match=r"cluster is gone.*same command"):
+    with pytest.raises(JobsError, match=r"(?s)cluster no longer answers.*same command"):
         execute([Toy("a")], Store(tmp_path), pool(Gone()), ignore)
 
 

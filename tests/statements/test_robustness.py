@@ -58,8 +58,9 @@ from study.solve.tableau import MIDPOINT
 from study.statements.from_rates import SizeOfInterpolation
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder, measure_case
+from study.statements.shared.scope import of_the_paper
 
-CASES = {case.name: case for case in catalogue()}
+CASES = {case.name: case for case in of_the_paper(catalogue())}
 
 
 @dataclass(frozen=True)
