@@ -254,7 +254,8 @@ def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(
     (counts,) = filter(
         None, (re.match(r"\d+ checks: (\d+) hold, 0 fail, 0 undecided, 0 missed", line) for line in last)
     )
-    assert last[-1] == f"Conclusion: no statement was contradicted, {counts[1]} checks confirmed their claims."
+    # How strongly the case tests contact follows the conclusion.
+    assert f"Conclusion: no statement was contradicted, {counts[1]} checks confirmed their claims." in last
     assert sum("written: " in line for line in last) == 1
     assert len(last) < 40
 
