@@ -29,8 +29,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import scipy.sparse as sps
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
 from skfem import (
     Basis,
     BilinearForm,
@@ -42,6 +42,8 @@ from skfem import (
     MeshTri,
 )
 from skfem.helpers import ddot, dot, eye, sym_grad, trace
+
+from study.solve.signorini import Signorini
 
 Array = NDArray[np.float64]
 MU, LAM, FRONT, STEP = 1.0, 1.0, 0.9, 1e-30
@@ -136,37 +138,21 @@ def errors(n: int, seed: int | None) -> list[dict[str, float]]:
     K = energy.assemble(basis)
     load = inner_work.assemble(basis) - contact_work.assemble(FacetBasis(mesh, basis.elem, facets=facets, intorder=6))
     free = np.setdiff1d(np.arange(K.shape[0]), basis.nodal_dofs[:, radius > 1 - 1e-9])
-    inverse = splu(K[np.ix_(free, free)].tocsc())
-    unconstrained = np.zeros(K.shape[0])
-    unconstrained[free] = inverse.solve(load[free])
+    S = K[np.ix_(free, free)].tocsc()
     interpolant = np.zeros(K.shape[0])
     interpolant[basis.nodal_dofs] = displacement(mesh.p.astype(complex) + [[1e-300], [0]]).real
     found, solutions = [], []
     for averaged in (False, True):
-        N = np.zeros((vertices.size, K.shape[0]))
+        N = sps.lil_array((vertices.size, K.shape[0]))
         for row, (vertex, nu) in enumerate(zip(vertices, normals(mesh, vertices, averaged).T, strict=True)):
             N[row, basis.nodal_dofs[:, vertex]] = nu
-        influence = np.zeros(N.T.shape)
-        influence[free] = inverse.solve(N[:, free].T)
-        u = unconstrained - influence @ contact_forces(N @ influence, N @ unconstrained)
+        u = np.zeros(K.shape[0])
+        u[free], _ = Signorini(S, N.tocsr()[:, free])(load[free])
         solutions.append(u)
         discrete, apart = ((v - u) @ K @ (v - u) for v in (interpolant, solutions[0]))
         error = squared_error.assemble(basis, u=u)
         found.append({"error": error**0.5, "discrete_error": discrete**0.5, "distance": apart**0.5})
     return found
-
-
-def contact_forces(compliance: Array, opening: Array) -> Array:
-    """Return λ ≥ 0 with opening − compliance λ ≤ 0 and complementarity, by a primal-dual active set."""
-    held = opening > 0
-    for _ in range(100):
-        forces = np.zeros(held.size)
-        forces[held] = np.linalg.solve(compliance[np.ix_(held, held)], opening[held])
-        wanted = forces + (opening - compliance @ forces) > 0
-        if (wanted == held).all():
-            return forces
-        held = wanted
-    raise RuntimeError("the active set does not settle")
 
 
 def main() -> None:

@@ -285,7 +285,7 @@ def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(square, tmp_path,
     assert adapt(square, tmp_path / "out", "--adapt", "1e-6", "--cells", "30") == 1
     printed = " ".join(capsys.readouterr().out.split())
     assert "> 1e-06, the tolerance is not reached: the next mesh has" in printed
-    assert "raise --cells or the tolerance" in printed
+    assert "30 are permitted: raise --cells or the tolerance" in printed
     assert pd.read_csv(tmp_path / "out" / "square" / "adaptive.csv")["cells"].max() <= 30
 
 
