@@ -56,7 +56,9 @@ RESULTS = Path(__file__).parents[2] / "results"
 BY_TESTS = {
     ("data", "missing"): "statements/test_propositions.py::test_missing_rows_leave_the_data_undecided",
     **{
-        ("beyond: initial gap", key): ("statements/test_initial_gap_rows.py::test_every_row_about_an_initial_gap_can_fail")
+        ("beyond: initial gap", key): (
+            "statements/test_initial_gap_rows.py::test_every_row_about_an_initial_gap_can_fail"
+        )
         for key in (
             *("discrete-order-others", "discrete-time-share", "start-share", "parallelogram", "time-share", "residual"),
             *("clamped", "quadrature", "leading-term", "leading-order", "order-finest", "interpolation-order-finest"),
