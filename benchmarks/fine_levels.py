@@ -1,0 +1,97 @@
+"""Two experiments of docs/explanation/predictions.md on finer meshes than the ledger has, up to n = 512.
+
+Both measure single numbers for which a limit has been predicted:
+
+* rollers on alternating diagonals: the largest excess ‖u^h − u^h_lin‖_V and the excess at T, divided by h^{1/2}, and
+  the size of the displacements, divided by h, by which neighbouring vertices differ after the roller has passed;
+* an advancing natural front: the largest nodal error |(P_hu − Π^hu)_ν| on Γ3 within the distance 1/5 from the front,
+  divided by θ h^{3/2}, and the largest nodal error farther away, divided by θ h².
+
+Predicted for n = 512 before the run, from what was seen up to n = 256: the numbers of the first experiment change by at
+most 1/200 (excess) and 1/90 (neighbours) from n = 256, the nodal errors near the front by at most 1/30, and their sign
+stays negative.
+
+Usage: .venv/bin/python -m benchmarks.fine_levels [LEVEL …]. Writes results/benchmarks/fine-levels.csv, half an hour and
+10 GB of memory for level 512.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from manufactured.multiscale.roller import START
+from manufactured.natural_motion import NAME
+from study.fem.error_norm import ErrorNorm
+from study.fem.material import form
+from study.fem.naming import resolve
+from study.solve.signorini import Signorini
+from study.statements.contact_work import Resolved
+from study.statements.rollers import OnContact, Trajectories, passing
+from study.statements.shared.base import Setting
+from study.statements.shared.meshes import space_of
+
+FILE = Path(__file__).parents[1] / "results" / "benchmarks" / "fine-levels.csv"
+LEVELS = (16, 32, 64, 128, 256, 512)
+PLACES = 8
+"""Places of the front in its edge."""
+
+
+def rollers(n: int) -> dict[str, float]:
+    """Return the excess and the difference of neighbours on alternating diagonals at level n."""
+    solution, space = resolve(f"roller-{n}").solution, space_of(Setting(f"roller-{n}", "alternating", n))
+    found = Trajectories.of(OnContact(Resolved.of(solution, space)), passing(space, n))
+    excesses, (_, vertices) = found.excesses(), space.contact[0]
+    (face,) = solution.faces
+    s = face.part.coordinates(space.mesh.p[:, vertices])[0][0]
+    order = np.argsort(s)
+    kept, s, T = (found.contact - found.linear)[-1][order], s[order], solution.body.T
+    # A vertex at s has been passed at the time s − START; what it keeps fades like e^{−t}.
+    between = (kept[1:-1] - (kept[:-2] + kept[2:]) / 2) / 2 * np.exp(T + float(START) - s[1:-1])
+    passed = (s[1:-1] > float(START) + 4 / n) & (s[1:-1] < float(START) + T - 4 / n)
+    return {
+        "largest excess / h^(1/2)": excesses.max() * math.sqrt(n),
+        "excess at T / h^(1/2)": excesses[-1] * math.sqrt(n),
+        "difference of neighbours / 2h": float(np.median(abs(between[passed]))) * n,
+    }
+
+
+def natural_front(n: int) -> dict[str, float]:
+    """Return the largest nodal errors of P_hu near the front and farther away at level n, one diagonal."""
+    solution, space = resolve(NAME).solution, space_of(Setting(NAME, "one-diagonal", n))
+    v_norm, (face,), (_, vertices) = ErrorNorm(solution, space), solution.faces, space.contact[0]
+    condensed = Signorini(form(space, solution.law.A), space.N)
+    s = face.part.coordinates(space.mesh.p[:, vertices])[0][0]
+    near, far, highest = [], [], []
+    for place in range(PLACES):
+        time = 0.5 + place / PLACES / n / 0.4  # the front has the speed 2/5
+        theta, front = 0.25 + time, 0.25 + 0.4 * time
+        projected = condensed.gap(v_norm.space.functional(solution.law.A.matrix @ v_norm.means(time)))
+        error = (projected + face.gap_jet(s[None], time)[(0,)]) / theta
+        close = abs(s - front) <= 0.2
+        near.append(abs(error[close]).max())
+        far.append(abs(error[~close]).max())
+        highest.append(error[close].max())
+    return {
+        "nodal error near the front / θ h^(3/2)": max(near) * n**1.5,
+        "nodal error farther away / θ h^2": max(far) * n**2,
+        "highest signed nodal error near the front / θ h^(3/2)": max(highest) * n**1.5,
+    }
+
+
+def main(levels: list[int]) -> None:
+    """Measure the levels, coarsest first, and write the table after each of them."""
+    known = pd.read_csv(FILE) if FILE.exists() else pd.DataFrame({"level": []})
+    rows = {int(row["level"]): row for row in known.to_dict("records")}
+    for n in levels:
+        rows[n] = {"level": n, **natural_front(n), **rollers(n)}
+        print(rows[n], flush=True)
+        pd.DataFrame([rows[n] for n in sorted(rows)]).to_csv(FILE, index=False, float_format="%.5g")
+
+
+if __name__ == "__main__":
+    main([int(level) for level in sys.argv[1:]] or list(LEVELS))
