@@ -138,7 +138,7 @@ class Equivalence:
         compared = sides.stresses(sides.displacements)
         agreement = gaps(sides.displacements, compared, self.steps)
         place = {"case": self.case, "family": self.family, "level": self.level, "h": compared.space.h}
-        shown = pd.DataFrame(independence(sides, self.steps)._asdict().items(), columns=["quantity", "value"])
+        shown = pd.DataFrame(independence(sides, self.steps).items(), columns=["quantity", "value"])
         return [
             *SameMesh().judge(pd.DataFrame([{**place, **agreement._asdict()}])),
             *StandsAlone().judge(shown.assign(**place)),

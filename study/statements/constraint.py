@@ -13,7 +13,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from manufactured.body import Body, Kind, Part
+from manufactured.body import Body, Kind
 from manufactured.catalogue import catalogue
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Points, Vectors
@@ -23,7 +23,7 @@ from study.ledger.criterion import every, largest
 from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.meshes import BODIES, EVERY, IRREGULAR, named, place, space_of
+from study.statements.shared.meshes import EVERY, IRREGULAR, one_case_for_each, place, space_of
 from study.statements.shared.norms import maximum, minimum
 
 SAMPLES = 40
@@ -51,7 +51,7 @@ class VertexConstraint(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = named(*BODIES)
+        bodies = one_case_for_each("body")
         return place(bodies, EVERY, (8, 16), (2, 4)) if full else place(bodies, IRREGULAR, (8,), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -74,7 +74,9 @@ class Interpolant(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        return place(catalogue(), EVERY, (8, 16), (2, 4)) if full else place(named(*BODIES), IRREGULAR, (8,), (2,))
+        if full:
+            return place(catalogue(), EVERY, (8, 16), (2, 4))
+        return place(one_case_for_each("body"), IRREGULAR, (8,), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
@@ -156,20 +158,17 @@ def admissible(body: Body, rng: np.random.Generator) -> list[Field]:
     """
     clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
 
-    def squared(x: Points, parts: list[Part]) -> Array:
-        return distances(x, parts) ** 2
-
     def field() -> Field:
         inner, pieces = waves(body, rng), [(part, waves(body, rng), waves(body, rng)) for part in contact]
 
         def v(x: Points) -> Vectors:
-            total = squared(x, contact) * inner(x)
+            total = distances(x, contact) ** 2 * inner(x)
             for part, along, pressed in pieces:
                 others = [other for other in contact if other is not part]
                 free, depth = along(x), pressed(x)[0] ** 2
                 normal = np.tensordot(part.normal, free, axes=1) + depth
-                total = total + squared(x, others) * (free - np.multiply.outer(part.normal, normal))
-            return squared(x, clamped) * total
+                total = total + distances(x, others) ** 2 * (free - np.multiply.outer(part.normal, normal))
+            return distances(x, clamped) ** 2 * total
 
         return v
 

@@ -19,12 +19,11 @@ contact, and the orders of the force are undecided, whether they lie in their wi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
 
 from manufactured.case import INITIAL_GAP
 from study.ledger.criterion import ENOUGH, Groups, by_family
@@ -105,20 +104,21 @@ def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
     """
     remedy, key = remedy_of(groups), verdict.key
     if key in ("order", "order-extrapolated", "order-finest"):
-        why = why_missed(series(groups, orders_of("error")), expected, expected - verdict.window_low, remedy)
+        why = why_missed(orders_of(groups, "error"), expected, expected - verdict.window_low, remedy)
         return why or (NO_RATE.format(remedy=remedy) if verdict.label == "Prop. 5.3" else "")
     if key == "interpolation-order-finest":
-        orders = series(groups, orders_of("interpolation_error"))
+        orders = orders_of(groups, "interpolation_error")
         return why_missed(orders, expected, expected - verdict.window_low, remedy)
     if key == "leading-term":
-        ratios = series(groups, lambda group: group["interpolation_error"] / group["predicted_interpolation"])
+        pairs = [group["interpolation_error"] / group["predicted_interpolation"] for group in groups.values()]
+        ratios = [ratio.dropna().to_numpy() for ratio in pairs]
         return why_missed(ratios, 1.0, 1 - verdict.window_low, remedy)
     if key == "falling":
-        last = [errors[-2:] for errors in series(groups, lambda group: group["error"])]
+        last = [group["error"].dropna().to_numpy()[-2:] for group in groups.values()]
         return f"errors fall on the finest meshes only: {remedy}" if all(e[-1] < e[0] for e in last) else ""
     if key == "limit":
         # Over two refinements, because single orders alternate with the position of the front in its cell.
-        over_two = [orders[1:] + orders[:-1] for orders in series(groups, orders_of("error"))]
+        over_two = [orders[1:] + orders[:-1] for orders in orders_of(groups, "error")]
         slower = any(len(found) < 2 or found[-1] < found[0] for found in over_two)
         return "" if slower else f"errors fall more slowly than h^s, and do not slow down: {remedy}"
     if key == "discrete-order-superclose" and verdict.observed > verdict.window_high:
@@ -157,15 +157,10 @@ def remedy_of(groups: Groups) -> str:
     return f"{TRY} {' '.join(map(str, finer(levels, dim)))}"
 
 
-def series(groups: Groups, of: Callable[[pd.DataFrame], ArrayLike]) -> list[Array]:
-    """Return a quantity for every mesh family, from coarse to fine, without NaN values."""
-    found = [np.asarray(of(group), dtype=float) for group in groups.values()]
-    return [values[~np.isnan(values)] for values in found]
-
-
-def orders_of(column: str) -> Callable[[pd.DataFrame], Array]:
-    """Return the function that gives the orders of a column from level to level."""
-    return lambda group: since_before(group["h"].to_numpy(), group[column].to_numpy())
+def orders_of(groups: Groups, column: str) -> list[Array]:
+    """Return the orders of a column from level to level, without NaN, for every mesh family."""
+    found = [since_before(group["h"].to_numpy(), group[column].to_numpy()) for group in groups.values()]
+    return [orders[~np.isnan(orders)] for orders in found]
 
 
 def why_missed(series: Sequence[Array], target: float, room: float, remedy: str) -> str:
@@ -184,23 +179,23 @@ def why_missed(series: Sequence[Array], target: float, room: float, remedy: str)
 
 def finer(levels: Sequence[int], dim: int) -> list[int]:
     """Return the levels to try next: 16 32 64 after 8 16 32; if there are too few levels, 8 16 32 after 8."""
-    return [*levels[1:], _next(levels, dim)] if len(levels) >= ENOUGH else enough(levels, ENOUGH, dim)
+    needed = len(levels) + 1 if len(levels) >= ENOUGH else ENOUGH
+    return enough(levels, needed, dim)[-max(len(levels), ENOUGH) :]
 
 
 def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
-    """Return the levels and finer ones, so that there are at least ``needed``."""
+    """Return the levels with as many finer ones as are necessary for ``needed`` levels.
+
+    In the plane 32 follows 8, 16, and 15 follows 9, 12. In 3D 12 follows 8, because 16 would cost 2⁵ times more.
+    """
     found = list(levels)
     while len(found) < needed:
-        found.append(_next(found, dim))
+        last, before = found[-1], found[-2] if len(found) > 1 else 0
+        if last < 2 * before:
+            found.append(2 * last - before)
+        else:
+            found.append(2 * last if dim == 2 else last + max(1, last // 2))
     return found
-
-
-def _next(levels: Sequence[int], dim: int) -> int:
-    """Return the next finer level: 32 after (8, 16), 15 after (9, 12). In 3D 12 follows 8: 16 costs 2⁵ times more."""
-    last, before = levels[-1], levels[-2] if len(levels) > 1 else 0
-    if last < 2 * before:
-        return 2 * last - before
-    return 2 * last if dim == 2 else last + max(1, last // 2)
 
 
 def least_levels(proposition: str) -> int:

@@ -32,8 +32,6 @@ POINTS, LINE = 400, 80
 """Number of intervals along a plane face, for the exact contact zone and for the curves of exact gap and pressure."""
 HALVINGS = 10
 """Number of bisections of a time interval in which the number of connected parts of the exact zone changes."""
-Pieces = list[list[float]]
-"""The end points [begin, end] of the intervals that make up a contact zone."""
 
 
 def picture(case: Case) -> dict[str, Any]:
@@ -137,40 +135,35 @@ def faces(
             yield {**found, "level_exact": packed(between.level(times).T), "nodes": nodes.tolist()}
 
 
+def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
+    """Return the exact contact zone of a plane face over time, and the curves of exact gap and pressure.
+
+    The zone is given at evenly spaced times and at times near which its connected parts appear, merge or vanish. The
+    curves end at the first and the last contact vertex, because the pressure may be unbounded where Γ3 meets Γ1.
+    """
+    fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
+    level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
+    instants = np.linspace(0, solution.body.T, 101).tolist()
+    zone = {t: intervals(fine, level(t)) for t in instants}
+    for before, after in pairwise(instants):
+        for _ in range(HALVINGS if len(zone[before]) != len(zone[after]) else 0):
+            middle = (before + after) / 2
+            zone[middle] = intervals(fine, level(middle))
+            before, after = (middle, after) if len(zone[middle]) == len(zone[before]) else (before, middle)
+    shown = {round(t, 7): zone[t] for t in sorted(zone)}
+    return {
+        "zone_exact": {"times": list(shown), "intervals": list(shown.values())},
+        "line": {"s": short(line), "gap": packed(exact.gap(times).T), "pressure": packed(exact.pressure(times).T)},
+    }
+
+
 def packed(values: Array) -> dict[str, Any]:
     """Return values at points over time in the packed format with many digits."""
     return Packed.of(values, FINE).record()
 
 
-def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
-    """Return the exact contact zone of a plane face over time, and the curves of exact gap and pressure.
-
-    The curves end at the first and the last contact vertex, because the pressure may be unbounded where Γ3 meets Γ1.
-    """
-    fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
-    level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
-    zone = zone_over_time(lambda t: intervals(fine, level(t)), np.linspace(0, solution.body.T, 101).tolist())
-    return {
-        "zone_exact": {"times": list(zone), "intervals": list(zone.values())},
-        "line": {"s": short(line), "gap": packed(exact.gap(times).T), "pressure": packed(exact.pressure(times).T)},
-    }
-
-
-def zone_over_time(
-    pieces: Callable[[float], list[list[float]]], instants: list[float]
-) -> dict[float, list[list[float]]]:
-    """Return the connected parts of a zone, by time; times are added where parts appear, merge or vanish."""
-    found = {t: pieces(t) for t in instants}
-    for before, after in pairwise(instants):
-        for _ in range(HALVINGS if len(found[before]) != len(found[after]) else 0):
-            middle = (before + after) / 2
-            found[middle] = pieces(middle)
-            before, after = (middle, after) if len(found[middle]) == len(found[before]) else (before, middle)
-    return {round(t, 7): found[t] for t in sorted(found)}
-
-
-def intervals(s: Array, level: Array) -> Pieces:
-    """Return the intervals of s in which ψ ≥ 0, by linear interpolation between the points."""
+def intervals(s: Array, level: Array) -> list[list[float]]:
+    """Return the intervals [begin, end] of s in which ψ ≥ 0, by linear interpolation between the points."""
     inside = level >= 0
     if not inside.any():
         return []

@@ -285,28 +285,21 @@ def size_of_error(group: pd.DataFrame) -> Measured:
     return exactly(np.hypot(last["error"], last["discrete_error"]) / last["interpolation_error"])
 
 
-def residuals(group: pd.DataFrame) -> Measured:
+def residual_share(group: pd.DataFrame) -> Measured:
     """Return the largest residual of contact solves, relative to the solver's tolerance for the number of unknowns."""
     allowed = [solver_choice.residual(dim, dofs) for dim, dofs in zip(group["dim"], group["dofs"], strict=True)]
     return greatest(group["residual"].to_numpy() / np.array(allowed))
 
 
 PARALLELOGRAM = positive_at_most(1e-3, "exact, except for rounding and for two quadratures of the factor of A")
-RESIDUAL = positive_at_most(
-    1.0, f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
-)
+TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
+RESIDUAL, ACCEPTED = positive_at_most(1.0, TOLERANCE), "residual of the contact solves / largest accepted residual"
 SIZE = around(1, 0.1, "Pythagoras")
 SIZES = Criterion("size", "size of the error", SIZE, size_of_error, ("error", "discrete_error", "interpolation_error"))
 EVIDENCE = (
     largest("parallelogram", "parallelogram law of u − u^h and u − Π^h u", PARALLELOGRAM, "parallelogram"),
     largest("time-share", "time share", positive_at_most(0.02, "of the error"), "time_share"),
-    Criterion(
-        "residual",
-        "residual of the contact solves / largest accepted residual",
-        RESIDUAL,
-        residuals,
-        ("dim", "dofs", "residual"),
-    ),
+    Criterion("residual", ACCEPTED, RESIDUAL, residual_share, ("dim", "dofs", "residual")),
     largest("clamped", "u^h = 0 on Γ1", at_most(1e-10, "rounding"), "clamped"),
     largest("quadrature", "change under finer quadrature", positive_at_most(0.02, "of the error"), "quadrature_change"),
 )
@@ -376,26 +369,15 @@ class StartShare:
         return found
 
 
-def error_orders(expected: float) -> tuple[Criterion, Criterion]:
-    """Return the criteria for the order of the error: level by level, and extrapolated to h → 0.
-
-    On irregular meshes both are orders in the leading term of the interpolation error, which is of order h by
-    LEADING_ORDER.
-    """
-    by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
-    limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
-    return (
-        consecutive("order", "order of the error, level by level", by_level, "error"),
-        extrapolated("order-extrapolated", "order of the error, extrapolated", limit, "error"),
-    )
-
-
 def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups]]:
     """Yield the criteria for the rows of one case, and the mesh families that each of them judges."""
     groups = by_family(rows)
     in_h, (irregular, _) = in_leading_term(groups), split_irregular(groups)
-    for criterion in (*error_orders(expected), SIZES):
-        yield criterion, in_h
+    by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
+    limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
+    yield consecutive("order", "order of the error, level by level", by_level, "error"), in_h
+    yield extrapolated("order-extrapolated", "order of the error, extrapolated", limit, "error"), in_h
+    yield SIZES, in_h
     for superclose, criterion in DISCRETE_ORDERS.items():
         if mine := {name: table for name, table in groups.items() if (name == "one-diagonal") is superclose}:
             yield criterion, mine

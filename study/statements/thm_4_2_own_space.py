@@ -391,33 +391,28 @@ def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
 
 def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
     """Yield the criteria for a solution on a mesh family."""
-    random = is_random(family)
-    for name, orders in predicted(regularity, family).items():
+    random, orders_of = is_random(family), predicted(regularity, family)
+    for name, orders in orders_of.items():
         parts = CELLS if name in IN_CELLS else ALONG
         window = orders.window(CHANCE if parts == ALONG and random else 0.0)
         yield weighted(f"order-{name}", f"order of {QUANTITIES[name]}", window, name, parts, JUDGED, PAIR)
     # The ledger shows the ratio on the finest level.
     ratios = Criterion("ratio", RATIO, at_least(1), lambda of: among(of["ratio"].iloc[-1], of["ratio"]), ("ratio",))
     yield Observation(ratios, "these polynomials form a larger space")
-    bounded = (
-        at_most(1.35, "bounded; two standard deviations are added for random meshes")
-        if random
-        else at_most(1.25, "bounded")
-    )
-    yield growth(
-        "growth", f"growth of {RATIO}, from the coarsest to the finest mesh, fitted", bounded, "ratio", CELLS, PAIR
-    )
+    bounded = at_most(1.25, "bounded")
+    if random:
+        bounded = at_most(1.35, "bounded; two standard deviations are added for random meshes")
+    grown = f"growth of {RATIO}, from the coarsest to the finest mesh, fitted"
+    yield growth("growth", grown, bounded, "ratio", CELLS, PAIR)
     yield largest("admissible", ADMISSIBLE, positive_at_most(1e-9), "admissibility")
     yield largest("time-share", "share of time steps and quadrature in ‖σ − σ^h‖_Q", TIME, "time_share")
-    window = Window() if random else in_the_maximum(regularity, family)
+    # Theory predicts the same order for the largest error in time as for the error in L²(0,T).
+    if random or "stress" not in orders_of:
+        window = Window()
+    else:
+        window = replace(orders_of["stress"].window(), why="as for the mean over time")
     at_worst = order("order-sup", "order of max_n ‖σ − σ^h‖_Q", window, "stress_sup", JUDGED, PAIR)
     yield Observation(at_worst, BY_CHANCE) if random else at_worst
-
-
-def in_the_maximum(regularity: Regularity, family: str) -> Window:
-    """Return the window of the order of the largest error in time, which theory predicts like the order in L²(0,T)."""
-    orders = predicted(regularity, family).get("stress")
-    return replace(orders.window(), why="as for the mean over time") if orders else Window()
 
 
 class OwnSpace(Statement):

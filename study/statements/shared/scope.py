@@ -134,25 +134,17 @@ class Scope:
             if any(b <= a for a, b in pairwise(levels)):
                 given = " ".join(map(str, levels))
                 raise UsageError(f"levels must increase, got {given}; sort them and drop repetitions")
-        names = [case.name for case in self.resolved()]
+        names, scheme = [case.name for case in self.resolved()], choose("scheme", self.scheme, SCHEMES)
         if len(set(names)) < len(names):
             raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
         for case in self.resolved():
             self.families_of(case)
-            require_steps(self.steps(case, max(self.levels_of(case).on_regular)))
-            self._require_unique(case)
-
-    def _require_unique(self, case: Case) -> None:
-        """Refuse time steps so long that the problem of one step may have no or several solutions.
-
-        This is possible if the law softens.
-        """
-        solution = case.solution
-        steps = self.steps(case, min(self.levels_of(case).on_regular))
-        try:
-            choose("scheme", self.scheme, SCHEMES).require_unique(solution.body.T / steps, solution.law.growth)
-        except StepsError as error:
-            raise UsageError(f"{case.name}: {error}") from error
+            levels, T = self.levels_of(case).on_regular, case.solution.body.T
+            require_steps(self.steps(case, max(levels)))
+            try:  # If the law softens, the problem of a long time step may have no or several solutions.
+                scheme.require_unique(T / self.steps(case, min(levels)), case.solution.law.growth)
+            except StepsError as error:
+                raise UsageError(f"{case.name}: {error}") from error
 
     def steps(self, case: Case, level: int) -> int:
         """Return the number of time steps at a level, from the time step k or, if k is None, the pace of the case."""
