@@ -1,8 +1,8 @@
 """K^h and Π^h (near (5.23)): v ∈ V^h lies in K if v_ν ≤ 0 at the vertices of Γ3, and Π^h v ∈ K^h for continuous v ∈ K.
 
 The solvers represent K^h = V^h ∩ K by {v : Nv ≤ 0}, where Nv are normal displacements at vertices. The test checks the
-definition of K, v_ν ≤ 0 on all of Γ3 and v = 0 on Γ1, at points between the vertices, with normals and facets from the
-geometry of the body. It uses N only to make functions in K^h (Nv ≤ 0, including extreme rays of the cone) and functions
+definition of K, v_ν ≤ 0 on all of Γ3 and v = 0 on Γ1, at points between the vertices. Normals and facets come from the
+geometry of the body. N is used only to make functions in K^h (Nv ≤ 0, including extreme rays of the cone) and functions
 outside K^h (one (Nv)_i > 0). No violation is allowed, because linear functions attain their maximum at vertices.
 """
 

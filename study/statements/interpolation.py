@@ -47,7 +47,7 @@ TIMES = (0.23, 0.61)
 RAISED = 2
 """Increase of the degree of cell rules and of the points on facets, because kinks cross cells and facets."""
 ROUND_OFF = 1e-10
-"""Smaller relative errors count as round-off: a trace that is zero or linear has no interpolation error."""
+"""Smaller relative errors count as round-off, because a trace that is zero or linear has no interpolation error."""
 ROOM = 0.15
 """Tolerance for orders. It is needed because fronts cut cells at different places on each level, and because the meshes
 of different levels are not nested."""

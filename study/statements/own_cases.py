@@ -1,8 +1,8 @@
 """Verdicts on a user's own case: a row *fails* only where the data contradict the statement.
 
 The cases of the catalogue were designed as tests. A user's case may not be suitable: its meshes are too coarse, its
-time steps too long, or its largest error is at t = 0, where it is only an interpolation error. Then a row that misses
-its window is *undecided, because …*, with a remedy. A row still fails if
+time steps too long, or its largest error is at t = 0, where the error is only an interpolation error. Then a row that
+misses its window is *undecided, because …*, with a remedy. A row still fails if
 
 * the last two orders lie outside the window on the same side, and the distance of the second one from the predicted
   order p is more than NEARER = 0.8 times the distance of the first. If e = C h^p (1 + c h^q) this distance shrinks by
@@ -10,10 +10,11 @@ its window is *undecided, because …*, with a remedy. A row still fails if
 * errors do not fall on the finest meshes, or fall ever more slowly although the limit must be 0;
 * a value is NaN, or an identity is violated: residuals, u^h on Γ1, the parallelogram law.
 
-Some rows, such as the order of ‖Π^h u − u^h‖_V, only support the conclusion that an observed order is the order of u^h.
-The paper does not claim them, so if they miss their windows they are undecided. The paper claims nothing about the
-contact force either. If the error of its resultant exceeds its window on the finest meshes, these meshes do not resolve
-contact, and the orders of the force are undecided, whether they lie in their windows or not.
+Some rows, such as the order of ‖Π^h u − u^h‖_V, only show that the observed order belongs to u^h and not to the
+interpolation error. The paper does not claim these orders, so if such a row misses its window it is undecided. The
+paper claims nothing about the contact force either. If the error of its resultant exceeds its window on the finest
+meshes, these meshes do not resolve contact, and the orders of the force are undecided, whether they lie in their
+windows or not.
 """
 
 from __future__ import annotations
@@ -82,8 +83,8 @@ def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
 def unclaimed(verdict: Verdict) -> Verdict:
     """Return the verdict, changed to *reported* if only the superclose order of the contact force is missed.
 
-    The paper does not claim this additional half order, and if fronts are a few cells apart it appears only on finer
-    meshes.
+    The paper does not claim this additional half order. If the distance of fronts is a few cells, it appears only on
+    finer meshes.
     """
     superclose, other = DUAL_ORDERS[True], DUAL_ORDERS[False]
     missed = (verdict.label, verdict.key, verdict.verdict) == (ContactForce.label, superclose.key, FAILS)

@@ -37,15 +37,17 @@ HALVINGS = 10
 def picture(case: Case) -> dict[str, Any]:
     """Return contact gap and pressure, displacement and stress over time, and the deformed mesh at three times.
 
-    The computed pressure at a vertex is its contact force over the integral of its shape function.
-    ``cells`` are the triangles of the mesh, in space those of its surface, ``vertices`` their corners.
-    ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed; ``shapes`` are the times, among
-    these, of the deformed meshes.
+    The computed pressure at a vertex is its contact force divided by the integral of its shape function.
 
-    A face has gap, pressure and their exact values at its points. In the plane these are written out, with the ends of
-    the exact zone, and ``line`` has exact values at more points, evenly spaced, packed. In space, where there are many,
-    they are packed; ``nodes`` says which of the vertices they are, and ``level_exact`` is ψ there and at the midpoints
-    between them (the exact zone is {ψ ≥ 0}).
+    Returns:
+        ``cells`` are the triangles of the mesh, in 3D the triangles of its surface, and ``vertices`` their corners.
+        ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed. ``shapes`` are the times at
+        which the deformed mesh is shown.
+
+        Each of ``faces`` has gap, pressure and their exact values at the contact vertices. In 2D these are written as
+        numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line`` has exact values at evenly spaced
+        points, packed. In 3D all values are packed, ``nodes`` are the indices of the contact vertices in ``vertices``,
+        and ``level_exact`` is ψ at these vertices and at the midpoints between them; the exact zone is {ψ ≥ 0}.
 
     Raises:
         MeshError: no mesh of a moderate level fits the body.
@@ -109,7 +111,7 @@ def contact_weights(space: Space) -> Array:
 def faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
 ) -> Iterator[dict[str, Any]]:
-    """Yield gap and pressure of every face with their exact values, packed for bodies in 3D."""
+    """Yield the records of the contact faces, whose contents ``picture`` describes."""
     plane, start = space.dim == 2, 0
     write: Callable[[Array], Any] = short if plane else packed
     for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):

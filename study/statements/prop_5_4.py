@@ -119,6 +119,16 @@ class Rates(Statement):
         """
         yield self.file, {"claim": self.label, **found}
 
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        found: list[Verdict] = []
+        for case, mine in rows[rows["claim"] == self.label].groupby("case", sort=False):
+            found += self.judge_case(str(case), mine, float(mine["expected_order"].iloc[0]))
+        return found
+
+    def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
+        """Return the verdicts on one case from its rows of ``rates.csv`` and the expected order."""
+        raise NotImplementedError
+
     def cost(self, setting: RateSetting) -> float:
         """Return the expected time in µs; a cell in 3D costs more, because of more components and a denser factor."""
         cells = setting.level**setting.dim * estimates.cells(setting.family)
@@ -146,7 +156,7 @@ def measure_case(case: Case, family: MeshFamily, level: int, scheme: Tableau, st
 
 
 def measure(experiment: Experiment) -> Measurement:
-    """Return the errors of the solution with time step k/2 at all its nodes, and its distance from the one with k."""
+    """Return the errors of the trajectory with time step k/2 at all its nodes, and the distance from the one with k."""
     v_norm, problem, M = experiment.v_norm, experiment.problem, experiment.problem.M
     coarse = experiment.scheme.march(problem, experiment.steps)
     history: list[tuple[float, ...]] = []
@@ -313,7 +323,7 @@ SOLIDS = (
     between_levels("order-finest", "order of the error, finest pair", SOLID, "error", 1, ENOUGH),
     between_levels("interpolation-order-finest", PAIR, SOLID, "interpolation_error", 1, ENOUGH),
 )
-"""An additional criterion in 3D: there are few levels, so the order from the two finest ones must be closer to 1."""
+"""Additional criteria in 3D: there are few levels, so the order from the two finest levels must be closer to 1."""
 OF_THE_TERM = around(1, 0.15, "least squares, as the error is compared with this term there")
 TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes"
 LEADING_ORDER = order("leading-order", TERM, OF_THE_TERM, LEADING, ENOUGH + 1)
@@ -353,8 +363,8 @@ AFTER_START = Criterion(
 class StartShare:
     """The criterion that the largest error is attained after t = 0.
 
-    At t = 0 the error is the interpolation error of u_0, so a maximum there says nothing about the solver. The solver
-    is not at fault if the interpolation error ‖u − Π^h u‖_V itself is largest at t = 0, or at least EXPECTED_AT_START
+    At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. The solver is not
+    at fault if the interpolation error ‖u − Π^h u‖_V itself is largest at t = 0, or at least EXPECTED_AT_START
     times its maximum. Then the row is reported; otherwise it fails.
     """
 
@@ -395,14 +405,5 @@ class FirstOrder(Rates):
     label = "Prop. 5.4"
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        mine = rows[rows["claim"] == self.label]
-        return [
-            verdict
-            for case, of_case in mine.groupby("case", sort=False)
-            for verdict in self.judge_case(str(case), of_case, float(of_case["expected_order"].iloc[0]))
-        ]
-
     def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
-        """Return the verdicts on one case from its rows of ``rates.csv`` and the expected order."""
         return [rule.verdict(self, case, groups) for rule, groups in rules_of(rows, expected)]

@@ -118,15 +118,14 @@ def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
     found: dict[str, list[float]] = {"smooth v": [], "Π^hu − u": [], "bound": []}
     for time in (fraction * solution.body.T for fraction in TIMES):
         cut = cut_at_fronts(solution, time)
-        of = terms(cut, space, time, [*smooth_fields(space), interpolation_error(cut, space, time)])
-        difference, smooth, small = of.residual - of.contact, slice(FIELDS), slice(FIELDS, None)
-        found["bound"] += of.shares.tolist()
+        R = terms(cut, space, time, [*smooth_fields(space), interpolation_error(cut, space, time)])
+        found["bound"] += R.shares.tolist()
         for name, v, sizes in (
-            ("smooth v", smooth, (of.stress, of.body, of.loaded, of.contact)),
-            ("Π^hu − u", small, (of.stress, of.body, of.loaded)),
+            ("smooth v", slice(FIELDS), (R.stress, R.body, R.loaded, R.contact)),
+            ("Π^hu − u", slice(FIELDS, None), (R.stress, R.body, R.loaded)),
         ):
-            smallest = smallest_positive([float(np.linalg.norm(size[v])) for size in sizes])
-            found[name].append(float(np.linalg.norm(difference[v])) / smallest)
+            defect = float(np.linalg.norm((R.residual - R.contact)[v]))
+            found[name].append(defect / smallest_positive([float(np.linalg.norm(size[v])) for size in sizes]))
     if not touches(solution, space):
         del found["bound"]
     return {name: maximum(values) if values else math.nan for name, values in found.items()}

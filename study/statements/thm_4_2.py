@@ -4,17 +4,18 @@
 method, in which u_n is a multiplier that is not forced into K^h. Both share only the strain matrix, the load and the
 time steps of backward Euler. A row of ``equivalence.csv`` has the largest differences ("gaps") of both over time.
 
-**Tolerance.** How large the gaps may be is known without the solution. At step j the interior-point method stops with a
-duality gap g_j,
-and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are at most g_j, where σ* and ε* are exact
-for the same ε_{j−1} (``study.solve.interior_point``). With ω = max(−m, 0)/m_A, which is 0 for monotone G,
-C ≥ (1 − kω) A/k. So a step is Lipschitz in ε_{j−1} with q = 1/(1 − kω) in the norm of A, which is the norm of V, and
-A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n} g_j^{1/2} for monotone G,
+**Tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
+method stops with a duality gap g_j. Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are at most
+g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.interior_point``). Let
+ω = max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so a step is Lipschitz in ε_{j−1} with
+q = 1/(1 − kω) in the norm of A, which is the norm of V, and A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is
+Σ_{j≤n} g_j^{1/2} for monotone G,
 
     ‖u_n(3.2) − u_n(3.1)‖_V ≤ (q k)^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
 
-up to the tolerances of both solvers: A/k alone carries ε_{j−1} into σ_n, with ‖A ε/k‖_{C⁻¹} ≤ (q/k)^{1/2} ‖ε‖_A, and
-|τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The same holds for Cε + β(ε − P_K ε), with A/k + C and β(ε − P_K ε) treated separately.
+up to the tolerances of both solvers. The second bound holds because A/k alone carries ε_{j−1} into σ_n, with
+‖A ε/k‖_{C⁻¹} ≤ (q/k)^{1/2} ‖ε‖_A, and |τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The same bounds hold for
+G ε = G_0 ε + β(ε − P_K ε) with a linear G_0, where A/k + G_0 and β(ε − P_K ε) are treated separately.
 ``paper/proofs_study.tex`` has the proof.
 
 **Sensitivity.** Two solutions that agree prove nothing if one was computed from the other, or if the comparison is not
@@ -23,11 +24,11 @@ unchanged. The gap must show the whole mistake:
 
     ‖u(3.2) − ũ(3.1)‖_V / ‖u(3.1) − ũ(3.1)‖_V = 1.
 
-If Problem 3.2 took its solution from Problem 3.1, the ratio would be 0; the same if the gap compared a solution with
-itself. A flipped normal matters wherever there is a gap or a pressure, so the ratio is never 0/0. This shows that the
-comparison is sensitive. It does not show how stresses are computed: if both sides agree without the mistake, the
-triangle inequality gives 1 up to their distance, also for a Problem 3.2 that solves its own copy of Problem 3.1.
-``tests/controls/test_controls.py`` shows that stresses are found without a displacement solver in the process.
+If Problem 3.2 took its solution from Problem 3.1, the ratio would be 0. It would also be 0 if the gap compared a
+solution with itself. A flipped normal matters wherever there is a gap or a pressure, so the ratio is never 0/0. A ratio
+of 1 shows that the comparison is sensitive. It does not show how stresses are computed: a Problem 3.2 that solves its
+own copy of Problem 3.1 has a ratio of 1, too. ``tests/controls/test_controls.py`` computes stresses in a process
+without a displacement solver.
 
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """
@@ -103,7 +104,7 @@ def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[S
     """
     if solution.has_initial_gap:
         raise StressError(
-            "Problem 3.2 is not that of a body with an initial gap: K is no cone then, and (σ, ε(u))_Q = (f, u)_V, "
+            "Problem 3.2 does not allow an initial gap: K is no cone then, and (σ, ε(u))_Q = (f, u)_V, "
             "(4.14), lacks the work of σ_ν on the gap; take a case whose initial_gap is 0"
         )
     space = Space(family(solution.body, level), solution.body)
@@ -153,7 +154,7 @@ def beyond(defect: Array, N: sps.csr_array) -> float:
 
 
 LEAST = 1e-9
-"""Smaller gaps are reported as this number, because they depend on where the last iteration of a solver stops."""
+"""Smaller gaps are reported as this number, because they depend on the iteration at which a solver stops."""
 
 
 def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
@@ -249,8 +250,8 @@ class Sides:
 
     Attributes:
         displacements: Problem 3.1.
-        stresses: the Problem 3.2 that is compared with a Problem 3.1. The correct one is the same for every Problem
-            3.1; it is a function so that a negative control can make it depend on Problem 3.1.
+        stresses: returns the Problem 3.2 that is compared with a given Problem 3.1. The correct Problem 3.2 does not
+            depend on Problem 3.1; a negative control replaces it by a Problem 3.2 that does.
     """
 
     displacements: SemiDiscrete

@@ -66,10 +66,10 @@ from study.stresses.hybrid import act
 from study.stresses.stress_space import StressSpace
 
 # Cases and meshes. Plane cases with linear laws, f_0 ∈ L² and stresses that are continuous in time: where the face
-# lands with a velocity, BDF2 is wrong for one step whatever k is. A case without contact has no pressure to compare;
-# at the junction of Γ1 and Γ3 the pressure is not in L²(Γ3). rough-trace is left out, too: at its front, r^{5/4} where
-# the contact problem itself makes r^{3/2}, errors depend on the place of the front in a cell, and multipliers fall with
-# orders of 0.6 to 2.5 from level to level up to n = 64.
+# lands with a velocity, BDF2 has an error in one step that does not fall with k. Cases without contact are left out,
+# because they have no pressure to compare; so is *junction*, whose pressure is not in L²(Γ3). The front of
+# *rough-trace* is like r^{5/4}, rougher than the front r^{3/2} of a natural contact problem. Its errors depend on the
+# position of the front in a cell, and multipliers have orders of 0.6 to 2.5 from level to level up to n = 64.
 CASES = (
     *("full-contact", "fixed-front-on-vertex", "fixed-front-off-vertex", "advance-recede", "travelling-patch"),
     *("merging-patches", "load-w11", "anisotropic", "heterogeneous", "layered", "softening"),
@@ -84,9 +84,11 @@ OTHER_MESHES = {
     "merging-patches": ("one-diagonal", "unstructured"),
     "layered": ("one-diagonal", "unstructured"),
 }
-"""Cases on other mesh families than MESHES. The pressure error at a natural front that rests is the error of one cell.
-The place of the front in that cell must not be random, or orders scatter by 1 from seed to seed. Merging patches and
-layers are three or four cells wide on the coarsest meshes, where orders on random ones scatter most."""
+"""The mesh families of cases that are not measured on MESHES.
+
+The pressure error at a natural front that rests is the error of one cell. If the position of the front in that cell is
+random, orders scatter by 1 from seed to seed. Merging patches and layers are three or four cells wide on the coarsest
+meshes, and on such random meshes orders scatter most."""
 LEVELS, FINEST = (8, 16, 32), {"re-entrant": (64,)}
 """Levels of the full study, and further levels of some cases."""
 
@@ -325,17 +327,18 @@ def measure_stresses(case: Case, family: MeshFamily, level: int, steps: int) -> 
 
 # Criteria.
 MARGIN, SMOOTH = 0.15, 0.3
-"""Tolerance below a predicted order: below the order of a singularity, and below 2, which is reached from below on
-coarse meshes because of the boundary."""
+"""Tolerances below a predicted order: below the order of a singularity, and below order 2. On coarse meshes observed
+orders are less than 2 because of the boundary."""
 JUDGED, PAIR = 3, 2
-"""Orders are computed from the finest levels: at most JUDGED, at least PAIR."""
+"""The largest and the smallest number of finest levels from which an order is computed."""
 IN_CELLS = ("stress", "strain", "primal_stress")
 """Quantities whose errors are sums over all cells. The pressure error is a sum over the edges on Γ3, and multiplier
 errors are largest along a moving front: sums over as many cells as there are along a line."""
 CHANCE = 0.3
-"""Further tolerance for an order on random meshes that comes from cells along a line: three standard deviations. One
-standard deviation was 0.03 … 0.19 in a pilot on shaken meshes, n = 8, 16, 32, that judged nothing. Orders of sums over
-all cells scattered by 0.03 and need none. The windows without it are used on one-diagonal meshes."""
+"""Additional tolerance on random meshes for errors that come from cells along a line: three standard deviations.
+
+In a pilot study on shaken meshes with n = 8, 16, 32, which judged nothing, the standard deviation was 0.03 to 0.19.
+Orders of sums over all cells scattered by 0.03 and need no additional tolerance."""
 TIME = positive_at_most(0.5, "with the order 3/2 in k, time steps then contribute at most 0.27 of the error")
 BY_CHANCE = "the maximum depends on the position of a front within its cell, which is accidental on every level"
 ADMISSIBLE = "σ^hν continuous, P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3, strongly"
@@ -352,7 +355,7 @@ QUANTITIES = {
 
 @dataclass(frozen=True)
 class Orders:
-    """The lowest and the highest order that regularity and time scheme predict."""
+    """The lowest and the highest order that the regularity of the solution and the time scheme predict."""
 
     low: float
     high: float

@@ -1,4 +1,4 @@
-"""Base classes of statements: where a statement is measured, what is measured, and when it holds."""
+"""Base classes of statements: settings, a measurement at each setting, and criteria for the measured numbers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Setting:
 
 
 REPORTED = "_reported"
-"""Suffix of the columns of another data file after it is joined to the file of a statement."""
+"""Suffix of the columns that are added from ``Statement.joined_file``."""
 
 
 class Statement:
@@ -85,7 +85,11 @@ class Statement:
         yield self.file, found
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """Return rows of the ledger from rows of the data file, which contain the predictions for their cases."""
+        """Return the rows of the ledger.
+
+        Args:
+            rows: rows of the data file, with the predictions for their cases.
+        """
         cases = [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
         return [rule.verdict(self, case, groups) for case, groups in cases for rule in self.rules]
 
@@ -126,7 +130,7 @@ class ListedNumbers(Statement):
     """A statement whose numbers are listed one by one in ``statements.csv``.
 
     Attributes:
-        effort: run time of a measurement, relative to a typical statement at the same level.
+        effort: run time of a measurement divided by the run time of a typical statement at the same level.
     """
 
     file: DataFile = LISTED
@@ -147,7 +151,7 @@ class ListedNumbers(Statement):
         return self.effort * float(setting.level**2) * (230 if setting.dim == 2 else 30_000)
 
     def memory(self, setting: Setting) -> float:
-        """Return the estimated memory, which is the same for all statements of this class at one level."""
+        """Return the estimated memory in bytes, from the level and the dimension."""
         return estimates.statement(setting.dim, setting.level)
 
 

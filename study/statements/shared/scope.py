@@ -73,8 +73,8 @@ class Scope:
     Attributes:
         name: quick or full.
         cases: the cases, by their names in the catalogue or as FILE.py:NAME.
-        plane, rough, solid: levels for plane cases with (5.36), for plane cases without it, whose orders need more
-            levels, and in 3D.
+        plane, rough, solid: levels for plane cases with (5.36), for plane cases without (5.36), and in 3D. The orders
+            of cases without (5.36) need more levels.
         equivalence, solid_equivalence: levels of Theorem 4.2 on one mesh, in 2D and 3D.
         every_family: whether cases are measured on all mesh families that can mesh their bodies. Otherwise each case
             is measured on the families that it names.

@@ -11,7 +11,7 @@ A task has two modes:
 * "march": the steps of the midpoint rule. Each step is the same problem with C = A/k + G/2 for G, and the caller
   computes s_0 = (G/2 − A/k) ε(u_{n−1}).
 
-All data except u and its reference values are scaled by a factor S; the problem is positively homogeneous.
+All data except u and its reference values are multiplied by a factor S, which does not change u.
 """
 
 from __future__ import annotations
