@@ -23,7 +23,7 @@ from study.ledger.criterion import every, largest
 from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.meshes import EVERY, IRREGULAR, one_case_for_each, place, space_of
+from study.statements.shared.meshes import BODIES, EVERY, IRREGULAR, named, place, space_of
 from study.statements.shared.norms import maximum, minimum
 
 SAMPLES = 40
@@ -51,7 +51,7 @@ class VertexConstraint(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = one_case_for_each("body")
+        bodies = named(*BODIES)
         return place(bodies, EVERY, (8, 16), (2, 4)) if full else place(bodies, IRREGULAR, (8,), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -76,7 +76,7 @@ class Interpolant(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         if full:
             return place(catalogue(), EVERY, (8, 16), (2, 4))
-        return place(one_case_for_each("body"), IRREGULAR, (8,), (2,))
+        return place(named(*BODIES), IRREGULAR, (8,), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution

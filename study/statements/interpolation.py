@@ -40,7 +40,7 @@ from study.ledger.verdict import Verdict
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.meshes import CELLS, EVERY, named, one_case_for_each, place, space_of, split_random
+from study.statements.shared.meshes import BODIES_WITH_LAWS, CELLS, EVERY, named, place, space_of, split_random
 
 TIMES = (0.23, 0.61)
 """Fractions of T at which u is interpolated; no event such as a landing happens in any case at these times."""
@@ -48,6 +48,12 @@ RAISED = 2
 """Increase of the degree of cell rules and of the points on facets, because kinks cross cells and facets."""
 ROUND_OFF = 1e-10
 """Smaller relative errors count as round-off, because a trace that is zero or linear has no interpolation error."""
+TRACES = (
+    *("full-contact", "fixed-front-on-vertex", "advance-recede", "rotated", "corner", "contact-at-clamp", "hexagon"),
+    *("cube-disc", "cube-two-faces", "natural-front", "rough-trace", "moving-rough", "cube-rough", "rough-1.75"),
+    *("rough-2", "rough-2.25", "re-entrant", "junction", "softening"),
+)
+"""One case for every pair of a body and a regularity of the trace on Γ3."""
 ROOM = 0.15
 """Tolerance for orders. It is needed because fronts cut cells at different places on each level, and because the meshes
 of different levels are not nested."""
@@ -84,7 +90,7 @@ class InterpolationInV(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         if not full:
             return place(named("no-contact", "advance-recede"), EVERY, (8, 16, 32))
-        cases = [case for case in one_case_for_each("body", "law") if case.regularity.smoothness > 1]
+        cases = [case for case in named(*BODIES_WITH_LAWS) if case.regularity.smoothness > 1]
         # No graded meshes, because their cells at singular points are much smaller than h, and the order in h changes.
         return [s for s in place(cases, EVERY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
 
@@ -133,7 +139,7 @@ class InterpolationOnContact(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         # No shaken meshes: a few edges contribute most of the squared error Σ_e |e|⁵ |w''|²/120, so with random lengths
         # of edges the order varies by 0.3 from seed to seed.
-        cases = one_case_for_each("body", "trace") if full else named("advance-recede", "rough-2")
+        cases = named(*(TRACES if full else ("advance-recede", "rough-2")))
         without = Graded().name, Shaken().name
         return [s for s in place(cases, EVERY, (16, 32, 64), (8, 16, 24)) if s.family not in without]
 

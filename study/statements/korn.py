@@ -24,7 +24,7 @@ from study.ledger.criterion import largest as largest_of
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded
-from study.statements.shared.meshes import one_case_for_each, place, space_of
+from study.statements.shared.meshes import BODIES, BODIES_WITH_VISCOSITIES, named, place, space_of
 from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"
@@ -55,7 +55,7 @@ class Korn(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = one_case_for_each("body")
+        bodies = named(*BODIES)
         return place(bodies, REGULAR, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, REGULAR, (4, 8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -75,7 +75,7 @@ class Norms(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        cases = one_case_for_each("body", "viscosity")
+        cases = named(*BODIES_WITH_VISCOSITIES)
         return place(cases, REGULAR, (8, 16, 32), (2, 4, 8)) if full else place(cases, REGULAR, (4, 8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:

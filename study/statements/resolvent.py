@@ -43,7 +43,7 @@ from study.statements.constraint import with_trace
 from study.statements.lipschitz import STRAINS
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.meshes import IRREGULAR, one_case_for_each, place, space_of
+from study.statements.shared.meshes import IRREGULAR, LAWS, named, place, space_of
 from study.statements.shared.norms import maximum, norm
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
@@ -77,7 +77,7 @@ class Resolvent(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        laws = one_case_for_each("law")
+        laws = named(*LAWS)
         if full:
             return place(laws, IRREGULAR, (8,)) + place(laws, REGULAR, (), (2,))
         return place(laws[:1], IRREGULAR, (8,))

@@ -41,7 +41,7 @@ from study.statements.admissibility import Rivals
 from study.statements.constraint import nonmembers
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.meshes import IRREGULAR, one_case_for_each, place, space_of
+from study.statements.shared.meshes import BODIES, IRREGULAR, named, place, space_of
 from study.statements.shared.norms import maximum, minimum
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
@@ -72,7 +72,7 @@ class Separation(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = one_case_for_each("body")
+        bodies = named(*BODIES)
         if full:
             return place(bodies, IRREGULAR, (8, 16)) + place(bodies, REGULAR, (), (2, 4))
         return place(bodies[:1], IRREGULAR, (8,))

@@ -23,12 +23,13 @@ from study.statements.contact_work import WorkOfContact
 from study.statements.enclosure import resolve_problem
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
+from study.statements.interpolation import TRACES
 from study.statements.landings import Landings
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
 from study.statements.rollers import Rollers
 from study.statements.shared.base import Setting
-from study.statements.shared.meshes import one_case_for_each
+from study.statements.shared.meshes import BODIES, BODIES_WITH_LAWS, BODIES_WITH_VISCOSITIES, LAWS
 from study.statements.shared.scope import Levels
 from study.statements.thm_4_2 import SameMesh
 
@@ -122,19 +123,19 @@ def law(case: Case) -> Hashable:
 
 
 @pytest.mark.parametrize(
-    ("properties", "key"),
+    ("representatives", "key"),
     [
-        (("body",), shape),
-        (("law",), law),
-        (("body", "law"), lambda case: (shape(case), law(case))),
-        (("body", "viscosity"), lambda case: (shape(case), repr(case.solution.law.A))),
-        (("body", "trace"), lambda case: (shape(case), case.regularity.trace)),
+        (BODIES, shape),
+        (LAWS, law),
+        (BODIES_WITH_LAWS, lambda case: (shape(case), law(case))),
+        (BODIES_WITH_VISCOSITIES, lambda case: (shape(case), repr(case.solution.law.A))),
+        (TRACES, lambda case: (shape(case), case.regularity.trace)),
     ],
 )
 def test_lists_of_cases_that_stand_for_all_bodies_or_laws_have_each_of_them_once(
-    properties: tuple[str, ...], key: Callable[[Case], Hashable]
+    representatives: tuple[str, ...], key: Callable[[Case], Hashable]
 ) -> None:
-    keys = [key(case) for case in one_case_for_each(*properties)]
+    keys = [key(named(name)) for name in representatives]
     assert len(set(keys)) == len(keys)
     assert set(keys) == {key(case) for case in catalogue()}
 
