@@ -17,8 +17,8 @@ by three relations, of which the first shares no code with the errors:
 * ‖u − Π^h u‖_V against its leading term, computed from second derivatives of u (``from_rates``, (5.23));
 * (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ = 1 within 10 %. If u^h were the best approximation of u in V^h,
   this would be Pythagoras' theorem; contact and memory disturb it little. It ties the error to the interpolation error;
-* the parallelogram law of u − u^h and u − Π^h u at every time. It ties the error to u^h: the interpolation error,
-  reported as the error, would pass the other relations because both are nearly equal.
+* the parallelogram law of u − u^h and u − Π^h u at every time. It ties the error to u^h. An interpolation error that is
+  reported as the error by mistake would satisfy the other relations, because both errors are nearly equal.
 
 **Why ‖Π^h u − u^h‖_V is reported as well.** For piecewise linear functions the error is nearly all interpolation
 error, and its maximum may be at t = 0, before anything is solved. The discrete error shows the work of the solver;
@@ -237,9 +237,9 @@ class Measurement:
         """Return max_n |2e² + 2i² − (2m)² − d²| over max_n d², which must be 0 by the parallelogram law.
 
         e, i, d and m are the rows of ``history`` after t. d is computed with the matrix M, the others by ``ErrorNorm``
-        with another quadrature rule for A. The test notices if the interpolation error is measured by mistake: instead
-        of e and m, the result is 1, because e = m = i leaves d²; instead of e only, the defect is 2 |i² − e²|, which is
-        2d² if u^h is the best approximation.
+        with another quadrature rule for A. If the interpolation error is measured by mistake in place of e and m, the
+        result is 1, because e = m = i leaves d². If it is measured in place of e alone, the defect is 2 |i² − e²|,
+        which is 2d² if u^h is the best approximation.
         """
         _, error, interpolation, discrete, halfway = self.history
         missed = 2 * error**2 + 2 * interpolation**2 - (2 * halfway) ** 2 - discrete**2

@@ -12,16 +12,18 @@ exact σ and with the stress of Problem 5.1 for the same time steps, its multipl
   observed. Corners r^λ have order λ on uniform meshes, min(2, eλ) on meshes graded with the exponent e.
 * The best polynomials on the thirds of cells have the same order, so the ratio of both errors must not grow. The ratio
   is at least 1, because they are the best of a larger space. This holds by construction, so the ratio is reported.
-* −σ^h_ν against p in L²(Γ3): by the inverse inequality on cells as thin as h up to half an order of the error on them
-  may be lost. On them σ is as smooth as without corners off Γ3, of order r_Γ, which is r for λ = ∞ there. A corner off
-  Γ3 contributes at most the global error r, which is smooth there and loses nothing to thin cells. The interpolant has
-  the best polynomials on edges: between min(r, r_Γ − 1/2) and 2. No claim is made where r_Γ − 1/2 ≤ 0.
-* ε_n against ε(u): ε_n solves the law at every point, driven by σ^h: order r, but at most the order of BDF2 in k, which
-  is 2, falling to 3/2 where u̇ jumps because edges change between contact and release.
-* The multipliers against u: the product of two stress errors, min(2, 2s), or the order of BDF2 if that is less;
-  at most 3.
-* ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q, where the second stress is constant on cells: min(1, s'), 1 on graded meshes.
-* The multipliers against u^h, which is as close to u in L² (Aubin, Nitsche): as against u, and at most 2.
+* −σ^h_ν against p in L²(Γ3). The cells at Γ3 form a strip of width h, so by the inverse inequality up to half an order
+  of the error in these cells may be lost. In these cells the order is r_Γ, which is r computed with λ = ∞ for corners
+  off Γ3. A corner off Γ3 contributes at most the global error of order r. This part is smooth near Γ3 and loses no
+  order. The interpolant has the best polynomials on edges. So the order is between min(r, r_Γ − 1/2) and 2. No order is
+  claimed if r_Γ − 1/2 ≤ 0.
+* ε_n against ε(u). The strain ε_n solves the law with the stress σ^h at every point. Its order is r, but at most the
+  order of BDF2 in k. That order is 2, or 3/2 if u̇ jumps where edges change between contact and release.
+* The multipliers against u. The error is a product of two stress errors, of order min(2, 2s), or the order of BDF2 if
+  that is less. The order is at most 3.
+* ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q. The second stress is constant on cells: order min(1, s'), and 1 on graded meshes.
+* The multipliers against u^h. In L² the displacement u^h is as close to u as the multipliers are (Aubin, Nitsche). So
+  the order is at least the order against u, and at most 2.
 """
 
 from __future__ import annotations
