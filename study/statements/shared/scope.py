@@ -111,8 +111,8 @@ class Scope:
 
     def of_the_paper(self) -> Self:
         """Return the scope without the cases that have an initial gap."""
-        kept = [reference for reference in self.cases if not resolve(reference).solution.has_initial_gap]
-        return replace(self, cases=tuple(kept))
+        without_gap = [reference for reference in self.cases if not resolve(reference).solution.has_initial_gap]
+        return replace(self, cases=tuple(without_gap))
 
     def resolved(self) -> list[Case]:
         """Return the cases as objects."""

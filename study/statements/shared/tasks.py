@@ -50,6 +50,12 @@ times, and no front is then at a vertex of a grid with n = 2^j."""
 class Task:
     """The frozen problems and the trajectory of one case on one mesh.
 
+    Attributes:
+        case, family, level: the case, and the mesh family and the level of the mesh.
+        solution: the exact solution of the case.
+        space: V^h on the mesh.
+        v_norm: computes the load and the errors in V.
+
     Raises:
         UsageError: the law is not linear, so that a matrix of constants does not describe it, or it softens, so that
             static problems with G may have no solution.
