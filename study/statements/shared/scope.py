@@ -134,9 +134,10 @@ class Scope:
             if any(b <= a for a, b in pairwise(levels)):
                 given = " ".join(map(str, levels))
                 raise UsageError(f"levels must increase, got {given}; sort them and drop repetitions")
-        names, scheme = [case.name for case in self.resolved()], choose("scheme", self.scheme, SCHEMES)
+        names = [case.name for case in self.resolved()]
         if len(set(names)) < len(names):
             raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
+        scheme = choose("scheme", self.scheme, SCHEMES)
         for case in self.resolved():
             self.families_of(case)
             levels, T = self.levels_of(case).on_regular, case.solution.body.T
