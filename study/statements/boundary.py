@@ -86,12 +86,14 @@ def tractions(setup: Experiment) -> dict[str, float]:
     against_load, against_contact = (weighted_strains(setup, f(body)) for f in (fields_on_loaded, fields_on_contact))
     squares = []
     for time, stress in discrete_stresses(setup):
+        on_loaded = np.sum([side.squares(stress, time) for side in loaded], axis=0)
+        on_contact = np.sum([side.squares(stress, time) for side in contact], axis=0)
         squares.append(
             {
-                "tangential": sum(side.tangential(stress) for side in contact),
-                "contact": sum(side.difference(stress, time) for side in contact),
-                "loaded": sum(side.difference(stress, time) for side in loaded),
-                "size": sum(side.size(time) for side in loaded + contact),
+                "tangential": on_contact[0],
+                "contact": on_contact[1],
+                "loaded": on_loaded[1],
+                "size": on_loaded[2] + on_contact[2],
                 "loaded, weakly": weak_defect(against_load, stress, time),
                 "tangential, weakly": weak_defect(against_contact, stress, time),
             }
@@ -119,20 +121,16 @@ class Side:
         self.rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
         self.exact = setup.solution.at(part.point(self.rule.s))
 
-    def tangential(self, stress: Tensors) -> float:
-        """Return ∫ |σ^h_τ|² over the part."""
-        forces = traction(stress[:, self.cells], self.part.normal)
-        tangential = forces - np.multiply.outer(self.part.normal, self.part.normal @ forces)
-        return float(np.sum(tangential**2 * self.rule.weights.sum(axis=1)))
-
-    def difference(self, stress: Tensors, time: float) -> float:
-        """Return ∫ |σ^hν − σν|² over the part."""
-        forces = traction(stress[:, self.cells], self.part.normal)[..., None]
-        return float(np.sum((forces - self.exact.surface_load(self.part, time)) ** 2 * self.rule.weights))
-
-    def size(self, time: float) -> float:
-        """Return ∫ |σν|² over the part."""
-        return float(np.sum(self.exact.surface_load(self.part, time) ** 2 * self.rule.weights))
+    def squares(self, stress: Tensors, time: float) -> tuple[float, float, float]:
+        """Return the integrals of |σ^h_τ|², |σ^hν − σν|² and |σν|² over the part, for the stress σ^h at one time."""
+        weights, normal = self.rule.weights, self.part.normal
+        forces, exact = traction(stress[:, self.cells], normal), self.exact.surface_load(self.part, time)
+        tangential = forces - np.multiply.outer(normal, normal @ forces)
+        return (
+            float(np.sum(tangential**2 * weights.sum(axis=1))),
+            float(np.sum((forces[..., None] - exact) ** 2 * weights)),
+            float(np.sum(exact**2 * weights)),
+        )
 
 
 WeightedStrains = list[tuple[Array, Fields, Array]]

@@ -129,7 +129,7 @@ class ElasticityOperator(OfLaws):
         space, G = space_of(setting), resolve(setting.case).solution.law.G
         x = points(space)
         operator, slopes, products = G.at(x), [], []
-        for a, b in pairs(operator, np.random.default_rng(SEED), space.dim, x.shape[1]):
+        for a, b in pairs(operator, space.dim, x.shape[1]):
             change, difference = operator(a) - operator(b), a - b
             square = np.sum(difference**2, axis=0)
             slopes.append(np.linalg.norm(change, axis=0) / np.sqrt(square))
@@ -143,8 +143,9 @@ NEAR = 1e-4
 """Relative distance |a − b|/|a| of near pairs; their quotients approximate the derivative of G."""
 
 
-def pairs(operator: AtPoints, rng: np.random.Generator, dim: int, count: int) -> Iterator[tuple[Tensors, Tensors]]:
+def pairs(operator: AtPoints, dim: int, count: int) -> Iterator[tuple[Tensors, Tensors]]:
     """Yield distant and near random pairs, and near pairs along eigenvectors of the extreme eigenvalues of G'."""
+    rng = np.random.default_rng(SEED)
     a = tensors(rng, dim, count)
     yield a, tensors(rng, dim, count)
     matrices = derivative(operator, a)
@@ -178,27 +179,20 @@ def projection(G: Yield, count: int) -> dict[str, float]:
     """Return the largest violation of each property of a projection, over random tensors."""
     rng = np.random.default_rng(SEED)
     a = np.hstack([tensors(rng, G.dim, count), G.convex.radius * tensors(rng, G.dim, count)])
-    b, k = rng.permutation(a, axis=1), inside(G, rng.permutation(a, axis=1), rng)
-
-    def project(strain: Tensors) -> Tensors:
-        return strain - G(strain) / G.beta
-
-    nearest, distance = project(a), np.linalg.norm(a - b, axis=0)
-    outward, along, moved = a - nearest, k - nearest, distance > 0
-    sizes = np.linalg.norm(outward, axis=0) * np.linalg.norm(along, axis=0)
+    b, k = rng.permutation(a, axis=1), rng.permutation(a, axis=1)
+    # Tensors in K: random tensors are scaled down so that many of them lie on the boundary of K.
+    k = k / np.maximum(gauge(G, k), 1.0) * np.minimum(rng.uniform(0, 2, k.shape[1]), 1.0)
+    nearest_a, nearest_b, nearest_k = (strain - G(strain) / G.beta for strain in (a, b, k))
+    distance, outward, along = np.linalg.norm(a - b, axis=0), a - nearest_a, k - nearest_a
+    moved, sizes = distance > 0, np.linalg.norm(outward, axis=0) * np.linalg.norm(along, axis=0)
     return {
-        "expansion": (np.linalg.norm(nearest - project(b), axis=0)[moved] / distance[moved]).max(),
-        "membership": gauge(G, nearest).max(),
+        "expansion": (np.linalg.norm(nearest_a - nearest_b, axis=0)[moved] / distance[moved]).max(),
+        "membership": gauge(G, nearest_a).max(),
         "nearest": (np.sum(outward * along, axis=0) / np.maximum(sizes, np.finfo(float).tiny)).max(),
-        "identity": (np.linalg.norm(project(k) - k, axis=0) / np.linalg.norm(k, axis=0)).max(),
+        "identity": (np.linalg.norm(nearest_k - k, axis=0) / np.linalg.norm(k, axis=0)).max(),
     }
 
 
 def gauge(G: Yield, strain: Tensors) -> Array:
     """Return |Pτ|/r with the projector P and the radius r of K, which is at most 1 for τ ∈ K, (n,)."""
     return np.linalg.norm(G.convex.projector @ strain, axis=0) / G.convex.radius
-
-
-def inside(G: Yield, strain: Tensors, rng: np.random.Generator) -> Tensors:
-    """Return tensors in K, which are the given tensors scaled down; many lie on the boundary of K."""
-    return strain / np.maximum(gauge(G, strain), 1.0) * np.minimum(rng.uniform(0, 2, strain.shape[1]), 1.0)

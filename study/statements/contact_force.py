@@ -42,8 +42,8 @@ position of the jump within the step; this order is only reported.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -112,38 +112,26 @@ class PressedFace:
         """Return ∫ p φ_i, (m, n), for n pressures at the points, (points, n)."""
         return self.functions.T @ (self.weights[:, None] * pressure)
 
-    def square(self, pressure: Array) -> float:
-        """Return Σ_n ‖p‖² for n pressures at the points, (points, n)."""
-        return float((self.weights @ pressure**2).sum())
 
-    def from_moments(self, forces: Array) -> Array:
-        """Return p^h at the points, (points, n); its moments ∫ p^h φ_i are the given nodal forces, (m, n)."""
-        return self.functions @ np.linalg.solve(self.mass, forces)
-
-
-@dataclass(frozen=True, eq=False)
 class Forces:
-    """The pieces of Γ3, and the matrix W = N M⁻¹ Nᵀ, which gives the dual norm sup y·Nv/‖v‖_V = (y·Wy)^½.
+    """Measures errors of nodal contact forces and the penetration between the vertices.
 
     Attributes:
+        space: V^h.
+        faces: the pieces of Γ3.
         rows: the rows of N that belong to each piece.
+        W: the matrix N M⁻¹ Nᵀ, which gives the dual norm sup y·Nv/‖v‖_V = (y·Wy)^½, (m, m).
     """
 
-    space: Space
-    faces: Sequence[PressedFace]
-    rows: Sequence[slice]
-    W: Array
-
-    @classmethod
-    def of(cls, setup: Experiment) -> Forces:
-        """Return the object for an experiment, whose time scheme and load are not used."""
-        space, ends = setup.space, np.cumsum([0, *(len(vertices) for _, vertices in setup.space.contact)])
-        faces = [
+    def __init__(self, setup: Experiment) -> None:
+        self.space = space = setup.space
+        ends = np.cumsum([0, *(len(vertices) for _, vertices in space.contact)])
+        self.faces = [
             PressedFace(setup.solution, space, face, vertices)
             for face, (_, vertices) in zip(setup.solution.faces, space.contact, strict=True)
         ]
-        rows = [slice(*pair) for pair in pairwise(ends)]
-        return cls(space, faces, rows, Signorini(setup.problem.M, space.N, space.free_points).W)
+        self.rows = [slice(*pair) for pair in pairwise(ends)]
+        self.W = Signorini(setup.problem.M, space.N, space.free_points).W
 
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
         """Return the squared ERRORS and the squared exact norms, summed over n times, (3,) each.
@@ -151,11 +139,16 @@ class Forces:
         Args:
             multipliers: the nodal contact forces λ at the times, (n, m).
         """
-        exact = [face.pressure(times) for face in self.faces]
-        y = np.concatenate([face.moments(p) for face, p in zip(self.faces, exact, strict=True)])
-        missing, parts = y - multipliers.T, list(zip(self.faces, exact, self.rows, strict=True))
-        errors = sum(face.square(p - face.from_moments(multipliers.T[rows])) for face, p, rows in parts)
-        sizes = sum(face.square(p) for face, p, _ in parts)
+        exact, errors, sizes = [], 0.0, 0.0
+        for face, rows in zip(self.faces, self.rows, strict=True):
+            p = face.pressure(times)
+            # p^h is the P1 function with the moments λ.
+            p_h = face.functions @ np.linalg.solve(face.mass, multipliers.T[rows])
+            errors += float((face.weights @ (p - p_h) ** 2).sum())
+            sizes += float((face.weights @ p**2).sum())
+            exact.append(face.moments(p))
+        y = np.concatenate(exact)
+        missing = y - multipliers.T
         total, lost = (np.array([values[rows].sum(axis=0) for rows in self.rows]) for values in (y, missing))
         found = errors, np.vdot(missing, self.W @ missing), np.vdot(lost, lost)
         return np.array(found), np.array([sizes, np.vdot(y, self.W @ y), np.vdot(total, total)])
@@ -181,7 +174,7 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
 
 def measure_contact(setup: Experiment) -> dict[str, Any]:
     """Return the columns of ``contact.csv`` from ``h`` on; the midpoint rule takes an even number of steps."""
-    forces = Forces.of(setup)
+    forces = Forces(setup)
     errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
     coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
     shares = abs(errors - coarse) / errors

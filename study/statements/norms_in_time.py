@@ -34,7 +34,6 @@ import numpy as np
 import pandas as pd
 
 from manufactured.catalogue import catalogue
-from manufactured.tensors import Array
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
@@ -95,15 +94,14 @@ class LoadInTime(ListedNumbers):
         v_norm, riesz = ErrorNorm(solution, space), Cholesky(unloaded(space, solution.law).M)
         times = np.linspace(0, solution.body.T, INTERVALS + 1)
         loads = np.array([v_norm.load(float(t)) for t in times])
-        fine, half, coarse = (increments(loads[::step], riesz) for step in (1, 2, COARSER))
+        # ‖f^h(t_i) − f^h(t_{i−1})‖_V on three time grids.
+        fine, half, coarse = (
+            np.array([dual_norm(after - before, riesz) for before, after in pairwise(loads[::step])])
+            for step in (1, 2, COARSER)
+        )
         size = np.mean([dual_norm(F, riesz) for F in loads]) * solution.body.T
         found = {"variation": fine.sum() / half.sum(), "increments": fine.max() / coarse.max()}
         return with_h(space.h, {**found, "norm": size + fine.sum()})
-
-
-def increments(loads: Array, riesz: Cholesky) -> Array:
-    """Return ‖f^h(t_i) − f^h(t_{i−1})‖_V, (N,)."""
-    return np.array([dual_norm(after - before, riesz) for before, after in pairwise(loads)])
 
 
 # σν ∈ L^∞(0,T;L²(Γ)).

@@ -25,8 +25,6 @@ used with G and with −G, which satisfies (3.2) as well. Let L = L_G/m_A.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -128,30 +126,26 @@ def in_graph(space: Space, v: Array, rng: np.random.Generator) -> tuple[Array, A
     return u, space.N.T @ np.where(normal > 0, rng.uniform(size=len(normal)) * abs(normal).max(), 0.0)
 
 
-@dataclass(frozen=True, eq=False)
 class Inverse:
     """Computes the resolvent J = (I + λ(∂ψ_K + B))⁻¹.
 
-    Attributes:
+    Args:
         problem: gives B, K^h and the inner product of V.
         scale: λ; a negative value stands for −G.
     """
 
-    problem: SemiDiscrete
-    scale: float
-
-    @cached_property
-    def _project(self) -> Signorini:
-        return Signorini(self.problem.M, self.problem.N)
+    def __init__(self, problem: SemiDiscrete, scale: float) -> None:
+        self.problem, self.scale = problem, scale
+        self._project = Signorini(problem.M, problem.N)
 
     def __call__(self, w: Array) -> Array:
         """Return J w, by the fixed point of u ↦ P(w − λBu)."""
-        M, given = self.problem.M, self.problem.M @ w
+        problem, given = self.problem, self.problem.M @ w
 
         def image(v: Array) -> Array:
-            return self._project(given - self.scale * self.problem.elastic(v))[0]
+            return self._project(given - self.scale * problem.elastic(v))[0]
 
-        return fixed_point(image, w, lambda v: M @ v, SETTLED, MOST)[0]
+        return fixed_point(image, w, lambda v: problem.M @ v, SETTLED, MOST)[0]
 
     def defect(self, w: Array) -> float:
         """Return the distance of w − u − λBu from ∂ψ_K(u) for u = Jw, relative to its terms.

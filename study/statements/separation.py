@@ -21,8 +21,7 @@ argument on V^h. It does not test that there is no solution outside K, which Pro
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import islice
+from itertools import chain, islice
 
 import numpy as np
 
@@ -84,14 +83,6 @@ class Separation(ListedNumbers):
         return with_h(space.h, refutation(space, problem, A, load))
 
 
-def outside(space: Space, rng: np.random.Generator) -> Iterator[Array]:
-    """Yield random u ∉ K^h: some violate many constraints, some only one."""
-    for _ in range(COUNT):
-        u = rng.standard_normal(space.dofs)
-        yield u if (space.N @ u).max() > 0 else -u
-    yield from islice(nonmembers(space, rng), COUNT)
-
-
 def refutation(space: Space, problem: SemiDiscrete, A: AtPoints, load: Array) -> dict[str, float]:
     """Return the extreme values in the four steps over all u and σ.
 
@@ -114,7 +105,10 @@ def refutation(space: Space, problem: SemiDiscrete, A: AtPoints, load: Array) ->
     rivals = Rivals(space, problem, A, rng)
     balanced = separating(space, A, Cholesky(problem.M)(load))
     cones, gaps, distances, quotients = [], [], [], []
-    for u in outside(space, rng):
+    random = (rng.standard_normal(space.dofs) for _ in range(COUNT))
+    many_violated = (u if (space.N @ u).max() > 0 else -u for u in random)
+    one_violated = islice(nonmembers(space, rng), COUNT)
+    for u in chain(many_violated, one_violated):
         step = projected(problem, u) - u
         tau = separating(space, A, step)
         functional, drop = space.functional(tau), work(tau, u)

@@ -149,25 +149,18 @@ class Course:
 
 def over_time(setup: Experiment) -> dict[str, float]:
     """Return the largest ratio of the left to the right side over the instants, for each inequality."""
-    start, *later = courses(setup)
-    L = setup.solution.law.kappa
-    return dict(
-        zip(("5.14", "5.15", "5.16", "5.18", "5.19"), np.max([shares(start, c, L) for c in later], 0), strict=True)
-    )
-
-
-def courses(setup: Experiment) -> list[Course]:
-    """Return the quantities at t = 0 and at the instants."""
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
-    k, found, integrals = setup.problem.T / STEPS, [], np.zeros(7)
+    k, courses, integrals = setup.problem.T / STEPS, [], np.zeros(7)
     for n, (before, state) in enumerate(pairwise(MIDPOINT.march(setup.problem, STEPS)), start=1):
         if n == 1:
-            found.append(course(energies, before, integrals))
+            courses.append(course(energies, before, integrals))
         for part, weight in zip(*gauss(POINTS), strict=True):
             integrals = integrals + k * weight * integrands(energies, pressed, before, state, part)
         if n in INSTANTS:
-            found.append(course(energies, state, integrals))
-    return found
+            courses.append(course(energies, state, integrals))
+    (start, *later), L = courses, setup.solution.law.kappa
+    worst = np.max([shares(start, c, L) for c in later], 0)
+    return dict(zip(("5.14", "5.15", "5.16", "5.18", "5.19"), worst, strict=True))
 
 
 def course(energies: Energies, state: State, integrals: Array) -> Course:
