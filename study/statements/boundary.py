@@ -83,7 +83,7 @@ def tractions(setup: Experiment) -> dict[str, float]:
     """Return the norms of the violations, relative to ‖σν‖ on Γ2 ∪ Γ3; the smooth fields have ‖v‖_V = 1."""
     body = setup.space.body
     loaded, contact = ([Side(setup, part) for part in body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT))
-    against_load, against_contact = (weighted_strains(setup, f(body)) for f in (fields_on_loaded, fields_on_contact))
+    against_load, against_contact = (weighted_strains(setup, fields) for fields in smooth_fields(body))
     squares = []
     for time, stress in discrete_stresses(setup):
         on_loaded = np.sum([side.squares(stress, time) for side in loaded], axis=0)
@@ -157,25 +157,27 @@ def weak_defect(strains: WeightedStrains, stress: Tensors, time: float) -> float
     return float(np.sum(np.sum(works, axis=0) ** 2))
 
 
-def fields_on_loaded(body: Body) -> list[Field]:
-    """Return fields that vanish on Γ1 and Γ3."""
-    rng, fixed = np.random.default_rng(SEED), planes(body, Kind.CLAMPED) + planes(body, Kind.CONTACT)
-    return [vanishing(waves(body, rng), fixed) for _ in range(FIELDS)]
+def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
+    """Return random smooth fields that show each of both conditions.
 
+    Returns:
+        Fields that vanish on Γ1 and Γ3, and fields that vanish on Γ1, are tangential on one plane of Γ3 and vanish on
+        its other planes.
+    """
+    clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
+    rng = np.random.default_rng(SEED)
+    on_loaded = [vanishing(waves(body, rng), clamped + contact) for _ in range(FIELDS)]
 
-def fields_on_contact(body: Body) -> list[Field]:
-    """Return fields that vanish on Γ1 and are tangential on one plane of Γ3 and zero on its other planes."""
-    rng, clamped, contact = np.random.default_rng(SEED), planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
-
-    def field(part: Part, along: Field, inside: Field) -> Field:
+    def tangential(part: Part, along: Field, inside: Field) -> Field:
         others, tangents = [other for other in contact if other is not part], part.frame[:, :-1]
+        projector = tangents @ tangents.T
+        return vanishing(
+            lambda x: np.tensordot(projector, along(x), axes=1) + part.coordinates(x)[1] * inside(x), clamped + others
+        )
 
-        def tangential(x: Points) -> Vectors:
-            return np.tensordot(tangents @ tangents.T, along(x), axes=1) + part.coordinates(x)[1] * inside(x)
-
-        return vanishing(tangential, clamped + others)
-
-    return [field(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(FIELDS)]
+    rng = np.random.default_rng(SEED)
+    on_contact = [tangential(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(FIELDS)]
+    return on_loaded, on_contact
 
 
 # Smooth fields.
@@ -184,11 +186,15 @@ def fields_on_contact(body: Body) -> list[Field]:
 def planes(body: Body, kind: Kind) -> list[Part]:
     """Return one part of the given kind for each line or plane in which such parts lie."""
 
-    def same(a: Part, b: Part) -> bool:
-        return np.allclose(a.normal, b.normal) and np.allclose(a.normal @ (a.start - b.start), 0)
-
-    parts = body.of(kind)
-    return [part for i, part in enumerate(parts) if not any(same(part, other) for other in parts[:i])]
+    found: list[Part] = []
+    for part in body.of(kind):
+        known = any(
+            np.allclose(part.normal, other.normal) and np.allclose(part.normal @ (part.start - other.start), 0)
+            for other in found
+        )
+        if not known:
+            found.append(part)
+    return found
 
 
 def distances(x: Points, parts: list[Part]) -> Array:

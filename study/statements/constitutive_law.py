@@ -13,7 +13,7 @@ the cells of a mesh.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
@@ -111,6 +111,10 @@ def extreme_quotients(A: AtPoints, dim: int, count: int) -> dict[str, float]:
     return {"smallest": float(values.min()), "largest": float(values.max()), "asymmetry": skew / top.max()}
 
 
+NEAR = 1e-4
+"""Relative distance |a − b|/|a| of near pairs; their quotients approximate the derivative of G."""
+
+
 class ElasticityOperator(OfLaws):
     """Measures |G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for random tensors, and G(·, 0).
 
@@ -128,8 +132,18 @@ class ElasticityOperator(OfLaws):
     def measure(self, setting: Setting) -> dict[str, float]:
         space, G = space_of(setting), resolve(setting.case).solution.law.G
         x = points(space)
-        operator, slopes, products = G.at(x), [], []
-        for a, b in pairs(operator, space.dim, x.shape[1]):
+        operator, rng, slopes, products = G.at(x), np.random.default_rng(SEED), [], []
+
+        def random() -> Tensors:
+            return tensors(rng, space.dim, x.shape[1])
+
+        a, distant = random(), random()
+        matrices = derivative(operator, a)
+        _, vectors = np.linalg.eigh((matrices + matrices.swapaxes(1, 2)) / 2)
+        # Near pairs in a random direction and along eigenvectors of the extreme eigenvalues of G'.
+        directions = random(), vectors[:, :, -1].T, vectors[:, :, 0].T
+        steps = [NEAR * np.linalg.norm(a, axis=0) * d / np.linalg.norm(d, axis=0) for d in directions]
+        for b in (distant, *(a + step for step in steps)):
             change, difference = operator(a) - operator(b), a - b
             square = np.sum(difference**2, axis=0)
             slopes.append(np.linalg.norm(change, axis=0) / np.sqrt(square))
@@ -137,21 +151,6 @@ class ElasticityOperator(OfLaws):
         zero = abs(operator(np.zeros((size(space.dim), x.shape[1]))) - G.at_rest[:, None]).max()
         found = {"quotient": np.max(slopes), "monotonicity": G.monotonicity - np.min(products), "at zero": zero}
         return with_h(space.h, {name: value / G.lipschitz for name, value in found.items()})
-
-
-NEAR = 1e-4
-"""Relative distance |a − b|/|a| of near pairs; their quotients approximate the derivative of G."""
-
-
-def pairs(operator: AtPoints, dim: int, count: int) -> Iterator[tuple[Tensors, Tensors]]:
-    """Yield distant and near random pairs, and near pairs along eigenvectors of the extreme eigenvalues of G'."""
-    rng = np.random.default_rng(SEED)
-    a = tensors(rng, dim, count)
-    yield a, tensors(rng, dim, count)
-    matrices = derivative(operator, a)
-    _, vectors = np.linalg.eigh((matrices + matrices.swapaxes(1, 2)) / 2)
-    for direction in (tensors(rng, dim, count), vectors[:, :, -1].T, vectors[:, :, 0].T):
-        yield a, a + NEAR * np.linalg.norm(a, axis=0) * direction / np.linalg.norm(direction, axis=0)
 
 
 class Projection(OfLaws):

@@ -22,7 +22,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import lru_cache
-from itertools import islice
 
 import numpy as np
 import pandas as pd
@@ -34,6 +33,7 @@ from study.ledger.criterion import ENOUGH, Criterion, Measured, Observation, exa
 from study.ledger.verdict import Verdict
 from study.ledger.window import around, at_most, between
 from study.solve.evolution import Scheme
+from study.solve.paths import path
 from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
@@ -68,7 +68,20 @@ class FullyDiscrete(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        return with_h(setup.space.h, dict(errors(setup)))
+        v_norm, M, T, common = setup.v_norm, setup.problem.M, setup.problem.T, min(COUNTS)
+        # Cached, because schemes and numbers of steps have most of their times in common.
+        load = lru_cache(maxsize=None)(setup.problem.load)
+        problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
+        reference = path(problem, MIDPOINT, FINEST)[:: FINEST // common]
+        samples = [v_norm.sample(n * T / common) for n in range(common + 1)]
+        found: dict[str, float] = {}
+        for scheme in SCHEMES:
+            for count in COUNTS:
+                states = path(problem, scheme, count)[:: count // common]
+                pairs = list(zip(reference - states, samples, states, strict=True))
+                found[f"{scheme.name} {count} e"] = maximum(v_norm.distance(sample, u) for _, sample, u in pairs)
+                found[f"{scheme.name} {count} d"] = maximum(math.sqrt(v @ (M @ v)) for v, _, _ in pairs)
+        return with_h(setup.space.h, found)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         return judge(self, rows, [rule for scheme in SCHEMES for rule in observations(scheme)])
@@ -77,25 +90,6 @@ class FullyDiscrete(ListedNumbers):
 def columns(scheme: Scheme, which: str) -> list[str]:
     """Return the names of the columns with e or d ("which") of a scheme."""
     return [f"{scheme.name} {count} {which}" for count in COUNTS]
-
-
-def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
-    """Yield e and d of every scheme and number of steps, with the names of ``columns``."""
-    v_norm, M = setup.v_norm, setup.problem.M
-    # Cached, because schemes and numbers of steps have most of their times in common.
-    load = lru_cache(maxsize=None)(setup.problem.load)
-    problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
-    common = min(COUNTS)
-    reference = [state.u for n, state in enumerate(MIDPOINT.march(problem, FINEST)) if n % (FINEST // common) == 0]
-    samples = [v_norm.sample(n * problem.T / common) for n in range(common + 1)]
-    for scheme in SCHEMES:
-        for count in COUNTS:
-            at_common = islice(scheme.march(problem, count), 0, None, count // common)
-            pairs = [
-                (reference[n] - state.u, v_norm.distance(samples[n], state.u)) for n, state in enumerate(at_common)
-            ]
-            yield f"{scheme.name} {count} e", maximum(error for _, error in pairs)
-            yield f"{scheme.name} {count} d", maximum(math.sqrt(v @ (M @ v)) for v, _ in pairs)
 
 
 def observations(scheme: Scheme) -> Iterator[Observation]:

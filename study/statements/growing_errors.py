@@ -122,9 +122,9 @@ def share(setup: Experiment) -> float:
 
 
 def error_over_predicted(setup: Experiment, omega: float) -> float:
-    """Return the error at T without the contact condition, over (‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2}.
+    """Return the error at T of the discrete solution in V^h, without the contact condition, over its predicted value.
 
-    Without the contact condition the discrete problem is posed in V^h instead of K^h.
+    The prediction is (‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2}.
     """
     v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
     end = path(replace(problem, N=problem.N[:0]), setup.scheme, setup.steps)[-1]

@@ -18,12 +18,10 @@ Proposition 5.3. If g is forgotten or has the wrong sign, the error does not fal
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pandas as pd
 
 from manufactured.case import INITIAL_GAP
-from study.ledger.criterion import Groups, Rule, by_family
+from study.ledger.criterion import by_family
 from study.ledger.verdict import Verdict
 from study.statements import prop_5_3, prop_5_4
 from study.statements.from_rates import SizeOfInterpolation
@@ -38,20 +36,13 @@ class InitialGap(Rates):
     initial_gap = True
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        mine = rows[rows["claim"] == self.label]
-        return [
-            rule.verdict(self, str(case), groups)
-            for case, of_case in mine.groupby("case", sort=False)
-            for rule, groups in rules_of(of_case)
-        ]
-
-
-def rules_of(rows: pd.DataFrame) -> Iterator[tuple[Rule, Groups]]:
-    """Yield the criteria for the rows of one case, each with the rows of the mesh families on which it is judged."""
-    groups, expected = by_family(rows), float(rows["expected_order"].iloc[0])
-    if expected < 1:
-        yield from prop_5_3.rules_of(groups, expected)
-        return
-    yield from prop_5_4.rules_of(rows, expected)
-    for rule in SizeOfInterpolation.rules:
-        yield rule, groups
+        found: list[Verdict] = []
+        for case, of_case in rows[rows["claim"] == self.label].groupby("case", sort=False):
+            groups, expected = by_family(of_case), float(of_case["expected_order"].iloc[0])
+            if expected < 1:
+                rules = [*prop_5_3.rules_of(groups, expected)]
+            else:
+                sizes = [(rule, groups) for rule in SizeOfInterpolation.rules]
+                rules = [*prop_5_4.rules_of(of_case, expected), *sizes]
+            found += [rule.verdict(self, str(case), judged) for rule, judged in rules]
+        return found

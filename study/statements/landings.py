@@ -77,10 +77,7 @@ def rolling(space: Space) -> Callable[[float], Array]:
     s = np.linalg.norm(along, axis=0) / part.measure
     normal = sps.csr_array(space.N[: len(vertices)].T) * (np.gradient(s) * part.measure)
 
-    def load(t: float) -> Array:
-        return np.asarray(normal @ (1 - 5 * np.sin(2 * np.pi * (2 * s - 4 * t))))
-
-    return load
+    return lambda t: np.asarray(normal @ (1 - 5 * np.sin(2 * np.pi * (2 * s - 4 * t))))
 
 
 def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -> Observation:
@@ -116,10 +113,15 @@ class Landings(ListedNumbers):
     full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:
+        found: dict[str, float] = {}
+        for scheme in (BACKWARD_EULER, MIDPOINT):
+            for count in COUNTS:
+                exact = solution_of_two_unknowns(np.arange(count + 1) / count)
+                error = furthest(two_unknowns(), path(two_unknowns(), scheme, count), exact)
+                found[f"two {scheme.name} {count}"] = count * error
         setup = Experiment.at(setting, MIDPOINT, FINEST)
         rolled = replace(setup.problem, load=rolling(setup.space), u0=np.zeros(setup.space.dofs))
         loads = {"own": setup.problem, "rolling": rolled}
-        found = errors_of_two_unknowns()
         for load, problem in loads.items():
             exact = path(problem, MIDPOINT, FINEST)
             for scheme in (BDF2, MIDPOINT):
@@ -128,16 +130,6 @@ class Landings(ListedNumbers):
                     found[f"{load} {scheme.name} {count}"] = error
             found[f"{load} landings"] = float(landings(problem, exact))
         return with_h(setup.space.h, found)
-
-
-def errors_of_two_unknowns() -> dict[str, float]:
-    """Return errors divided by k for the problem with two unknowns."""
-    problem, found = two_unknowns(), {}
-    for scheme in (BACKWARD_EULER, MIDPOINT):
-        for count in COUNTS:
-            exact = solution_of_two_unknowns(np.arange(count + 1) / count)
-            found[f"two {scheme.name} {count}"] = count * furthest(problem, path(problem, scheme, count), exact)
-    return found
 
 
 def landings(problem: SemiDiscrete, states: Array) -> int:

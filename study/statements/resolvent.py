@@ -140,12 +140,14 @@ class Inverse:
 
     def __call__(self, w: Array) -> Array:
         """Return J w, by the fixed point of u ↦ P(w − λBu)."""
-        problem, given = self.problem, self.problem.M @ w
-
-        def image(v: Array) -> Array:
-            return self._project(given - self.scale * problem.elastic(v))[0]
-
-        return fixed_point(image, w, lambda v: problem.M @ v, SETTLED, MOST)[0]
+        problem, scale, given = self.problem, self.scale, self.problem.M @ w
+        return fixed_point(
+            lambda u: self._project(given - scale * problem.elastic(u))[0],
+            w,
+            lambda v: problem.M @ v,
+            SETTLED,
+            MOST,
+        )[0]
 
     def defect(self, w: Array) -> float:
         """Return the distance of w − u − λBu from ∂ψ_K(u) for u = Jw, relative to its terms.

@@ -122,9 +122,9 @@ SAMPLED_PARTS = 32
 class OnContact:
     """Problem 5.1 for A = G, reduced to the normal displacements at the vertices of Γ3.
 
-    For A = G the operator B in (4.2) is the identity. With the projection P_h onto V^h in (·,·)_V and the nodal forces π
-    of the pressure p, Problem 5.1 then reads M(u̇^h + u^h) + Nᵀλ = M(P_hu̇ + P_hu) + Nᵀπ. With y = N u^h, g = N P_hu and
-    S = (N M⁻¹ Nᵀ)⁻¹ it becomes
+    For A = G the operator B in (4.2) is the identity. Let P_h be the projection onto V^h in (·,·)_V and π the nodal
+    forces of the pressure p. Then Problem 5.1 reads M(u̇^h + u^h) + Nᵀλ = M(P_hu̇ + P_hu) + Nᵀπ. With y = N u^h,
+    g = N P_hu and S = (N M⁻¹ Nᵀ)⁻¹ it becomes
 
         S(ẏ + y) + λ = S(ġ + g) + π,     y ≤ 0,   λ ≥ 0,   λ·y = 0.
 
@@ -191,7 +191,7 @@ class Trajectories:
 
     @classmethod
     def of(cls, on: OnContact, steps: int) -> Trajectories:
-        """Solve both problems; the midpoint rule takes ġ and g in the middle of a step from their values at its ends."""
+        """Solve both problems; ġ and g in the middle of a step are computed from their values at its ends."""
         T, k, N = on.at.space.body.T, step_size(on.at.space.body.T, steps), on.at.space.N
         pressing = pressing_on(on.at)
         projected = np.array([on.condensed.gap(on.functional(n * k)) for n in range(steps + 1)])
