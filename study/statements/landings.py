@@ -1,26 +1,32 @@
-"""Beyond the paper: second-order time schemes have only order 1 if a landing vertex makes a neighbour lift off.
+"""Beyond the paper: time schemes of second order have only order 1 if a landing vertex makes its neighbour lift off.
 
-When a vertex of Γ3 comes into contact ("lands"), u̇^h jumps, and its neighbours react at once, because there is no
-inertia. If this unloads a neighbour in contact, the neighbour lifts off at the same time. The exact solution has first
-a force and then a gap at this neighbour. In the time step with the landing, the discrete solution can have only one of
-both, because complementarity is imposed at the end of the step. This causes an error proportional to k that remains.
+A vertex of Γ3 *lands* when it comes into contact. At a landing the velocity u̇^h jumps. There is no inertia, so the
+neighbours of the vertex react at once. If the landing unloads a neighbour that is in contact, this neighbour lifts off
+at the same time. Until the landing the exact solution has a force at the neighbour, and from then on a gap. A time
+scheme imposes complementarity at the end of each step, so in the step of the landing its solution has either a force or
+a gap at the neighbour, not both. This causes an error proportional to k, which does not decay.
 
-*Two unknowns show it*: S u̇ + N_K(u) ∋ F, K = {u ≥ 0}, S = [[2, −1], [−1, 2]], F = (3/20, −2), u(0) = (0, 2/5). The
-first unknown u_1 is in contact until the second lands at t = 2/5; then u_1 increases with the velocity 3/40. Let the
-landing be at (n + θ)k. A step of backward Euler or the midpoint rule leaves u_1 at 0 if θ ≥ 3/20, while the exact u_1
-is (1 − θ)·3k/40. The error in ‖·‖_S of √2·(1 − θ)·3k/40 is permanent. For k = 2^{−j}, θ is cyclically 4/5, 3/5, 1/5,
-2/5, so errors at the nodes are between √2·3/200 and √2·6/100 times k, and both values are attained. So the order is at
-most 1, and two successive values of k need not show it. For BDF2 the distance from u at the end is at least √2·17k/600
-for every θ. paper/time.tex has the proofs.
+**A problem with two unknowns** shows the effect:
 
-*Linear finite elements*: a load moves along Γ3 so that the pressure does not vanish at the front. The landings cause an
-error C_1 k, and the times between them an error C_2 k². C_2 hardly depends on the mesh; C_1 depends on the jumps of
-velocities at landings, which may be smaller on finer meshes. The order 1 shows only for k below C_1/C_2, so an order
-fitted to a fixed range of k may approach 2 on finer meshes. (The midpoint rule over all six halvings: 1.1 for n = 8,
-1.4 for n = 16; the first prediction was 1 to 3/2, without a theory.) Therefore the order over the last three halvings
-is reported, on every level. Expected is 1 ± 0.4, because the positions θ of the landings matter; 3/2 and 2 lie outside.
-(This range was set after the data had been seen, so it is no claim.) Under the load of the case itself, gap and
-pressure vanish to high order at the fronts, landings hardly change velocities, and the order is 2 over all halvings.
+    S u̇ + N_K(u) ∋ F,   K = {u ≥ 0},   S = [[2, −1], [−1, 2]],   F = (3/20, −2),   u(0) = (0, 2/5).
+
+The first unknown u_1 is in contact until the second unknown lands at t = 2/5. Then u_1 increases with the velocity
+3/40. Let the landing be at the time (n + θ)k. If θ ≥ 3/20, a step of backward Euler or of the midpoint rule leaves u_1 = 0,
+while the exact value is (1 − θ)·3k/40. The error √2·(1 − θ)·3k/40 in ‖·‖_S remains. For k = 2^{−j} the values of θ are
+cyclically 4/5, 3/5, 1/5 and 2/5. So errors at the nodes are between √2·3/200 and √2·6/100 times k, and both bounds are
+attained. The order is at most 1, although two successive values of k need not show it. For BDF2 the error at the end is
+at least √2·17k/600 for every θ. paper/time.tex has the proofs. These errors are judged.
+
+**Linear finite elements.** A load moves along Γ3 in such a way that the pressure does not vanish at the front. Landings
+then cause an error C_1 k, and the times between them an error C_2 k². C_2 hardly depends on the mesh. C_1 depends on
+the jumps of velocities at landings, which may be smaller on finer meshes. The order 1 shows only for k below C_1/C_2.
+So an order that is fitted to a fixed range of k may tend to 2 on finer meshes: over all six halvings of k the midpoint
+rule has the order 1.1 for n = 8 and 1.4 for n = 16. (The first prediction was 1 to 3/2, without a theory.) Therefore
+the order over the last three halvings is reported on every level. Expected is 1 ± 0.4, because the positions θ of the
+landings matter; 3/2 and 2 lie outside. This range was set after the data had been seen, so it is no claim.
+
+Under the load of the case itself, gap and pressure vanish to high order at the fronts. Landings then hardly change
+velocities, and the order is 2 over all halvings.
 """
 
 from __future__ import annotations

@@ -1,56 +1,73 @@
-"""Beyond the paper: without a velocity that is smooth in space only order 1/2 is proved; rollers show why.
+"""Beyond the paper: without u̇(t) ∈ H² only the order 1/2 is proved; rollers show that no more can be expected.
 
-Proposition 5.4 assumes u̇(t) ∈ H². A theorem (paper/velocity.tex) does not, for u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
+A *roller* is an exact solution in which a contact patch of width ℓ moves along Γ3 (``manufactured.multiscale.roller``).
+On every mesh ℓ = 2h, so the patch is two cells wide, however fine the mesh is.
+
+Proposition 5.4 assumes u̇(t) ∈ H². A theorem of this study (proof in paper/velocity.tex) needs u ∈ L^∞(0,T;H^{1+s}) ∩
+W^{1,1}(0,T;V) only. It bounds the error by
 
     ‖u − u^h‖_V ≤ e^{κT} (E_h + ‖u_0 − Π^hu_0‖_V + 2ΘM_h + (2D_h‖ϑ‖_{L¹(0,T)})^{1/2}).
 
-Here κ = L_G/m_A, P_h is the projection onto V^h in (·,·)_V, E_h = sup ‖u − P_hu‖_V, M_h is the largest |(P_hu −
-Π^hu)_ν| at vertices of Γ3 over time, D_h = 2M_h + J_h, J_h = sup_{Γ3} |u − Π^hu|, ϑ = ∫_{Γ3} p, and Θ = ‖Π^hθ‖_V, where
-θ is ν times the distance from Γ1. For s = 1 the right side is of order 1/2 up to a logarithm, because M_h ~ h.
+The symbols are
 
-**Measured** for ``manufactured.multiscale.roller`` with ℓ = 2h:
+* κ = L_G/m_A;
+* E_h = sup_t ‖u − P_hu‖_V, where P_h is the projection onto V^h in (·,·)_V;
+* M_h, the largest |(P_hu − Π^hu)_ν| at vertices of Γ3, over all times;
+* J_h = sup_{Γ3} |u − Π^hu|, over all times, and D_h = 2M_h + J_h;
+* ϑ = ∫_{Γ3} p, the total contact force;
+* Θ = ‖Π^hθ‖_V, where θ is the normal ν times the distance from Γ1.
 
-* both sides of this bound, with all constants: E_h, J_h and the error at 33 times, M_h at all time nodes;
-* the *excess* ‖u^h − u^h_lin‖_V, largest over time, where u^h_lin is the solution with p as a given traction, whose
-  error is of the order of E_h: the part of the error that is due to contact. The midpoint rule has k = h/8; with k/2
-  the excess must change by less than 1/50;
-* E_h over h. It grows like |log h|^{1/2}, as |u|_{H²} does, for which |q|²_{1/2} on Γ3 stands: a jump of height 1 adds
-  2 log 2 with every halving of ℓ.
+For s = 1, M_h is of order h. So the right side is of order 1/2, up to a logarithm.
 
-**Predicted** before any measurement with these programs (reasons: paper/experiments.tex; prototypes had shown about 1
-with one diagonal, and about ½ with alternating diagonals and on shaken meshes). After a vertex has been passed, a
-displacement ~ h that contact forced upon it remains. Where all vertices have the same remaining displacement, the
-excess is ~ h |log h|^{1/2}; where neighbours have different ones it is ~ h^{1/2}. So the order of the excess is
+**Measured** are
 
-* with one and with two diagonals 1 less a logarithm, within [¾, 1.1]: all vertices of Γ3 have equal neighbourhoods;
-* ½ with alternating diagonals, whose vertices are of two kinds: ± 0.15, without chance;
-* ½ on shaken meshes, for the mean over eight of them, for n = 128 over four, ± 0.15. N ~ 0.7n vertices are passed and
-  their contributions are nearly independent: the relative standard deviation of the excess is ~ ½ N^{-1/2}. Single
+* both sides of the bound, with all constants. E_h, J_h and the error are evaluated at 33 times, M_h at all time nodes.
+* the *excess* ‖u^h − u^h_lin‖_V, its largest value over time. u^h_lin solves the linear problem in which the exact
+  pressure p is given as a traction. The error of u^h_lin is of the order of E_h, so the excess is the part of the error
+  that is due to contact. The midpoint rule with k = h/8 is used. With k/2 the excess must change by less than 1/50.
+* the orders of E_h. A logarithm lowers them, because |u|_{H²} grows like |log ℓ|^{1/2}. The growth is measured on Γ3,
+  by |q|²_{1/2} of the normal strain q: a step of height 1 in q adds 2 log 2 whenever ℓ is halved.
+
+**Predicted** before the programs of this file existed; prototypes had shown the order 1 with one diagonal, and 1/2 with
+alternating diagonals and on shaken meshes (reasons: paper/experiments.tex). When the roller has passed a vertex, a
+displacement of the size h remains there. If it is the same at all vertices, the excess is ~ h |log h|^{1/2}. If
+neighbouring vertices keep different displacements, the excess is ~ h^{1/2}. So the predicted orders of the excess are
+
+* 1 less a logarithm, within [¾, 1.1], with one and with two diagonals, because all vertices of Γ3 have equal
+  neighbourhoods;
+* ½ ± 0.15 with alternating diagonals, where vertices are of two kinds. The meshes are not random;
+* ½ ± 0.15 on shaken meshes for the mean over eight meshes, for n = 128 over four. The roller passes N ~ 0.7n vertices,
+  whose contributions are nearly independent. So the excess has the relative standard deviation ~ ½ N^{-1/2}, and single
   orders scatter;
 * ½ ± 0.3 on unstructured meshes;
-* ½ with alternating diagonals also if Q or ω is doubled;
-* 1 ± 0.25 for standing patches, because displacements remain at few vertices only; the bound does not show this.
+* ½ with alternating diagonals also if the pressure (Q) or the gap (ω) is doubled;
+* 1 ± 0.25 for patches that do not move, because displacements remain at few vertices only. The bound does not show
+  this.
 
-**Where the prediction was wrong.** A standing patch on a single shaken mesh showed the orders 0.9 and 2.3. Its excess
-depends on the cells around few vertices, so it is not averaged: over eight shaken meshes the excess has a relative
-standard deviation of a third to a half on every level, and its mean the orders 0.97 and 1.06. The order is reported
-there.
+**Where the prediction was wrong.**
 
-On unstructured meshes 0.75 is observed, at the edge of the prediction, and over six seeds the mean has the orders 1.05
-and 0.59 up to n = 64. Their points are moved to the middle of their cells eight times, which makes neighbourhoods on Γ3
-nearly equal: the excess is about as large as with one diagonal, and the differences between neighbours begin to show at
-n = 64. After one sweep instead of eight it is twice as large there and has the orders 0.61 and 0.46. The prediction
-considered neither; the order of one mesh for each level is reported. E_h has orders 0.6 to 0.8 on these levels, where
-its logarithm is not small compared with the rest.
+A patch that does not move showed the orders 0.9 and 2.3 on single shaken meshes. Its excess depends on the cells around
+few vertices. Over eight shaken meshes the excess has a relative standard deviation of a third to a half on every level,
+and its mean has the orders 0.97 and 1.06. The order on single shaken meshes is reported and not judged.
 
-With one diagonal the orders of the excess are 0.84, 1.00 and 1.16 from level to level, and the orders of M_h 0.9, 1.4
-and 1.8. Both are maxima that change their place. M_h is taken at the end s = 0 of Γ3, near which the roller starts, and
-falls like h² from the second level on. Near the patch and away from the ends nodal errors over h are 0.076, 0.076,
-0.074 and 0.073, because for ℓ = 2h the field at the patch is the same picture on every level. The largest excess is at
-the start, at t ~ h, for n = 16, 32 and 64, and in the trail, at T, for n = 128. At T the excess over h is 0.104, 0.093,
-0.109 and 0.136, which rises from the second level on by more than |log h|^{1/2} allows. So on finer meshes orders below
-1 are expected; n = 256 would take minutes. The order over all levels is judged, the orders at T and near the patch are
-reported.
+On unstructured meshes 0.75 is observed, at the edge of the prediction. Over six random meshes the mean has the orders
+1.05 and 0.59 up to n = 64. The mesh generator moves points to the middle of their cells eight times, which makes
+neighbourhoods on Γ3 nearly equal. The excess is then about as large as with one diagonal, and differences between
+neighbours show from n = 64 on. With one such sweep instead of eight, the excess is twice as large at n = 64, and its
+orders are 0.61 and 0.46. The prediction ignored both effects, so the order is reported and not judged. The orders of
+E_h are 0.6 to 0.8 on these levels, where the logarithm still matters.
+
+With one diagonal the orders of the excess from level to level are 0.84, 1.00 and 1.16, and the orders of M_h are 0.9,
+1.4 and 1.8. Both quantities are maxima, whose places change from level to level:
+
+* M_h occurs at the end s = 0 of Γ3, near which the roller starts, and falls like h² from the second level on. Near the
+  patch and far from the ends of Γ3, nodal errors over h are 0.076, 0.076, 0.074 and 0.073, because for ℓ = 2h the
+  solution near the patch looks the same on every level.
+* The largest excess occurs at the start, at t ~ h, for n = 16, 32 and 64, but at T, behind the roller, for n = 128. At
+  T the excess over h is 0.104, 0.093, 0.109 and 0.136. From the second level on this rises faster than |log h|^{1/2}.
+
+So orders below 1 are expected on finer meshes; n = 256 would take minutes. The order over all levels is judged. The
+orders at T and near the patch are reported.
 """
 
 from __future__ import annotations
