@@ -1,19 +1,19 @@
 """(4.13): σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which the discrete solution satisfies only in the limit h → 0.
 
 The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13). They do for
-h → 0 in two senses. The orders are predicted for solutions with σ ∈ W^{1,∞}:
+h → 0, in two senses. The orders are predicted for solutions with σ ∈ W^{1,∞}.
 
-* In L²(Γ). ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is h^{−1/2} times
-  the error in the cells along Γ, which may contain all of it. If the error is spread evenly, as W^{1,∞} estimates say
-  for smooth solutions on quasi-uniform meshes, these cells hold h^{3/2}, and ‖σ^hν − σν‖ is of order 1, no more: σ^h is
-  constant on the cell. For σ_τ alone, which ‖σ^hν − σν‖ bounds, the first-order term depends on how the triangles along
-  Γ3 lie.
-* Against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V, and since the scheme
-  satisfies this for Π^h v,
+* In L²(Γ), ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is at most h^{−1/2}
+  times the error in the cells along Γ, and these cells may contain the whole error. Order 1 is predicted, because
+  W^{1,∞} estimates for smooth solutions on quasi-uniform meshes say that the error is spread evenly. The cells along Γ
+  then contain h^{3/2} of it. More than order 1 is not possible for ‖σ^hν − σν‖, because σ^h is constant on a cell. For
+  σ_τ alone, which ‖σ^hν − σν‖ bounds, the term of first order depends on how the triangles lie along Γ3.
+* Against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V. The scheme satisfies
+  this equation for Π^h v, so
 
-      (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h):
+      (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h).
 
-  order 2, whatever the time step leaves in σ^h − σ.
+  This gives order 2, whatever error the time steps leave in σ^h − σ.
 
 The second half of the file makes the smooth fields v; other statements use them as well.
 """

@@ -1,33 +1,34 @@
 """Beyond the paper: the work of contact for solutions with contact patches of every size.
 
-The contact term of the estimate (5.21), which a linear problem does not have, is ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}. It
-is of order 1 for u ∈ W^{1,1}(0,T;H²), for any trace (``edge_work``); for a fixed u it is even o(h). In the cases of the
-catalogue with a few smooth fronts it is 1e-6 … 1e-3 of the error, too small to be observed (0.03 in natural-front, 0.1
-in rough-trace). Here it is measured for the cases of ``manufactured.multiscale``, whose contact zones have details of
-the size of h on every mesh.
+The contact term of the estimate (5.21), which a linear problem does not have, is ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)},
+the root of the *work of contact*. It is of order 1 for u ∈ W^{1,1}(0,T;H²), for any trace (``edge_work``); for a fixed
+u it is even o(h). In the cases of the catalogue, which have a few smooth fronts, it is 1e-6 to 1e-3 of the error (0.03
+in natural-front, 0.1 in rough-trace). That is too small to be observed. Here it is measured for the cases of
+``manufactured.multiscale``, whose contact zones have details of the size of h on every mesh.
 
-**Measured**, with integrals on a mesh that is refined until its cells are a third of the depth of every lifting, the
-width ℓ over which contact data are continued into the body:
+**Measured**, with integrals on a refined mesh. In it, cells are at most a third of the depth ℓ over which the contact
+data are continued into the body:
 
-* ``work``: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}, R = ∫_{Γ3} p Π^h w as p w = 0;
+* ``work``: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}, where R = ∫_{Γ3} p Π^h w, because p w = 0;
 * ``error``: max_t ‖u − u^h‖_V;
-* ``excess``: max_t ‖u^h − u^h_lin‖_V, where u^h_lin solves the linear problem with p as a given traction: the part of
-  the error that is due to contact.
+* ``excess``: max_t ‖u^h − u^h_lin‖_V, where u^h_lin solves the linear problem with p as a given traction. It is the
+  part of the error that is due to contact.
 
-**Predicted.** The gap and the pressure are trains of waves of width ℓ; from one train to the next ℓ is halved. On grids
-all edges are equal and cut every train at the same places, so R/h² is the sum over the trains of one function of ℓ/h.
-This sum is constant, and the root of R has order 1, as long as there are trains of all widths h/2 to 4h, which holds
-for 32 ≤ n ≤ 128. The window is ± 0.15 there; on coarser meshes the order is lower. With random vertices each edge cuts
-the waves at another place. Only four to sixteen edges lie on the train that contributes most, and the contributions R_E
-of single edges vary by 100 %, so single orders may be off by 0.5: they are reported. If this explanation is right, the
-mean of R over random vertices has the order 1, and its relative standard deviation falls like n^{−1/2}: both are
-claimed.
-Unstructured meshes have equal edges on each piece, whose number does not double. They cut the waves at other places on
-every level, all edges in the same way, so the work may nearly vanish on one level (observed: orders −2.5 to 1.2, and
-work / error as small as 0.011).
+**Predicted.** Gap and pressure consist of trains of waves of width ℓ; from one train to the next ℓ is halved.
 
-No order is predicted for the error and the excess: a train is resolved only for h < ℓ/10, so on these meshes the error
-has hardly begun to fall. On grids work / error must be above 1/50, twenty times its value for smooth fronts.
+* *On grids* all edges are equal and cut every train at the same places, so R/h² is a sum over the trains of one
+  function of ℓ/h. The sum is constant, and the root of R has order 1, as long as there are trains of all widths h/2 to
+  4h. This holds for 32 ≤ n ≤ 128; the window is ± 0.15. On coarser meshes the order is lower.
+* *With random vertices* each edge cuts the waves at another place. Only four to sixteen edges lie on the train that
+  contributes most, and the contributions R_E of single edges vary by 100 %. So single orders may be off by 0.5; they
+  are reported. If this explanation is right, the mean of R over random vertices has the order 1, and its relative
+  standard deviation falls like n^{−1/2}. Both are claimed.
+* *Unstructured meshes* have equal edges on each piece of Γ3, but their number does not double from level to level. The
+  edges cut the waves at other places on every level, all edges in the same way. So the work may nearly vanish on one
+  level (observed: orders −2.5 to 1.2, and work / error as small as 0.011).
+
+No order is predicted for the error and the excess. A mesh resolves a train only for h < ℓ/10, so on these meshes the
+error has hardly begun to fall. On grids work / error must be above 1/50, twenty times its value for smooth fronts.
 """
 
 from __future__ import annotations

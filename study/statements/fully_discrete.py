@@ -8,8 +8,8 @@ measured,
 at the nodes t_n that belong to the time grids of all k, so that all maxima are over the same times. Predicted before
 measuring, and reported without a verdict, because the paper claims nothing:
 
-* e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q. The reason is that e is nearly all
-  interpolation error, which is nearly orthogonal in V to V^h, where the error in time lies;
+* e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q. The reason is that the error in space is
+  mainly interpolation error, which is nearly orthogonal in V to V^h, while the error in time lies in V^h;
 * d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so Problem 5.1 is not stiff and d does not depend on
   h;
 * q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, 3/2 where u̇^h jumps because vertices change contact.

@@ -1,8 +1,8 @@
 """(5.21) and the theorem on backward Euler for large and small T and ω = L_G/m_A: errors grow like e^{ωT}, not faster.
 
-T and ω are varied over two decades, by scaling time and G. The laws are the law of the case and G = −ωA (column
-"even"). ``solution_divergence`` does the same for the distance of two solutions of Problem 5.1; here errors are
-measured. Predicted before measuring:
+T and ω are varied over two decades, by scaling time and G. The laws are the law of the case (columns "own") and
+G = −ωA (columns "even"). ``solution_divergence`` measures the distance of two solutions of Problem 5.1 for the same T
+and ω. Predicted before measuring:
 
 * *No contact, G = −ωA, u = (1/10 + t/T) U.* Let P_h be the projection onto V^h in (·,·)_V. Here B = −ωI in (4.2), and
   V^h replaces K^h. Then P_h u − u^h = e^{ωt} (P_h u_0 − Π^h u_0), which is orthogonal to u − P_h u. So at T
@@ -105,9 +105,9 @@ def experiment(solution: ExactSolution, setting: Setting) -> Experiment:
 
 
 def opening(law: KelvinVoigt, T: float) -> ExactSolution:
-    """Return a solution that is never in contact and linear in t, with the gap w = (1/10 + t/T)(1 + 4x(1 − x)).
+    """Return a solution that is linear in t and never in contact, with the gap w = (1/10 + t/T)(1 + 4x(1 − x)).
 
-    On Γ3, ε_nn = 0.
+    The normal strain ε_nn is 0 on Γ3.
     """
     body, time = unit_square(T), t / Rational(T).limit_denominator(1000)
     (part,) = body.of(Kind.CONTACT)

@@ -5,9 +5,10 @@ K = {v : v_ν ≤ g on Γ3} with a smooth g that does not depend on time, and Pr
 K^h = {v ∈ V^h : v_ν ≤ g at the vertices of Γ3}. The paper claims nothing about it. This study claims
 ‖u − u^h‖_{L∞(0,T;V)} = O(h) for solutions with (5.36), and convergence for others.
 
-Why: w = u − d with a smooth d ∈ V, d_ν = g on Γ3, is in the cone of the paper, as is w^h = u^h − Π^h d. The
-inequality for w is the one for u with the load of −d added, and Π^h d − d = O(h) by (5.23). So the proof of
-Proposition 5.4 holds for w. The window of the order was set before anything was measured.
+The reason: let d ∈ V be smooth with d_ν = g on Γ3. Then w = u − d satisfies w_ν ≤ 0, the condition of the paper, and so
+does w^h = u^h − Π^h d at the vertices. w solves the variational inequality of u with an additional load, the load of
+−d. Π^h d − d = O(h) by (5.23). So the proof of Proposition 5.4 holds for w. The window of the order was set before
+anything was measured.
 
 **Measured** as for Proposition 5.4 (``prop_5_4.measure``), on all cases with an initial gap and all mesh families that
 can mesh their bodies. The exact solution is the lifting of w − g, and the contact solver gets g at the vertices.

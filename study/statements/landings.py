@@ -11,11 +11,12 @@ a gap at the neighbour, not both. This causes an error proportional to k, which 
     S u̇ + N_K(u) ∋ F,   K = {u ≥ 0},   S = [[2, −1], [−1, 2]],   F = (3/20, −2),   u(0) = (0, 2/5).
 
 The first unknown u_1 is in contact until the second unknown lands at t = 2/5. Then u_1 increases with the velocity
-3/40. Let the landing be at the time (n + θ)k. If θ ≥ 3/20, a step of backward Euler or of the midpoint rule leaves u_1 = 0,
-while the exact value is (1 − θ)·3k/40. The error √2·(1 − θ)·3k/40 in ‖·‖_S remains. For k = 2^{−j} the values of θ are
-cyclically 4/5, 3/5, 1/5 and 2/5. So errors at the nodes are between √2·3/200 and √2·6/100 times k, and both bounds are
-attained. The order is at most 1, although two successive values of k need not show it. For BDF2 the error at the end is
-at least √2·17k/600 for every θ. paper/time.tex has the proofs. These errors are judged.
+3/40. Let the landing be at the time (n + θ)k. If θ ≥ 3/20, a step of backward Euler or of the midpoint rule leaves
+u_1 = 0, while the exact value is (1 − θ)·3k/40. The error √2·(1 − θ)·3k/40 in ‖·‖_S remains. For k = 2^{−j} the values
+of θ are cyclically 4/5, 3/5, 1/5 and 2/5. So errors at the nodes are between √2·3/200 and √2·6/100 times k, and both
+bounds are attained. The order is at most 1, although two successive values of k need not show it. For BDF2 the error
+at the end is at least √2·17k/600 for every θ. paper/time.tex has the proofs. The errors of backward Euler and the
+midpoint rule are judged.
 
 **Linear finite elements.** A load moves along Γ3 in such a way that the pressure does not vanish at the front. Landings
 then cause an error C_1 k, and the times between them an error C_2 k². C_2 hardly depends on the mesh. C_1 depends on
@@ -51,10 +52,11 @@ from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 
 COUNTS = (16, 32, 64, 128, 256, 512, 1024)
-"""Numbers of steps: six halvings of k."""
+"""Numbers of time steps: six halvings of k."""
 FINEST = 8192
-"""Steps of the midpoint rule whose solution is used for u^h."""
+"""Number of steps of the midpoint rule whose solution is used for u^h."""
 LANDING, RISE = 0.4, 0.075
+"""The problem with two unknowns: the time of the landing, and the velocity of u_1 after it."""
 PROVED = Window(
     math.sqrt(2) * 0.2 * RISE * (1 - 1e-9), math.sqrt(2) * 0.8 * RISE * (1 + 1e-9), "proved, both ends attained"
 )
@@ -139,6 +141,6 @@ class Landings(ListedNumbers):
 
 
 def landings(problem: SemiDiscrete, states: Array) -> int:
-    """Return how often a vertex of Γ3 comes into contact."""
+    """Return how many times a vertex of Γ3 comes into contact, counted over all vertices and time steps."""
     touching = -1e-12 * abs(states).max() <= (problem.N @ states[1:].T).T
     return int((touching[1:] & ~touching[:-1]).sum())

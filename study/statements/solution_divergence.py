@@ -8,12 +8,13 @@ For a monotone G this holds even with ω = 0. Therefore the test uses the law of
 that L_G/m_A = ω, and an *even* law, A τ = 2τ and G τ = −2ω τ. T and ω vary over two decades. Predicted before
 measuring:
 
-* *Even law.* B = −ωI, so u − v = e^{ωt} (u_0 − v_0) if u_0 − v_0 moves no vertex of Γ3 along ν, whatever contact does
-  meanwhile, since both have the same contact forces. The bound is attained, and no smaller ω serves.
+* *Even law.* B = −ωI. If u_0 − v_0 moves no vertex of Γ3 along ν, both solutions have the same contact forces, so
+  u − v = e^{ωt} (u_0 − v_0), whatever happens at contact. The bound is attained, so no smaller ω is possible.
 * *Law of the case.* Γ3 is pressed so hard that no vertex leaves it. The difference of two starts along an eigenvector
   of G'(S) against M in {v : Nv = 0} grows like e^{ct} as long as the material softens, where −c is the least
   eigenvalue. The rate c is found without time steps. c ≤ max(−m, 0)/m_A ≤ ω, m the constant of monotonicity.
-* *Any two solutions*, of other loads and other starts, under the moving contact of the case: never above the bound.
+* *Other pairs of solutions*, with different loads or initial displacements, under the moving contact of the case: the
+  distance is never above the bound.
 
 *In time.* A step of the midpoint rule multiplies an eigenvector by (1 + z/2)/(1 − z/2), z = ck. So the measured rate is
 c (1 + z²/12 + …), too large by 3.3e-4 for z ≤ 1/16. A step of backward Euler is the resolvent of an operator that is
@@ -148,10 +149,10 @@ def steps_for(law: KelvinVoigt, T: float) -> int:
 
 
 def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
-    """Return the measured rate over the predicted one, log(‖v(T)‖/‖v(0)‖)/(cT), for v(0) along the softest mode.
+    """Return the measured rate over the predicted rate, log(‖v(T)‖/‖v(0)‖)/(cT), for v(0) along the softest mode.
 
-    It is compared with the solution that is 0 at all times. The load presses both onto the foundation with twice the
-    force that the mode needs, and balances the stress at zero strain.
+    v is the difference of two solutions, one of which is 0 at all times. The load presses both onto the foundation with
+    twice the force that the mode needs, and balances the stress at zero strain.
     """
     c, v, force = softest_mode(space, law)
     strain = abs(space.strain(v)).max()
