@@ -203,7 +203,7 @@ NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
 JUMP = around(0.5, 0.2, "k^{1/2}")
 AT_CLAMP = "contact-at-clamp"
 """A case whose contact face meets Γ1. The order of the resultant follows from the dual norm with v_ν = 1, but v = 0 on
-Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
+Γ1, so no v ∈ V has v_ν = 1 on the whole face. Two faces of ``hexagon`` meet Γ1 as well; the order is claimed there."""
 NO_BOUND = "the face meets Γ1, so that the dual norm does not bound the error of the resultant"
 STRIP = between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2")
 PRESSURE = order("order-pressure", "order of ‖p − p^h‖_{L²(Γ3)}", STRIP, "pressure")

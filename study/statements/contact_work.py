@@ -72,6 +72,7 @@ class Resolved:
     """V^h on a mesh, with integrals on another mesh that is refined where the exact solution has details.
 
     Attributes:
+        solution: the exact solution.
         space: V^h on the mesh.
         v_norm: the error norm on the refined mesh.
         inclusion: the matrix from the degrees of freedom of V^h to the degrees of freedom on the refined mesh.
