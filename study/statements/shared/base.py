@@ -51,6 +51,8 @@ class Statement:
         of_every_case: whether the statement is measured on every case of a run, including the cases of users.
         initial_gap: whether the statement is also measured on cases with an initial gap; the paper has no such gap.
         of_own_cases: whether ``settings`` includes the cases of users although ``of_every_case`` is false.
+        outside_catalogue: whether the cases of ``quick`` and ``full`` are not in the catalogue. The statement is then
+            measured if the whole catalogue is studied.
     """
 
     label: str
@@ -63,6 +65,7 @@ class Statement:
     of_every_case: bool = False
     initial_gap: bool = False
     of_own_cases: bool = False
+    outside_catalogue: bool = False
 
     def planned(self, scope: Scope) -> Sequence[Any]:
         """Return the settings of a study, without cases with an initial gap unless ``initial_gap`` is set."""
@@ -74,6 +77,8 @@ class Statement:
 
     def settings(self, scope: Scope) -> Sequence[Any]:
         """Return the settings whose case belongs to the study."""
+        if self.outside_catalogue:
+            return self.places(scope.full) if scope.whole else []
         return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
     def measure(self, setting: Any) -> Mapping[str, Any]:
