@@ -13,13 +13,13 @@ PANELS, POINTS = 64, 3
 """Equal panels of (0, 1), and Gauss points in each; the second variable has one more, so that no points coincide."""
 
 
-def composite(panels: int, points: int) -> tuple[Array, Array]:
+def composite_gauss(panels: int, points: int) -> tuple[Array, Array]:
     """Return Gauss's rule on equal panels of (0, 1): nodes and weights, (panels · points,)."""
     x, w = gauss(points)
     return ((np.arange(panels)[:, None] + x) / panels).ravel(), np.tile(w / panels, panels)
 
 
-FIRST, SECOND = composite(PANELS, POINTS), composite(PANELS, POINTS + 1)
+FIRST, SECOND = composite_gauss(PANELS, POINTS), composite_gauss(PANELS, POINTS + 1)
 """The rules for both variables."""
 
 
@@ -39,7 +39,7 @@ def seminorm(first: Array, second: Array, rho: float) -> Array:
 def gram(panels: int, rho: float) -> Array:
     """Return the matrix of |v|_ϱ² for the hat functions of equal panels of (0, 1), (panels + 1, panels + 1)."""
     nodes = np.linspace(0, 1, panels + 1)
-    (x, wx), (y, wy) = composite(panels, POINTS), composite(panels, POINTS + 1)
+    (x, wx), (y, wy) = composite_gauss(panels, POINTS), composite_gauss(panels, POINTS + 1)
     hats = [np.maximum(0, 1 - panels * abs(nodes[:, None] - z)) for z in (x, y)]
     kernel = np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho)
     mixed = hats[0] @ kernel @ hats[1].T

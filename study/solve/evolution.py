@@ -24,8 +24,7 @@ import scipy.sparse as sps
 
 from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array, mapped
-from study.fem.material import form, means
-from study.fem.space import Displacements, Space
+from study.fem.space import Displacements, Space, form, means
 from study.solve.fixed_point import FixedPointError, fixed_point
 from study.solve.signorini import ContactSolver, Signorini
 from study.solve.solver_choice import ROUNDING, contact_solver

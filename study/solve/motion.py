@@ -18,11 +18,9 @@ import numpy as np
 from manufactured.exact import ExactSolution
 from manufactured.law import Elasticity, PointLaw
 from manufactured.tensors import Array, Tensors, identity
-from study.fem.error_norm import ErrorNorm
-from study.fem.initial_gap import gaps_at_vertices
-from study.fem.material import on_cells
+from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
-from study.fem.space import Space
+from study.fem.space import Space, on_cells
 from study.solve.energy_balance import Power, balance, density
 from study.solve.evolution import SemiDiscrete, State, velocities
 from study.solve.tableau import BDF2

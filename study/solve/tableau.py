@@ -5,7 +5,7 @@ A step of size k computes u_n from
     M δu_n + G(θ u_n + (1 − θ) u_{n−1}) + N_{K^h}(u_n) ∋ F(t_{n−1+θ}),     δu_n = (w u_n − Σ_{j≥1} w_j u_{n−j})/k.
 
 Multistep schemes have too few earlier values at first and start with a one-step scheme. The problem defines how a step
-is solved: ``study.solve.evolution`` for Problem 5.1, ``study.stresses.dual`` for Problem 3.2.
+is solved: ``study.solve.evolution`` for Problem 5.1, ``study.stresses.hybrid`` for Problem 3.2.
 """
 
 from __future__ import annotations

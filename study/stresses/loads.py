@@ -21,8 +21,7 @@ from manufactured.data import Data, ForceInTime
 from manufactured.tensors import Array, Points, Vectors
 from study.fem.moments import StrainSums, amplitudes_of
 from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
-from study.stresses.bernstein import bernstein, triangle_mass
-from study.stresses.composite import alfeld_split, barycentric
+from study.stresses.composite import alfeld_split, barycentric, bernstein, triangle_mass
 from study.stresses.stress_space import StressSpace
 
 DEGREE = 4

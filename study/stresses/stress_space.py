@@ -17,8 +17,7 @@ from manufactured.body import Body, Kind
 from manufactured.tensors import Array, Points, Tensors, basis
 from study.fem.mesh import MeshedBody, MeshError
 from study.fem.quadrature import simplex_rule
-from study.stresses.bernstein import bernstein
-from study.stresses.composite import SIDES, CompositeElement, composite, thirds
+from study.stresses.composite import SIDES, CompositeElement, bernstein, composite, thirds
 
 LEAST_DEGREE = 4
 """Least degree of the rule on the thirds, because errors of linear stresses are quadratic."""
