@@ -361,7 +361,7 @@ class Unstructured:
         return simplicial_mesh(points, _delaunay(body, points))
 
     def points(self, body: Body, n: int) -> tuple[Array, Array, Array]:
-        """Return the points before the first sweep: on the boundary, on interfaces, and in the interior, (2, n) each."""
+        """Return the points before the first sweep: on the boundary, on interfaces, in the interior, (2, n) each."""
         require_plane(self, body)
         spacing = 1.15 * np.sqrt(body.measure) / n
         boundary = [_divide(part, body, spacing) for part in body.parts]
@@ -429,7 +429,7 @@ class Graded:
 
 
 def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
-    """Return points of a triangular lattice, moved at random, inside Ω and not near its boundary or interfaces, (2, n)."""
+    """Return randomly moved points of a triangular lattice, inside Ω and not near boundary or interfaces, (2, n)."""
     low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
     rows = np.arange(low[1], high[1], spacing * np.sqrt(0.75))
     columns = np.arange(low[0] - spacing, high[0] + spacing, spacing)
@@ -514,7 +514,7 @@ class MeshedBody:
 
     @cached_property
     def parts(self) -> list[Array]:
-        """The numbers of the facets on each part, in the order of ``body.parts``; MeshError if the mesh does not fit."""
+        """The numbers of the facets on each of ``body.parts``; MeshError if the mesh does not fit."""
         return boundary_parts(self.mesh, self.body)
 
     def facets(self, part: Part) -> Array:
@@ -549,8 +549,8 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     if abs(total - body.measure) > TOLERANCE * body.measure:
         what = "area" if body.dim == 2 else "volume"
         raise MeshError(
-            f"the cells cover {total:.9g}, but the body has the {what} {body.measure:.9g}: cells overlap or are missing, "
-            "or the mesh belongs to another body"
+            f"the cells cover {total:.9g}, but the body has the {what} {body.measure:.9g}: cells overlap or are "
+            "missing, or the mesh belongs to another body"
         )
     length = body.measure ** (1 / body.dim)
     facets = mesh.boundary_facets()
@@ -566,8 +566,8 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     found = [_covering(mesh, facets, part, length) for part in body.parts]
     if sum(map(len, found)) != len(facets):
         raise MeshError(
-            f"{len(facets) - sum(map(len, found))} boundary facets of the mesh lie on no part of the body, or on two: the "
-            "mesh belongs to another body, or parts overlap"
+            f"{len(facets) - sum(map(len, found))} boundary facets of the mesh lie on no part of the body, or on two: "
+            "the mesh belongs to another body, or parts overlap"
         )
     for interface in body.interfaces:
         _covering(mesh, np.arange(mesh.facets.shape[1]), interface, length)

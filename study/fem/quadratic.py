@@ -68,7 +68,7 @@ class Quadratic(Displacements):
         return np.array([*(x * x for x in barycentric), *(2 * barycentric[a] * barycentric[b] for a, b in EDGES)])
 
     def strains(self, barycentric: Array) -> sps.csr_array:
-        """Return the matrix from v to ε(v) at the same barycentric points, (3, q), of every cell, (3 · cells · q, dofs)."""
+        """Return the matrix from v to ε(v) at points of every cell, (3, q) barycentric: (3 · cells · q, dofs)."""
         slopes, outer = barycentric_gradients(self.mesh), np.multiply.outer
         gradients = np.stack(
             [
