@@ -176,8 +176,7 @@ class Discretisation:
     @cached_property
     def cells_at_contact(self) -> Array:
         """The number of the cell at each edge of Γ3, (edges of Γ3,)."""
-        edges = [edges for _, edges in self.stresses.on(Kind.CONTACT)]
-        return np.asarray(self.stresses.mesh.f2t[0, np.concatenate(edges)])
+        return np.asarray(self.stresses.mesh.f2t[0, self.equilibrium.contact])
 
     def normal_moments(self, v: Array) -> Array:
         """Return the integrals ∫_e v_ν B_i on the edges of Γ3, (..., dofs) → (..., edges of Γ3, n)."""
@@ -191,7 +190,7 @@ class Discretisation:
         traces = self.displacements.normal_components(
             [(part, self.displacements.on_edges(edges).T.ravel()) for part, edges in on]
         )
-        lengths = self.stresses.lengths[np.concatenate([edges for _, edges in on])]
+        lengths = self.stresses.lengths[self.equilibrium.contact]
         return sps.csr_array(sps.kron(sps.diags_array(lengths), GRAM.T) @ traces)
 
 

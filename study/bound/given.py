@@ -25,7 +25,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array, Points
-from study.bound.bounded import INSIDE, SHOWN, BoundedSolution, bounded_static, check_problem
+from study.bound.bounded import INSIDE, NO_PLAIN, SHOWN, BoundedSolution, bounded_static, check_problem
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose, squared_distances
 from study.bound.problem import BoundError
@@ -139,12 +139,12 @@ def bounded_displacement(
     """Return the enclosure of the error of a checked displacement, and the bound from u_h alone if there is one."""
     coarse = Discretisation(data, computed.mesh)
     if isinstance(data, Static):
-        found = bounded_static(coarse, computed, refined.refinements)
+        found = bounded_static(coarse, computed, refined.refinements, progress)
     else:
         require_steps(refined.shorter * computed.steps)
         error, why = true_error(case, coarse, computed), no_plain_bound(coarse, computed)
         plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
-        remarks = (f"the bound from u_h alone is left out: {why}",) if why else ()
+        remarks = (NO_PLAIN.format(why=why),) if why else ()
         found = BoundedSolution(computed, plain, enclose(coarse, computed, refined, error, progress), remarks)
     ends = max(0.0, found.enclosure.lowest - computed.offset), found.enclosure.highest + computed.offset
     whole = f"the error of the displacement in the file lies in {interval(*ends, SHOWN)}"
