@@ -23,7 +23,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.bounded import MOVING, STATIC, write_displacement
+from study.bound.bounded import MOVING, STATIC
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error
 from study.bound.problem import BoundError
@@ -106,12 +106,6 @@ def tolerance_from(text: str) -> Tolerance:
     except ValueError as error:
         raise BoundError(f"--adapt needs a tolerance such as 0.2 or 5%, got {text!r}") from error
     return Tolerance(number, percent)
-
-
-def check_cells(most: int) -> None:
-    """Raise BoundError if the largest permitted number of cells is less than 1."""
-    if most < 1:
-        raise BoundError(f"--cells must be 1 or more, got {most}")
 
 
 def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adapted:
@@ -232,19 +226,14 @@ def stage_file(directory: Path, number: int) -> Path:
     return directory / f"adapted-{number}.npz"
 
 
-def write_stage(directory: Path, number: int, found: Adapted) -> Path:
-    """Write the displacement as ``write_displacement`` does, with the shares of cells and time; return the path."""
-    shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
-    return write_displacement(stage_file(directory, number), found.computed, **shares)
-
-
 def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, Array]:
     """Return the end points (2, 2, n) of the edges of Γ3, and which edges are in contact at both ends, (n,).
 
     Args:
         displacement: at the vertices, (2, vertices).
     """
-    ends, closed = [], []
+    # The empty arrays serve bodies without contact.
+    ends, closed = [np.empty((2, 2, 0))], [np.empty(0, dtype=bool)]
     size = max(float(abs(displacement).max()), np.finfo(float).tiny)
     for part, facets in zip(data.body.parts, boundary_parts(mesh, data.body), strict=True):
         if part.kind is Kind.CONTACT:

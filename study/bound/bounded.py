@@ -18,9 +18,9 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.discretisation import Discretisation, refuse_initial_gap, refuse_solids
+from study.bound.discretisation import Discretisation, refuse_unserved
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
-from study.bound.problem import BoundError, require_units
+from study.bound.problem import BoundError
 from study.bound.static import compute_static, enclose_static
 from study.bound.trajectory import Computed, DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
@@ -121,9 +121,7 @@ def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
             "ũ needs 0 or more refinements and 1 or more steps in one of u_h, "
             f"got {refined.refinements} and {refined.shorter}"
         )
-    refuse_solids(data)
-    refuse_initial_gap(data)
-    require_units(data)
+    refuse_unserved(data)
     data.check()
 
 
@@ -286,9 +284,7 @@ def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:
     return lines
 
 
-def _intervals(
-    table: pd.DataFrame, known: bool, moving: bool = True, names: Sequence[str] | None = None
-) -> list[str]:
+def _intervals(table: pd.DataFrame, known: bool, moving: bool = True, names: Sequence[str] | None = None) -> list[str]:
     """Return lines with the interval of the error on each mesh, then lines with the intervals of the orders.
 
     All lines have at most 80 columns if the names have at most ``NAME``; longer names are cut.
@@ -353,17 +349,12 @@ def trajectory_file(directory: Path, level: int) -> Path:
     return directory / f"trajectory-{level}.npz"
 
 
-def write_trajectory(directory: Path, level: int, found: BoundedSolution) -> Path:
-    """Write the displacement of a level as ``write_displacement`` does; return the path."""
-    assert isinstance(found.computed, DiscreteSolution)
-    return write_displacement(trajectory_file(directory, level), found.computed)
-
-
-def write_displacement(path: Path, computed: DiscreteSolution, **more: Array) -> Path:
+def write_displacement(path: Path, computed: Computed, **more: Array) -> Path:
     """Write the mesh, the times, the nodal values of u_h and further arrays; return the path.
 
     The arrays are p (2, vertices), t (3, cells), times (steps + 1,), u (steps + 1, 2, vertices).
     """
+    assert isinstance(computed, DiscreteSolution)
     space = computed.space
     values = np.array([space.nodal(u) for u in computed.nodes])
     times = np.linspace(0, computed.T, len(values))

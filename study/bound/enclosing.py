@@ -161,7 +161,7 @@ def enclose_several(
     fine = trajectory.discretisation(coarse)
     fields, pieces = [u_h.on(fine) for u_h in computed], spline(trajectory.nodes(fine, computed[0]))
     first = next(pieces)
-    initial = _initial_error(fine, first.start)
+    initial = squared_distances(fine, fine.data.initial, first.start, fine.data.lines)
     start = math.sqrt(float(initial.sum())) + fine.sampling.missed_at_start()
     intervals: list[Interval] = []
     rows: list[list[tuple[float, ...]]] = [[] for _ in computed]
@@ -225,12 +225,6 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
     differences = [piece.at(time) - u_h(time) for time in cuts]
     differences += [piece.blossom(c, d) - (u_h(c) + u_h(d)) / 2 for c, d in pairwise(cuts)]
     return float(fine.norm(np.array(differences)).max())
-
-
-def _initial_error(discretisation: Discretisation, start: Array) -> Array:
-    """Return ‖u_0 − ũ(0)‖² on the cells, by quadrature that is graded where u_0 is not smooth, (cells,)."""
-    data = discretisation.data
-    return squared_distances(discretisation, data.initial, start, data.lines)
 
 
 def squared_distances(

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, reduce
 from typing import Any
 
@@ -305,6 +305,16 @@ class Series:
         """Which coefficients are not identically 0, (terms,)."""
         return np.asarray(self.low.any(axis=1) | self.high.any(axis=1))
 
+    @property
+    def half_range(self) -> Array:
+        """Half the range of the formula itself, (boxes,)."""
+        return (self.high[0] - self.low[0]) / 2
+
+    @property
+    def largest(self) -> Array:
+        """The largest absolute values of all coefficients, (terms, boxes)."""
+        return np.maximum(abs(self.low), abs(self.high))
+
     def __add__(self, other: Series) -> Series:
         with np.errstate(over="ignore"):
             return Series(*enclosed(self.low + other.low, self.high + other.high))
@@ -337,6 +347,8 @@ class Boxes:
     sides: Mapping[sp.Symbol, Pair]
     variables: tuple[sp.Symbol, ...]
     order: int
+    _known: dict[sp.Expr, Series] = field(default_factory=dict, init=False)
+    """Cache of the series of formulas and of their parts, which formulas share."""
 
     @property
     def count(self) -> int:
@@ -357,11 +369,6 @@ class Boxes:
         if formula not in self._known:
             self._known[formula] = self._expand(formula)
         return self._known[formula]
-
-    @cached_property
-    def _known(self) -> dict[sp.Expr, Series]:
-        """Cache of the series of formulas and of their parts, which formulas share."""
-        return {}
 
     def _expand(self, formula: sp.Expr) -> Series:
         if formula.is_Symbol:

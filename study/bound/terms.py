@@ -20,7 +20,7 @@ residual       products of the coefficients in time of ρ, for r             ``M
 curvature      Gε(ũ) minus its parabola in time, 0 for linear G             ``Majorant._elastic``
 contact        products of the coefficients of σ̃_ν and ũ_ν, for c           ``Majorant._block``
 oscillation    η_T: f − P f on cells, plus remainders of f on cells         ``study.stresses.oscillation``
-bending        P f minus its parabola in time, in the dual norm             ``Majorant._bending``
+bending        P f minus its parabola in time, in the dual norm             ``Majorant._block``
 missed         remainders of f in the dual norm                             ``study.bound.remainders``
 =============  ===========================================================  =========================================
 
@@ -264,7 +264,11 @@ class Majorant:
         viscous = (knots.viscous[:, :-1] + knots.viscous[:, 1:]) / 2
         residual, normal = self._residual(loads, viscous + elastic, control)
         products = self.products([knots.residual[:, :-1], residual, knots.residual[:, 1:]])
-        bending = self._bending(pieces, (9 / 16) * a + (6 / 16) * loads + (1 / 16) * b)
+        # The least stress with τν = 0 on Γ3 that balances P f minus the parabola at a quarter of the piece.
+        quarter = together([d.snapshot(piece.a + (piece.b - piece.a) / 4).loads for piece in pieces])
+        parabola = (9 / 16) * a + (6 / 16) * loads + (1 / 16) * b
+        balancing = self._in_directions(d.equilibrium.balance(quarter + (-1.0) * parabola).values)
+        bending = np.sqrt(self.products([balancing])[0, 0].sum(axis=(0, -1)))
         moments = d.normal_moments(np.array([[piece.start, piece.control, piece.end] for piece in pieces]))
         # Complementarity makes these products 0, but rounding can make them slightly negative.
         pressures = np.array([knots.normal[:-1], normal, knots.normal[1:]])
@@ -296,15 +300,6 @@ class Majorant:
         for a, b in combinations_with_replacement(range(n), 2):
             found[a, b] = found[b, a] = np.einsum("...q,...q->...", stresses[a], stresses[b])
         return found
-
-    def _bending(self, pieces: list[Parabola], parabola: Loads) -> Array:
-        """Return bounds of ‖P f − parabola‖ in the dual norm at a quarter of the pieces, (pieces,).
-
-        The bound is the least ‖τ‖_{A⁻¹} of stresses τ that balance the difference with τν = 0 on Γ3.
-        """
-        quarter = together([self.discretisation.snapshot(p.a + (p.b - p.a) / 4).loads for p in pieces])
-        stress = self._in_directions(self.discretisation.equilibrium.balance(quarter + (-1.0) * parabola).values)
-        return np.asarray(np.sqrt(self.products([stress])[0, 0].sum(axis=(0, -1))))
 
     def _elastic(self, pieces: list[Parabola], control: Array, knots: Knots) -> tuple[Tensors, Array]:
         """Return the middle coefficient of the parabola through Gε(ũ), and the means of ‖Gε(ũ) − parabola‖_{A⁻¹}."""
