@@ -218,21 +218,17 @@ def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     """Return the table ``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of two observed orders.
 
     The order in the columns ``order_…`` is computed from the first level, the order in ``pair_…`` from the previous
-    level.
+    level. It is NaN if the mesh is not finer than the other one, as on the first level.
     """
     table = pd.DataFrame(rows)
-    for name, earlier in (("order", [None] + [rows[0]] * (len(rows) - 1)), ("pair", [None, *rows[:-1]])):
-        spans = [_order(coarse, fine) for coarse, fine in zip(earlier, rows, strict=True)]
+    for name, earlier in (("order", [rows[0]] * len(rows)), ("pair", [rows[0], *rows[:-1]])):
+        spans = []
+        for coarse, fine in zip(earlier, rows, strict=True):
+            before, after = ((one["lowest"], one["highest"]) for one in (coarse, fine))
+            finer, ratio = fine["h"] < SMALLER * coarse["h"], math.log(coarse["h"] / fine["h"])
+            spans.append(order_interval(before, after, ratio) if finer else (math.nan, math.nan))
         table[f"{name}_low"], table[f"{name}_high"] = zip(*spans, strict=True)
     return table[[name for name in table if name != "kind"] + ["kind"]]
-
-
-def _order(coarse: dict[str, Any] | None, fine: dict[str, Any]) -> tuple[float, float]:
-    """Return the interval of the order between two levels; NaN if there is no coarser mesh."""
-    if coarse is None or not fine["h"] < SMALLER * coarse["h"]:
-        return math.nan, math.nan
-    before, after = ((one["lowest"], one["highest"]) for one in (coarse, fine))
-    return order_interval(before, after, math.log(coarse["h"] / fine["h"]))
 
 
 def text(

@@ -1,6 +1,6 @@
-"""The spaces on one mesh for the bound: displacements of degree 2, stresses of degree 3, and the data of the problem.
+"""The finite element spaces on one mesh that the bound needs: displacements of degree 2 and stresses of degree 3.
 
-Problems that cannot be bounded on the mesh are refused.
+``Discretisation`` also has the data of the problem on this mesh, and refuses problems that cannot be bounded on it.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""The error bound for a displacement of another program, given by its mesh, times and nodal values.
+"""Bounds of the error of a displacement of another program, given by its mesh, times and nodal values.
 
-The bound needs no relation between the displacement and the problem. With a more accurate displacement ũ(t) ∈ K and the
-bound y of ‖u − ũ‖_V, the triangle inequality encloses the error of any u_h that vanishes on Γ1. u_h may penetrate the
-foundation, and it may even be the solution of another problem. ũ lives on a refinement of the mesh of u_h and has time
-steps of equal length.
+``given`` checks the arrays, and ``bound_displacement`` encloses the error. Any displacement u_h that vanishes on Γ1 is
+served. It may penetrate the foundation, and it may even be the solution of another problem: a more accurate
+displacement ũ(t) ∈ K is computed, the error of ũ is bounded, and the triangle inequality encloses the error of u_h. ũ
+lives on a refinement of the mesh of u_h and has time steps of equal length.
 """
 
 from __future__ import annotations

@@ -174,7 +174,9 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Knots:
-    """Neighbouring knots of ũ, which two pieces share; all arrays have an axis of the knots.
+    """Stresses and data at consecutive knots of ũ, stored because two pieces share each knot.
+
+    All arrays have one axis for the knots.
 
     Attributes:
         snapshots: the data.
@@ -205,8 +207,10 @@ class Knots:
 
 
 class Majorant:
-    """Computes the bound along a displacement ũ on one mesh, in blocks of pieces that fit into the processor's
-    cache."""
+    """Computes the bound y of ‖u − ũ‖_V from the start of a displacement ũ to its end, on one mesh.
+
+    Pieces of ũ are computed in blocks that fit into the processor's cache.
+    """
 
     def __init__(self, discretisation: Discretisation) -> None:
         self.discretisation = discretisation
@@ -335,7 +339,10 @@ class Majorant:
         )
 
     def _shares(self, terms: Terms, step: Step, y: float) -> Shares:
-        """Return the part of each cell in the increase of the bound y over a time interval, before the decay factor."""
+        """Return the contributions of the cells and of time to the increase of the bound y on one piece of ũ.
+
+        Only their proportions matter: ``_interval`` scales them so that their sum is the increase.
+        """
         d, k, mean, missed = self.discretisation, step.k, step.mean, terms.missed
         weights = d.moduli.weights(d.data.body.T)
         squares = weights @ mean.residual

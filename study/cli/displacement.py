@@ -17,8 +17,8 @@ from manufactured.self_proof import prove
 from manufactured.static import Static
 from study.bound import bounded, fields
 from study.bound.discretisation import check_force
-from study.bound.given import GivenDisplacement, bounded_displacement, given
-from study.bound.trajectory import Refined
+from study.bound.given import bounded_displacement, given
+from study.bound.trajectory import GivenDisplacement, Refined
 from study.cli.common import listed, with_progress
 from study.cli.options import FAILED, OK
 from study.fem.naming import resolve_data
