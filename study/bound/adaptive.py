@@ -9,6 +9,7 @@ halved if the share of time is more than a quarter of the bound.
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,7 +32,7 @@ from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Shares
 from study.bound.trajectory import DiscreteSolution, SmoothedInTime, compute
 from study.fem.mesh import boundary_parts
-from study.ledger.text import up
+from study.ledger.text import up, width
 from study.solve.evolution import Scheme
 
 PART = 0.5
@@ -202,7 +203,8 @@ def text(
     percents = [f"{up(percent, SHOWN)} %" if percent < math.inf else "∞" for percent in rows["percent"]]
     bound, moving, known = up(rows["bound"].iloc[-1], SHOWN), norm != STATIC, bool(rows["error"].notna().all())
     reached = f"{bound}, {percents[-1]} of u," if tolerance.percent else bound
-    found = [f"{name}: {'max ' * moving}{norm} ≤ {reached} {sign} {tolerance}, the tolerance {end}", *sentences, ""]
+    found = [f"{name}: {'max ' * moving}{norm} ≤ {reached} {sign} {tolerance}, the tolerance {end}"]
+    found += [*(textwrap.fill(sentence, width()) for sentence in sentences), ""]
     columns = {
         "mesh": rows["mesh"].astype(str),
         "  cells": rows["cells"].astype(str),

@@ -371,8 +371,13 @@ class Boxes:
         return self._known[formula]
 
     def _expand(self, formula: sp.Expr) -> Series:
+        """Return the series of a formula from the series of its parts, or from the box of a symbol."""
         if formula.is_Symbol:
-            return self._variable(formula)
+            found = self._constant(self.sides[formula])
+            if formula in self.variables and self.order > 0:
+                unit = self.keys.index(tuple(int(formula == variable) for variable in self.variables))
+                found.low[unit] = found.high[unit] = 1.0
+            return found
         if formula.is_number:
             value = np.full(self.count, float(formula))
             return self._constant((value, value))
@@ -383,20 +388,20 @@ class Boxes:
         if formula.is_Add or formula.is_Mul:
             combine = Series.__add__ if formula.is_Add else self._product
             return reduce(combine, map(self, formula.args))
+        # The sum Σ_j g_j δ^j by Horner's rule, δ being the inner series without its constant term.
         inner = self(formula.args[0])
-        return self._composed(inner, coefficients(formula, (inner.low[0], inner.high[0]), self.order))
+        outer = coefficients(formula, (inner.low[0], inner.high[0]), self.order)
+        low, high = inner.low.copy(), inner.high.copy()
+        low[0] = high[0] = 0.0
+        delta, found = Series(low, high), self._constant(outer[-1])
+        for ends in outer[-2::-1]:
+            found = self._product(found, delta) + self._constant(ends)
+        return found
 
     def _constant(self, value: Pair) -> Series:
         low, high = np.zeros((2, len(self.keys), self.count))
         low[0], high[0] = value
         return Series(low, high)
-
-    def _variable(self, symbol: sp.Symbol) -> Series:
-        found = self._constant(self.sides[symbol])
-        if symbol in self.variables and self.order > 0:
-            unit = self.keys.index(tuple(int(symbol == variable) for variable in self.variables))
-            found.low[unit] = found.high[unit] = 1.0
-        return found
 
     def _product(self, a: Series, b: Series) -> Series:
         low, high = np.zeros((2, *a.low.shape))
@@ -410,12 +415,3 @@ class Boxes:
                 sums = (np.add.reduceat(end, first, axis=0) for end in ends)
                 low[k[first]], high[k[first]] = enclosed(*sums)
         return Series(low, high)
-
-    def _composed(self, inner: Series, outer: list[Pair]) -> Series:
-        """Return the sum Σ_j g_j δ^j by Horner's rule."""
-        low, high = inner.low.copy(), inner.high.copy()
-        low[0] = high[0] = 0.0
-        delta, found = Series(low, high), self._constant(outer[-1])
-        for ends in outer[-2::-1]:
-            found = self._product(found, delta) + self._constant(ends)
-        return found

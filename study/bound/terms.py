@@ -200,11 +200,6 @@ class Knots:
             np.concatenate([self.normal, later.normal]),
         )
 
-    def last(self) -> Knots:
-        """Return the last knot."""
-        viscous, elastic, residual = (array[:, -1:] for array in (self.viscous, self.elastic, self.residual))
-        return Knots(self.snapshots[-1:], viscous, elastic, residual, self.normal[-1:])
-
 
 class Majorant:
     """Computes the bound y of ‖u − ũ‖_V from the start of a displacement ũ to its end, on one mesh.
@@ -248,7 +243,8 @@ class Majorant:
             ends, rates = (np.array(each) for each in zip(*((p.end, p.rate(end=True)) for p in block), strict=True))
             knots = last + self.knots([piece.b for piece in block], ends, rates)
             yield from self._block(block, knots)
-            last = knots.last()
+            viscous, elastic, residual = (each[:, -1:] for each in (knots.viscous, knots.elastic, knots.residual))
+            last = Knots(knots.snapshots[-1:], viscous, elastic, residual, knots.normal[-1:])
 
     def knots(self, times: Sequence[float], u: Array, rates: Array) -> Knots:
         """Return the knots at given times with ũ = u and ũ̇ = rate, (times, dofs) both."""
