@@ -65,10 +65,12 @@ def times(a: Pair, b: Pair) -> Pair:
 
 
 def _scaled(c: float, ends: Pair) -> Pair:
+    """Return the range of a constant multiple."""
     return times((np.array(c), np.array(c)), ends)
 
 
 def _monotone(u: Pair, function: Callable[[Array], Array]) -> Pair:
+    """Return the range of a monotone function of one variable, taken from its values at the ends."""
     ends = function(u[0]), function(u[1])
     return np.minimum(*ends), np.maximum(*ends)
 
@@ -399,11 +401,13 @@ class Boxes:
         return found
 
     def _constant(self, value: Pair) -> Series:
+        """Return the series of a constant with a given range."""
         low, high = np.zeros((2, len(self.keys), self.count))
         low[0], high[0] = value
         return Series(low, high)
 
     def _product(self, a: Series, b: Series) -> Series:
+        """Return the product of two truncated power series; coefficients that vanish are skipped."""
         low, high = np.zeros((2, *a.low.shape))
         i, j, k = _products(len(self.variables), self.order)
         nonzero = a.nonzero[i] & b.nonzero[j]

@@ -139,6 +139,7 @@ class Regions:
         return np.array([self.in_space(formulas, a, b), *self.in_time(formulas, a, b)])
 
     def _boxes(self, a: float, b: float, variables: tuple[sp.Symbol, ...]) -> Boxes:
+        """Return the boxes for a ≤ t ≤ b, with expansions in given variables."""
         count = self.radii.shape[1]
         return Boxes({**self.sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
 
@@ -266,6 +267,7 @@ class Sampling:
         return (lambda a, b: cached(0.0, 0.0)) if at_rest else cached
 
     def _compute_remainders(self, a: float, b: float) -> tuple[Array, Array]:
+        """Return what ``_remainders`` returns, without the cache."""
         force = self._cells.all(self._expressions.force, a, b)
         surface = np.zeros((3, len(self.space.lengths)))
         for edges, regions, formulas in self._loaded:

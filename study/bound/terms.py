@@ -255,6 +255,7 @@ class Majorant:
         return Knots(snapshots, viscous, elastic, residual, normal)
 
     def _block(self, pieces: list[Parabola], knots: Knots) -> Iterator[Terms]:
+        """Yield the terms of consecutive pieces of ũ, whose knots are given."""
         d, control = self.discretisation, np.array([piece.control for piece in pieces])
         middle = [d.snapshot((piece.a + piece.b) / 2) for piece in pieces]
         a, m, b = (together([at.loads for at in some]) for some in (knots.snapshots[:-1], middle, knots.snapshots[1:]))
@@ -317,6 +318,7 @@ class Majorant:
         return (left + right) / 2, np.sqrt(squares / A.ellipticity)
 
     def _interval(self, terms: Terms, y: float) -> Interval:
+        """Return the bound on one piece of ũ from its terms and the bound y at the start of the piece."""
         moduli, piece, step = self.discretisation.moduli, terms.piece, terms.step()
         k, mean = step.k, step.mean
         at_b, inside = grow(y, moduli.values, step)

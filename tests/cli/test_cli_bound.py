@@ -248,7 +248,7 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
     assert main(["bound", "advance-recede", "--displacement", *files, *options]) == 0
     printed = " ".join(capsys.readouterr().out.split())
     assert "exact solution known" in printed
-    assert "trajectory-8.npz, degree 1," in printed
+    assert "trajectory-8.npz: degree 1," in printed
     found = pd.read_csv(tmp_path / "advance-recede-trajectory-4-trajectory-8" / "levels.csv")
     before = pd.read_csv(directory / "levels.csv")
     names = ["h", "steps", "lowest", "highest", "plain", "order_low", "order_high"]
