@@ -65,10 +65,12 @@ def do_adapt(options: argparse.Namespace) -> int:
         uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
         shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, uniform)
         written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(kept)))]
-        written += draw_one(store.directory, adapted_mesh(name, shown))
+        norm = bounded.norm_of(data)
+        error = norm if isinstance(data, Static) else f"max {norm}"
+        written += draw_one(store.directory, adapted_mesh(name, shown, error))
     print(folded(f"written: {listed(written)}"))
     sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
-    print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, bounded.norm_of(data))) + "\n")
+    print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, norm)) + "\n")
     return OK if reached and all(one["inside"] for one in kept if case) else FAILED
 
 
