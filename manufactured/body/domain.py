@@ -28,8 +28,9 @@ class Body:
 
     Raises:
         BodyError: there are fewer than d + 1 parts, gaps between parts, or inward normals; there is no Γ1 (Korn's
-            inequality (2.17) needs meas Γ1 > 0) or no Γ3; T ≤ 0; the body is too thin; a point of ``refine`` is not a
-            vertex; or an interface does not cut Ω.
+            inequality (2.17) needs meas Γ1 > 0); T ≤ 0; the body is too thin; a point of ``refine`` is not a vertex;
+            or an interface does not cut Ω. A body without Γ3 touches nothing: ``study bound`` serves it, an
+            ``ExactSolution`` needs Γ3.
     """
 
     parts: tuple[Part, ...]
@@ -104,9 +105,10 @@ def check(body: Body) -> None:
     """
     _check_parts(body)
     _check_closed(body)
-    for kind, why in ((Kind.CLAMPED, "Korn's inequality (2.17)"), (Kind.CONTACT, "the Signorini condition (2.5)")):
-        if not body.of(kind):
-            raise BodyError(f"the body has no part {kind.value}, which {why} needs: give one of its sides this kind")
+    if not body.of(Kind.CLAMPED):
+        raise BodyError(
+            "the body has no part Γ1, which Korn's inequality (2.17) needs: give one of its sides the kind CLAMPED"
+        )
     across = float(np.ptp(body.vertices, axis=1).max())
     if across**body.dim > SLENDER * body.measure:
         raise BodyError(

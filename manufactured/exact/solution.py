@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 from numpy.typing import ArrayLike
 
-from manufactured.body import Body, Kind, Part
+from manufactured.body import Body, BodyError, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
 from manufactured.exact.domain import coordinates, require_inside, require_times
@@ -40,6 +40,7 @@ class ExactSolution:
 
     Raises:
         LawError: law and body have different dimensions.
+        BodyError: the body has no Γ3.
         ValueError: the faces do not belong to the parts of Γ3, or a displacement field ends with a kink inside the
             body.
     """
@@ -53,6 +54,8 @@ class ExactSolution:
     def __post_init__(self) -> None:
         self.law.require_dimension(self.body.dim)
         pieces = self.body.of(Kind.CONTACT)
+        if not pieces:
+            raise BodyError("the body has no part Γ3, which the Signorini condition (2.5) needs: give a side this kind")
         if [face.part for face in self.faces] != list(pieces):
             raise ValueError(
                 f"the body has {len(pieces)} parts with contact, got {len(self.faces)} contact faces: give one for "

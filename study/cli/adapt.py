@@ -18,7 +18,7 @@ from study.bound.trajectory import Refined
 from study.cli.common import listed
 from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.files import write_text
+from study.ledger.files import UsageError, write_text
 from study.ledger.text import folded, up
 from study.present.figures import AdaptedMesh, adapted_mesh, draw_one
 from study.run.executor import GIB, available
@@ -36,7 +36,8 @@ def do_adapt(options: argparse.Namespace) -> int:
     level = min(options.levels)
     check_force(case)
     tolerance = adaptive.tolerance_from(options.adapt)
-    adaptive.check_cells(options.cells)
+    if options.cells < 1:
+        raise UsageError(f"--cells must be 1 or more, got {options.cells}")
     bounded.check_bound(data, family, [level], options.steps, Refined(0, 1))
     mesh = family(data.body, level)
     stage = Stage(mesh.p, mesh.t, bounded.steps_on(data, level, options.steps))
@@ -64,21 +65,24 @@ def do_adapt(options: argparse.Namespace) -> int:
         uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
         shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, uniform)
         written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(kept)))]
-        written += draw_one(store.directory, adapted_mesh(name, shown))
+        norm = bounded.norm_of(data)
+        error = norm if isinstance(data, Static) else f"max {norm}"
+        written += draw_one(store.directory, adapted_mesh(name, shown, error))
     print(folded(f"written: {listed(written)}"))
     sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
-    print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, bounded.norm_of(data))) + "\n")
+    print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, norm)) + "\n")
     return OK if reached and all(one["inside"] for one in kept if case) else FAILED
 
 
 def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
     """Return the results on one mesh, from disk if they exist, otherwise computed."""
-    key = f"adapted-{number}"
-    kept = store.load(key, made_by) if adaptive.stage_file(store.directory, number).is_file() else None
+    key, path = f"adapted-{number}", adaptive.stage_file(store.directory, number)
+    kept = store.load(key, made_by) if path.is_file() else None
     if kept is not None:
         return kept
     found = compute()
-    adaptive.write_stage(store.directory, number, found)
+    shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
+    bounded.write_displacement(path, found.computed, **shares)
     record = adaptive.record(number, found)
     store.save(key, made_by, record)
     return record

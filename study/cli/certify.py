@@ -6,6 +6,7 @@ import argparse
 
 from tqdm import tqdm
 
+from manufactured.body import Kind
 from manufactured.static import Static
 from study.bound import bounded
 from study.bound.trajectory import Refined
@@ -30,6 +31,8 @@ def do_certify(options: argparse.Namespace) -> int:
     refined = Refined(options.refine, options.shorter)
     if isinstance(data, Static):
         raise UsageError(f"{name} is a static problem, for which there are no certificates: take `study bound`")
+    if not data.body.of(Kind.CONTACT):
+        raise UsageError(f"{name} has no contact side, for which there are no certificates: take `study bound`")
     making = Making(data, family, scheme, refined)
     making.check()
     # The memory must be checked before check_bound makes meshes.

@@ -17,8 +17,8 @@ from manufactured.self_proof import prove
 from manufactured.static import Static
 from study.bound import bounded, fields
 from study.bound.discretisation import check_force
-from study.bound.given import GivenDisplacement, bounded_displacement, given
-from study.bound.trajectory import Refined
+from study.bound.given import bounded_displacement, given
+from study.bound.trajectory import GivenDisplacement, Refined
 from study.cli.common import listed, with_progress
 from study.cli.options import FAILED, OK
 from study.fem.naming import resolve_data
@@ -52,11 +52,16 @@ def do_displacement(options: argparse.Namespace) -> int:
         if not isinstance(data, Static) and table["level"].is_unique:
             written += draw_one(store.directory, enclosure("enclosure", over_time, name))
     print(folded(f"written: {listed(written)}"))
+    if isinstance(data, Static):
+        print("no figure: the figure shows the bounds over time, and a static problem has no time")
+    elif not table["level"].is_unique:
+        print("no figure: two files have meshes of the same size")
     for path, u_h in read:
-        print(folded(f"level {_level(u_h)}: {path}, degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles"))
+        print(folded(f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
     last = pd.DataFrame(rows[-1]["series"])
-    print(f"\n{bounded.text(name, table, last, sentences, bounded.norm_of(data))}\n")
+    names = [path.name for path, _ in read]
+    print(f"\n{bounded.text(name, table, last, sentences, bounded.norm_of(data), names)}\n")
     return OK if case is None or all(one["inside"] for one in rows) else FAILED
 
 

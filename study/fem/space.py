@@ -174,9 +174,10 @@ class Displacements(MeshedBody, ABC):
         Args:
             on: pairs of a part, which gives ν, and the numbers of basis functions, (n,).
         """
-        normals = np.concatenate([np.tile(part.normal, (len(numbers), 1)) for part, numbers in on])
-        numbers = np.concatenate([numbers for _, numbers in on])
-        return sps.csr_array(self._rows(normals[:, None], numbers[:, None])[:, self.free])
+        # The empty arrays serve bodies without contact.
+        normals = [np.empty((0, self.dim)), *(np.tile(part.normal, (len(numbers), 1)) for part, numbers in on)]
+        numbers = np.concatenate([np.empty(0, dtype=np.int64), *(numbers for _, numbers in on)])
+        return sps.csr_array(self._rows(np.concatenate(normals)[:, None], numbers[:, None])[:, self.free])
 
     def _matrix(self, values: Array, numbers: Array) -> sps.csr_array:
         """Return the matrix of ``_rows`` without its zeros and without the columns of Γ1."""

@@ -93,7 +93,8 @@ class Equilibrium:
         for _, clamped in space.on(Kind.CLAMPED):
             free[clamped] = False
         self.free = np.flatnonzero(free.ravel())
-        self.contact = np.concatenate([mine for _, mine in space.on(Kind.CONTACT)])
+        # The empty array serves bodies without contact.
+        self.contact = np.concatenate([np.empty(0, dtype=np.int64), *(mine for _, mine in space.on(Kind.CONTACT))])
         # Positions of the normal moments on Γ3 among the unknown moments.
         self._normal = np.searchsorted(self.free, (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel())
         count = len(self._normal)
