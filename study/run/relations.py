@@ -52,7 +52,7 @@ class Breach:
 
     def __str__(self) -> str:
         where = f"{self.file}, line {line(self.row)}, column {self.column}"
-        return f"{where}: stands {self.stands}, expected {self.expected}"
+        return f"{where}: found {self.stands}, expected {self.expected}"
 
 
 Relation = Callable[[Tables, Expectation], Iterator[Breach]]

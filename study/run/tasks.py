@@ -234,7 +234,7 @@ def _sums(path: Path) -> dict[str, str]:
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines() if path.exists() else [], 1):
         parts = line.split()
         if len(parts) != 2:
-            raise StoreError(f"{path}, line {number}: stands {line!r}, expected a sum and a file; remove the line")
+            raise StoreError(f"{path}, line {number}: found {line!r}, expected a sum and a file; remove the line")
         sums[parts[1]] = parts[0]
     return sums
 

@@ -19,7 +19,7 @@ BLOCK = re.compile(
 class Page:
     """A page in Markdown.
 
-    Its blocks with a caption, or with a name after ``python``, are files to save under that name. Other blocks in Python
+    Its blocks with a caption, or with a name after ``python``, are files to save under that name. Other Python blocks
     are run in one session, from top to bottom. Blocks of the shell are typed in the directory of the files. Blocks of
     text are printed by the block before them.
     """
