@@ -1,4 +1,4 @@
-"""Defects of a given relative size in parts of Problem 5.1, for ``study.controls.sensitivity``."""
+"""Deliberate defects with a given relative size δ in parts of Problem 5.1, for ``study.controls.sensitivity``."""
 
 from __future__ import annotations
 
@@ -21,18 +21,27 @@ from study.statements.shared.experiment import Experiment
 
 @dataclass(frozen=True)
 class SmallDefect:
-    """A deliberate defect: its name, and a function that puts it into an experiment with a relative size."""
+    """A deliberate defect of any relative size.
+
+    Attributes:
+        name: name of the defect.
+        apply: function of an experiment and the relative size, which returns the experiment with the defect.
+    """
 
     name: str
     apply: Callable[[Experiment, float], Experiment]
 
 
 def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callable[[Experiment, float], Experiment]:
-    """Return the defect that adds δ times a part of the load F to it."""
+    """Return the function ``SmallDefect.apply`` for a load F with an additional part.
+
+    Parameters:
+        more: function that returns the part, t ↦ (n_dofs,), for an experiment; δ times the part is added to F.
+    """
 
     def apply(setup: Experiment, amount: float) -> Experiment:
         part = more(setup)
-        return _replaced(setup, "problem.load", lambda load: lambda time: load(time) + amount * part(time))
+        return replaced(setup, "problem.load", lambda load: lambda time: load(time) + amount * part(time))
 
     return apply
 
@@ -57,22 +66,17 @@ def contact_load(setup: Experiment) -> Callable[[float], Array]:
 
 def slow_clock(setup: Experiment, amount: float) -> Experiment:
     """Deliberate defect: the load F((1 − δ) t) instead of F(t)."""
-    return _replaced(setup, "problem.load", lambda load: lambda time: load((1 - amount) * time))
+    return replaced(setup, "problem.load", lambda load: lambda time: load((1 - amount) * time))
 
 
 def wrong_start(setup: Experiment, amount: float) -> Experiment:
     """Deliberate defect: the initial displacement (1 + δ) Π^h u_0."""
-    return _replaced(setup, "problem.u0", lambda u0: (1 + amount) * u0)
+    return replaced(setup, "problem.u0", lambda u0: (1 + amount) * u0)
 
 
 def wrong_forces(setup: Experiment, amount: float) -> Experiment:
     """Deliberate defect: the contact forces (1 + δ) λ; u^h is correct."""
-    return _replaced(setup, "problem.solver", forces_times(1 + amount))
-
-
-def _replaced(setup: Experiment, place: str, replacement: Replacement) -> Experiment:
-    changed: Experiment = replaced(setup, place, replacement)
-    return changed
+    return replaced(setup, "problem.solver", forces_times(1 + amount))
 
 
 def shear(tensor: Linear) -> Array:
@@ -87,13 +91,19 @@ def bulk(tensor: Linear) -> Array:
 
 
 def modulus(matrix: str, tensor: str, part: Callable[[Linear], Array]) -> Callable[[Experiment, float], Experiment]:
-    """Return the defect that multiplies a modulus of A or G by 1 + δ in the matrix of the solver."""
+    """Return the function ``SmallDefect.apply`` that multiplies a modulus of A or G by 1 + δ in the solver.
+
+    Parameters:
+        matrix: the matrix of the problem, "M" or "reference".
+        tensor: "A" or "G".
+        part: function that returns the part of the tensor that belongs to the modulus, (D, D).
+    """
 
     def apply(setup: Experiment, amount: float) -> Experiment:
         law: Linear = getattr(setup.solution.law, tensor)
         wrong = amount * setup.space.form(part(law), means(setup.space, law.factor))
         altered = solving(lambda problem: replaced(problem, matrix, lambda right: right + wrong))
-        return _replaced(setup, "scheme", altered)
+        return replaced(setup, "scheme", altered)
 
     return apply
 
@@ -115,6 +125,6 @@ DEFECTS = (
 
 
 def by_amount(name: str, amount: float) -> Replacement:
-    """Return one of ``DEFECTS`` by its name, with a fixed size."""
+    """Return the named defect of ``DEFECTS`` with a fixed relative size, as a replacement for a control."""
     (defect,) = (each for each in DEFECTS if each.name == name)
     return lambda setup: defect.apply(setup, amount)

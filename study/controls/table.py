@@ -1,13 +1,14 @@
 # ruff: noqa: E501, one line for each defect
-"""The deliberate defects, in one table.
+"""All deliberate defects, in one table.
 
 Each line has the name and the description of a defect, the setting, the part that is replaced (``Control.place``), the
-function of ``study.controls.replacements`` that returns the wrong part, and the check of the ledger that must fail.
+function of ``study.controls.replacements`` that returns the wrong part, and the key of the check that must fail.
 
-Some controls test diagnostics. A residual that ignores the sign of the contact forces, or a supremum over every second
-time, is too small, and no window for the correct solution can reveal it. So the computation is made inaccurate in one
-respect, for example at one time node. If a diagnostic ignores this node, its check holds and the control is reported as
-not noticed.
+The second half of the table tests diagnostics, which are numbers that show how accurate a computation is. Suppose that
+a residual ignores the sign of the contact forces, or that a maximum over time skips every second time. Such a
+diagnostic is too small, and no window for a correct computation can reveal this. So the computation is made inaccurate
+in one respect, for example at one time node. If the diagnostic ignores this node, its check holds, and the control is
+reported as not noticed.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ from study.statements.thm_4_2 import Gaps
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
 
-# Settings: each is the smallest in which every check holds without a defect and the named check fails with it.
+# Settings. Each is the smallest one in which every check holds without a defect and the named check fails with it.
 
 FULL, TURNED = Sweep("full-contact", levels=(4, 8, 16)), Sweep("full-contact", angle=0.3, levels=(4, 8, 16))
 NONE, FIXED = Sweep("no-contact"), Sweep("fixed-front-off-vertex")
@@ -116,7 +117,7 @@ GROWING, ADVANCING = (
 NO_POTENTIAL = on(NoPotential(), "no-potential", "one-diagonal", 6, 8, 10)
 NODAL_START = on(NodalStart(), "full-contact", "one-diagonal", 8, 16, 32)
 
-# Parts that are replaced by several controls.
+# Names of parts that several controls replace, and keys of checks that several controls name.
 
 SOLVER, LOAD, START, DISTANCE = "problem.solver", "problem.load", "problem.u0", "v_norm.distance"
 MEASURE, OWN_ERRORS = "statements.prop_5_4:Measurement", "statements.thm_4_2_own_space"
@@ -127,7 +128,7 @@ DISCRETE, SAME_DISPLACEMENT, SAME_FORCES = (
     "multipliers-same-load",
 )
 NODES, MIDDLE = ("first", "odd", "even", "last"), ("odd", "even")
-"""Time nodes with separate defects: a measurement that skips the middle or every second node misses one of them."""
+"""Time nodes at which single defects are put: a diagnostic that skips the ends or every second node misses one of them."""
 
 
 def zero(right: Any) -> Any:
@@ -386,9 +387,9 @@ CONTROLS: tuple[Control, ...] = (
             wrong.coarse_forces(wrong.off_in_turns), "time-share"),
     *(Control(f"contact: time share, {which} node", f"30 λ for λ with half as many steps, at the {which} node alone", PATCH, "",
               wrong.state_off(which, -1, multipliers=30.0), "time-share") for which in MIDDLE),
-    *(Control(f"3.2: {name}, {which} step", f"{what} in the {which} step alone", BOTH, "", wrong.step_times(which, **off), rows)
+    *(Control(f"3.2: {name}, {which} step", f"{what} in the {which} step alone", BOTH, "", wrong.step_times(which, **off), checks)
       for which in NODES
-      for name, what, off, rows in (
+      for name, what, off, checks in (
           ("stress", "σ larger by a thousandth", {"stress": 1.001}, ("stress", "admissibility", "energy")),
           ("displacement", "−u for u", {"u": -1.0}, ("displacement", "membership")),
           ("duality gap", "a gap 10¹⁴ times as large", {"gap": 1e14}, "allowed"))),
@@ -398,8 +399,8 @@ CONTROLS: tuple[Control, ...] = (
                                (5, "tangential", "is tangential on Γ3"), (6, "pulls", "pulls on Γ3"))),
     Control("own space: time share", "5 σ for σ with half as many steps, in one step alone", OWN, f"{OWN_ERRORS}:StressExperiment.companion", wrong.companion_off, "time-share"),
     *(Control(f"{name}: {which} step", f"{what} in the {which} step alone", setting, f"{module}:Experiment",
-              within("", wrong.in_one_step(solver, which, part)), rows)
-      for name, what, setting, module, solver, part, rows in (
+              within("", wrong.in_one_step(solver, which, part)), checks)
+      for name, what, setting, module, solver, part, checks in (
           ("u_n without contact", "V^h for K^h", ADMISSIBLE, "admissibility", wrong.freed, 1.0, "membership"),
           ("u_n held", "v_ν = 0 for v_ν ≤ 0", ADMISSIBLE, "admissibility", wrong.held, 1.0, ("cone", "displacements")),
           ("u_n pressed", "forces where a gap is open", ADMISSIBLE, "admissibility", wrong.shifted_gap(-0.03), 1.0, ("work", "displacements")),
@@ -407,8 +408,8 @@ CONTROLS: tuple[Control, ...] = (
           ("multipliers", "1.5 λ for λ", ESTIMATE, "steps_of_the_estimate", wrong.forces_times(1.5), 1 / 8, "slack-5.12"))
       for which in MIDDLE),
     *(Control(f"{name}: {which} node", f"{what} at the {which} node alone", setting, f"{module}:Experiment",
-              within("", wrong.state_off(which, halvings, u=factor)), rows)
-      for name, what, setting, module, halvings, factor, rows in (
+              within("", wrong.state_off(which, halvings, u=factor)), checks)
+      for name, what, setting, module, halvings, factor, checks in (
           ("superclose", "10 u^h for u^h", CLOSE, "superclose", 0, 10.0, "order"),
           ("superclose: time share", "1.5 u^h for u^h, half as many steps,", CLOSE, "superclose", -1, 1.5, "time-share"),
           ("bounds", "1000 u^h for u^h", BOUNDS, "error_bounds", 0, 1e3, ("constant-5.21", "constant-5.42")))
@@ -419,9 +420,9 @@ CONTROLS: tuple[Control, ...] = (
     Control("other ways to σ: one step", "1.001 σ for σ by every other way, in one step alone", ONE_STRESS, "uniqueness:stresses",
             wrong.rival_stress_off, ("random-starts", "least-squares", "interior-point")),
     *(Control(f"{name}: {which} node", f"10 u_n for u_n at the {which} node alone", setting, "wellposed:BACKWARD_EULER",
-              wrong.displacement_off(which, right_first), rows)
+              wrong.displacement_off(which, right_first), checks)
       for which in MIDDLE
-      for name, setting, right_first, rows in (
+      for name, setting, right_first, checks in (
           ("velocity", VELOCITY, 0, ("bounded", "limit")), ("dependence", DEPENDENCE, 1, ("bound", "monotone")),
           ("growth", PARTING, 0, "bound"))),
     Control("backward Euler: one node", "100 u_n for u_n at one node alone", GROWING, "growing_errors:interpolated", wrong.row_times((), 129, 100.0), "time"),
@@ -438,9 +439,9 @@ CONTROLS: tuple[Control, ...] = (
           ("time share, odd node", "1.2 u^h, longer steps, one node", "path", wrong.row_times((0,), 7, 1.2), "time"),
           ("time share, even node", "1.2 u^h, longer steps, one node", "path", wrong.row_times((0,), 8, 1.2), "time"),
           ("load at one time", "1.1 f for f by the coarse rule", "load_from_forces", wrong.body_load_off, "quadrature"))),
-    *(Control(f"computed again: {name}, {which} node", f"{what} at the {which} node alone", AGAIN, "", wrong.state_off(which, 1, **off), rows)
+    *(Control(f"computed again: {name}, {which} node", f"{what} at the {which} node alone", AGAIN, "", wrong.state_off(which, 1, **off), checks)
       for which in MIDDLE
-      for name, what, off, rows in (
+      for name, what, off, checks in (
           ("u", "1.1 u^h for u^h", {"u": 1.1}, ("displacement", SAME_DISPLACEMENT)),
           ("λ", "2 λ for λ", {"multipliers": 2.0}, ("multipliers", SAME_FORCES)))),
     Control("computed again: errors at one time", "errors that are a hundred times too large, by the plain way", AGAIN, f"{PLAIN}.distance",

@@ -29,9 +29,11 @@ SEEDS = ["label", "key", "case", "since", "seeds", "alarms", "rate_low", "rate_h
 ALL_ROWS = "all claimed rows"
 """The label of the rows of ``seeds.csv`` about all claimed checks together."""
 LEDGER = [field.name for field in fields(Verdict)]
-TEXT = {*SERIES, *"label statement quantity verdict form summary law zone regularity statements reason twin".split()}
-TEXT |= {*"trajectory key expected defect what setting caught claimed seen_by levels noticed_by rule part tail".split()}
-TEXT |= {"code", "version", "variant", "class"}
+TEXT = {
+    *SERIES, "label", "statement", "quantity", "verdict", "form", "summary", "law", "zone", "regularity", "statements",
+    "reason", "twin", "trajectory", "key", "expected", "defect", "what", "setting", "caught", "claimed", "seen_by",
+    "levels", "noticed_by", "rule", "part", "tail", "code", "version", "variant", "class",
+}  # fmt: skip
 """Columns that hold text, even if a cell looks like a number or is empty."""
 
 
