@@ -1,4 +1,7 @@
-"""``study bound --adapt``: refine mesh and time steps until the bound is at most a tolerance; resumes after Ctrl-C."""
+"""``study bound --adapt``: refines mesh and time steps until the error bound is at most a tolerance.
+
+Each mesh is written when it is finished, so that the command continues after Ctrl-C.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ from study.statements.shared import estimates
 
 
 def do_adapt(options: argparse.Namespace) -> int:
-    """Compute, bound and refine, and write each mesh; return 0 if the tolerance is reached, otherwise 1."""
+    """Refine until the tolerance is reached, write results and figure; return 0 if it is reached, otherwise 1.
+
+    If the exact solution is known, 1 is also returned if an error lies outside its enclosure.
+    """
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     level = min(options.levels)
@@ -45,7 +51,7 @@ def do_adapt(options: argparse.Namespace) -> int:
     with store.locked():
         while True:
             number = len(kept)
-            # The tolerance is not part of the key, because it only decides when to stop.
+            # The tolerance is not part of the cache key, because it only decides when to stop.
             made_by = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
             kept.append(_stage(store, number, made_by, partial(adaptive.adapted, data, case, stage, scheme)))
             rows = adaptive.table([one["row"] for one in kept])
@@ -59,7 +65,7 @@ def do_adapt(options: argparse.Namespace) -> int:
             if reached or stopped:
                 break
             stage = following
-        # ``study bound`` for the same problem on uniform meshes may have written this file before.
+        # The figure also shows uniform meshes if ``study bound`` has written their bounds for the same problem.
         levels = store.directory / "levels.csv"
         uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
         shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, uniform)
@@ -72,7 +78,13 @@ def do_adapt(options: argparse.Namespace) -> int:
 
 
 def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
-    """Return the results on one mesh, from disk if they exist, otherwise computed."""
+    """Return the results on one mesh, from disk if they are stored, otherwise computed and stored.
+
+    Parameters:
+        number: number of the mesh.
+        made_by: cache key of the results.
+        compute: computes the results.
+    """
     key = f"adapted-{number}"
     kept = store.load(key, made_by) if adaptive.stage_file(store.directory, number).is_file() else None
     if kept is not None:
@@ -85,7 +97,12 @@ def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapte
 
 
 def _limit(stage: Stage, cells: int) -> str:
-    """Return why the next mesh is not computed; an empty text if it is."""
+    """Return the reason why the next mesh is too large; an empty text if it is not.
+
+    Parameters:
+        stage: the next mesh and its number of time steps.
+        cells: largest permitted number of cells.
+    """
     if stage.cells > cells:
         return f"the next mesh has {stage.cells} cells, and {cells} are permitted: raise --cells or the tolerance"
     if stage.steps > MOST:
