@@ -51,13 +51,7 @@ def parser() -> argparse.ArgumentParser:
     _run(add("run", "run", "run the study: measure, judge, write tables and figures; continues if it was stopped"))
     _check(add("check", "check", "compare data, verdicts and tables on disk with their expected contents"))
     _compare(add("compare", "compare", "show in which numbers and verdicts two result directories differ"))
-    _spread(
-        add(
-            "controls",
-            "controls",
-            "put deliberate defects into the program and test that checks fail; exit code 0 if all are noticed",
-        )
-    )
+    _spread(add("controls", "controls", "test that deliberate defects are noticed; exit code 0 if all are"))
     _spread(
         add("sensitivity", "controls", "find the smallest defect of each part of the problem that makes a check fail")
     )
@@ -90,130 +84,103 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _rates(rates: argparse.ArgumentParser) -> None:
+    add = rates.add_argument
     orders = "P|NAME=P,..."
-    rates.add_argument(
-        "file", type=Path, metavar="FILE", help="a table of errors as text, in nearly any form; - reads standard input"
-    )
-    rates.add_argument(
-        "--expected",
-        type=_orders,
-        metavar=orders,
-        help="expected order; the verdict fails if the order is lower or higher",
-    )
-    rates.add_argument("--at-least", type=_orders, metavar=orders, help="smallest accepted order")
-    rates.add_argument(
-        "--tolerance",
-        type=_finite,
-        default=0.15,
-        metavar="T",
-        help="accepted difference from --expected (default 0.15)",
-    )
-    rates.add_argument("--columns", metavar="NAME,...", help="names of the columns of errors (default: recognised)")
-    rates.add_argument("--in", dest="size", metavar="NAME", help="name of the column of mesh sizes or time steps")
-    rates.add_argument(
-        "--dim", type=int, metavar="D", help="dimension of the mesh, if sizes are numbers of cells or unknowns"
-    )
-    rates.add_argument(
-        "--ratio",
-        type=_finite,
-        metavar="R",
-        help="ratio of the mesh sizes in consecutive rows, if there is no column of sizes",
-    )
-    rates.add_argument(
-        "--values", action="store_true", help="the columns are values, not errors: compute the grid convergence index"
-    )
-    rates.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
-    rates.add_argument("--markdown", type=Path, metavar="FILE", help="also write the verdicts as a Markdown table")
-    rates.add_argument("--plot", type=Path, metavar="FILE", help="also draw errors over h as PNG, SVG or PDF")
+    add("file", type=Path, metavar="FILE", help="a table of errors as text, in nearly any form; - reads standard input")
+    add("--expected", type=_orders, metavar=orders, help="expected order; lower and higher orders fail")
+    add("--at-least", type=_orders, metavar=orders, help="smallest accepted order")
+    add("--tolerance", type=_finite, default=0.15, metavar="T", help="accepted difference (default 0.15)")
+    add("--columns", metavar="NAME,...", help="names of the columns of errors (default: recognised)")
+    add("--in", dest="size", metavar="NAME", help="name of the column of mesh sizes or time steps")
+    add("--dim", type=int, metavar="D", help="dimension of the mesh, if sizes are numbers of cells or unknowns")
+    add("--ratio", type=_finite, metavar="R", help="ratio of the mesh sizes in consecutive rows")
+    add("--values", action="store_true", help="the columns are values, not errors: compute the grid convergence index")
+    add("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
+    add("--markdown", type=Path, metavar="FILE", help="also write the verdicts as a Markdown table")
+    add("--plot", type=Path, metavar="FILE", help="also draw errors over h as PNG, SVG or PDF")
     _json(rates)
 
 
 def _run(sweep: argparse.ArgumentParser) -> None:
+    add = sweep.add_argument
     size = sweep.add_mutually_exclusive_group()
     quick = "few levels, a minute, results in results/quick (default)"
     size.add_argument("--quick", dest="plan", action="store_const", const="quick", default="quick", help=quick)
     size.add_argument(
         "--full", dest="plan", action="store_const", const="full", help="all levels, half an hour, results in results"
     )
-    sweep.add_argument(
+    add(
         "--case",
         action="extend",
         nargs="+",
         metavar="NAME|FILE.py:NAME",
         help="measure only these cases, by name or from your own file",
     )
-    sweep.add_argument(
-        "--levels", nargs="+", type=int, metavar="N", help="meshes: numbers of cells along a side, increasing"
-    )
-    sweep.add_argument("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)")
-    sweep.add_argument(
-        "--step", type=float, metavar="K", help="time step on all levels (default: chosen for each case)"
-    )
+    add("--levels", nargs="+", type=int, metavar="N", help="meshes: numbers of cells along a side, increasing")
+    add("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)")
+    add("--step", type=float, metavar="K", help="time step on all levels (default: chosen for each case)")
     _jobs(sweep)
     cluster = (
-        "measure on the workers of the Dask scheduler at tcp://HOST:PORT; anybody who reaches its port can run any code "
-        "on the scheduler, on the workers and on this machine: use it only in a network that you trust, or with TLS"
+        "measure on the workers of the Dask scheduler at tcp://HOST:PORT; anybody who reaches its port can run any "
+        "code on the scheduler, the workers and this machine: use it only in a network that you trust, or with TLS"
     )
-    sweep.add_argument("--cluster", metavar="ADDRESS", help=cluster)
+    add("--cluster", metavar="ADDRESS", help=cluster)
     _undecided(sweep)
     where = "result directory (default results/quick, or results with --full)"
-    sweep.add_argument("--out", type=Path, metavar="DIR", help=where)
+    add("--out", type=Path, metavar="DIR", help=where)
 
 
 def _check(check: argparse.ArgumentParser) -> None:
-    check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
+    add = check.add_argument
+    add("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
     _undecided(check)
     again = "also measure N random rows again, cheap rows more often, and compare; exit code 1 if a number differs"
-    check.add_argument("--again", type=int, metavar="N", help=again)
+    add("--again", type=int, metavar="N", help=again)
     seed = "seed with which --again draws rows (default: a new seed, which is printed)"
-    check.add_argument("--seed", type=int, metavar="S", help=seed)
+    add("--seed", type=int, metavar="S", help=seed)
     relative = f"numbers a, b of --again are equal if |a - b| <= Y + X max(|a|, |b|) (default {AGAIN_TOLERANCE:g})"
-    check.add_argument("--tolerance", type=float, default=AGAIN_TOLERANCE, metavar="X", help=relative)
+    add("--tolerance", type=float, default=AGAIN_TOLERANCE, metavar="X", help=relative)
     absolute = f"(default {AGAIN_ABSOLUTE:g}) for numbers near round-off, which differ between processors"
-    check.add_argument("--absolute", type=float, default=AGAIN_ABSOLUTE, metavar="Y", help=absolute)
+    add("--absolute", type=float, default=AGAIN_ABSOLUTE, metavar="Y", help=absolute)
     _spread(check)
 
 
 def _compare(differ: argparse.ArgumentParser) -> None:
-    differ.add_argument("old", type=Path, metavar="OLD", help="result directory of a run")
-    differ.add_argument("new", type=Path, metavar="NEW", help="result directory of another run")
+    add = differ.add_argument
+    add("old", type=Path, metavar="OLD", help="result directory of a run")
+    add("new", type=Path, metavar="NEW", help="result directory of another run")
     relative = f"numbers a, b are equal if |a - b| <= Y + X max(|a|, |b|) (default {TOLERANCE:g})"
-    differ.add_argument("--tolerance", type=float, default=TOLERANCE, metavar="X", help=relative)
+    add("--tolerance", type=float, default=TOLERANCE, metavar="X", help=relative)
     absolute = "(default 0) for numbers near round-off"
-    differ.add_argument("--absolute", type=float, default=0.0, metavar="Y", help=absolute)
+    add("--absolute", type=float, default=0.0, metavar="Y", help=absolute)
     _json(differ)
 
 
 def _bound(bound: argparse.ArgumentParser) -> None:
-    bound.add_argument(
-        "problem", metavar="NAME|FILE.py:NAME", help="a case, a problem of this project, or your own problem"
-    )
+    add = bound.add_argument
+    add("problem", metavar="NAME|FILE.py:NAME", help="a case, a problem of this project, or your own problem")
     _enclosed(bound, levels=(8, 16), shorter=4)
     given = "enclose the errors of displacements in files (.npz, .vtu and others) instead of computing one"
-    bound.add_argument("--displacement", nargs="+", type=Path, metavar="FILE", help=given)
-    bound.add_argument("--field", metavar="NAME", help="name of the displacement in the file (default: recognised)")
+    add("--displacement", nargs="+", type=Path, metavar="FILE", help=given)
+    add("--field", metavar="NAME", help="name of the displacement in the file (default: recognised)")
     nearest = "if the displacement is not zero on the clamped part, bound the error of the nearest one that is"
-    bound.add_argument("--nearest", action="store_true", help=nearest)
+    add("--nearest", action="store_true", help=nearest)
     adapt = "refine the first mesh until the error bound is at most TOL, or P per cent of the norm of u"
-    bound.add_argument("--adapt", metavar="TOL|P%%", help=adapt)
+    add("--adapt", metavar="TOL|P%%", help=adapt)
     most = f"largest number of cells of --adapt (default {CELLS})"
-    bound.add_argument("--cells", type=int, default=CELLS, metavar="N", help=most)
+    add("--cells", type=int, default=CELLS, metavar="N", help=most)
     _out(bound, "bounds")
 
 
 def _enclosed(bound: argparse.ArgumentParser, levels: tuple[int, ...], shorter: int) -> None:
+    add = bound.add_argument
     default = " ".join(map(str, levels))
     increasing = f"meshes: numbers of cells along a side, increasing (default {default})"
-    bound.add_argument("--levels", nargs="+", type=int, default=list(levels), metavar="N", help=increasing)
-    bound.add_argument("--family", default="unstructured", help=f"meshes: {', '.join(FAMILIES)} (default unstructured)")
-    bound.add_argument("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)")
-    bound.add_argument(
-        "--steps",
-        type=int,
-        metavar="N",
-        help="number of time steps of the displacement on every level (default: from the level)",
-    )
-    bound.add_argument(
+    add("--levels", nargs="+", type=int, default=list(levels), metavar="N", help=increasing)
+    add("--family", default="unstructured", help=f"meshes: {', '.join(FAMILIES)} (default unstructured)")
+    add("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)")
+    add("--steps", type=int, metavar="N", help="time steps of the displacement on every level")
+    add(
         "--refine",
         type=int,
         default=1,
@@ -221,36 +188,26 @@ def _enclosed(bound: argparse.ArgumentParser, levels: tuple[int, ...], shorter: 
         help="refinements of the mesh for the better displacement ũ of the bound (default 1)",
     )
     steps = f"time steps of ũ in each time step of the displacement (default {shorter})"
-    bound.add_argument("--shorter", type=int, default=shorter, metavar="Q", help=steps)
+    add("--shorter", type=int, default=shorter, metavar="Q", help=steps)
 
 
 def _export(export: argparse.ArgumentParser) -> None:
-    export.add_argument("case", nargs="+", metavar="NAME|FILE.py:NAME", help="cases with linear laws")
-    export.add_argument(
-        "--levels",
-        nargs="+",
-        type=int,
-        default=[8, 16, 32],
-        metavar="N",
-        help="meshes: cells along a side (default 8 16 32)",
-    )
+    add = export.add_argument
+    add("case", nargs="+", metavar="NAME|FILE.py:NAME", help="cases with linear laws")
+    add("--levels", nargs="+", type=int, default=[8, 16, 32], metavar="N", help="cells along a side (default 8 16 32)")
     meshes = f"meshes: {', '.join(FAMILIES)} (default: those on which `study run` measures the case)"
-    export.add_argument("--family", nargs="+", metavar="NAME", help=meshes)
-    export.add_argument(
+    add("--family", nargs="+", metavar="NAME", help=meshes)
+    add(
         "--mode",
         choices=MODES,
         default="frozen",
         help="frozen: static problems (default); march: a problem with time steps",
     )
-    export.add_argument(
-        "--instants", nargs="+", type=_finite, metavar="T", help="times of the static problems (default: three times)"
-    )
-    export.add_argument(
-        "--steps", type=int, metavar="N", help="number of time steps of --mode march (default: the level)"
-    )
-    export.add_argument("--scale", type=_finite, default=1.0, metavar="S", help="factor of all loads (default 1)")
+    add("--instants", nargs="+", type=_finite, metavar="T", help="times of the static problems (default: three times)")
+    add("--steps", type=int, metavar="N", help="number of time steps of --mode march (default: the level)")
+    add("--scale", type=_finite, default=1.0, metavar="S", help="factor of all loads (default 1)")
     slab = "also write a mesh of the foundation, with this number of segments"
-    export.add_argument("--foundation", type=int, metavar="SEGMENTS", help=slab)
+    add("--foundation", type=int, metavar="SEGMENTS", help=slab)
     _out(export, "tasks", "--to")
 
 
