@@ -100,7 +100,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
             # The seed is recorded before it is judged, so that a seed with a bad result cannot be left out.
             record = record.drawn(draw.seed, draw.part)
             record.write(directory)
-        store, plan = _store(directory, draw.seed), seeded(draw.seed, draw.part)
+        store, plan = Store(directory / "seeds" / str(draw.seed)), seeded(draw.seed, draw.part)
         try:
             found = judged(plan, store, pool, f"seed {len(record.draws)}, {draw.part}", end)
         except TimeIsUpError:
@@ -109,10 +109,6 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         mine = [verdict for verdict in found if row_of(verdict) in known]
         record.judged(draw.seed, mine, known, claimed).write(directory)
         shutil.rmtree(store.directory)
-
-
-def _store(directory: Path, seed: int) -> Store:
-    return Store(directory / "seeds" / str(seed))
 
 
 def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[Verdict]:
@@ -139,7 +135,7 @@ def _again(seed: int, directory: Path, pool: Pool) -> int:
     Returns:
         0 if all claimed checks hold, otherwise 1.
     """
-    store, plan = _store(directory, seed), seeded(seed)
+    store, plan = Store(directory / "seeds" / str(seed)), seeded(seed)
     found = judged(plan, store, pool, f"seed {seed}", float("inf"))
     record, known = Record.read(directory), rules(store.directory, plan, plan)
     shutil.rmtree(store.directory)

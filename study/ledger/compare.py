@@ -367,24 +367,22 @@ def _in_line(old: str | None, new: str | None, head: list[str], close: frozenset
     if old is None or new is None:
         return f": found {_shown(old)}, expected {_shown(new)}"
     if not head:
-        return f": found {_shown(*_around(old, new))}, expected {_shown(*_around(new, old))}"
+        return f": found {_shown(old, new)}, expected {_shown(new, old)}"
     cells = zip_longest(head, *(next(csv.reader([text]), []) for text in (old, new)))
     for name, a, b in cells:
         if a != b and not (name in close and _close(a, b)):
-            return f", column {name}: found {_shown(*_around(a, b))}, expected {_shown(*_around(b, a))}"
+            return f", column {name}: found {_shown(a, b)}, expected {_shown(b, a)}"
     return ""
 
 
-def _around(text: str | None, other: str | None) -> tuple[str | None, int]:
-    """Return a text, and the index of its first character that differs from another text."""
-    same = next((i for i, (a, b) in enumerate(zip(text or "", other or "", strict=False)) if a != b), 0)
-    return text, same
+def _shown(text: str | None, other: str | None = None) -> str:
+    """Return a text in quotation marks, or "nothing" for None.
 
-
-def _shown(text: str | None, place: int = 0) -> str:
-    """Return a text in quotation marks, shortened to the part around a place if it is long; "nothing" for None."""
+    A long text is shortened to the part around its first difference from the other text.
+    """
     if text is None:
         return "nothing"
+    place = next((i for i, (a, b) in enumerate(zip(text, other or "", strict=False)) if a != b), 0)
     start = max(0, place - SHOWN_TEXT // 2) if len(text) > SHOWN_TEXT else 0
     part = text[start : start + SHOWN_TEXT]
     return f"{'…' * (start > 0)}{part!r}{'…' * (start + SHOWN_TEXT < len(text))}"

@@ -101,7 +101,9 @@ def without_docstrings(text: str, windows: bool = True) -> str:
     for node in ast.walk(tree):
         for block in ("body", "orelse", "finalbody"):
             if isinstance(lines := getattr(node, block, None), list):
-                setattr(node, block, [line for line in lines if not _is_string(line)])
+                values = [line.value if isinstance(line, ast.Expr) else None for line in lines]
+                strings = [isinstance(value, ast.Constant) and isinstance(value.value, str) for value in values]
+                setattr(node, block, [line for line, string in zip(lines, strings, strict=True) if not string])
     return ast.dump(tree)
 
 
@@ -111,10 +113,6 @@ class _WithoutWindows(ast.NodeTransformer):
     def visit_Call(self, node: ast.Call) -> ast.AST:
         is_window = isinstance(node.func, ast.Name) and node.func.id in WINDOWS
         return ast.Constant("window") if is_window else self.generic_visit(node)
-
-
-def _is_string(line: ast.AST) -> bool:
-    return isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant) and isinstance(line.value.value, str)
 
 
 @cache
