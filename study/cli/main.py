@@ -56,18 +56,8 @@ LACKING = "this command needs {}, which is not installed: python -m pip install 
 
 
 WITH_PYAMG = (
-    "adapt",
-    "bound",
-    "certify",
-    "check",
-    "controls",
-    "displacement",
-    "export",
-    "present",
-    "run",
-    "seeds",
-    "show",
-)
+    "adapt", "bound", "certify", "check", "controls", "displacement", "export", "present", "run", "seeds", "show",
+)  # fmt: skip
 """Modules of the commands that import pyamg, directly or indirectly."""
 STRIPPED = (
     "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them: "

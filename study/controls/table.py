@@ -71,6 +71,7 @@ ENCLOSURE = Bounding(EnclosedError(), tuple(by_midpoint("advance-recede", "one-d
 
 
 def on(statement: Any, case: str, family: str, *levels: int) -> Listing:
+    """Return the setting of a statement on some levels of a case and a mesh family."""
     return Listing(statement, case, family, levels)
 
 
@@ -132,10 +133,12 @@ NODES, MIDDLE = ("first", "odd", "even", "last"), ("odd", "even")
 
 
 def zero(right: Any) -> Any:
+    """Deliberate defect: a number or an array is 0."""
     return 0 * right
 
 
 def negative(right: Any) -> Any:
+    """Deliberate defect: a number, an array or a matrix has the wrong sign."""
     return -right
 
 

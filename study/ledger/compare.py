@@ -155,7 +155,8 @@ def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileD
         first, second = (path.read_bytes() for path in paths)
     except OSError as error:
         raise DataError(f"cannot read {error.filename}: {error.strerror}; make it readable") from error
-    if first == second and first.endswith(b"\n"):  # What ends within a line is read, and refused.
+    # A truncated file ends within a line; it is read below, which raises an error.
+    if first == second and first.endswith(b"\n"):
         return FileDifference(name, IDENTICAL)
     csv = name.endswith(".csv")
     read: list[Any] = _tables(name, directories) if csv else [_picture(name, directory) for directory in directories]

@@ -108,21 +108,9 @@ def row(
         expected: the expected value in words; by default the text of the window.
     """
     observed, (low, high), verdict = found
-    return Verdict(
-        label=of.label,
-        statement=of.claim,
-        case=case,
-        quantity=f"{quantity}, {family} meshes" if family else quantity,
-        expected=expected or window.text,
-        observed=observed,
-        low=low,
-        high=high,
-        verdict=verdict,
-        key=key,
-        family=family,
-        window_low=window.low,
-        window_high=window.high,
-    )
+    words = f"{quantity}, {family} meshes" if family else quantity
+    numbers, ends = (observed, low, high), (window.low, window.high)
+    return Verdict(of.label, of.claim, case, words, expected or window.text, *numbers, verdict, key, family, *ends)
 
 
 def exit_code(verdicts: Sequence[Verdict]) -> int:
