@@ -38,7 +38,7 @@ FOLDED = [25, 14]
 
 
 @dataclass(frozen=True)
-class Seen:
+class CountedCheck:
     """A check, and the position of its value in its window for each seed.
 
     Attributes:
@@ -54,7 +54,7 @@ class Seen:
     both: bool
 
     @classmethod
-    def of(cls, record: Record) -> list[Seen]:
+    def of(cls, record: Record) -> list[CountedCheck]:
         """Return the checks of a record that are still in the ledger, each with the rule that judged it last.
 
         A check has left the ledger if it was judged neither on the last seed with all checks nor on a later seed.
@@ -99,7 +99,7 @@ def newest(record: Record) -> int:
 
 def tally(record: Record) -> pd.DataFrame:
     """Return the table ``seeds.csv``: two rows about all claimed checks together, then one row for each check."""
-    rows = Seen.of(record)
+    rows = CountedCheck.of(record)
     whole = np.array([draw.part == WHOLE for draw in record.draws])
     in_force = np.array([draw.rules == record.draws[newest(record)].rules for draw in record.draws])
     on_each = [bool(np.isfinite(row.places[~whole]).any()) for row in rows]

@@ -38,7 +38,7 @@ Function = Callable[..., Any]
 # Defects of any function or number.
 
 
-def instead(other: Any) -> Replacement:
+def replaced_by(other: Any) -> Replacement:
     """Return the replacement by the given object."""
     return lambda right: other
 
@@ -129,13 +129,13 @@ def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
         made = Signorini(S, N)
         return overridden(made, complementarity=lambda gap: rule(made, gap))
 
-    return instead(solver)
+    return replaced_by(solver)
 
 
 def solution(change: Callable[[Signorini, Any], Any]) -> Replacement:
     """Deliberate defect: displacement and forces come from ``change``, a function of the correct solver and of b."""
 
-    return instead(lambda S, N, *points: partial(change, Signorini(S, N)))
+    return replaced_by(lambda S, N, *points: partial(change, Signorini(S, N)))
 
 
 def shifted_gap(by: float) -> Replacement:
@@ -211,7 +211,7 @@ def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
             solve, other, calls = Signorini(S, N), wrong(Signorini)(S, N), count(1)
             return lambda b: (other if next(calls) == call else solve)(b)
 
-        return replaced(setup, "problem.solver", instead(solver))
+        return replaced(setup, "problem.solver", replaced_by(solver))
 
     return change
 
@@ -406,7 +406,7 @@ def contact_work_times(factor: float) -> Replacement:
     """Deliberate defect: the work of contact in the load (3.7) is multiplied by a factor."""
 
     wrong = other_contact_work(factor)(ErrorNorm)
-    return lambda setup: replaced(setup, "problem.load", instead(wrong(setup.solution, setup.space).load))
+    return lambda setup: replaced(setup, "problem.load", replaced_by(wrong(setup.solution, setup.space).load))
 
 
 def other_contact_work(factor: float) -> Replacement:
@@ -425,7 +425,7 @@ def other_contact_work(factor: float) -> Replacement:
 
 def start_at_the_end(setup: Any) -> Any:
     """Deliberate defect: u_0^h = Π^h u(T)."""
-    return replaced(setup, "problem.u0", instead(setup.v_norm.sample(setup.problem.T).interpolant))
+    return replaced(setup, "problem.u0", replaced_by(setup.v_norm.sample(setup.problem.T).interpolant))
 
 
 def start_outside(problem: Any) -> Any:
@@ -435,7 +435,7 @@ def start_outside(problem: Any) -> Any:
 
 def start_at_projection(setup: Any) -> Any:
     """Deliberate defect: u_0^h = P_h u_0, the projection in (·,·)_V, for a homogeneous A."""
-    return replaced(setup, "problem.u0", instead(projection(setup, 0.0)))
+    return replaced(setup, "problem.u0", replaced_by(projection(setup, 0.0)))
 
 
 def clamp_one_cell_short(setup: Any) -> Any:
@@ -535,7 +535,7 @@ def interpolation_error_off(which: str, factor: float) -> Replacement:
             off = v is sample.interpolant and np.isclose(sample.time, _time(which, setup))
             return float((factor if off else 1.0) * right(sample, v))
 
-        return replaced(setup, "v_norm.distance", instead(distance))
+        return replaced(setup, "v_norm.distance", replaced_by(distance))
 
     return change
 
@@ -550,7 +550,7 @@ def load_off(amount: Callable[[float], float]) -> Replacement:
 
     def change(setup: Any) -> Any:
         right, T = setup.v_norm.load, setup.problem.T
-        wrong = instead(lambda time: (1 + amount(time / T)) * right(time))
+        wrong = replaced_by(lambda time: (1 + amount(time / T)) * right(time))
         return replaced(replaced(setup, "problem.load", wrong), "v_norm.load", wrong)
 
     return change
@@ -565,7 +565,7 @@ def balance_alone(residual: Function) -> Function:
     return lambda step, u, multipliers, b: float(size(step.S @ u + step.forces @ multipliers - b) / size(b))
 
 
-def hastily(measure: Function) -> Function:
+def every_second_time(measure: Function) -> Function:
     """Deliberate defect: only every second time is measured, and residual and time share at the last time only."""
 
     def found(setup: Any) -> Any:
@@ -646,7 +646,7 @@ stress_load_late = stresses(
 def law_swapped(setup: Any) -> Any:
     """Deliberate defect: A and G are swapped in Problem 3.2."""
     law = setup.data.law
-    return replaced(setup, "data.law", instead(replace(law, A=law.G, G=law.A)))
+    return replaced(setup, "data.law", replaced_by(replace(law, A=law.G, G=law.A)))
 
 
 def no_surface_load(part: Any, x: Any) -> Function:
@@ -695,7 +695,7 @@ def inadmissible_once(kind: str, call: int) -> Replacement:
             tractions[cell, side, :, 0] = little
         else:
             tractions[cell, side, :, 1] += little
-        return replaced(state, "stress.tractions", instead(tractions))
+        return replaced(state, "stress.tractions", replaced_by(tractions))
 
     def wrong(inadmissible: Function) -> Function:
         calls = count()

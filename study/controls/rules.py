@@ -23,7 +23,7 @@ from study.run.plan import Plan
 from study.statements import STATEMENTS
 from study.statements.shared.base import LISTED, Statement
 
-KEPT = {"h", "k"}
+NOT_MEASURED = {"h", "k"}
 """Columns of numbers that are not measured, so that they keep their values."""
 SCATTER = 0.2
 """Largest change of the logarithms of the artificial numbers, so that ratios and orders differ from row to row."""
@@ -70,7 +70,7 @@ def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
         key += " " + table["quantity"]
     size = table["h"].to_numpy() if "h" in table else np.ones(len(table))
     for column in table.columns:
-        if column not in {*file.key, *KEPT} and pd.api.types.is_float_dtype(table[column]):
+        if column not in {*file.key, *NOT_MEASURED} and pd.api.types.is_float_dtype(table[column]):
             hashes = [hashlib.sha256(f"{file.name} {row} {column}".encode()).hexdigest() for row in key]
             # Numbers between −1 and 1.
             chance = np.array([int(digits[:8], 16) / 2**31 - 1 for digits in hashes])
