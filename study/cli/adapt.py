@@ -47,14 +47,14 @@ def do_adapt(options: argparse.Namespace) -> int:
     mesh = family(data.body, level)
     stage = Stage(mesh.p, mesh.t, bounded.steps_on(data, level, options.steps))
     store = Store(options.out / name, written=(".",))
-    kept: list[dict[str, Any]] = []
+    results: list[dict[str, Any]] = []
     with store.locked():
         while True:
-            number = len(kept)
+            number = len(results)
             # The tolerance is not part of the cache key, because it only decides when to stop.
-            made_by = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
-            kept.append(_stage(store, number, made_by, partial(adaptive.adapted, data, case, stage, scheme)))
-            rows = adaptive.table([one["row"] for one in kept])
+            cache_key = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
+            results.append(_stage(store, number, cache_key, partial(adaptive.adapted, data, case, stage, scheme)))
+            rows = adaptive.table([one["row"] for one in results])
             table = write_text(store.directory / "adaptive.csv", rows.to_csv(index=False))
             print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], adaptive.SHOWN)}", flush=True)
             with np.load(adaptive.stage_file(store.directory, number)) as arrays:
@@ -69,30 +69,30 @@ def do_adapt(options: argparse.Namespace) -> int:
         levels = store.directory / "levels.csv"
         uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
         shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, uniform)
-        written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(kept)))]
+        written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(results)))]
         written += draw_one(store.directory, adapted_mesh(name, shown))
     print(folded(f"written: {listed(written)}"))
-    sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
+    sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
     print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, bounded.norm_of(data))) + "\n")
-    return OK if reached and all(one["inside"] for one in kept if case) else FAILED
+    return OK if reached and all(one["inside"] for one in results if case) else FAILED
 
 
-def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
+def _stage(store: Store, number: int, cache_key: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
     """Return the results on one mesh, from disk if they are stored, otherwise computed and stored.
 
     Parameters:
         number: number of the mesh.
-        made_by: cache key of the results.
+        cache_key: cache key of the results.
         compute: computes the results.
     """
     key = f"adapted-{number}"
-    kept = store.load(key, made_by) if adaptive.stage_file(store.directory, number).is_file() else None
-    if kept is not None:
-        return kept
+    stored = store.load(key, cache_key) if adaptive.stage_file(store.directory, number).is_file() else None
+    if stored is not None:
+        return stored
     found = compute()
     adaptive.write_stage(store.directory, number, found)
     record = adaptive.record(number, found)
-    store.save(key, made_by, record)
+    store.save(key, cache_key, record)
     return record
 
 

@@ -96,11 +96,11 @@ def _row(
     """
     arrays = (u_h.mesh.p, u_h.mesh.t, u_h.times, u_h.nodes)
     content = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
-    key, made_by = f"displacement-{number}", of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
-    kept = store.load(key, made_by)
-    if kept is not None:
-        return kept
+    key, cache_key = f"displacement-{number}", of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
+    stored = store.load(key, cache_key)
+    if stored is not None:
+        return stored
     found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
     record = bounded.record(_level(u_h), found)
-    store.save(key, made_by, record)
+    store.save(key, cache_key, record)
     return record

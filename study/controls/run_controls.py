@@ -110,19 +110,19 @@ def run_controls(
     keys = [_key(*one) for one in measured]
     found: dict[str, list[Verdict]] = {}
     running: dict[Future[list[Verdict]], str] = {}
-    made_by = of_everything()
+    cache_key = of_everything()
     for key, (setting, name) in zip(keys, measured, strict=True):
-        kept = store.load(key, made_by)
-        if kept is None:
+        stored = store.load(key, cache_key)
+        if stored is None:
             running[executor.submit(work_by_name, setting, name)] = key
         else:
-            found[key] = [Verdict(**row) for row in kept["rows"]]
+            found[key] = [Verdict(**row) for row in stored["rows"]]
             notify()
     try:
         for future in as_completed(running):
             key = running[future]
             found[key] = future.result()
-            store.save(key, made_by, {"rows": [asdict(verdict) for verdict in found[key]]})
+            store.save(key, cache_key, {"rows": [asdict(verdict) for verdict in found[key]]})
             notify()
     finally:
         for future in running:

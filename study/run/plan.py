@@ -124,8 +124,7 @@ class Plan:
                 raise UsageError(f"{reference} has the name {name} of a case of the catalogue; give it another name")
 
     def _check_meshes(self) -> None:
-        """Raise MeshError if a mesh does not fit a body, or its cells do not fit lines at which a solution is not
-        smooth.
+        """Raise MeshError if a mesh does not fit a body, or the lines at which a solution is not smooth.
 
         Each mesh is made once for all cases on bodies of the same shape.
         """
