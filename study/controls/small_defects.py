@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -64,19 +65,14 @@ def contact_load(setup: Experiment) -> Callable[[float], Array]:
     return cache(lambda time: v_norm._contact_work(*(amplitudes(time, rate) for rate in (False, True))))
 
 
-def slow_clock(setup: Experiment, amount: float) -> Experiment:
-    """Deliberate defect: the load F((1 − δ) t) instead of F(t)."""
-    return replaced(setup, "problem.load", lambda load: lambda time: load((1 - amount) * time))
+def changed(place: str, change: Callable[[Any, float], Any]) -> Callable[[Experiment, float], Experiment]:
+    """Return the function ``SmallDefect.apply`` that changes an attribute of the experiment.
 
-
-def wrong_start(setup: Experiment, amount: float) -> Experiment:
-    """Deliberate defect: the initial displacement (1 + δ) Π^h u_0."""
-    return replaced(setup, "problem.u0", lambda u0: (1 + amount) * u0)
-
-
-def wrong_forces(setup: Experiment, amount: float) -> Experiment:
-    """Deliberate defect: the contact forces (1 + δ) λ; u^h is correct."""
-    return replaced(setup, "problem.solver", forces_times(1 + amount))
+    Parameters:
+        place: the attribute, as for ``replaced``.
+        change: function that returns the wrong value, given the correct one and δ.
+    """
+    return lambda setup, amount: replaced(setup, place, lambda right: change(right, amount))
 
 
 def shear(tensor: Linear) -> Array:
@@ -108,19 +104,19 @@ def modulus(matrix: str, tensor: str, part: Callable[[Linear], Array]) -> Callab
     return apply
 
 
-START = SmallDefect("start u_0^h", wrong_start)
+START = SmallDefect("start u_0^h", changed("problem.u0", lambda u0, amount: (1 + amount) * u0))
 DEFECTS = (
     SmallDefect("load f", loaded_by(lambda setup: setup.problem.load)),
     SmallDefect("surface load f_2", loaded_by(surface_load)),
     SmallDefect("body force f_0", loaded_by(body_force)),
     SmallDefect("contact load", loaded_by(contact_load)),
-    SmallDefect("contact force λ", wrong_forces),
+    SmallDefect("contact force λ", changed("problem.solver", lambda right, amount: forces_times(1 + amount)(right))),
     SmallDefect("μ of A", modulus("M", "A", shear)),
     SmallDefect("λ of A", modulus("M", "A", bulk)),
     SmallDefect("μ of G", modulus("reference", "G", shear)),
     SmallDefect("λ of G", modulus("reference", "G", bulk)),
     START,
-    SmallDefect("time t", slow_clock),
+    SmallDefect("time t", changed("problem.load", lambda load, amount: lambda time: load((1 - amount) * time))),
 )
 
 
