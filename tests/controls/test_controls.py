@@ -226,7 +226,7 @@ def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_
     text = capsys.readouterr().out
     assert "5 defects: 5 noticed" in text
     assert "2 settings without a defect: in 2 every check holds" in text
-    assert len(re.findall(r" all \d+ rows must hold +holds$", text, re.MULTILINE)) == 2
+    assert len(re.findall(r" all \d+ checks must hold +holds$", text, re.MULTILINE)) == 2
     assert max(map(len, text.splitlines())) <= 110
     table = pd.read_csv(tmp_path / "data" / "controls.csv", keep_default_na=False)
     assert list(table.columns) == [
