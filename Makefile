@@ -75,6 +75,7 @@ codes: $(RUNTIME)  ## run the installed contact codes of other projects, results
 
 codes-bounds: $(RUNTIME)  ## bound the errors of the installed contact codes where nobody knows the solution, an hour
 	OMP_NUM_THREADS=1 $(BIN)/python examples/bounds/judge_codes.py
+	OMP_NUM_THREADS=1 $(BIN)/python examples/bounds/certify_codes.py
 
 codes-venv: build/codes-venv/.ready  ## install the codes that come as wheels, build/codes-venv
 

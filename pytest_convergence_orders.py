@@ -1,6 +1,6 @@
-"""pytest plugin: the fixture ``convergence_orders`` judges errors, and the terminal summary lists their orders.
+"""pytest plugin: the fixture ``convergence_orders`` judges errors, and the terminal summary lists the observed orders.
 
-Imports only the standard library and pytest. NumPy and SciPy are needed once a test uses the fixture.
+The plugin imports only the standard library and pytest. NumPy and SciPy are imported when a test uses the fixture.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from typing import Any
 import pytest
 
 MODULE = "_convergence_orders"
-"""Name under which ``study.orders`` is loaded: the tested project may have a package ``study``."""
+"""Name under which ``study.orders`` is imported, because the tested project may have its own package ``study``."""
 PREFIX = "convergence of "
 
 
 def _orders() -> ModuleType:
-    """The package ``study.orders`` that was installed with this plugin."""
+    """Return the package ``study.orders`` that was installed together with this plugin."""
     if MODULE in sys.modules:
         return sys.modules[MODULE]
     folder = Path(__file__).parent / "study" / "orders"
@@ -42,16 +42,16 @@ def _orders() -> ModuleType:
 
 @pytest.fixture
 def convergence_orders(request: pytest.FixtureRequest) -> Any:
-    """A function ``check(name, h, errors, expected=None, at_least=None, tolerance=0.15)``.
+    """Return the function ``check(name, h, errors, expected=None, at_least=None, tolerance=0.15)``.
 
-    It returns the result of ``study.orders.observed_orders``, writes JUnit properties, and fails the test if an order
-    was expected and the verdict is not *holds*.
+    ``check`` returns the result of ``study.orders.observed_orders`` and records it as JUnit properties. It fails the
+    test if an order is expected and the verdict is not *holds*.
     """
 
     def check(name: str, h: Any, errors: Any, **options: Any) -> Any:
         __tracebackhide__ = True
         result = _orders().observed_orders(h, errors, name=name, **options)
-        # ``record_property`` does the same, and warns in projects that use the default form of JUnit XML.
+        # The fixture ``record_property`` would do the same, but warns in projects with the default format of JUnit XML.
         properties = request.node.user_properties
         properties += [(f"{PREFIX}{name}", result.conclusion), (f"order of {name}", f"{result.order:.4g}")]
         if result.expectation.window and result.verdict != "holds":
@@ -62,7 +62,7 @@ def convergence_orders(request: pytest.FixtureRequest) -> Any:
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Lists the conclusions of all checks; reports bring them, also from the processes of pytest-xdist."""
+    """Print the conclusions of all checks, which test reports contain, also those from processes of pytest-xdist."""
     reports = [report for reports in terminalreporter.stats.values() for report in reports]
     properties = [
         entry for report in reports if getattr(report, "when", "") == "call" for entry in report.user_properties

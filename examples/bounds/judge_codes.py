@@ -33,7 +33,7 @@ from study.bound.trajectory import Refined, prolongation
 from study.fem.naming import family_named
 from study.fem.space import Space
 from study.ledger.files import write_text
-from study.ledger.text import interval
+from study.ledger.text import interval, up
 from study.present.pages import markdown, put
 from study.run.tasks import march, write_task
 from study.solve.evolution import SemiDiscrete
@@ -51,7 +51,9 @@ BETTER = {8: Refined(2, 4), 16: Refined(2, 4), 32: Refined(1, 2)}
 """Level ↦ ũ, on the mesh of n = 32 or 64 and always with 64 time steps."""
 KEY = ["code", "method"]
 COLUMNS = [*KEY, "version", "level", "h", "steps", "lowest", "highest", "percent_low", "percent_high"]
-COLUMNS += ["order_low", "order_high", "kind"]
+COLUMNS += ["order_low", "order_high", "kind", "default_high"]
+DEFAULT = 16
+"""Level on which errors are also bounded with the default settings of ``study bound``."""
 
 
 def task(name: str, data: Data, mesh: Mesh, level: int) -> Any:
@@ -115,15 +117,31 @@ def bound(level: int, paths: list[Path]) -> list[dict[str, Any]]:
     return rows
 
 
+def default_bounds(paths: list[Path]) -> pd.DataFrame:
+    """Return the upper bounds of the errors with the default settings, a row for each displacement on one mesh."""
+    data = ramp()
+    computed = [given(data, **vars(fields.read(path))) for path in paths]
+    found = enclose_several(Discretisation(data, computed[0].mesh), computed, Refined())
+    rows = []
+    for path, enclosure in zip(paths, found, strict=True):
+        with np.load(path) as arrays:
+            code, _, method = arrays["name"].tolist()
+        rows.append({"code": code, "method": method, "level": DEFAULT, "default_high": enclosure.highest})
+    return pd.DataFrame(rows)
+
+
 def bounds_of(level: int) -> Path:
     """Return the file that keeps the bounds on a mesh, so that a run that was stopped goes on."""
     return BUILD / f"bounds-{level}.csv"
 
 
-def table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Return bounds.csv: a row for each code, method and mesh, with the orders since the coarsest and the last mesh."""
+def table(rows: pd.DataFrame, default: pd.DataFrame) -> pd.DataFrame:
+    """Return bounds.csv: a row for each code, method and mesh, with the orders since the coarsest and the last mesh.
+
+    The column ``default_high`` is from ``default_bounds``.
+    """
     parts = [bounded.levels(part.to_dict("records")) for _, part in rows.groupby(KEY, sort=False)]
-    return pd.concat(parts)[COLUMNS].round(9)
+    return pd.concat(parts).merge(default, how="left", on=[*KEY, "level"])[COLUMNS].round(9)
 
 
 def summary(found: pd.DataFrame) -> str:
@@ -134,8 +152,11 @@ def summary(found: pd.DataFrame) -> str:
         shares = {row.level: interval(row.percent_low, row.percent_high, 3) for row in part.itertuples()}
         last = part.iloc[-1]
         order = interval(last["order_low"], last["order_high"], 3)
-        lines.append([f"{code} {last['version']}", method, *(shares.get(n, "") for n in levels), order])
-    return markdown(["code", "method", *(f"$n = {n}$" for n in levels), f"order since $n = {levels[0]}$"], lines)
+        middle = part[part["level"] == DEFAULT].iloc[0]
+        ratio = up(middle["default_high"] / middle["lowest"], 3)
+        lines.append([f"{code} {last['version']}", method, *(shares.get(n, "") for n in levels), order, ratio])
+    heads = [*(f"$n = {n}$" for n in levels), f"order since $n = {levels[0]}$", f"bound / error, $n = {DEFAULT}$"]
+    return markdown(["code", "method", *heads], lines)
 
 
 def draw(found: pd.DataFrame, path: Path) -> None:
@@ -165,7 +186,12 @@ def main() -> None:
             files = [path for name in options.only for path in sorted((BUILD / "fields").glob(f"{name}-{level}-*.npz"))]
             pd.DataFrame(bound(level, files)).to_csv(bounds_of(level), index=False)
             print(f"n = {level}: {len(files)} displacements bounded", flush=True)
-    found = table(pd.concat([pd.read_csv(bounds_of(level), dtype={"version": str}) for level in BETTER]))
+    default = BUILD / "default.csv"
+    if not default.exists():
+        files = [path for name in options.only for path in sorted((BUILD / "fields").glob(f"{name}-{DEFAULT}-*.npz"))]
+        default_bounds(files).to_csv(default, index=False)
+    rows = pd.concat([pd.read_csv(bounds_of(level), dtype={"version": str}) for level in BETTER])
+    found = table(rows, pd.read_csv(default))
     write_text(TABLE, found.to_csv(index=False))
     write_text(PAGE, put(PAGE.read_text(encoding="utf-8"), "bounds-of-codes", summary(found)))
     draw(found, FIGURE)

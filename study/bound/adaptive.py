@@ -9,6 +9,7 @@ halved if the share of time is more than a quarter of the bound.
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +24,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.bounded import MOVING, STATIC, write_displacement
+from study.bound.bounded import MEANING, MOVING, STATIC
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error
 from study.bound.problem import BoundError
@@ -31,7 +32,7 @@ from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Shares
 from study.bound.trajectory import DiscreteSolution, SmoothedInTime, compute
 from study.fem.mesh import boundary_parts
-from study.ledger.text import up
+from study.ledger.text import up, width
 from study.solve.evolution import Scheme
 
 PART = 0.5
@@ -106,12 +107,6 @@ def tolerance_from(text: str) -> Tolerance:
     except ValueError as error:
         raise BoundError(f"--adapt needs a tolerance such as 0.2 or 5%, got {text!r}") from error
     return Tolerance(number, percent)
-
-
-def check_cells(most: int) -> None:
-    """Raise BoundError if the largest permitted number of cells is less than 1."""
-    if most < 1:
-        raise BoundError(f"--cells must be 1 or more, got {most}")
 
 
 def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adapted:
@@ -205,37 +200,33 @@ def text(
         stopped: why refinement ended before the tolerance was reached; empty if it was reached.
     """
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
-    bound, known = up(rows["bound"].iloc[-1], SHOWN), bool(rows["error"].notna().all())
-    percent = _percent(rows["percent"].iloc[-1])
-    reached = f"{bound}, {percent} of u," if tolerance.percent else bound
-    error = norm if norm == STATIC else f"max {norm}"
-    found = [f"{name}: {error} ≤ {reached} {sign} {tolerance}, the tolerance {end}", *sentences, ""]
-    head = (
-        f"{'mesh':>4} {'cells':>7} {'unknowns':>8} {'steps':>6} {'bound':>10} {'% of u':>9} {'order':>6} {'in time':>8}"
-    )
-    found.append(head + (f" {'error':>10}" if known else ""))
-    for row in rows.itertuples():
-        order = "" if math.isnan(row.order) else f"{row.order:.2f}"
-        sizes = f"{row.mesh:4d} {row.cells:7d} {row.dofs:8d} {row.steps:6d}"
-        line = f"{sizes} {up(row.bound, SHOWN):>10} {_percent(row.percent):>9} {order:>6}"
-        found.append(f"{line} {100 * row.in_time:6.1f} %" + (f" {row.error:10.4g}" if known else ""))
-    note = "order: of the bound in unknowns; 1/2 is the best possible for P1"
-    return [*found, "", "% of u: the bound over the least value that the norm of u can have", note]
-
-
-def _percent(percent: float) -> str:
-    return f"{up(percent, SHOWN)} %" if percent < math.inf else "∞"
+    percents = [f"{up(percent, SHOWN)} %" if percent < math.inf else "∞" for percent in rows["percent"]]
+    bound, moving, known = up(rows["bound"].iloc[-1], SHOWN), norm != STATIC, bool(rows["error"].notna().all())
+    reached = f"{bound}, {percents[-1]} of u," if tolerance.percent else bound
+    found = [f"{name}: {'max ' * moving}{norm} ≤ {reached} {sign} {tolerance}, the tolerance {end}"]
+    found += [*(textwrap.fill(sentence, width()) for sentence in sentences), ""]
+    columns = {
+        "mesh": rows["mesh"].astype(str),
+        "  cells": rows["cells"].astype(str),
+        "unknowns": rows["dofs"].astype(str),
+        " steps": rows["steps"].astype(str) if moving else None,
+        "     bound": [up(bound, SHOWN) for bound in rows["bound"]],
+        "   % of u": percents,
+        " order": ["" if math.isnan(order) else f"{order:.2f}" for order in rows["order"]],
+        " in time": [f"{100 * share:.1f} %" for share in rows["in_time"]] if moving else None,
+        "     error": [f"{error:.4g}" for error in rows["error"]] if known else None,
+    }
+    shown = {head: cells for head, cells in columns.items() if cells is not None}
+    found.append(" ".join(shown))
+    for cells in zip(*shown.values(), strict=True):
+        found.append(" ".join(f"{cell:>{len(head)}}" for head, cell in zip(shown, cells, strict=True)).rstrip())
+    notes = "% of u: the bound over the least value that the norm of u can have", MEANING[norm]
+    return [*found, "", *notes, "order: of the bound in unknowns; 1/2 is the best possible for P1"]
 
 
 def stage_file(directory: Path, number: int) -> Path:
     """Return the path of the file for one mesh, with its displacement and the shares of its cells."""
     return directory / f"adapted-{number}.npz"
-
-
-def write_stage(directory: Path, number: int, found: Adapted) -> Path:
-    """Write the displacement as ``write_displacement`` does, with the shares of cells and time; return the path."""
-    shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
-    return write_displacement(stage_file(directory, number), found.computed, **shares)
 
 
 def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, Array]:
@@ -244,7 +235,8 @@ def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, A
     Args:
         displacement: at the vertices, (2, vertices).
     """
-    ends, closed = [], []
+    # The empty arrays serve bodies without contact.
+    ends, closed = [np.empty((2, 2, 0))], [np.empty(0, dtype=bool)]
     size = max(float(abs(displacement).max()), np.finfo(float).tiny)
     for part, facets in zip(data.body.parts, boundary_parts(mesh, data.body), strict=True):
         if part.kind is Kind.CONTACT:

@@ -18,9 +18,9 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.discretisation import Discretisation, refuse_initial_gap, refuse_solids
+from study.bound.discretisation import Discretisation, refuse_unserved
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
-from study.bound.problem import BoundError, require_units
+from study.bound.problem import BoundError
 from study.bound.static import compute_static, enclose_static
 from study.bound.trajectory import Computed, DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
@@ -37,6 +37,15 @@ SHOWN, PERCENT = 4, 3
 """Significant digits of bounds, and of bounds in per cent, in the printed table."""
 MOVING, STATIC = "‖u(t) − u_h(t)‖_V", "‖u − u_h‖_G"
 """The norms of the error in the printed text: of a problem in time, and the energy norm of static elasticity."""
+MEANING = {
+    MOVING: "norm: ‖v‖_V² = ∫ Aε(v)·ε(v), weighted by the viscosity A",
+    STATIC: "norm: ‖v‖_G² = ∫ Gε(v)·ε(v), weighted by the elasticity G (energy norm)",
+}
+"""The printed definition of each norm."""
+NAME = 20
+"""Columns for the name of a file in the printed table."""
+NO_PLAIN = "the bound from u_h alone is left out: {why} (the interval does not need this bound)"
+"""The printed sentence if there is no bound from u_h alone."""
 INSIDE = 1e-12
 """Penetration, relative to the largest displacement, up to which it counts as round-off."""
 SMALLER = 0.95
@@ -112,9 +121,7 @@ def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
             "ũ needs 0 or more refinements and 1 or more steps in one of u_h, "
             f"got {refined.refinements} and {refined.shorter}"
         )
-    refuse_solids(data)
-    refuse_initial_gap(data)
-    require_units(data)
+    refuse_unserved(data)
     data.check()
 
 
@@ -131,7 +138,7 @@ def bounded_solution(
     """Compute u_h and both bounds; ``progress`` is called with each time up to which the enclosure is computed."""
     discretisation = Discretisation(data, family(data.body, level))
     if isinstance(data, Static):
-        return bounded_static(discretisation, compute_static(discretisation), refined.refinements)
+        return bounded_static(discretisation, compute_static(discretisation), refined.refinements, progress)
     computed = compute(discretisation, scheme, steps)
     error = known_error(case, computed)
     return BoundedSolution(
@@ -141,13 +148,24 @@ def bounded_solution(
     )
 
 
-def bounded_static(coarse: Discretisation, computed: Computed, refinements: int) -> BoundedSolution:
-    """Return both bounds of the error of a static displacement; the bound from u_h alone only if u_h lies in K."""
+def bounded_static(
+    coarse: Discretisation,
+    computed: Computed,
+    refinements: int,
+    progress: Callable[[float], object] = lambda time: None,
+) -> BoundedSolution:
+    """Return both bounds of the error of a static displacement; the bound from u_h alone only if u_h lies in K.
+
+    ``progress`` is called with a quarter of the final time after the bound from u_h alone, and with the final time.
+    """
     V, u_h = coarse.displacements, computed.on(coarse)(0.0)
     penetrates = float((V.N @ u_h).max(initial=0.0)) > INSIDE * float(abs(u_h).max())
     plain = None if penetrates else enclose_static(coarse, computed, None)[0]
-    remarks = ("the bound from u_h alone is left out: u_h penetrates the foundation",) if penetrates else ()
-    return BoundedSolution(computed, plain, enclose_static(coarse, computed, refinements)[0], remarks)
+    progress(coarse.data.body.T / 4)
+    remarks = (NO_PLAIN.format(why="u_h penetrates the foundation"),) if penetrates else ()
+    enclosure = enclose_static(coarse, computed, refinements)[0]
+    progress(coarse.data.body.T)
+    return BoundedSolution(computed, plain, enclosure, remarks)
 
 
 def series(level: int, found: BoundedSolution) -> pd.DataFrame:
@@ -200,53 +218,59 @@ def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     """Return the table ``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of two observed orders.
 
     The order in the columns ``order_…`` is computed from the first level, the order in ``pair_…`` from the previous
-    level.
+    level. It is NaN if the mesh is not finer than the other one, as on the first level.
     """
     table = pd.DataFrame(rows)
-    for name, earlier in (("order", [None] + [rows[0]] * (len(rows) - 1)), ("pair", [None, *rows[:-1]])):
-        spans = [_order(coarse, fine) for coarse, fine in zip(earlier, rows, strict=True)]
+    for name, earlier in (("order", [rows[0]] * len(rows)), ("pair", [rows[0], *rows[:-1]])):
+        spans = []
+        for coarse, fine in zip(earlier, rows, strict=True):
+            before, after = ((one["lowest"], one["highest"]) for one in (coarse, fine))
+            finer, ratio = fine["h"] < SMALLER * coarse["h"], math.log(coarse["h"] / fine["h"])
+            spans.append(order_interval(before, after, ratio) if finer else (math.nan, math.nan))
         table[f"{name}_low"], table[f"{name}_high"] = zip(*spans, strict=True)
     return table[[name for name in table if name != "kind"] + ["kind"]]
 
 
-def _order(coarse: dict[str, Any] | None, fine: dict[str, Any]) -> tuple[float, float]:
-    """Return the interval of the order between two levels; NaN if there is no coarser mesh."""
-    if coarse is None or not fine["h"] < SMALLER * coarse["h"]:
-        return math.nan, math.nan
-    before, after = ((one["lowest"], one["highest"]) for one in (coarse, fine))
-    return order_interval(before, after, math.log(coarse["h"] / fine["h"]))
-
-
-def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Sequence[str], norm: str = MOVING) -> str:
-    """Return the printed text.
+def text(
+    name: str,
+    table: pd.DataFrame,
+    over_time: pd.DataFrame,
+    sentences: Sequence[str],
+    norm: str = MOVING,
+    names: Sequence[str] | None = None,
+) -> str:
+    """Return the printed text: what is enclosed, the evidence, the norm, and one line for each mesh.
 
     Args:
         table: from ``levels``.
         over_time: from ``series``, of all levels.
         sentences: on the evidence for the bounds.
         norm: the norm of the error, ``MOVING`` or ``STATIC``.
+        names: the file that each row of the table is about; by default the rows are named by their levels.
     """
-    known = bool(table["error"].notna().all())
-    last = table.iloc[-1]
+    known, last = bool(table["error"].notna().all()), table.iloc[-1]
     size = "‖u‖_G" if norm == STATIC else "max ‖u(t)‖_V"
+    explained = [
+        *sentences,
+        MEANING[norm],
+        f"% of u: per cent of {size}, which lies in {interval(last['norm_low'], last['norm_high'], SHOWN)}",
+    ]
     lines = [
         f"{name}: {norm} enclosed, {'exact solution known' if known else 'solution unknown'}",
-        *(textwrap.fill(sentence, width()) for sentence in sentences),
-        f"% of u: per cent of {size}, which lies in {interval(last['norm_low'], last['norm_high'], SHOWN)}",
+        *(textwrap.fill(sentence, width()) for sentence in explained),
         "",
     ]
-    moving = norm != STATIC
     # A static problem has one time only, and the last table already shows its enclosure.
-    over = [*_over_time(over_time, known), ""] if moving else []
-    return "\n".join([*lines, *over, *_intervals(table, known, moving)])
+    over = [] if norm == STATIC else [*_over_time(over_time, known, names[-1] if names else ""), ""]
+    return "\n".join([*lines, *over, *_intervals(table, known, norm != STATIC, names)])
 
 
-def _over_time(over_time: pd.DataFrame, known: bool) -> list[str]:
+def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:
     """Return lines with the enclosure at up to ``LINES`` times on the finest level."""
     finest = over_time[over_time["level"] == over_time["level"].max()]
     places = np.unique(np.linspace(0, len(finest) - 1, LINES).round().astype(int))
     head = f"{'t':>7} {'lower':>9} {'error':>9} {'upper':>9} {'% of u':>15} {'upper/lower':>11}"
-    lines = [f"level {finest['level'].iloc[0]}", f"{head} {'from u_h alone':>14}"]
+    lines = [name or f"level {finest['level'].iloc[0]}", f"{head} {'from u_h alone':>14}"]
     for row in finest.iloc[places].itertuples():
         error = f"{row.error:9.4g}" if known else f"{'unknown':>9}"
         ratio = f"{row.upper / row.lower:11.3f}" if row.lower > 0 else f"{'∞':>11}"
@@ -256,21 +280,30 @@ def _over_time(over_time: pd.DataFrame, known: bool) -> list[str]:
     return lines
 
 
-def _intervals(table: pd.DataFrame, known: bool, moving: bool = True) -> list[str]:
-    """Return lines with the intervals of the error and of both orders on each level."""
-    several, since = len(table) > 2, f"order since {table['level'].iloc[0]}"
-    largest = "max error in" if moving else "error in"
-    head = f"{'level':>5} {largest:>19} {'% of u':>15} {'error':>7} {'from u_h alone':>14} {since:>15}"
-    lines = [head + (f" {'since the one before':>20}" if several else "")]
-    for row in table.itertuples():
-        error = f"{row.error:.4g}" if known else "unknown"
-        orders = _shown(row.order_low, row.order_high, 15)
-        if several:
-            orders += f" {_shown(row.pair_low, row.pair_high, 20)}"
+def _intervals(table: pd.DataFrame, known: bool, moving: bool = True, names: Sequence[str] | None = None) -> list[str]:
+    """Return lines with the interval of the error on each mesh, then lines with the intervals of the orders.
+
+    All lines have at most 80 columns if the names have at most ``NAME``; longer names are cut.
+    """
+    labels = [one if len(one) <= NAME else f"{one[: NAME - 1]}…" for one in names or map(str, table["level"])]
+    kind = "file" if names else "level"
+    wide = max(len(kind), *map(len, labels))
+    largest, error = "max error in" if moving else "error in", f" {'error':>9}" if known else ""
+    lines = [f"{kind:>{wide}} {largest:>19} {'% of u':>15}{error} {'from u_h alone':>14}"]
+    for label, row in zip(labels, table.itertuples(), strict=True):
         ends, percent = interval(row.lowest, row.highest, SHOWN), _percent(row.percent_low, row.percent_high)
-        line = f"{row.level:5d} {ends:>19} {percent:>15} {error:>7} {_plain(row.plain):>14} {orders}"
-        lines.append(line.rstrip())
-    if len(table) > 1 and moving:
+        error = f" {row.error:9.4g}" if known else ""
+        lines.append(f"{label:>{wide}} {ends:>19} {percent:>15}{error} {_plain(row.plain):>14}")
+    if len(table) == 1:
+        return lines
+    heads = [f"order since {labels[0]}", *(["since the mesh before"] if len(table) > 2 else [])]
+    lines += ["", " ".join([f"{kind:>{wide}}", *(f"{head:>{max(19, len(head))}}" for head in heads)])]
+    for label, row in zip(labels[1:], table.iloc[1:].itertuples(), strict=True):
+        orders = (row.order_low, row.order_high), (row.pair_low, row.pair_high)
+        shown = ["" if math.isnan(low) else interval(low, high, SHOWN) for low, high in orders]
+        columns = (f"{order:>{max(19, len(head))}}" for order, head in zip(shown, heads, strict=False))
+        lines.append(" ".join([f"{label:>{wide}}", *columns]).rstrip())
+    if moving:
         steps = "the same steps on every mesh" if table["steps"].nunique() == 1 else "steps that follow the mesh"
         lines += ["", f"orders of the fully discrete u_h, with {steps}"]
     return lines
@@ -284,13 +317,11 @@ def _percent(low: float, high: float) -> str:
     return interval(low, high, PERCENT) if high < math.inf else f"[{down(low, PERCENT)}, ∞]"
 
 
-def _shown(low: float, high: float, columns: int) -> str:
-    return f"{'' if math.isnan(low) else interval(low, high, SHOWN):>{columns}}"
-
-
 def contact_sentences(body: Body) -> list[str]:
     """Return a sentence on the shape of the foundation if the sides of Γ3 do not lie on one line."""
     sides = body.of(Kind.CONTACT)
+    if not sides:
+        return []
     first, reach = sides[0], ON_LINE * float(np.ptp(body.vertices, axis=1).max())
     if all(abs(first.coordinates(side.corners)[1]).max() <= reach for side in sides):
         return []
@@ -314,17 +345,12 @@ def trajectory_file(directory: Path, level: int) -> Path:
     return directory / f"trajectory-{level}.npz"
 
 
-def write_trajectory(directory: Path, level: int, found: BoundedSolution) -> Path:
-    """Write the displacement of a level as ``write_displacement`` does; return the path."""
-    assert isinstance(found.computed, DiscreteSolution)
-    return write_displacement(trajectory_file(directory, level), found.computed)
-
-
-def write_displacement(path: Path, computed: DiscreteSolution, **more: Array) -> Path:
+def write_displacement(path: Path, computed: Computed, **more: Array) -> Path:
     """Write the mesh, the times, the nodal values of u_h and further arrays; return the path.
 
     The arrays are p (2, vertices), t (3, cells), times (steps + 1,), u (steps + 1, 2, vertices).
     """
+    assert isinstance(computed, DiscreteSolution)
     space = computed.space
     values = np.array([space.nodal(u) for u in computed.nodes])
     times = np.linspace(0, computed.T, len(values))

@@ -1,6 +1,6 @@
-"""The spaces on one mesh for the bound: displacements of degree 2, stresses of degree 3, and the data of the problem.
+"""The finite element spaces on one mesh that the bound needs: displacements of degree 2 and stresses of degree 3.
 
-Problems that cannot be bounded on the mesh are refused.
+``Discretisation`` also has the data of the problem on this mesh, and refuses problems that cannot be bounded on it.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from manufactured.tensors import Array, Tensors
 from study.bound.problem import BoundError, Moduli, moduli, require_units
 from study.bound.remainders import Sampling
 from study.fem.quadratic import Quadratic
-from study.stresses.bernstein import interval_mass
+from study.stresses.composite import interval_mass
 from study.stresses.hybrid import EquilibratedStress, Equilibrium
 from study.stresses.loads import Loads, ProjectedLoads, Snapshot
 from study.stresses.oscillation import Oscillation
@@ -51,9 +51,7 @@ class Discretisation:
     mesh: Mesh
 
     def __post_init__(self) -> None:
-        refuse_solids(self.data)
-        refuse_initial_gap(self.data)
-        require_units(self.data)
+        refuse_unserved(self.data)
         refuse_jumps_in_cells(self.data, self.mesh)
         self.moduli  # noqa: B018
 
@@ -176,8 +174,7 @@ class Discretisation:
     @cached_property
     def cells_at_contact(self) -> Array:
         """The number of the cell at each edge of Γ3, (edges of Γ3,)."""
-        edges = [edges for _, edges in self.stresses.on(Kind.CONTACT)]
-        return np.asarray(self.stresses.mesh.f2t[0, np.concatenate(edges)])
+        return np.asarray(self.stresses.mesh.f2t[0, self.equilibrium.contact])
 
     def normal_moments(self, v: Array) -> Array:
         """Return the integrals ∫_e v_ν B_i on the edges of Γ3, (..., dofs) → (..., edges of Γ3, n)."""
@@ -191,25 +188,23 @@ class Discretisation:
         traces = self.displacements.normal_components(
             [(part, self.displacements.on_edges(edges).T.ravel()) for part, edges in on]
         )
-        lengths = self.stresses.lengths[np.concatenate([edges for _, edges in on])]
+        lengths = self.stresses.lengths[self.equilibrium.contact]
         return sps.csr_array(sps.kron(sps.diags_array(lengths), GRAM.T) @ traces)
 
 
-def refuse_solids(data: Data) -> None:
-    """Raise BoundError unless the body is plane."""
+def refuse_unserved(data: Data) -> None:
+    """Raise BoundError if the body is not plane, if there is an initial gap, or if a size is extreme."""
     if data.body.dim != 2:
         raise BoundError(
             f"the bound rests on composite triangles, the body has dimension {data.body.dim}; give a plane body"
         )
 
-
-def refuse_initial_gap(data: Data) -> None:
-    """Raise BoundError unless the body touches the foundation from the start."""
     if data.has_initial_gap:
         raise BoundError(
             "the bound rests on σ_ν u_ν = 0 on Γ3 and on u_ν ≤ 0, the problem has an initial gap; give a problem "
             "without one"
         )
+    require_units(data)
 
 
 def refuse_jumps_in_cells(data: Data, mesh: Mesh) -> None:

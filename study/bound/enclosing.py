@@ -1,9 +1,12 @@
-"""Lower and upper bound of ‖u(t) − u_h(t)‖_V without u, from another displacement ũ and a bound y of ‖u(t) − ũ(t)‖_V:
+"""Lower and upper bounds of the error ‖u(t) − u_h(t)‖_V, although the solution u is unknown.
 
-    d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t),     d = ‖ũ − u_h‖_V.
+A second displacement ũ is computed (``study.bound.trajectory``), and a bound y of its error ‖u(t) − ũ(t)‖_V
+(``study.bound.terms``). The distance d = ‖ũ − u_h‖_V is known exactly, and the triangle inequality gives
 
-If ũ is u_h smoothed in time, this is an upper bound only. If ũ is closer to u than u_h is, the lower bound is positive
-as well (``study.bound.trajectory``).
+    d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t).
+
+If ũ is closer to u than u_h is, y is smaller than d and the lower bound is positive. If ũ is u_h itself, smoothed in
+time, only the upper bound says something.
 """
 
 from __future__ import annotations
@@ -31,8 +34,7 @@ SAME_TIME = 1e-9
 """Difference of two times, relative to the length of a piece, up to which they count as equal."""
 RAISED = 4
 """Added to the degree of the standard quadrature for a known error. On coarse meshes the standard rule has a relative
-error
-of 3 % (n = 2) to 0.1 % (n = 8), and bounds at small times differ by a few per cent only."""
+error of 3 % (n = 2) to 0.1 % (n = 8), and bounds at small times differ by a few per cent only."""
 INITIAL_DEGREE = 6
 """Degree of the quadrature rule for ‖u_0 − ũ(0)‖_V."""
 
@@ -80,14 +82,15 @@ class Enclosure:
         return max(self.start, float(self.between.max()))
 
     def bound_at(self, times: Array) -> Array:
-        """Return bounds of the error at times in (0, T], from the intervals that contain the times, (m,)."""
+        """Return bounds of the error at m times in (0, T], (m,): the bounds on the pieces that contain the times."""
         return self.between[np.searchsorted(self.times[:-1], times)]
 
     def shares(self, moduli: Moduli) -> Shares:
-        """Return the shares of ``highest``: shares of all pieces up to its maximum, decayed until then.
+        """Return the contributions of the cells and of time to ``highest``, the bound of the error.
 
-        The remainder of u_0 is divided like the sampled initial error. The increase due to smoothing in time belongs to
-        time.
+        They are the shares of the initial error and of all pieces up to the time at which the bound is largest; each
+        has decayed until then. The remainder of u_0 is divided in proportion to the sampled initial error. The increase
+        due to smoothing in time belongs to time.
         """
         last = int(self.between.argmax()) if self.highest > self.start else -1
         found = Shares(self.initial, 0.0).scaled_to(self.intervals[0].at_a)
@@ -161,7 +164,7 @@ def enclose_several(
     fine = trajectory.discretisation(coarse)
     fields, pieces = [u_h.on(fine) for u_h in computed], spline(trajectory.nodes(fine, computed[0]))
     first = next(pieces)
-    initial = _initial_error(fine, first.start)
+    initial = squared_distances(fine, fine.data.initial, first.start, fine.data.lines)
     start = math.sqrt(float(initial.sum())) + fine.sampling.missed_at_start()
     intervals: list[Interval] = []
     rows: list[list[tuple[float, ...]]] = [[] for _ in computed]
@@ -225,12 +228,6 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
     differences = [piece.at(time) - u_h(time) for time in cuts]
     differences += [piece.blossom(c, d) - (u_h(c) + u_h(d)) / 2 for c, d in pairwise(cuts)]
     return float(fine.norm(np.array(differences)).max())
-
-
-def _initial_error(discretisation: Discretisation, start: Array) -> Array:
-    """Return ‖u_0 − ũ(0)‖² on the cells, by quadrature that is graded where u_0 is not smooth, (cells,)."""
-    data = discretisation.data
-    return squared_distances(discretisation, data.initial, start, data.lines)
 
 
 def squared_distances(

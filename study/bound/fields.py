@@ -48,6 +48,10 @@ def read(path: Path | str, name: str | None = None) -> Field:
         BoundError: the file cannot be read, or has no displacement.
     """
     path = Path(path)
+    if path.is_dir():
+        raise BoundError(
+            f"{path} is a directory: give the file in it that has the displacement, .npz, .pvd, .xdmf or .vtu"
+        )
     if not path.is_file():
         raise BoundError(f"there is no file {path}")
     kind = path.suffix.lower()

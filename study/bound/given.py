@@ -1,16 +1,16 @@
-"""The error bound for a displacement of another program, given by its mesh, times and nodal values.
+"""Bounds of the error of a displacement of another program, given by its mesh, times and nodal values.
 
-The bound needs no relation between the displacement and the problem. With a more accurate displacement ũ(t) ∈ K and the
-bound y of ‖u − ũ‖_V, the triangle inequality encloses the error of any u_h that vanishes on Γ1. u_h may penetrate the
-foundation, and it may even be the solution of another problem. ũ lives on a refinement of the mesh of u_h and has time
-steps of equal length.
+``given`` checks the arrays, and ``bound_displacement`` encloses the error. Any displacement u_h that vanishes on Γ1 is
+served. It may penetrate the foundation, and it may even be the solution of another problem: a more accurate
+displacement ũ(t) ∈ K is computed, the error of ũ is bounded, and the triangle inequality encloses the error of u_h. ũ
+lives on a refinement of the mesh of u_h and has time steps of equal length.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -25,13 +25,12 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array, Points
-from study.bound.bounded import INSIDE, SHOWN, BoundedSolution, bounded_static, check_problem
+from study.bound.bounded import INSIDE, NO_PLAIN, SHOWN, BoundedSolution, bounded_static, check_problem
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose, squared_distances
 from study.bound.problem import BoundError
-from study.bound.trajectory import Refined, SmoothedInTime, on_refinement
+from study.bound.trajectory import GivenDisplacement, Refined, SmoothedInTime, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
-from study.fem.mesh import size as mesh_size
 from study.fem.quadratic import Quadratic
 from study.ledger.text import interval
 from study.solve.steps import require_steps
@@ -48,53 +47,6 @@ ROUNDING = 1e-12
 """Distance, relative to the size of the mesh, up to which a vertex counts as unmoved."""
 FLAT = 1e-12
 """Area of a cell, relative to its squared diameter, below which the cell counts as degenerate."""
-
-
-@dataclass(frozen=True, eq=False)
-class GivenDisplacement:
-    """A displacement u_h on a triangulation of the body, linear between increasing times; ``given`` checks it.
-
-    Attributes:
-        mesh: the triangulation.
-        body: the body.
-        degree: 1, or 2 with nodes at the vertices and then at the midpoints of the edges of ``mesh``.
-        times: from 0 to T, (k,).
-        nodes: nodal values, node by node with two components each, (k, 2 · number of nodes).
-        steps: the number of intervals from which the number of time steps of ũ is computed.
-        remarks: sentences on changes of the input and on penetration.
-        offset: bound of ‖u_file − u_h‖_V at all times if u_h is the nearest field that vanishes on Γ1, otherwise 0.
-    """
-
-    mesh: Mesh
-    body: Body
-    degree: int
-    times: Array
-    nodes: Array
-    steps: int
-    remarks: tuple[str, ...] = ()
-    offset: float = 0.0
-
-    @property
-    def T(self) -> float:
-        """The last time."""
-        return float(self.times[-1])
-
-    @cached_property
-    def h(self) -> float:
-        """The mesh size."""
-        return mesh_size(self.mesh)
-
-    def at(self, time: float) -> Array:
-        """Return the nodal values at a time, (2 · number of nodes,)."""
-        low = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2))
-        share = (time - self.times[low]) / (self.times[low + 1] - self.times[low])
-        return np.asarray((1 - share) * self.nodes[low] + share * self.nodes[low + 1])
-
-    def on(self, fine: Discretisation) -> Callable[[float], Array]:
-        """Return the function t ↦ u_h(t) by coefficients of degree 2 on the mesh or a refinement of it, (dofs,)."""
-        J = sps.csr_array(sps.kron(on_refinement(self.mesh, self.degree, fine.mesh), sps.eye_array(2)))
-        J = sps.csr_array(J[fine.displacements.free])
-        return lambda time: J @ self.at(time)
 
 
 def bound_displacement(
@@ -139,12 +91,12 @@ def bounded_displacement(
     """Return the enclosure of the error of a checked displacement, and the bound from u_h alone if there is one."""
     coarse = Discretisation(data, computed.mesh)
     if isinstance(data, Static):
-        found = bounded_static(coarse, computed, refined.refinements)
+        found = bounded_static(coarse, computed, refined.refinements, progress)
     else:
         require_steps(refined.shorter * computed.steps)
         error, why = true_error(case, coarse, computed), no_plain_bound(coarse, computed)
         plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
-        remarks = (f"the bound from u_h alone is left out: {why}",) if why else ()
+        remarks = (NO_PLAIN.format(why=why),) if why else ()
         found = BoundedSolution(computed, plain, enclose(coarse, computed, refined, error, progress), remarks)
     ends = max(0.0, found.enclosure.lowest - computed.offset), found.enclosure.highest + computed.offset
     whole = f"the error of the displacement in the file lies in {interval(*ends, SHOWN)}"
@@ -227,7 +179,8 @@ def given(
     found = GivenDisplacement(
         mesh, data.body, degree, times, values, steps or max(len(times) - 1, LEAST_STEPS), tuple(remarks)
     )
-    return _clamped(data, replace(found, remarks=(*remarks, *_penetration(found))), nearest)
+    found = replace(found, remarks=(*remarks, *_penetration(found, moving=not isinstance(data, Static))))
+    return _clamped(data, found, nearest)
 
 
 def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
@@ -275,7 +228,10 @@ def _checked_times(times: Array, T: float) -> Array:
             "t = 0 on; add the displacement at t = 0, which is u_0 or its approximation"
         )
     if len(times) < 2:
-        raise BoundError("there is one time only; give the displacement at several times, or a static problem (Static)")
+        raise BoundError(
+            "there is one time only, and the problem is one in time: give the displacement at several times from 0 to "
+            f"T = {T:g}; a problem without time is made by `static`"
+        )
     if abs(times[-1] - T) > SINGLE * T:
         raise BoundError(f"the last time is {times[-1]:.6g}, the problem ends at T = {T:g}: change T of its body")
     equal = np.linspace(0.0, T, len(times))
@@ -380,7 +336,7 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
         raise BoundError(f"the mesh does not fit the body: {error}") from error
 
 
-def _penetration(found: GivenDisplacement) -> list[str]:
+def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
     """Return a list with a sentence on how far u_h penetrates the foundation; the list is empty if it does not."""
     values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
     for part, edges in zip(found.body.parts, boundary_parts(found.mesh, found.body), strict=True):
@@ -399,10 +355,10 @@ def _penetration(found: GivenDisplacement) -> list[str]:
         if found.degree == 1
         else np.hstack([found.mesh.p, found.mesh.p[:, found.mesh.facets].mean(axis=1)])
     )
-    share = 100 * depth / abs(found.nodes).max()
+    share, when = 100 * depth / abs(found.nodes).max(), f"t = {found.times[time]:.4g}, " if moving else ""
     return [
         f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share:.2g} % of its largest component, at "
-        f"t = {found.times[time]:.4g}, x = {_shown(x[:, node])}"
+        f"{when}x = {_shown(x[:, node])}"
     ]
 
 

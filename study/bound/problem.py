@@ -66,16 +66,20 @@ class Moduli:
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:
-        """Return the weight of the squared residual in every direction, time/(1 + 2 time g_i), (directions,).
+        """Return how much the squared residual in every direction counts, time/(1 + 2 time g_i), (directions,).
 
-        To first order a step adds to y² twice ∫ (c + ¼ Σ_i |ρ|²_i/(g_i + β)), β ~ 1/(2T) (``study.bound.growth``).
+        Residuals in directions in which G is stiff count less, because the elasticity compensates a part of them: to
+        first order a step adds to y² twice ∫ (c + ¼ Σ_i |ρ|²_i/(g_i + β)), β ~ 1/(2T) (``study.bound.growth``).
+
+        Args:
+            time: the final time T of the body.
         """
         return np.asarray(time / (1 + 2 * time * np.maximum(self.values, 0.0)))
 
     def compliance(self, time: float) -> Array:
-        """Return the matrix of the norm in which residuals are minimised, Mandel (D, D).
+        """Return the matrix Σ_i w_i v_i v_iᵀ of the norm in which residuals are minimised, Mandel (D, D).
 
-        The matrix is Σ_i w_i v_i v_iᵀ with the weights w_i of ``weights``.
+        The w_i are ``weights(time)`` and the v_i the directions.
         """
         return (self.directions * self.weights(time)) @ self.directions.T
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, reduce
 from typing import Any
 
@@ -65,10 +65,12 @@ def times(a: Pair, b: Pair) -> Pair:
 
 
 def _scaled(c: float, ends: Pair) -> Pair:
+    """Return the range of a constant multiple."""
     return times((np.array(c), np.array(c)), ends)
 
 
 def _monotone(u: Pair, function: Callable[[Array], Array]) -> Pair:
+    """Return the range of a monotone function of one variable, taken from its values at the ends."""
     ends = function(u[0]), function(u[1])
     return np.minimum(*ends), np.maximum(*ends)
 
@@ -305,6 +307,16 @@ class Series:
         """Which coefficients are not identically 0, (terms,)."""
         return np.asarray(self.low.any(axis=1) | self.high.any(axis=1))
 
+    @property
+    def half_range(self) -> Array:
+        """Half the range of the formula itself, (boxes,)."""
+        return (self.high[0] - self.low[0]) / 2
+
+    @property
+    def largest(self) -> Array:
+        """The largest absolute values of all coefficients, (terms, boxes)."""
+        return np.maximum(abs(self.low), abs(self.high))
+
     def __add__(self, other: Series) -> Series:
         with np.errstate(over="ignore"):
             return Series(*enclosed(self.low + other.low, self.high + other.high))
@@ -337,6 +349,8 @@ class Boxes:
     sides: Mapping[sp.Symbol, Pair]
     variables: tuple[sp.Symbol, ...]
     order: int
+    _known: dict[sp.Expr, Series] = field(default_factory=dict, init=False)
+    """Cache of the series of formulas and of their parts, which formulas share."""
 
     @property
     def count(self) -> int:
@@ -358,14 +372,14 @@ class Boxes:
             self._known[formula] = self._expand(formula)
         return self._known[formula]
 
-    @cached_property
-    def _known(self) -> dict[sp.Expr, Series]:
-        """Cache of the series of formulas and of their parts, which formulas share."""
-        return {}
-
     def _expand(self, formula: sp.Expr) -> Series:
+        """Return the series of a formula from the series of its parts, or from the box of a symbol."""
         if formula.is_Symbol:
-            return self._variable(formula)
+            found = self._constant(self.sides[formula])
+            if formula in self.variables and self.order > 0:
+                unit = self.keys.index(tuple(int(formula == variable) for variable in self.variables))
+                found.low[unit] = found.high[unit] = 1.0
+            return found
         if formula.is_number:
             value = np.full(self.count, float(formula))
             return self._constant((value, value))
@@ -376,22 +390,24 @@ class Boxes:
         if formula.is_Add or formula.is_Mul:
             combine = Series.__add__ if formula.is_Add else self._product
             return reduce(combine, map(self, formula.args))
+        # The sum Σ_j g_j δ^j by Horner's rule, δ being the inner series without its constant term.
         inner = self(formula.args[0])
-        return self._composed(inner, coefficients(formula, (inner.low[0], inner.high[0]), self.order))
+        outer = coefficients(formula, (inner.low[0], inner.high[0]), self.order)
+        low, high = inner.low.copy(), inner.high.copy()
+        low[0] = high[0] = 0.0
+        delta, found = Series(low, high), self._constant(outer[-1])
+        for ends in outer[-2::-1]:
+            found = self._product(found, delta) + self._constant(ends)
+        return found
 
     def _constant(self, value: Pair) -> Series:
+        """Return the series of a constant with a given range."""
         low, high = np.zeros((2, len(self.keys), self.count))
         low[0], high[0] = value
         return Series(low, high)
 
-    def _variable(self, symbol: sp.Symbol) -> Series:
-        found = self._constant(self.sides[symbol])
-        if symbol in self.variables and self.order > 0:
-            unit = self.keys.index(tuple(int(symbol == variable) for variable in self.variables))
-            found.low[unit] = found.high[unit] = 1.0
-        return found
-
     def _product(self, a: Series, b: Series) -> Series:
+        """Return the product of two truncated power series; coefficients that vanish are skipped."""
         low, high = np.zeros((2, *a.low.shape))
         i, j, k = _products(len(self.variables), self.order)
         nonzero = a.nonzero[i] & b.nonzero[j]
@@ -403,12 +419,3 @@ class Boxes:
                 sums = (np.add.reduceat(end, first, axis=0) for end in ends)
                 low[k[first]], high[k[first]] = enclosed(*sums)
         return Series(low, high)
-
-    def _composed(self, inner: Series, outer: list[Pair]) -> Series:
-        """Return the sum Σ_j g_j δ^j by Horner's rule."""
-        low, high = inner.low.copy(), inner.high.copy()
-        low[0] = high[0] = 0.0
-        delta, found = Series(low, high), self._constant(outer[-1])
-        for ends in outer[-2::-1]:
-            found = self._product(found, delta) + self._constant(ends)
-        return found

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, lru_cache
 
 import numpy as np
 import sympy as sp
@@ -37,7 +37,7 @@ from manufactured.law import Linear
 from manufactured.symbols import t
 from manufactured.tensors import Array
 from study.bound.problem import LoadConstants, load_constants, require_finite
-from study.bound.ranges import Boxes, Pair, RangeError, Series, require_known
+from study.bound.ranges import Boxes, Pair, RangeError, require_known
 from study.fem.quadrature import Line, rough_cells
 from study.stresses.loads import EDGE_PARTS, LeftOut
 from study.stresses.oscillation import Oscillation
@@ -116,47 +116,32 @@ class Regions:
         boxes = self._boxes(a, b, tuple(self.sides))
         orders = np.array([sum(key) for key in boxes.keys])
         powers = np.array([np.prod(self.radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
-
-        def least(series: Series) -> Array:
-            sizes = _sizes(series) * powers
+        found = np.zeros(boxes.count)
+        for series in (boxes(formula) for formula in formulas if formula != 0):
+            sizes = series.largest * powers
             by_order = [sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1)]
-            return np.minimum.reduce([_half_range(series), *by_order])
-
-        return _norm(boxes, formulas, least, np.zeros(boxes.count))
+            found = np.hypot(found, np.minimum.reduce([series.half_range, *by_order]))
+        return found
 
     def in_time(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
         """Return the remainders p and q in time, (2, boxes)."""
         boxes, k = self._boxes(a, b, (t,)), b - a
         powers = (k / 2) ** np.arange(ORDER + 1)[:, None]
-
-        def least(series: Series) -> Array:
-            sizes = _sizes(series) * powers
-            sizes[0] = _half_range(series)
-            return np.array([PARABOLA * sizes[:4].min(axis=0), CUBIC * sizes.min(axis=0)])
-
-        return _norm(boxes, formulas, least, np.zeros((2, boxes.count)))
+        found = np.zeros((2, boxes.count))
+        for series in (boxes(formula) for formula in formulas if formula != 0):
+            sizes = series.largest * powers
+            sizes[0] = series.half_range
+            found = np.hypot(found, [PARABOLA * sizes[:4].min(axis=0), CUBIC * sizes.min(axis=0)])
+        return found
 
     def all(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
         """Return the remainders e, p and q, (3, boxes)."""
         return np.array([self.in_space(formulas, a, b), *self.in_time(formulas, a, b)])
 
     def _boxes(self, a: float, b: float, variables: tuple[sp.Symbol, ...]) -> Boxes:
+        """Return the boxes for a ≤ t ≤ b, with expansions in given variables."""
         count = self.radii.shape[1]
         return Boxes({**self.sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
-
-
-def _half_range(series: Series) -> Array:
-    return (series.high[0] - series.low[0]) / 2
-
-
-def _sizes(series: Series) -> Array:
-    """Return the largest absolute values of all coefficients, (terms, boxes)."""
-    return np.maximum(abs(series.low), abs(series.high))
-
-
-def _norm(boxes: Boxes, formulas: Sequence[sp.Expr], bound: Callable[[Series], Array], zero: Array) -> Array:
-    """Return the Euclidean norm of the bounds of all components; formulas that are 0 are skipped."""
-    return reduce(np.hypot, (bound(boxes(formula)) for formula in formulas if formula != 0), zero)
 
 
 def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
@@ -282,6 +267,7 @@ class Sampling:
         return (lambda a, b: cached(0.0, 0.0)) if at_rest else cached
 
     def _compute_remainders(self, a: float, b: float) -> tuple[Array, Array]:
+        """Return what ``_remainders`` returns, without the cache."""
         force = self._cells.all(self._expressions.force, a, b)
         surface = np.zeros((3, len(self.space.lengths)))
         for edges, regions, formulas in self._loaded:

@@ -1,12 +1,15 @@
-"""Static linear elasticity: lower and upper bound of the error of u_h in the energy norm of G.
+"""Static linear elasticity: lower and upper bounds of the error of u_h in the energy norm ‖v‖² = (Gε(v), ε(v))_Q.
 
-For ũ ∈ K and a stress σ̃ that balances the loads f̃ with σ̃_τ = 0 and σ̃_ν ≤ 0 on Γ3, testing as in
-``study.bound.terms`` gives for e = u − ũ, with the norm ‖v‖² = (Gε(v), ε(v))_Q,
+Let ũ ∈ K be any displacement that does not penetrate the foundation. Let the stress σ̃ balance the loads f̃, without
+friction (σ̃_τ = 0) and without pulling (σ̃_ν ≤ 0) on Γ3. Testing as in ``study.bound.terms`` gives for e = u − ũ
 
     ‖e‖² ≤ R ‖e‖ + c,    R = (Σ_T (‖σ̃ − Gε(ũ)‖_{G⁻¹,T} + η_T)²)^½ + remainder of the data,   c = ∫_{Γ3} σ̃_ν ũ_ν,
 
-so that ‖e‖ ≤ y = R/2 + (R²/4 + c)^½. This is the bound of Prager and Synge with contact. ũ = u_h gives the bound from
-u_h alone. ũ of degree 2 on a refined mesh gives d − y ≤ ‖u − u_h‖ ≤ d + y with d = ‖ũ − u_h‖.
+so that ‖e‖ ≤ y = R/2 + (R²/4 + c)^½. This is the bound of Prager and Synge with contact. Without a contact side c is 0
+and the bound is y = R, their theorem as it stands in textbooks.
+
+ũ = u_h gives the bound from u_h alone. A displacement ũ of degree 2 on a refined mesh gives both ends,
+d − y ≤ ‖u − u_h‖ ≤ d + y with d = ‖ũ − u_h‖.
 
 Source: W. Prager, J. L. Synge, Approximations in elasticity based on the concept of function space, Quart. Appl. Math.
 5 (1947) 241–269.
@@ -27,8 +30,7 @@ from study.bound.problem import SMALLEST, require_visible
 from study.bound.remainders import Evidence, proportional
 from study.bound.terms import Shares
 from study.bound.trajectory import Computed, DiscreteSolution, prolongation
-from study.fem.material import form
-from study.fem.space import Space
+from study.fem.space import Space, form
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import contact_solver
 from study.stresses.hybrid import Equilibrium
@@ -60,10 +62,11 @@ def compute_static(discretisation: Discretisation) -> DiscreteSolution:
 
 
 def bound_static(fine: StaticDiscretisation, v: Array) -> tuple[float, Shares, Evidence]:
-    """Return the bound y of ‖u − ũ‖, its shares and its evidence.
+    """Return the bound y of ‖u − ũ‖, the contributions of the cells to y, and whether y is guaranteed.
 
     Args:
-        v: ũ ∈ K of degree 2, (dofs,).
+        fine: the spaces on the mesh of ũ.
+        v: the coefficients of ũ ∈ K, of degree 2, (dofs,).
     """
     snapshot, sampling, T = fine.snapshot(0.0), fine.sampling, fine.data.body.T
     missed = sampling.missed(fine.oscillation, 0.0, T)
@@ -79,9 +82,11 @@ def bound_static(fine: StaticDiscretisation, v: Array) -> tuple[float, Shares, E
 
 
 def enclose_static(coarse: Discretisation, computed: Computed, refinements: int | None) -> tuple[Enclosure, Shares]:
-    """Return the bounds of the error of u_h, as an enclosure at one time, and the shares of y.
+    """Return the bounds of the error of u_h, as an enclosure at one time, and the contributions of the cells to y.
 
     Args:
+        coarse: the problem and the mesh of u_h.
+        computed: u_h, on that mesh.
         refinements: how often the mesh is refined for ũ of degree 2; None for ũ = u_h.
     """
     fine = StaticDiscretisation(coarse.data, coarse.mesh.refined(refinements or 0))

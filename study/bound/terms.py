@@ -20,7 +20,7 @@ residual       products of the coefficients in time of ρ, for r             ``M
 curvature      Gε(ũ) minus its parabola in time, 0 for linear G             ``Majorant._elastic``
 contact        products of the coefficients of σ̃_ν and ũ_ν, for c           ``Majorant._block``
 oscillation    η_T: f − P f on cells, plus remainders of f on cells         ``study.stresses.oscillation``
-bending        P f minus its parabola in time, in the dual norm             ``Majorant._bending``
+bending        P f minus its parabola in time, in the dual norm             ``Majorant._block``
 missed         remainders of f in the dual norm                             ``study.bound.remainders``
 =============  ===========================================================  =========================================
 
@@ -174,7 +174,9 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Knots:
-    """Neighbouring knots of ũ, which two pieces share; all arrays have an axis of the knots.
+    """Stresses and data at consecutive knots of ũ, stored because two pieces share each knot.
+
+    All arrays have one axis for the knots.
 
     Attributes:
         snapshots: the data.
@@ -198,15 +200,12 @@ class Knots:
             np.concatenate([self.normal, later.normal]),
         )
 
-    def last(self) -> Knots:
-        """Return the last knot."""
-        viscous, elastic, residual = (array[:, -1:] for array in (self.viscous, self.elastic, self.residual))
-        return Knots(self.snapshots[-1:], viscous, elastic, residual, self.normal[-1:])
-
 
 class Majorant:
-    """Computes the bound along a displacement ũ on one mesh, in blocks of pieces that fit into the processor's
-    cache."""
+    """Computes the bound y of ‖u − ũ‖_V from the start of a displacement ũ to its end, on one mesh.
+
+    Pieces of ũ are computed in blocks that fit into the processor's cache.
+    """
 
     def __init__(self, discretisation: Discretisation) -> None:
         self.discretisation = discretisation
@@ -244,7 +243,8 @@ class Majorant:
             ends, rates = (np.array(each) for each in zip(*((p.end, p.rate(end=True)) for p in block), strict=True))
             knots = last + self.knots([piece.b for piece in block], ends, rates)
             yield from self._block(block, knots)
-            last = knots.last()
+            viscous, elastic, residual = (each[:, -1:] for each in (knots.viscous, knots.elastic, knots.residual))
+            last = Knots(knots.snapshots[-1:], viscous, elastic, residual, knots.normal[-1:])
 
     def knots(self, times: Sequence[float], u: Array, rates: Array) -> Knots:
         """Return the knots at given times with ũ = u and ũ̇ = rate, (times, dofs) both."""
@@ -255,6 +255,7 @@ class Majorant:
         return Knots(snapshots, viscous, elastic, residual, normal)
 
     def _block(self, pieces: list[Parabola], knots: Knots) -> Iterator[Terms]:
+        """Yield the terms of consecutive pieces of ũ, whose knots are given."""
         d, control = self.discretisation, np.array([piece.control for piece in pieces])
         middle = [d.snapshot((piece.a + piece.b) / 2) for piece in pieces]
         a, m, b = (together([at.loads for at in some]) for some in (knots.snapshots[:-1], middle, knots.snapshots[1:]))
@@ -264,7 +265,11 @@ class Majorant:
         viscous = (knots.viscous[:, :-1] + knots.viscous[:, 1:]) / 2
         residual, normal = self._residual(loads, viscous + elastic, control)
         products = self.products([knots.residual[:, :-1], residual, knots.residual[:, 1:]])
-        bending = self._bending(pieces, (9 / 16) * a + (6 / 16) * loads + (1 / 16) * b)
+        # The least stress with τν = 0 on Γ3 that balances P f minus the parabola at a quarter of the piece.
+        quarter = together([d.snapshot(piece.a + (piece.b - piece.a) / 4).loads for piece in pieces])
+        parabola = (9 / 16) * a + (6 / 16) * loads + (1 / 16) * b
+        balancing = self._in_directions(d.equilibrium.balance(quarter + (-1.0) * parabola).values)
+        bending = np.sqrt(self.products([balancing])[0, 0].sum(axis=(0, -1)))
         moments = d.normal_moments(np.array([[piece.start, piece.control, piece.end] for piece in pieces]))
         # Complementarity makes these products 0, but rounding can make them slightly negative.
         pressures = np.array([knots.normal[:-1], normal, knots.normal[1:]])
@@ -297,15 +302,6 @@ class Majorant:
             found[a, b] = found[b, a] = np.einsum("...q,...q->...", stresses[a], stresses[b])
         return found
 
-    def _bending(self, pieces: list[Parabola], parabola: Loads) -> Array:
-        """Return bounds of ‖P f − parabola‖ in the dual norm at a quarter of the pieces, (pieces,).
-
-        The bound is the least ‖τ‖_{A⁻¹} of stresses τ that balance the difference with τν = 0 on Γ3.
-        """
-        quarter = together([self.discretisation.snapshot(p.a + (p.b - p.a) / 4).loads for p in pieces])
-        stress = self._in_directions(self.discretisation.equilibrium.balance(quarter + (-1.0) * parabola).values)
-        return np.asarray(np.sqrt(self.products([stress])[0, 0].sum(axis=(0, -1))))
-
     def _elastic(self, pieces: list[Parabola], control: Array, knots: Knots) -> tuple[Tensors, Array]:
         """Return the middle coefficient of the parabola through Gε(ũ), and the means of ‖Gε(ũ) − parabola‖_{A⁻¹}."""
         d, elastic = self.discretisation, self.discretisation.elastic(control)
@@ -322,6 +318,7 @@ class Majorant:
         return (left + right) / 2, np.sqrt(squares / A.ellipticity)
 
     def _interval(self, terms: Terms, y: float) -> Interval:
+        """Return the bound on one piece of ũ from its terms and the bound y at the start of the piece."""
         moduli, piece, step = self.discretisation.moduli, terms.piece, terms.step()
         k, mean = step.k, step.mean
         at_b, inside = grow(y, moduli.values, step)
@@ -340,7 +337,10 @@ class Majorant:
         )
 
     def _shares(self, terms: Terms, step: Step, y: float) -> Shares:
-        """Return the part of each cell in the increase of the bound y over a time interval, before the decay factor."""
+        """Return the contributions of the cells and of time to the increase of the bound y on one piece of ũ.
+
+        Only their proportions matter: ``_interval`` scales them so that their sum is the increase.
+        """
         d, k, mean, missed = self.discretisation, step.k, step.mean, terms.missed
         weights = d.moduli.weights(d.data.body.T)
         squares = weights @ mean.residual

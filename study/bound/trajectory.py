@@ -15,17 +15,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from functools import partial
-from typing import Protocol
+from functools import cached_property, partial
 
 import numpy as np
 import scipy.sparse as sps
 from skfem import Mesh
 
+from manufactured.body import Body
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.fem.mesh import barycentric_gradients
+from study.fem.mesh import size as mesh_size
 from study.fem.quadratic import EDGES
 from study.fem.space import Space
 from study.solve.evolution import Scheme, SemiDiscrete, remainder
@@ -39,10 +40,7 @@ ON_NODE = 1e-5
 
 @dataclass(frozen=True, eq=False)
 class DiscreteSolution:
-    """The P1 solution u_h, by its values at equally spaced times from 0 to T, (steps + 1, n_dofs).
-
-    ``study.bound.given`` has displacements of other programs. Both classes satisfy the protocol ``Computed``.
-    """
+    """The P1 solution u_h, by its values at equally spaced times from 0 to T, (steps + 1, n_dofs)."""
 
     space: Space
     nodes: Array
@@ -77,25 +75,57 @@ class DiscreteSolution:
         return lambda time: J @ self.at(time)
 
 
-class Computed(Protocol):
-    """The properties of a displacement u_h, linear in time between the times of its nodes, that a bound uses.
+@dataclass(frozen=True, eq=False)
+class GivenDisplacement:
+    """A displacement u_h on a triangulation of the body, linear between increasing times.
 
-    The number of steps of ũ is a multiple of ``steps``. Functions from ``known_error`` take values of ``at``. Only
-    ``SmoothedInTime`` also needs equal steps and u_h(t) ∈ K.
+    ``study.bound.given.given`` checks the arrays of a file and returns one.
+
+    Attributes:
+        mesh: the triangulation.
+        body: the body.
+        degree: 1, or 2 with nodes at the vertices and then at the midpoints of the edges of ``mesh``.
+        times: from 0 to T, (k,).
+        nodes: nodal values, node by node with two components each, (k, 2 · number of nodes).
+        steps: the number of intervals from which the number of time steps of ũ is computed.
+        remarks: sentences on changes of the input and on penetration.
+        offset: bound of ‖u_file − u_h‖_V at all times if u_h is the nearest field that vanishes on Γ1, otherwise 0.
     """
 
+    mesh: Mesh
+    body: Body
+    degree: int
+    times: Array
+    nodes: Array
+    steps: int
+    remarks: tuple[str, ...] = ()
+    offset: float = 0.0
+
     @property
-    def h(self) -> float: ...
-    @property
-    def T(self) -> float: ...
-    @property
-    def times(self) -> Array: ...
-    @property
-    def nodes(self) -> Array: ...
-    @property
-    def steps(self) -> int: ...
-    def at(self, time: float) -> Array: ...
-    def on(self, fine: Discretisation) -> Callable[[float], Array]: ...
+    def T(self) -> float:
+        """The last time."""
+        return float(self.times[-1])
+
+    @cached_property
+    def h(self) -> float:
+        """The mesh size."""
+        return mesh_size(self.mesh)
+
+    def at(self, time: float) -> Array:
+        """Return the nodal values at a time, (2 · number of nodes,)."""
+        low = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2))
+        share = (time - self.times[low]) / (self.times[low + 1] - self.times[low])
+        return np.asarray((1 - share) * self.nodes[low] + share * self.nodes[low + 1])
+
+    def on(self, fine: Discretisation) -> Callable[[float], Array]:
+        """Return the function t ↦ u_h(t) by coefficients of degree 2 on the mesh or a refinement of it, (dofs,)."""
+        J = sps.csr_array(sps.kron(on_refinement(self.mesh, self.degree, fine.mesh), sps.eye_array(2)))
+        J = sps.csr_array(J[fine.displacements.free])
+        return lambda time: J @ self.at(time)
+
+
+Computed = DiscreteSolution | GivenDisplacement
+"""A displacement u_h, linear in time between its nodes. Functions from ``known_error`` take values of ``at``."""
 
 
 def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> DiscreteSolution:
@@ -155,18 +185,6 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     return sps.csr_array(sps.vstack([at_nodes[:vertices], 2.0 * at_nodes[vertices:] - 0.5 * at_ends]))
 
 
-class Trajectory(Protocol):
-    """A way to compute ũ: its discretisation and its nodes (t_j, d_j), d_j ∈ K of degree 2.
-
-    ``name`` is the entry in the column ``trajectory`` of ``bounds.csv``.
-    """
-
-    @property
-    def name(self) -> str: ...
-    def discretisation(self, coarse: Discretisation) -> Discretisation: ...
-    def nodes(self, fine: Discretisation, computed: Computed) -> Iterator[tuple[float, Array]]: ...
-
-
 @dataclass(frozen=True)
 class SmoothedInTime:
     """The displacement ũ is u_h itself, smoothed in time; this gives the bound from u_h alone."""
@@ -203,6 +221,10 @@ class Refined:
         start, _ = Signorini(fine.M, V.N, V.free_points)(V.functional(stress))
         for state in MIDPOINT.march(quadratic_problem(fine, start), steps):
             yield state.time, state.u
+
+
+Trajectory = SmoothedInTime | Refined
+"""A way to compute ũ. ``name`` is the entry in the column ``trajectory`` of ``bounds.csv``."""
 
 
 def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete:

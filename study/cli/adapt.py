@@ -1,4 +1,7 @@
-"""``study bound --adapt``: refine mesh and time steps until the bound is at most a tolerance; resumes after Ctrl-C."""
+"""``study bound --adapt``: refines mesh and time steps until the error bound is at most a tolerance.
+
+Each mesh is written when it is finished, so that the command continues after Ctrl-C.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,7 @@ from study.bound.trajectory import Refined
 from study.cli.common import listed
 from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.files import write_text
+from study.ledger.files import UsageError, write_text
 from study.ledger.text import folded, up
 from study.present.figures import AdaptedMesh, adapted_mesh, draw_one
 from study.run.executor import GIB, available
@@ -30,25 +33,29 @@ from study.statements.shared import estimates
 
 
 def do_adapt(options: argparse.Namespace) -> int:
-    """Compute, bound and refine, and write each mesh; return 0 if the tolerance is reached, otherwise 1."""
+    """Refine until the tolerance is reached, write results and figure; return 0 if it is reached, otherwise 1.
+
+    If the exact solution is known, 1 is also returned if an error lies outside its enclosure.
+    """
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     level = min(options.levels)
     check_force(case)
     tolerance = adaptive.tolerance_from(options.adapt)
-    adaptive.check_cells(options.cells)
+    if options.cells < 1:
+        raise UsageError(f"--cells must be 1 or more, got {options.cells}")
     bounded.check_bound(data, family, [level], options.steps, Refined(0, 1))
     mesh = family(data.body, level)
     stage = Stage(mesh.p, mesh.t, bounded.steps_on(data, level, options.steps))
     store = Store(options.out / name, written=(".",))
-    kept: list[dict[str, Any]] = []
+    results: list[dict[str, Any]] = []
     with store.locked():
         while True:
-            number = len(kept)
-            # The tolerance is not part of the key, because it only decides when to stop.
-            made_by = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
-            kept.append(_stage(store, number, made_by, partial(adaptive.adapted, data, case, stage, scheme)))
-            rows = adaptive.table([one["row"] for one in kept])
+            number = len(results)
+            # The tolerance is not part of the cache key, because it only decides when to stop.
+            cache_key = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
+            results.append(_stage(store, number, cache_key, partial(adaptive.adapted, data, case, stage, scheme)))
+            rows = adaptive.table([one["row"] for one in results])
             table = write_text(store.directory / "adaptive.csv", rows.to_csv(index=False))
             print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], adaptive.SHOWN)}", flush=True)
             with np.load(adaptive.stage_file(store.directory, number)) as arrays:
@@ -59,33 +66,47 @@ def do_adapt(options: argparse.Namespace) -> int:
             if reached or stopped:
                 break
             stage = following
-        # ``study bound`` for the same problem on uniform meshes may have written this file before.
+        # The figure also shows uniform meshes if ``study bound`` has written their bounds for the same problem.
         levels = store.directory / "levels.csv"
         uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
         shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, uniform)
-        written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(kept)))]
-        written += draw_one(store.directory, adapted_mesh(name, shown))
+        written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(results)))]
+        norm = bounded.norm_of(data)
+        error = norm if isinstance(data, Static) else f"max {norm}"
+        written += draw_one(store.directory, adapted_mesh(name, shown, error))
     print(folded(f"written: {listed(written)}"))
-    sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
-    print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, bounded.norm_of(data))) + "\n")
-    return OK if reached and all(one["inside"] for one in kept if case) else FAILED
+    sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
+    print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, norm)) + "\n")
+    return OK if reached and all(one["inside"] for one in results if case) else FAILED
 
 
-def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
-    """Return the results on one mesh, from disk if they exist, otherwise computed."""
-    key = f"adapted-{number}"
-    kept = store.load(key, made_by) if adaptive.stage_file(store.directory, number).is_file() else None
-    if kept is not None:
-        return kept
+def _stage(store: Store, number: int, cache_key: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
+    """Return the results on one mesh, from disk if they are stored, otherwise computed and stored.
+
+    Parameters:
+        number: number of the mesh.
+        cache_key: cache key of the results.
+        compute: computes the results.
+    """
+    key, path = f"adapted-{number}", adaptive.stage_file(store.directory, number)
+    stored = store.load(key, cache_key) if path.is_file() else None
+    if stored is not None:
+        return stored
     found = compute()
-    adaptive.write_stage(store.directory, number, found)
+    shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
+    bounded.write_displacement(path, found.computed, **shares)
     record = adaptive.record(number, found)
-    store.save(key, made_by, record)
+    store.save(key, cache_key, record)
     return record
 
 
 def _limit(stage: Stage, cells: int) -> str:
-    """Return why the next mesh is not computed; an empty text if it is."""
+    """Return the reason why the next mesh is too large; an empty text if it is not.
+
+    Parameters:
+        stage: the next mesh and its number of time steps.
+        cells: largest permitted number of cells.
+    """
     if stage.cells > cells:
         return f"the next mesh has {stage.cells} cells, and {cells} are permitted: raise --cells or the tolerance"
     if stage.steps > MOST:

@@ -62,7 +62,7 @@ def do_bound(options: argparse.Namespace) -> int:
         over_time = pd.concat([pd.DataFrame(one["series"]) for one in kept])
         written = bounded.write(store.directory, table, over_time)
         written += [bounded.trajectory_file(store.directory, level) for level in plan]
-        if not static:
+        if not static:  # The figure shows the bounds over time.
             written += draw_one(store.directory, enclosure("enclosure", over_time, name))
     print(folded(f"written: {listed(written)}"))
     sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
@@ -80,7 +80,7 @@ def _level(
     if kept is not None:
         return kept
     found = with_progress(f"level {level}", T, compute)
-    bounded.write_trajectory(store.directory, level, found)
+    bounded.write_displacement(trajectory, found.computed)
     record = bounded.record(level, found)
     store.save(key, made_by, record)
     return record

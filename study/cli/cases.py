@@ -1,4 +1,4 @@
-"""``study cases``: list the exact solutions."""
+"""``study cases``: lists the exact solutions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ INDENT = 4 * " "
 
 
 def do_cases(options: argparse.Namespace) -> int:
-    """List the exact solutions."""
+    """Print the exact solutions of the catalogue; return 0."""
     lines = [describe(case) for case in catalogue()]
     if options.json:
         print(json.dumps(lines, indent=2))

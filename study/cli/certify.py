@@ -1,17 +1,17 @@
-"""``study certify``: compute certificates, write them, and check them."""
+"""``study certify``: writes proofs of error bounds as files (certificates) and checks them."""
 
 from __future__ import annotations
 
 import argparse
+from functools import partial
 
-from tqdm import tqdm
-
+from manufactured.body import Kind
 from manufactured.static import Static
 from study.bound import bounded
 from study.bound.trajectory import Refined
 from study.certify import checker
 from study.certify.certified import Making, write
-from study.cli.common import listed, progress_bar
+from study.cli.common import listed, with_progress
 from study.cli.options import OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
@@ -30,6 +30,8 @@ def do_certify(options: argparse.Namespace) -> int:
     refined = Refined(options.refine, options.shorter)
     if isinstance(data, Static):
         raise UsageError(f"{name} is a static problem, for which there are no certificates: take `study bound`")
+    if not data.body.of(Kind.CONTACT):
+        raise UsageError(f"{name} has no contact side, for which there are no certificates: take `study bound`")
     making = Making(data, family, scheme, refined)
     making.check()
     # The memory must be checked before check_bound makes meshes.
@@ -39,13 +41,8 @@ def do_certify(options: argparse.Namespace) -> int:
     paths, store = [], Store(options.out / name, written=(".",))
     with store.locked():
         for level in options.levels:
-            with progress_bar(100) as bar:
-                bar.set_description(f"level {level}")
-
-                def progress(time: float, bar: tqdm = bar, T: float = data.body.T) -> None:
-                    bar.update(round(100 * time / T) - bar.n)
-
-                found = making.certificate(level, options.steps or rate_steps(data.body.T, level), progress)
+            compute = partial(making.certificate, level, options.steps or rate_steps(data.body.T, level))
+            found = with_progress(f"level {level}", data.body.T, compute)
             paths.append(write(store.directory / f"certificate-{level}.json.gz", found))
     print(folded(f"written: {listed(paths)}; now they are checked") + "\n")
     code = checker.main([str(path) for path in paths])

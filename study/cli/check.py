@@ -1,4 +1,4 @@
-"""``study check``: compare data, verdicts, tables and the inputs of the papers with their expected contents."""
+"""``study check``: compares data, verdicts, tables and the inputs of the papers with their expected contents."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ IN_PART = (
     "data/sensitivity.csv",
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )
-"""Files that are checked in part: relations between columns, or the tables made from these files, show some edits only.
-The tables of a run whose provenance has no checksums are among them."""
+"""Files in which only some edits are noticed: by relations between columns, or because tables are made from them. The
+data tables of a run are also among these files if its provenance has no checksums."""
 
 
 def do_check(options: argparse.Namespace) -> int:
@@ -49,7 +49,7 @@ def do_check(options: argparse.Namespace) -> int:
         code = code_of(found, options.undecided)
         if code == FAILED or (options.again is not None and _again(options) == FAILED):
             return FAILED
-        # Data are checked first, so that nobody writes tables again from damaged data.
+        # Data were checked first, so that no message advises to write tables from damaged data.
         compared = compare_sums(options.out) | compare_record(options.out) | as_written(options.out, found)
     compared |= {options.out / "data" / "cases.csv"}
     inside = len([path for path in compared if options.out in path.parents])
@@ -62,7 +62,7 @@ def do_check(options: argparse.Namespace) -> int:
 
 
 def _require_sample(options: argparse.Namespace) -> None:
-    """Refuse bad options of ``--again`` before time is spent."""
+    """Raise UsageError for bad options, before anything is computed."""
     check_jobs(options.jobs)
     known_undecided(options.undecided)
     tolerance_from(options)
@@ -99,8 +99,10 @@ def _again(options: argparse.Namespace) -> int:
 
 
 def as_written(directory: Path, found: Sequence[Verdict]) -> set[Path]:
-    """Compare verdicts, tables, captions, badges and README with the texts that would be written now; return their
-    files.
+    """Compare verdicts, tables, captions, badges and README with the texts that the program would write now.
+
+    Returns:
+        The files that were compared.
 
     Raises:
         DataError: names the first line that differs, both texts, and the command that mends it.
@@ -115,10 +117,10 @@ def as_written(directory: Path, found: Sequence[Verdict]) -> set[Path]:
 
 
 def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:
-    """Compare files with their expected texts; return the files.
+    """Compare files with their expected texts and return the files.
 
-    Args:
-        expected: for each file its text and the command that writes it.
+    Parameters:
+        expected: file ↦ (its expected text, the command that writes it).
 
     Raises:
         DataError: as ``as_written``.
@@ -130,7 +132,7 @@ def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:
 
 
 def files_of(directory: Path) -> Iterator[Path]:
-    """Yield the files of a result directory, without hidden files, finished jobs and result directories inside it."""
+    """Yield the files of a result directory, without hidden files, stored jobs, and result directories inside it."""
     inside = (path.parent.parent for path in directory.rglob("data/provenance.json"))
     left_out = {directory / "data" / "jobs", *inside} - {directory}
     for path in sorted(directory.rglob("*")):
@@ -139,7 +141,12 @@ def files_of(directory: Path) -> Iterator[Path]:
 
 
 def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list[Path]]:
-    """Return the files that are checked in part, and the files that are not checked."""
+    """Return the files that were checked in part, and the files that were not checked.
+
+    Parameters:
+        directory: the result directory.
+        compared: the files that were checked completely.
+    """
     rest = [path for path in files_of(directory) if path not in compared]
     tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
     in_part = {directory / name for name in (*IN_PART, *tables)}

@@ -1,4 +1,4 @@
-"""Functions shared by the commands: exit codes, progress, drawing, lists of files."""
+"""Functions that several commands use: exit codes, progress bars, drawing, lists of files."""
 
 from __future__ import annotations
 
@@ -26,10 +26,16 @@ def check_jobs(jobs: int) -> None:
 
 
 def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
-    """Return (label, key, case, family) of the checks that a table lists as undecided; an empty set without a table.
+    """Return the identities of the checks that a CSV file lists as undecided.
+
+    Parameters:
+        file: the file; None for an empty set.
+
+    Returns:
+        Tuples (label, key, case, family).
 
     Raises:
-        UsageError: a row has no reason, or the file is not such a table.
+        UsageError: the file cannot be read, has other columns, or a row has no reason.
     """
     if file is None:
         return set()
@@ -45,10 +51,12 @@ def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
 
 
 def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
-    """Return the exit code of a judged run: 1 if a check fails, else 3 if checks are undecided, else 0.
+    """Return the exit code of a judged run: 1 if a check fails, else 3 if a check is undecided, else 0.
 
-    With a table of checks that are known to be undecided, the code is 0 if exactly these are undecided, and 3
-    otherwise; differences are printed.
+    Parameters:
+        verdicts: all checks.
+        file: a CSV file with checks that are known to be undecided. If it is given, the exit code is 0 if exactly these
+            checks are undecided, and 3 otherwise; differences are printed.
     """
     code, known = exit_code(verdicts), known_undecided(file)
     if file is None or code == FAILED:
@@ -67,14 +75,26 @@ def progress_bar(total: int) -> tqdm:
 
 
 def with_progress(name: str, T: float, compute: Callable[[Callable[[float], object]], Result]) -> Result:
-    """Return the result of a computation, with a progress bar for the times up to T."""
+    """Return the result of a computation and show its progress.
+
+    Parameters:
+        name: text before the progress bar.
+        T: final time.
+        compute: the computation; it calls the function that it is given with each time that is finished.
+    """
     with progress_bar(100) as bar:
         bar.set_description(name)
         return compute(lambda time: bar.update(round(100 * time / T) - bar.n))
 
 
 def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]]) -> list[Path]:
-    """Draw figures and show the progress; return their files."""
+    """Draw figures, show the progress, and return the files.
+
+    Parameters:
+        directory: the result directory.
+        processes: draw the figures.
+        chosen: function that returns the figures, given the directory.
+    """
     with progress_bar(0) as bar:
 
         def show(done: int, total: int, name: str) -> None:
@@ -86,7 +106,7 @@ def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Dr
 
 
 def listed(paths: Sequence[Path]) -> str:
-    """Return files as text; three or more files of one kind and folder are shown as one pattern."""
+    """Return the names of files as one text; three or more of a kind in a folder become FOLDER/*.KIND (NUMBER)."""
     kinds: dict[str, list[Path]] = {}
     for path in paths:
         kinds.setdefault(f"{path.parent}/*{path.suffix}", []).append(path)

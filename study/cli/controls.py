@@ -1,4 +1,4 @@
-"""``study controls``: deliberate defects that must be noticed; ``study sensitivity``: the smallest of them."""
+"""``study controls`` tests that deliberate defects are noticed; ``study sensitivity`` finds the smallest ones."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from study.run.store import Store
 
 
 def do_controls(options: argparse.Namespace) -> int:
-    """Measure with each defect and without any, and write the outcomes; return 0 if every defect is noticed."""
+    """Measure all settings with and without defects, write the outcomes; return 0 if all are noticed, else 1."""
     check_jobs(options.jobs)
     store = Store(options.out)
     store.check()
@@ -29,7 +29,7 @@ def do_controls(options: argparse.Namespace) -> int:
 
 
 def do_sensitivity(options: argparse.Namespace) -> int:
-    """Find the smallest relative defect of each part that makes a check fail; return 0 if all are found."""
+    """Find the smallest defect of each part that makes a check fail, write them; return 0 if all are found, else 1."""
     check_jobs(options.jobs)
     store = Store(options.out)
     store.check()

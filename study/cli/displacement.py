@@ -1,4 +1,4 @@
-"""``study bound --displacement``: enclose the errors of displacements that other programs computed."""
+"""``study bound --displacement``: encloses the errors of displacements that other programs have computed."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from manufactured.self_proof import prove
 from manufactured.static import Static
 from study.bound import bounded, fields
 from study.bound.discretisation import check_force
-from study.bound.given import GivenDisplacement, bounded_displacement, given
-from study.bound.trajectory import Refined
+from study.bound.given import bounded_displacement, given
+from study.bound.trajectory import GivenDisplacement, Refined
 from study.cli.common import listed, with_progress
 from study.cli.options import FAILED, OK
 from study.fem.naming import resolve_data
@@ -32,7 +32,11 @@ from study.statements.shared import estimates
 
 
 def do_displacement(options: argparse.Namespace) -> int:
-    """Enclose the error of each file; return 0 if the solution is unknown or every error lies in its enclosure."""
+    """Enclose the error of the displacement in each file, and write the results.
+
+    Returns:
+        0 if the exact solution is unknown, or if all errors lie in their enclosures; otherwise 1.
+    """
     name, data, case = resolve_data(options.problem)
     refined = Refined(options.refine, options.shorter)
     check_force(case)
@@ -40,7 +44,7 @@ def do_displacement(options: argparse.Namespace) -> int:
     read = [_read(data, path, options, refined) for path in options.displacement]
     if case:
         prove(case.solution, f"case {case.name}")
-    # Coarse meshes come first, because orders are computed from mesh to mesh.
+    # The coarsest mesh comes first, because orders are computed from mesh to mesh.
     read.sort(key=lambda pair: -pair[1].h)
     stems = dict.fromkeys(path.stem for path, _ in read)
     store = Store(options.out / "-".join([name, *stems]), written=(".",))
@@ -52,16 +56,21 @@ def do_displacement(options: argparse.Namespace) -> int:
         if not isinstance(data, Static) and table["level"].is_unique:
             written += draw_one(store.directory, enclosure("enclosure", over_time, name))
     print(folded(f"written: {listed(written)}"))
+    if isinstance(data, Static):
+        print("no figure: the figure shows the bounds over time, and a static problem has no time")
+    elif not table["level"].is_unique:
+        print("no figure: two files have meshes of the same size")
     for path, u_h in read:
-        print(folded(f"level {_level(u_h)}: {path}, degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles"))
+        print(folded(f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
     last = pd.DataFrame(rows[-1]["series"])
-    print(f"\n{bounded.text(name, table, last, sentences, bounded.norm_of(data))}\n")
+    names = [path.name for path, _ in read]
+    print(f"\n{bounded.text(name, table, last, sentences, bounded.norm_of(data), names)}\n")
     return OK if case is None or all(one["inside"] for one in rows) else FAILED
 
 
 def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined) -> tuple[Path, GivenDisplacement]:
-    """Return the checked displacement of a file; UsageError if its mesh is too large for the memory."""
+    """Return the path and the checked displacement of a file; raise UsageError if there is too little memory for it."""
     field = fields.read(path, options.field)
     need, room = (estimates.BASE, available())
     per_cell = (estimates.bound(1, refined.refinements, "unstructured") - estimates.BASE) / 2
@@ -77,21 +86,26 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
 
 
 def _level(u_h: GivenDisplacement) -> int:
-    """Return the level of u_h: the number of its cells along a side of a square with the area of the body."""
+    """Return the level of a mesh: how many cells of its size fit along a side of a square with the area of the body."""
     return max(1, round(math.sqrt(u_h.body.measure) / u_h.h))
 
 
 def _row(
     store: Store, data: Data, case: Case | None, number: int, path: Path, u_h: GivenDisplacement, refined: Refined
 ) -> dict[str, Any]:
-    """Return the results for a file, from disk if they exist, otherwise computed."""
+    """Return the results for a file, from disk if they are stored, otherwise computed and stored.
+
+    Parameters:
+        number: number of the file.
+        path, u_h: the file and its displacement.
+    """
     arrays = (u_h.mesh.p, u_h.mesh.t, u_h.times, u_h.nodes)
     content = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
-    key, made_by = f"displacement-{number}", of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
-    kept = store.load(key, made_by)
-    if kept is not None:
-        return kept
+    key, cache_key = f"displacement-{number}", of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
+    stored = store.load(key, cache_key)
+    if stored is not None:
+        return stored
     found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
     record = bounded.record(_level(u_h), found)
-    store.save(key, made_by, record)
+    store.save(key, cache_key, record)
     return record

@@ -1,4 +1,4 @@
-"""``study export``: contact problems as files for other codes."""
+"""``study export``: writes contact problems as files for other codes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,10 @@ from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 
 def do_export(options: argparse.Namespace) -> int:
-    """Write a task for each case, mesh family and level; by default with the families of the quick study."""
+    """Write one file for each case, mesh family and level; return 0.
+
+    By default, the mesh families are those on which the quick study measures the case.
+    """
     cases = [resolve(name) for name in options.case]
     if repeated := {case.name for case in cases if [other.name for other in cases].count(case.name) > 1}:
         raise UsageError(f"two cases have the name {', '.join(sorted(repeated))}; give each case once")
@@ -44,7 +47,7 @@ def do_export(options: argparse.Namespace) -> int:
         prove(case.solution, f"case {case.name}")
     with TaskStore(options.out).locked():
         for task in wanted:
-            # A new task for each file, so that the memory of the previous meshes and factorisations is freed.
+            # A new object for each file frees the memory of the meshes and factorisations of the files before.
             path = write_task(options.out, _data(Task(task.case, task.family, task.level), options))
             print(f"{path}  {path.stat().st_size / 1000:.1f} kB")
     return OK
@@ -63,7 +66,7 @@ def _instants(options: argparse.Namespace, case: Case) -> list[float]:
 
 
 def _check_mesh(options: argparse.Namespace, task: Task) -> None:
-    """Refuse a mesh that needs too much memory or does not fit the boundary parts of the body."""
+    """Raise an error if a mesh needs too much memory, or does not fit the boundary parts of the body."""
     steps = (options.steps or task.level) if options.mode == "march" else len(_instants(options, task.case))
     need = estimates.task(task.solution.body.dim, task.level, task.family.name, steps)
     require(f"level {task.level}", need, available())
@@ -71,7 +74,7 @@ def _check_mesh(options: argparse.Namespace, task: Task) -> None:
 
 
 def _check(options: argparse.Namespace, case: Case) -> None:
-    """Refuse bad options before anything is written."""
+    """Raise UsageError for bad options, before anything is written."""
     if min(options.levels) < 2:
         raise UsageError(f"--levels must be 2 or more, got {min(options.levels)}")
     if options.mode == "march" and options.instants:

@@ -1,4 +1,4 @@
-"""The ``study`` command."""
+"""The ``study`` command: parses the options, calls the function of a command, and turns errors into messages."""
 
 from __future__ import annotations
 
@@ -12,10 +12,14 @@ from study.cli.options import CLOSED, INTERRUPTED, USAGE, parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; return its exit code: 0 no check fails, 1 a check fails, 2 bad usage or input, 3 undecided."""
+    """Run a command and return its exit code: 0 success, 1 a check fails, 2 bad usage or input, 3 undecided.
+
+    Parameters:
+        arguments: the words after ``study``; by default those of the command line.
+    """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            # A terminal in ASCII or cp1252 has no ‖; it is shown as \u2016, also within JSON.
+            # Terminals in ASCII or cp1252 cannot show ‖; then \u2016 is printed, which is also valid in JSON.
             stream.reconfigure(errors="backslashreplace")
     options = parser().parse_args(arguments)
     module, name = options.command
@@ -23,7 +27,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"study: {STRIPPED}", file=sys.stderr)
         return USAGE
     try:
-        # The import comes late, because the solvers take seconds to import.
+        # Only the module of this command is imported, because importing the solvers takes seconds.
         command = getattr(importlib.import_module(f"study.cli.{module}"), name)
         code = int(command(options))
         sys.stdout.flush()
@@ -52,19 +56,9 @@ LACKING = "this command needs {}, which is not installed: python -m pip install 
 
 
 WITH_PYAMG = (
-    "adapt",
-    "bound",
-    "certify",
-    "check",
-    "controls",
-    "displacement",
-    "export",
-    "present",
-    "run",
-    "seeds",
-    "show",
-)
-"""Modules of commands that import pyamg, directly or through others."""
+    "adapt", "bound", "certify", "check", "controls", "displacement", "export", "present", "run", "seeds", "show",
+)  # fmt: skip
+"""Modules of the commands that import pyamg, directly or indirectly."""
 STRIPPED = (
     "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them: "
     "run python or python -O"
@@ -72,6 +66,6 @@ STRIPPED = (
 
 
 def _close_output() -> None:
-    """Discard the rest of the output, because Python would fail to write it at the end."""
+    """Discard the rest of the output, which Python cannot write any more at its end."""
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)

@@ -1,4 +1,4 @@
-"""``study tables``, ``study figures``, ``study report``: presentation from the data on disk."""
+"""``study tables``, ``study figures`` and ``study report``: present the data in a result directory."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from study.run.store import Store
 
 
 def do_tables(options: argparse.Namespace) -> int:
-    """Judge the data and write the tables."""
+    """Judge the data and write ``claims.csv`` and the tables; return 0."""
     read_provenance(options.out)
     with Store(options.out).steady():
         judge(options.out)
@@ -26,14 +26,14 @@ def do_tables(options: argparse.Namespace) -> int:
 
 
 def do_report(options: argparse.Namespace) -> int:
-    """Write the report page."""
+    """Write the report, one HTML page; return 0."""
     with Store(options.out).steady():
         print(write_report(options.out, read_provenance(options.out)))
     return OK
 
 
 def do_figures(options: argparse.Namespace) -> int:
-    """Draw all figures."""
+    """Draw all figures; return 0."""
     check_jobs(options.jobs)
     read_provenance(options.out)
     with Processes(options.jobs) as executor, Store(options.out).steady():

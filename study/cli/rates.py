@@ -1,4 +1,4 @@
-"""``study rates``: observed orders of any table of errors."""
+"""``study rates``: computes the observed orders of any table of errors, and judges them."""
 
 from __future__ import annotations
 
@@ -20,12 +20,15 @@ from study.orders.sequences import OrderResult, grid_convergence
 
 
 def do_rates(options: argparse.Namespace) -> int:
-    """Run ``study rates``; return 0 if all orders hold or none is expected, 1 if one fails, 2 for bad input, 3
-    undecided."""
+    """Read tables of errors, print the observed orders and the verdicts.
+
+    Returns:
+        0 if all orders hold or none is expected, 1 if one fails, 2 for bad input, 3 if one is undecided.
+    """
     try:
         return _rates(options)
     except OrderError as error:
-        # The error is handled here, because ``refusals`` imports packages that ``[orders]`` does not install.
+        # ``refusals`` cannot handle this error: it imports packages that the extra ``[orders]`` does not install.
         print(f"study: {error}", file=sys.stderr)
         return USAGE
 
@@ -56,7 +59,10 @@ def _rates(options: argparse.Namespace) -> int:
 
 
 def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
-    """Return the results of all columns. An expectation is looked up by name and case, then by name, then by case."""
+    """Return the results of all columns of errors.
+
+    The expected order of a column is looked up by its name and case, then by its name, then by its case.
+    """
     wishes = [
         wish if isinstance(wish, dict) else {} if wish is None else {"": wish}
         for wish in (options.expected, options.at_least)
@@ -78,7 +84,12 @@ def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
 
 
 def _values(tables: list[Series], as_json: bool) -> str:
-    """Return text with order, extrapolated value and grid convergence index of each quantity."""
+    """Return the order, the extrapolated value and the grid convergence index of each column of values as text.
+
+    Parameters:
+        tables: the tables.
+        as_json: whether the text is JSON.
+    """
     found = {
         f"{name} ({series.label})" if series.label else name: grid_convergence(series.h, values)
         for series in tables
@@ -102,7 +113,7 @@ def _values(tables: list[Series], as_json: bool) -> str:
 
 
 def _read(file: Path) -> bytes:
-    """Return the bytes of a file, of a pipe, or of standard input for ``-``."""
+    """Return the content of a file, of a pipe, or of standard input if the name is ``-``."""
     if str(file) == "-":
         return sys.stdin.buffer.read(MAX_BYTES + 1)
     if file.is_dir():

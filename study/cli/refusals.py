@@ -1,4 +1,4 @@
-"""Exit codes and messages, without a traceback, for errors that end a command."""
+"""Turns errors that end a command into an exit code and a message without a traceback."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ OUT_OF_MEMORY = "there is not enough memory for this: take coarser levels, fewer
 
 
 def exit_code_and_message(error: Exception) -> tuple[int, str]:
-    """Return the exit code and the message of an error; an error of another kind is raised again."""
+    """Return the exit code and the message of an error; an unexpected error is raised again, with its traceback."""
     if isinstance(error, REFUSALS):
         return USAGE, str(error)
     if isinstance(error, JobsError):

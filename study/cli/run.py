@@ -1,4 +1,4 @@
-"""``study run``: refuse bad input, compute, write data, judge, present."""
+"""``study run``: measures, writes data, judges them, and writes tables and figures."""
 
 from __future__ import annotations
 
@@ -32,7 +32,14 @@ PLACES = {"quick": Path("results/quick"), "full": Path("results")}
 
 
 def do_run(options: argparse.Namespace) -> int:
-    """Refuse bad input, measure, write data, judge, write tables, draw figures; return the exit code."""
+    """Run the study: measure, write data, judge them, write tables and figures.
+
+    Returns:
+        The exit code, as ``code_of``.
+
+    Raises:
+        UsageError, SelfProofError, MeshError, StoreError: bad input; raised before anything is computed.
+    """
     choose("scheme", options.scheme, SCHEMES)
     check_jobs(options.jobs)
     known_undecided(options.undecided)
@@ -43,7 +50,7 @@ def do_run(options: argparse.Namespace) -> int:
     if options.levels:
         scope = with_levels_of(store.directory, scope)
     plan = Plan.of(scope)
-    # More processes than jobs and cases would be idle.
+    # No more processes are started than there are jobs or cases.
     with (
         Processes(min(options.jobs, max(len(plan.jobs), len(scope.cases)))) as processes,
         connected(options.cluster, plan.scope.cases) if options.cluster else nullcontext(Pool.of(processes)) as pool,
@@ -54,7 +61,7 @@ def do_run(options: argparse.Namespace) -> int:
             tested = measure(plan, store, pool, Pool.of(processes))
             verdicts = judge(store.directory)
             tables = write_tables(store.directory)
-            # The figures of all cases would take a third of the time of the quick study.
+            # Figures of single cases are drawn for selected cases only: those of all cases would take too long.
             drawn = draw(store.directory, processes, drawings if options.case else overview)
     data = ["rates.csv", "equivalence.csv", "claims.csv", "cases.csv", *tested, "provenance.json", "pictures/"]
     print("\n" + folded(f"data: {store.data}/{', '.join(data)}"))
@@ -69,13 +76,16 @@ def do_run(options: argparse.Namespace) -> int:
 
 
 def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[str]:
-    """Run the jobs whose results a directory lacks, and write its data files; return the names of additional files.
+    """Run the jobs of a plan whose results are not stored, and write the data files.
 
     Parameters:
         plan: the plan.
-        store: the directory.
+        store: the result directory.
         pool: runs the jobs of the plan.
-        own_processes: runs the same jobs with deliberate defects, for the users' cases.
+        own_processes: runs jobs with deliberate defects, for users' cases, in processes of this machine.
+
+    Returns:
+        The names of additional data files, which only users' cases have.
     """
     refuse_to_replace(plan, store.directory)
     store.check()
@@ -91,7 +101,10 @@ def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[s
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:
-    """Return the scope with the levels that a directory already has for its cases, if the scope adds others."""
+    """Return the scope with all levels that the directory has for its cases, if the scope has new levels for them.
+
+    A case is then measured on old and new levels together.
+    """
     if not (directory / "data" / "provenance.json").exists():
         return scope
     planned = read_provenance(directory)["planned"]
@@ -117,12 +130,12 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
 
 
 def spaced(levels: Iterable[int]) -> str:
-    """Return levels as text, in increasing order."""
+    """Return levels as a text, in increasing order."""
     return " ".join(map(str, sorted(levels)))
 
 
 def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) -> str:
-    """Return the command line of the same run on finer meshes, into a second directory."""
+    """Return a command line with which the same run is repeated on finer meshes, into another directory."""
     cases = scope.resolved()
     dim = max(case.solution.body.dim for case in cases)
     levels = finer(sorted({level for case in cases for level in scope.levels_of(case).all}), dim)
@@ -130,7 +143,7 @@ def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) 
 
 
 def warn_of_few_levels(scope: Scope) -> None:
-    """Print which cases have too few levels for a verdict on an observed order."""
+    """Print a warning for each case with too few levels for a verdict on an observed order."""
     for case in scope.resolved():
         needed, given = least_levels(case.proposition), scope.levels_of(case).all
         if len(given) < needed:
@@ -143,14 +156,14 @@ def warn_of_few_levels(scope: Scope) -> None:
 
 
 def scope_from_options(options: argparse.Namespace) -> Scope:
-    """Return the scope of the quick or the full study, restricted by the options."""
+    """Return the scope of the quick or the full study, changed by the options for cases, levels and time steps."""
     study = {"quick": quick, "full": full}[options.plan]()
     scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options))
     if options.case:
         scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
     if options.levels:
         levels = Levels(tuple(options.levels))
-        # The interior-point method can solve small problems only.
+        # Theorem 4.2 is tested on coarse levels only, because the interior-point method solves only small problems.
         plane, solid = ([n for n in options.levels if n <= most] for most in (16, 6))
         scope = replace(
             scope,
@@ -165,7 +178,13 @@ def scope_from_options(options: argparse.Namespace) -> Scope:
 
 
 def command_line(options: argparse.Namespace, levels: Sequence[int] | None = None, out: Path | None = None) -> str:
-    """Return the command line of ``study run`` with the given options, or with other levels or another directory."""
+    """Return the command line of ``study run`` with the given options.
+
+    Parameters:
+        options: the options.
+        levels: other levels than those in the options.
+        out: the result directory; it is left out if it is None.
+    """
     words = ["study", "run", *(["--full"] if options.plan == "full" else [])]
     words += ["--case", *options.case] if options.case else []
     levels = levels or options.levels

@@ -1,4 +1,4 @@
-"""``study seeds``: judge the claims of the ledger on fresh random meshes, and add the results to the record."""
+"""``study seeds``: judges all claimed checks on new random meshes, and adds the results to the record of seeds."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from study.run.plan import Plan
 from study.run.store import Store
 
 BITS = 62
-"""Bits of a seed: enough that seeds do not repeat, and within 64-bit integers of other programs."""
+"""Number of bits of a seed: so many that seeds do not repeat, and few enough for 64-bit integers."""
 
 
 class TimeIsUpError(Exception):
@@ -35,21 +35,30 @@ class TimeIsUpError(Exception):
 
 @dataclass(frozen=True)
 class Watch:
-    """Shows progress, and stops when the time is over."""
+    """Shows progress after each job, and stops the run when the time is over.
+
+    Attributes:
+        bar: the progress bar.
+        end: the end of the time, as ``time.monotonic()``.
+    """
 
     bar: tqdm
     end: float
 
     def __call__(self, cost: float) -> None:
-        """Update the progress after a job; raise TimeIsUpError when the time is over."""
+        """Show that a job with this cost is finished; raise TimeIsUpError if the time is over."""
         self.bar.update(round(cost))
         if time.monotonic() >= self.end:
             raise TimeIsUpError
 
 
 def do_seeds(options: argparse.Namespace) -> int:
-    """Judge as many fresh seeds as time permits, or one seed again; return 0 if the false-alarm rate is small
-    enough."""
+    """Judge as many new seeds as time permits, and write the table of false-alarm rates; or measure one seed again.
+
+    Returns:
+        0 if the false-alarm rate is at most the permitted one, 1 if it is larger, 3 if this is undecided. For one seed
+        that is measured again: 0 if all claimed checks hold, otherwise 1.
+    """
     check_jobs(options.jobs)
     if options.minutes < 0:
         raise UsageError(
@@ -80,7 +89,7 @@ def do_seeds(options: argparse.Namespace) -> int:
 
 
 def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
-    """Judge at most ``most`` seeds until the time is over, beginning with an unfinished one."""
+    """Judge at most ``most`` seeds until the time ``end``, first the seed that an earlier call did not finish."""
     done = 0
     while done < most and time.monotonic() < end:
         done += 1
@@ -88,10 +97,10 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         draw = record.pending()
         if draw is None:
             draw = Draw(secrets.randbits(BITS), LIGHT if (len(record.draws) + 1) % EVERY else WHOLE)
-            # The seed is recorded before it is judged, so that no seed can be left out afterwards.
+            # The seed is recorded before it is judged, so that a seed with a bad result cannot be left out.
             record = record.drawn(draw.seed, draw.part)
             record.write(directory)
-        store, plan = _store(directory, draw.seed), seeded(draw.seed, draw.part)
+        store, plan = Store(directory / "seeds" / str(draw.seed)), seeded(draw.seed, draw.part)
         try:
             found = judged(plan, store, pool, f"seed {len(record.draws)}, {draw.part}", end)
         except TimeIsUpError:
@@ -102,12 +111,13 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         shutil.rmtree(store.directory)
 
 
-def _store(directory: Path, seed: int) -> Store:
-    return Store(directory / "seeds" / str(seed))
-
-
 def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[Verdict]:
-    """Run the missing jobs of a plan and return its verdicts.
+    """Run the jobs of a plan whose results are not stored, and return the claimed checks.
+
+    Parameters:
+        plan, store, pool: the plan, the directory of its data, and the pool that runs the jobs.
+        name: text before the progress bar.
+        end: the end of the time, as ``time.monotonic()``.
 
     Raises:
         TimeIsUpError: the time is over before all jobs are finished.
@@ -120,8 +130,12 @@ def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[
 
 
 def _again(seed: int, directory: Path, pool: Pool) -> int:
-    """Measure one seed again, print its failures and compare it with the record."""
-    store, plan = _store(directory, seed), seeded(seed)
+    """Measure one seed again, print the claimed checks that do not hold, and compare the results with the record.
+
+    Returns:
+        0 if all claimed checks hold, otherwise 1.
+    """
+    store, plan = Store(directory / "seeds" / str(seed)), seeded(seed)
     found = judged(plan, store, pool, f"seed {seed}", float("inf"))
     record, known = Record.read(directory), rules(store.directory, plan, plan)
     shutil.rmtree(store.directory)

@@ -1,11 +1,10 @@
 """The false-alarm rate: how often chance alone makes a check of the ledger fail, from the record of seeds.
 
-A check is judged by the seeds that were drawn since the last change to its rule, levels or window. Earlier seeds remain
-in the record but are not counted. ``data/seeds.csv`` has a line for each check, after two lines for all claimed checks
-together: ``every`` counts the seeds on which all checks were measured; ``light`` counts all seeds, with the cheap
-checks that are measured on each of them. Both counts start again after the last change to one of their checks.
-``every`` also starts again when a check leaves the ledger: otherwise removing a check because of its alarms would
-remove these alarms from the count.
+A seed counts for a check if it was drawn after the last change of the rule of the check (window, levels, statistic).
+Earlier seeds remain in the record but do not count. ``data/seeds.csv`` has one row for each check, after two rows about
+all claimed checks together: ``every`` counts the seeds on which all checks were measured. ``light`` counts all seeds,
+with the cheap checks that are measured on each seed. Both counts start again after a change of one of their checks.
+``every`` also starts again if a check leaves the ledger. Otherwise alarms could be removed by removing the check.
 """
 
 from __future__ import annotations
@@ -39,14 +38,14 @@ FOLDED = [25, 14]
 
 
 @dataclass(frozen=True)
-class Seen:
-    """A check with its positions in its window on the seeds that count.
+class CountedCheck:
+    """A check, and the position of its value in its window for each seed.
 
     Attributes:
         key: (label, key, case).
-        rule: the fingerprint of the rule.
-        places: the position for every seed that was drawn, (seeds,); NaN for seeds that this rule did not judge.
-        both: whether the window is two-sided.
+        rule: the fingerprint of its rule.
+        places: the positions for all seeds that were drawn, (seeds,); NaN if this rule did not judge the seed.
+        both: whether values can come near both ends of the window.
     """
 
     key: RowKey
@@ -55,10 +54,10 @@ class Seen:
     both: bool
 
     @classmethod
-    def of(cls, record: Record) -> list[Seen]:
-        """Return the checks of a record, each with the rule that judged it last.
+    def of(cls, record: Record) -> list[CountedCheck]:
+        """Return the checks of a record that are still in the ledger, each with the rule that judged it last.
 
-        A check is no longer in the ledger if neither the last seed with all checks nor a later seed has it.
+        A check has left the ledger if it was judged neither on the last seed with all checks nor on a later seed.
         """
         latest: dict[RowKey, tuple[str, Line]] = {}
         for (*row, rule), line in record.lines.items():
@@ -74,10 +73,15 @@ class Seen:
 
     @property
     def claimed(self) -> bool:
+        """Whether the check is claimed to hold on shaken meshes."""
         return claimed(self.key[0])
 
     def line(self, part: str) -> dict[str, object]:
-        """Return the line of ``seeds.csv`` for this check; ``part`` is the smallest part of the plan that has it."""
+        """Return the row of ``seeds.csv`` for this check.
+
+        Parameters:
+            part: the smallest part of the plan with this check, WHOLE or LIGHT.
+        """
         where = np.flatnonzero(np.isfinite(self.places))
         places = self.places[where]
         alarms = int((abs(places) > 1).sum())
@@ -89,13 +93,13 @@ class Seen:
 
 
 def newest(record: Record) -> int:
-    """Return the number of the last seed on which all checks were judged; 0 without one."""
+    """Return the index of the last seed on which all checks were judged; 0 if there is none."""
     return max((n for n, draw in enumerate(record.draws) if draw.part == WHOLE and draw.judged >= 0), default=0)
 
 
 def tally(record: Record) -> pd.DataFrame:
-    """Return the lines of ``seeds.csv``: two for all checks together, then one for each check."""
-    rows = Seen.of(record)
+    """Return the table ``seeds.csv``: two rows about all claimed checks together, then one row for each check."""
+    rows = CountedCheck.of(record)
     whole = np.array([draw.part == WHOLE for draw in record.draws])
     in_force = np.array([draw.rules == record.draws[newest(record)].rules for draw in record.draws])
     on_each = [bool(np.isfinite(row.places[~whole]).any()) for row in rows]
@@ -110,10 +114,13 @@ def tally(record: Record) -> pd.DataFrame:
 
 
 def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
-    """Return the line that counts the seeds on which at least one of the given checks raised an alarm; tails are
-    summed.
+    """Return a row of ``seeds.csv`` about several checks together, from the seeds on which all of them were judged.
 
-    Args:
+    A seed has an alarm if at least one check has one. The rates that follow from the tails are added.
+
+    Parameters:
+        key: the name of the row.
+        rows: the rows of the checks.
         places: positions of the checks in their windows, (checks, seeds).
     """
     counted = np.flatnonzero(np.isfinite(places).all(axis=0)) if len(places) else np.empty(0, dtype=int)
@@ -122,25 +129,25 @@ def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
     red = int((abs(places) > 1).any(axis=0).sum())
     low, high = interval(red, judged)
     ends = (float(np.nanmin(places)), float(np.nanmax(places))) if judged else (math.nan, math.nan)
-    # Without a model of a tail, or without a seed, the rate is unknown.
+    # The rate is unknown if a check has no model of its tail, or if there is no seed.
     rate = float(rows["rate_tail"].sum(skipna=False)) if judged else math.nan
     known = ALL_ROWS, key, f"{len(rows)} rows", "", "", "yes", since, judged
     return dict(zip(COLUMNS, (*known, red, low, high, *ends, "sum", math.nan, rate), strict=True))
 
 
 def newer(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the claimed checks whose rule is newer than the first seed of their part of the plan."""
+    """Return the claimed checks whose rule was changed after the first seed of their part of the plan."""
     first = table.groupby("part")["since"].transform("min")
     return table[(table["claimed"] == "yes") & (table["label"] != ALL_ROWS) & (table["since"] > first)]
 
 
 def verdict(table: pd.DataFrame) -> str:
-    """Return whether the promised false-alarm rate is met: holds, undecided or fails."""
+    """Return whether the false-alarm rate is at most ``PROMISE``: holds, undecided or fails."""
     return alarm_summary(table).verdict
 
 
 def text(table: pd.DataFrame) -> str:
-    """Return text with the rates of all checks together, every alarm, and the checks with large tails."""
+    """Return the printed text: the rates of all checks together, the checks with alarms or large tails, the verdict."""
     ledger, rows = table[table["label"] == ALL_ROWS], table[table["label"] != ALL_ROWS]
     lines = [
         (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}")
@@ -181,7 +188,7 @@ def compare_record(directory: Path) -> set[Path]:
     ``places.csv.gz``, and ``seeds.csv`` must be the table that follows from both.
 
     Raises:
-        DataError: a line of one of the three files is missing, was added or was changed.
+        DataError: a line of ``seeds.csv``, ``drawn.csv`` or ``places.csv.gz`` is missing, was added or was changed.
     """
     table, folder = directory / "data" / "seeds.csv", directory / "data" / "seeds"
     drawn, places = folder / "drawn.csv", folder / "places.csv.gz"
@@ -205,7 +212,7 @@ def compare_record(directory: Path) -> set[Path]:
 
 
 def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
-    """Check that the counts of every seed in ``drawn.csv`` follow from its positions."""
+    """Raise DataError unless the counts of each seed in ``drawn.csv`` follow from its recorded positions."""
     known = list(record.lines)
     wide = 2 * len(record.draws)
     values = np.array([unpacked(record.lines[row].places.ljust(wide, ".")) for row in known])
@@ -216,7 +223,7 @@ def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
     for n, draw in enumerate(record.draws):
         rows, alarms = int(judged[:, n].sum()), int(beyond[counts, n].sum())
         rules = fingerprint(sorted(row for row, is_judged in zip(known, judged[:, n], strict=True) if is_judged))
-        # The set of claimed labels may have changed; older seeds were counted with the labels of their time.
+        # If the set of claimed labels has changed since, the alarms of an older seed cannot be counted again exactly.
         alarms_agree = draw.alarms == alarms if draw.rules == in_force else draw.alarms <= int(beyond[:, n].sum())
         agrees = draw.judged == rows and draw.rules == rules and alarms_agree
         if not agrees and (rows or draw.judged >= 0):

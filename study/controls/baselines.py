@@ -1,4 +1,7 @@
-"""The settings in which controls are measured: each is the smallest that exposes the defects measured in it."""
+"""Baselines: the settings in which controls are measured, each a case with meshes and the statements that judge it.
+
+A baseline measures and judges as the study does, on few coarse meshes.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from manufactured.body import Kind, polygon
+from manufactured.case import Case
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named, resolve
@@ -36,25 +40,42 @@ S = TypeVar("S")
 
 
 class Baseline(Protocol[S]):
-    """A setting for controls. S is the type of the object that is measured and that a defect may change.
+    """A setting for controls. S is the type of the measured object, which a defect may change.
 
-    Settings are compared by value, so that controls share their baseline.
+    Settings are compared by value, so that controls with the same setting share the measurement without a defect.
     """
 
     def __str__(self) -> str: ...
     def __hash__(self) -> int: ...
 
     def verdicts(self, defect: Callable[[S], S]) -> list[Verdict]:
-        """Return the checks of the ledger for the study with the given defect."""
+        """Return the claimed checks of the ledger in this setting, measured with a defect.
+
+        Parameters:
+            defect: function that returns the wrong object, given the correct one.
+        """
         ...
 
 
+Defect = Callable[[Experiment], Experiment]
 OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation(), InitialGap()
+"""The statements that are judged by rows of ``rates.csv``."""
+
+
+def experiment(case: Case, family: str, level: int) -> Experiment:
+    """Return the experiment of the study for a case on one mesh, with the midpoint rule."""
+    steps = rate_steps(case.solution.body.T, level, case.pace)
+    return Experiment.of(case.solution, family_named(family), level, MIDPOINT, steps)
+
+
+def claimed(verdicts: list[Verdict]) -> list[Verdict]:
+    """Return the checks of a list about which something is claimed."""
+    return [verdict for verdict in verdicts if verdict.verdict not in UNCLAIMED]
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """Prop. 5.3 or 5.4 for a case of the catalogue on a few levels.
+    """The observed orders of Proposition 5.3 or 5.4 for a case of the catalogue, on a few levels.
 
     Attributes:
         case: name of the case.
@@ -73,17 +94,14 @@ class Sweep:
         meshes = "" if self.families == Sweep.families else f" on {' and '.join(self.families)} meshes"
         return f"{self.case}{turned}{meshes}, n = {' '.join(map(str, self.levels))}"
 
-    def verdicts(self, defect: Callable[[Experiment], Experiment]) -> list[Verdict]:
+    def verdicts(self, defect: Defect) -> list[Verdict]:
         case = resolve(self.case)
-        solution = turned(case.solution, self.angle) if self.angle else case.solution
+        case = replace(case, solution=turned(case.solution, self.angle)) if self.angle else case
         rows = []
-        for family, level in product(map(family_named, self.families), self.levels):
-            steps = rate_steps(solution.body.T, level, case.pace)
-            setup = defect(Experiment.of(solution, family, level, MIDPOINT, steps))
-            rows.append(measure(setup).row(case.name, family.name, level))
+        for family, level in product(self.families, self.levels):
+            rows.append(measure(defect(experiment(case, family, level))).row(case.name, family, level))
         table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
-        found = [verdict for statement in OF_RATES for verdict in statement.judge(table)]
-        return [verdict for verdict in found if verdict.verdict not in UNCLAIMED]
+        return claimed([verdict for statement in OF_RATES for verdict in statement.judge(table)])
 
 
 @dataclass(frozen=True)
@@ -104,7 +122,7 @@ class ContactSweep:
         meshes = "" if self.family == ContactSweep.family else f" on {self.family} meshes"
         return f"contact force of {self.case}{meshes}, n = {' '.join(map(str, self.levels))}"
 
-    def verdicts(self, defect: Callable[[Experiment], Experiment]) -> list[Verdict]:
+    def verdicts(self, defect: Defect) -> list[Verdict]:
         case, family = resolve(self.case), family_named(self.family)
         rows = []
         for level in self.levels:
@@ -116,7 +134,7 @@ class ContactSweep:
 
 @dataclass(frozen=True)
 class Equivalence:
-    """Theorem 4.2 for a case of the catalogue on one mesh.
+    """Theorem 4.2 for a case of the catalogue, with both problems on one mesh.
 
     Attributes:
         case: name of the case.
@@ -138,7 +156,7 @@ class Equivalence:
         compared = sides.stresses(sides.displacements)
         agreement = gaps(sides.displacements, compared, self.steps)
         place = {"case": self.case, "family": self.family, "level": self.level, "h": compared.space.h}
-        shown = pd.DataFrame(independence(sides, self.steps)._asdict().items(), columns=["quantity", "value"])
+        shown = pd.DataFrame(independence(sides, self.steps).items(), columns=["quantity", "value"])
         return [
             *SameMesh().judge(pd.DataFrame([{**place, **agreement._asdict()}])),
             *StandsAlone().judge(shown.assign(**place)),
@@ -169,16 +187,16 @@ class StressSweep:
             steps = stress_steps(case.solution.body.T, level, case.pace)
             setup = defect(own.StressExperiment.of(case.solution, family, level, steps))
             rows.append({"case": case.name, "family": family.name, "level": level, **own.measure(setup)})
-        return [verdict for verdict in OwnSpace().judge(pd.DataFrame(rows)) if verdict.verdict not in UNCLAIMED]
+        return claimed(OwnSpace().judge(pd.DataFrame(rows)))
 
 
 Measure = Callable[[Setting], Mapping[str, Any]]
-"""Function from a setting to named numbers."""
+"""Function that returns measured numbers by their names, given a setting."""
 
 
 @dataclass(frozen=True)
 class Listing:
-    """A statement that lists numbers, on given levels of one case and mesh family.
+    """A statement with its own list of numbers, for one case on a few levels of one mesh family.
 
     Attributes:
         statement: the statement.
@@ -198,11 +216,15 @@ class Listing:
         measure, rows = defect(self.statement.measure), []
         for setting in (Setting(self.case, self.family, level) for level in self.levels):
             rows += [row for _, row in self.statement.records(setting, measure(setting))]
-        return [verdict for verdict in self.statement.judge(pd.DataFrame(rows)) if verdict.verdict not in UNCLAIMED]
+        return claimed(self.statement.judge(pd.DataFrame(rows)))
 
 
 def turned(solution: ExactSolution, angle: float) -> ExactSolution:
-    """Return the solution with the same contact data on a turned body, for a plane body and an isotropic law."""
+    """Return the solution on a turned body, with the same contact data; the body is plane and the law isotropic.
+
+    Parameters:
+        angle: the angle in radians, counterclockwise.
+    """
     body = solution.body
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     corners = [(float(x), float(y)) for x, y in (turn @ body.vertices).T]
@@ -212,26 +234,17 @@ def turned(solution: ExactSolution, angle: float) -> ExactSolution:
     return ExactSolution(moved, solution.law, tuple(replace(face, part=part) for face, part in faces))
 
 
-# Settings whose checks compare two results: a body and its twin, two solvers, an error and its bounds.
-
-Defect = Callable[[Experiment], Experiment]
-
-
-def experiment(case: str, level: int) -> Experiment:
-    """Return the experiment of the study on a one-diagonal mesh."""
-    known = resolve(case)
-    steps = rate_steps(known.solution.body.T, level, known.pace)
-    return Experiment.of(known.solution, family_named("one-diagonal"), level, MIDPOINT, steps)
-
-
-def row_of(setup: Experiment, case: str, level: int) -> dict[str, Any]:
-    """Return the line of an experiment in ``rates.csv``."""
-    return measure(setup).row(case, "one-diagonal", level)
+# Settings whose checks compare two results: for a body and for its twin, of two solvers, an error and its bounds.
 
 
 @dataclass(frozen=True)
 class Twins:
-    """A case with a rotated body and its twin; several meshes, because on one mesh digits may agree by chance."""
+    """A case with a rotated body and its twin, the same case without the rotation.
+
+    Attributes:
+        case: name of the case with the rotated body.
+        levels: coarse to fine; several, because on one mesh digits may agree by chance.
+    """
 
     case: str
     levels: tuple[int, ...]
@@ -242,14 +255,19 @@ class Twins:
     def verdicts(self, defect: Defect) -> list[Verdict]:
         rows = []
         for name, level in product((self.case, resolve(self.case).twin), self.levels):
-            line = row_of(defect(experiment(name, level)), name, level)
-            rows.append({**line, "twin": resolve(name).twin})
+            setup = defect(experiment(resolve(name), "one-diagonal", level))
+            rows.append({**measure(setup).row(name, "one-diagonal", level), "twin": resolve(name).twin})
         return Turned().judge(pd.DataFrame(rows))
 
 
 @dataclass(frozen=True)
 class TwoWays:
-    """A case on one mesh, as in ``rates.csv`` and computed again by the second solver."""
+    """A case on one mesh: errors as in ``rates.csv``, and the same errors computed by the second solver.
+
+    Attributes:
+        case: name of the case.
+        level: n.
+    """
 
     case: str
     level: int
@@ -258,8 +276,8 @@ class TwoWays:
         return f"{self.case} computed again, n = {self.level}"
 
     def verdicts(self, defect: Defect) -> list[Verdict]:
-        setup = defect(experiment(self.case, self.level))
-        line = row_of(setup, self.case, self.level)
+        setup = defect(experiment(resolve(self.case), "one-diagonal", self.level))
+        line = measure(setup).row(self.case, "one-diagonal", self.level)
         again = {name: line[name] for name in (*RATES.key, "h")} | recompute(setup)
         return Recomputed().judge(
             joined(Recomputed(), {RATES: pd.DataFrame([line]), Recomputed.file: pd.DataFrame([again])})
@@ -268,7 +286,12 @@ class TwoWays:
 
 @dataclass(frozen=True)
 class Bounding:
-    """Error bounds on given meshes, judged by one of the statements about bounds."""
+    """Error bounds of one case on a few meshes.
+
+    Attributes:
+        statement: the statement about bounds that is judged.
+        settings: case, mesh, time scheme and method of the bound.
+    """
 
     statement: Bounds
     settings: tuple[BoundSetting, ...]
@@ -283,4 +306,4 @@ class Bounding:
             problem, steps = resolve_problem(setting.case), self.statement.steps(setting)
             row, _ = bounded(problem, family_named(setting.family), setting.level, MIDPOINT, steps, setting.by)
             rows.append({**row, "known": problem.case is not None})
-        return [verdict for verdict in self.statement.judge(pd.DataFrame(rows)) if verdict.verdict not in UNCLAIMED]
+        return claimed(self.statement.judge(pd.DataFrame(rows)))

@@ -1,11 +1,11 @@
-"""How strongly a user's own case tests contact: two deliberate defects of contact, and the rows that notice them.
+"""Measures how strongly a user's own case tests contact: which checks notice two deliberate defects of contact.
 
-Where the pressure is small, or the contact zone is a few cells wide, the error in V is the error of the gap alone: all
-rows hold, whatever happens at contact. So the jobs of the run are repeated with each defect on one mesh family. A
-defect is noticed if a row that holds without it does not hold with it.
+If the contact pressure is small, or the contact zone is only a few cells wide, a wrong contact algorithm hardly changes
+the error, and all checks hold in spite of it. So the jobs of the run are repeated with each defect on one mesh family.
+A defect is noticed if some check holds without the defect and does not hold with it.
 
-Only rows that compare with the exact solution count. Residuals of the contact solves and u^h_ν ≤ 0 between vertices
-fail with such defects whatever the case is: these rows test the program, not the case.
+Only checks that compare with the exact solution count. The residual of the contact solves and u^h_ν ≤ 0 between
+vertices fail with these defects for every case: they test the program, not the case.
 """
 
 from __future__ import annotations
@@ -15,23 +15,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
 
 import pandas as pd
 
 from study.controls import replacements as wrong
-from study.controls.control import Replacement, within
+from study.controls.control import Replacement, patched, within
 from study.fem.naming import is_own, resolve
 from study.ledger.datafiles import DataFile, Row, write_csv
 from study.ledger.verdict import HOLDS, Verdict
 from study.run.fingerprint import code_hash
 from study.run.plan import Job, Plan
 from study.run.store import Store
-from study.statements import contact_force, prop_5_4
 from study.statements.contact_force import EXACT, ContactForce, touches
 from study.statements.own_cases import judge_own, least_levels
 from study.statements.prop_5_4 import EVIDENCE, RATES, Rates
-from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import regular
 
 FILE = "contact-test.csv"
@@ -39,18 +36,20 @@ DEFECTS: Mapping[str, tuple[str, Replacement]] = {
     "contact in places": ("v_ν ≤ 0 at every other vertex of Γ3 only", wrong.in_places),
     "contact forces": ("contact forces times 1.1", wrong.forces_times(1.1)),
 }
-"""Name ↦ description, and the wrong contact solver from the correct one."""
+"""Name of a defect ↦ its description, and the function that returns the wrong contact solver, given the correct one."""
 OF_THE_PROGRAM = {rule.key for rule in (*EVIDENCE, *EXACT)}
-"""Keys of rows that do not compare with the exact solution."""
+"""Keys of the checks that do not compare with the exact solution."""
 CODE = "study/controls/contact_test.py", "study/controls/control.py", "study/controls/replacements.py"
 
 
 @dataclass(frozen=True)
 class DefectiveJob(Job):
-    """A job with a defect of the contact solver. It replaces names in modules: run it in a process of its own.
+    """A job that is run with a wrong contact solver.
+
+    While it runs, names in modules are replaced, so no other job may run in the same process at the same time.
 
     Attributes:
-        defect: name in ``DEFECTS``.
+        defect: name of the defect in ``DEFECTS``.
     """
 
     defect: str = ""
@@ -61,25 +60,22 @@ class DefectiveJob(Job):
         return f"contact-test__{self.defect.replace(' ', '-')}__{super().key}"
 
     def fingerprint(self) -> str:
-        """Return the cache key of the result."""
+        """Return the cache key of the result, which also depends on the files in ``CODE``."""
         return hashlib.sha256(f"{super().fingerprint()} {code_hash(CODE)}".encode()).hexdigest()[:16]
 
     def run(self) -> Mapping[str, Any]:
-        """Measure with the defect; returns numbers by their names."""
-        change = within("problem.solver", DEFECTS[self.defect][1])
-        with (
-            patch.object(prop_5_4, "Experiment", change(Experiment)),
-            patch.object(contact_force, "Experiment", change(Experiment)),
-        ):
+        """Measure with the defect; return the measured numbers by their names."""
+        wrong_solver = within("problem.solver", DEFECTS[self.defect][1])
+        with patched([(f"{module}:Experiment", wrong_solver) for module in ("prop_5_4", "contact_force")]):
             return super().run()
 
 
 @dataclass(frozen=True)
 class ContactTest:
-    """A user's case on one mesh family.
+    """The jobs with which a user's case is tested, on one mesh family.
 
     Attributes:
-        reference: FILE.py:NAME.
+        reference: the case as FILE.py:NAME.
         family: name of the mesh family.
         jobs: the jobs of the run that are repeated with each defect.
     """
@@ -90,7 +86,14 @@ class ContactTest:
 
     @classmethod
     def of(cls, plan: Plan, reference: str) -> ContactTest:
-        """Return the test on the first mesh family and the finest levels of the run, as many as an order needs."""
+        """Return the test of a case on a regular mesh family and the finest levels of a run.
+
+        The number of levels is the smallest with which an observed order is judged.
+
+        Parameters:
+            plan: the plan of the run.
+            reference: the case as FILE.py:NAME.
+        """
         case = resolve(reference)
         family = regular(case).name
         levels = plan.scope.levels_of(case).all[-least_levels(case.proposition) :]
@@ -99,11 +102,11 @@ class ContactTest:
         return cls(reference, family, tuple(job for job in mine if job.setting.level in levels))
 
     def defective(self, defect: str) -> list[DefectiveJob]:
-        """Return the jobs with a defect."""
+        """Return the same jobs, each with the named defect."""
         return [DefectiveJob(job.statement, job.setting, defect) for job in self.jobs]
 
     def rows(self, store: Store) -> list[Row]:
-        """Return the rows of ``contact-test.csv``, one for each defect, from the stored results."""
+        """Return the rows of ``contact-test.csv``, one for each defect, from the stored results of all jobs."""
         sound = {name for name, verdict in verdicts(self.jobs, store).items() if verdict.verdict == HOLDS}
         found: list[Row] = []
         for defect, (what, _) in DEFECTS.items():
@@ -125,7 +128,11 @@ class ContactTest:
 
 
 def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
-    """Return the rows that compare with the exact solution by label and key, from the stored results of jobs."""
+    """Return the checks that compare with the exact solution, from the stored results of jobs.
+
+    Returns:
+        Name of the check, made of label and key ↦ the check.
+    """
     rows: dict[DataFile, list[Row]] = {}
     for job in jobs:
         result = store.load(job.key, job.fingerprint())
@@ -139,12 +146,12 @@ def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
 
 
 def contact_tests(plan: Plan) -> list[ContactTest]:
-    """Return the tests of a plan: one for each case of a user that touches."""
+    """Return one test for each user's case in a plan whose exact solution has contact."""
     return [ContactTest.of(plan, one) for one in plan.scope.cases if is_own(one) and touches(resolve(one).solution)]
 
 
 def write_contact_test(tests: Sequence[ContactTest], store: Store) -> list[Path]:
-    """Write ``contact-test.csv`` from the stored results and return its path; nothing without a test."""
+    """Write ``contact-test.csv`` from the stored results; return its path in a list, which is empty without tests."""
     path = store.data / FILE
     if tests:
         write_csv(path, pd.DataFrame([row for test in tests for row in test.rows(store)]))

@@ -1,9 +1,12 @@
-"""A negative control: a deliberate defect, the part of the study that it replaces, and the checks that must fail."""
+"""A negative control: a deliberate defect, the part of the study that it replaces, and the checks that must fail.
+
+This file also has the mechanism that replaces a part: an attribute of the measured object, or a name in a module.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from copy import copy
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import reduce
@@ -15,7 +18,7 @@ from unittest.mock import patch
 from study.controls.baselines import Baseline
 
 Replacement = Callable[[Any], Any]
-"""Function from the correct part to the wrong one."""
+"""Function that returns the wrong part, given the correct one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,11 +29,11 @@ class Control:
         name: name of the defect.
         what: a description of the defect, in one line.
         setting: the case, meshes and statement with which the defect is measured.
-        place: the part that is replaced: "fem.error_norm:ErrorNorm.distance" is a name in a module of ``study``,
-            "green:work_on" a name in a module of ``study.statements``, "problem.solver" an attribute of the measured
-            object, and "" the whole object.
+        place: the part that is replaced. With a colon it is a name in a module: "fem.error_norm:ErrorNorm.distance" in
+            a module of ``study``, "green:work_on" in a module of ``study.statements``. Without a colon it is an
+            attribute of the measured object, such as "problem.solver", or "" for the whole object.
         replacement: returns the wrong part, given the correct one.
-        rows: the key of the check that must fail, or the keys of several checks that all must fail.
+        checks: the key of the check that must fail, or the keys of several checks that all must fail.
         others: further defects at the same time, as (place, replacement).
     """
 
@@ -39,13 +42,13 @@ class Control:
     setting: Baseline[Any]
     place: str
     replacement: Replacement
-    rows: str | tuple[str, ...]
+    checks: str | tuple[str, ...]
     others: tuple[tuple[str, Replacement], ...] = ()
 
     @property
     def keys(self) -> tuple[str, ...]:
         """The keys of the checks that must fail."""
-        return (self.rows,) if isinstance(self.rows, str) else self.rows
+        return (self.checks,) if isinstance(self.checks, str) else self.checks
 
     @property
     def changes(self) -> tuple[tuple[str, Replacement], ...]:
@@ -53,26 +56,40 @@ class Control:
         return ((self.place, self.replacement), *self.others)
 
     def __call__(self, measured: Any) -> Any:
-        """Return the measured object with its attributes replaced."""
+        """Return the measured object with the attributes of this control replaced."""
         inside = [change for change in self.changes if ":" not in change[0]]
         return reduce(lambda found, change: replaced(found, *change), inside, measured)
 
-    @contextmanager
-    def patched(self) -> Iterator[None]:
-        """Replace names in modules while the context lasts."""
-        with ExitStack() as stack:
-            for place, replacement in self.changes:
-                if ":" in place:
-                    module, _, path = place.partition(":")
-                    *inside, name = path.split(".")
-                    package = "study" if "." in module else "study.statements"
-                    owner = reduce(getattr, inside, import_module(f"{package}.{module}"))
-                    stack.enter_context(patch.object(owner, name, replacement(vars(owner)[name])))
-            yield
+    def patched(self) -> AbstractContextManager[None]:
+        """Return the context in which the names in modules are replaced."""
+        return patched([change for change in self.changes if ":" in change[0]])
+
+
+@contextmanager
+def patched(changes: Iterable[tuple[str, Replacement]]) -> Iterator[None]:
+    """Replace names in modules while the context lasts.
+
+    Parameters:
+        changes: pairs (place, replacement), with a colon in each place as described in ``Control``.
+    """
+    with ExitStack() as stack:
+        for place, replacement in changes:
+            module, _, path = place.partition(":")
+            *inside, name = path.split(".")
+            package = "study" if "." in module else "study.statements"
+            owner = reduce(getattr, inside, import_module(f"{package}.{module}"))
+            stack.enter_context(patch.object(owner, name, replacement(vars(owner)[name])))
+        yield
 
 
 def replaced(whole: Any, place: str, replacement: Replacement) -> Any:
-    """Return a copy of an object with one attribute replaced; "problem.load" is the attribute of an attribute."""
+    """Return a copy of an object with one attribute replaced.
+
+    Parameters:
+        whole: the object.
+        place: name of the attribute; "problem.load" for an attribute of an attribute; "" for the object itself.
+        replacement: returns the new value, given the old one.
+    """
     if not place:
         return replacement(whole)
     name, _, rest = place.partition(".")
@@ -83,13 +100,17 @@ def replaced(whole: Any, place: str, replacement: Replacement) -> Any:
 
 
 def overridden(whole: Any, **attributes: Any) -> Any:
-    """Set attributes or methods of an object, which hide the attributes of its class; return the object."""
+    """Set attributes or methods of an object, even of a frozen one, and return the object."""
     vars(whole).update(attributes)
     return whole
 
 
 def within(place: str, replacement: Replacement) -> Replacement:
-    """Return the replacement of an attribute of every ``Experiment`` that a module makes."""
+    """Return the replacement of the name ``Experiment`` in a module: every experiment gets a wrong attribute.
+
+    Parameters:
+        place, replacement: the attribute and its replacement, as for ``replaced``.
+    """
 
     def changed(make: Callable[..., Any]) -> Callable[..., Any]:
         return lambda *given: replaced(make(*given), place, replacement)

@@ -1,17 +1,18 @@
-"""The record of random seeds: for each seed, the position of every check in its window. Lines are only added.
+"""The record of random seeds: for each seed, the position of every check in its window. Nothing in it is replaced.
 
-``data/seeds/drawn.csv`` has one line for each seed in the order in which the seeds were drawn: the seed, the part of
-the plan that was measured, a hash of the rules, the number of checks judged and the number of alarms. The last two are
-−1 while the seed is being measured. A seed is entered before anything is measured, so that a seed with a bad result
+``data/seeds/drawn.csv`` has one line for each seed, in the order in which the seeds were drawn: the seed, the part of
+the plan that was measured, a hash of the rules, the number of judged checks and the number of alarms. The last two are
+−1 while the seed is being measured. A seed is recorded before anything is measured, so that a seed with a bad result
 cannot be left out.
 
-``data/seeds/places.csv.gz`` has one line for each check of the ledger and each rule that judged it: two characters for
-each seed, in the same order. They encode the position in the window, −2 … 2, in 1/1024ths, as two digits of base 64.
-``..`` means that this rule did not judge this seed. A position in −1 … 1 belongs to a check that holds; a position
-outside is an alarm. A change of the rule, window or levels starts a new line, so seeds before the change do not count.
+``data/seeds/places.csv.gz`` has one line for each check and each rule that judged it, with two characters for each seed
+in the same order. The characters are two digits of base 64, which encode a position between −2 and 2 in steps of
+1/1024. ``..`` means that this rule did not judge this seed. If the position lies between −1 and 1, the check holds;
+otherwise it raises an alarm. If the rule changes (window, levels or statistic), a new line begins, so that seeds before
+the change do not count.
 
-The record has all positions instead of their moments, because moments do not determine a tail. Two digits resolve a
-thousandth of half a window. A thousand checks and 150 seeds take 200 kB, compressed.
+All positions are recorded, not only their mean and deviation, because these do not determine the tail of the
+distribution. A thousand checks and 150 seeds take 200 kB, compressed.
 """
 
 from __future__ import annotations
@@ -33,12 +34,15 @@ from study.ledger.window import SMALL
 
 DIGITS = ascii_letters + digits + "+-"
 NONE = ".."
-"""The two characters of a seed that was not judged."""
+"""The two characters for a seed that was not judged."""
 START = ":"
-"""The first character of the positions in a line, so that no program reads them as a number."""
+"""The character before the positions in a line, so that no program reads them as a number."""
 NO_RULES = "-"
+"""The hash of the rules while a seed is being measured."""
 STEP = 1 / 1024
+"""The resolution of positions."""
 FURTHEST = 2.0
+"""The largest absolute value of a recorded position."""
 RowKey = tuple[str, str, str]
 """The key of a check: (label, key, case)."""
 Known = tuple[str, str, str, str]
@@ -49,7 +53,7 @@ PLACES = ["label", "key", "case", "rule", "window_low", "window_high", "places"]
 
 
 def place(verdict: Verdict) -> float:
-    """Return the position of a check in its window: outside −1 … 1 exactly if it does not hold; 0 without a window."""
+    """Return the position of a check in its window; it lies between −1 and 1 exactly if the check holds."""
     judged = float(worst_value(pd.Series(asdict(verdict))))
     low, high, value = verdict.window_low, verdict.window_high, judged
     if not low < high or (low <= 0 and np.isinf(high)):
@@ -60,13 +64,13 @@ def place(verdict: Verdict) -> float:
         found = (2 * value - low - high) / (high - low) if two_sided(low, high) else value / high
     if verdict.verdict == HOLDS:
         return float(np.clip(found, -1, 1))
-    # NaN, and an undecided check with its value inside the window, are alarms as well.
+    # A value of NaN is an alarm, and so is an undecided check, even if its value lies inside the window.
     beyond = np.nan_to_num(found, nan=FURTHEST)
     return float(np.copysign(np.clip(abs(beyond), 1 + 2 * STEP, FURTHEST), beyond))
 
 
 def two_sided(low: float, high: float) -> bool:
-    """Return whether a value inside a window can be near either of its ends."""
+    """Return whether values in the window [low, high] can come near both ends."""
     return bool(np.isfinite([low, high]).all() and not 0 <= low <= SMALL * high)
 
 
@@ -77,7 +81,7 @@ def packed(value: float) -> str:
 
 
 def unpacked(text: str) -> Array:
-    """Return the positions in a line, (seeds,); NaN for seeds that were not judged."""
+    """Return the positions that a text encodes, (seeds,); NaN for seeds that were not judged."""
     pairs = [text[i : i + 2] for i in range(0, len(text), 2)]
     values = [np.nan if pair == NONE else DIGITS.index(pair[0]) * len(DIGITS) + DIGITS.index(pair[1]) for pair in pairs]
     return np.array(values) * STEP - FURTHEST
@@ -85,7 +89,14 @@ def unpacked(text: str) -> Array:
 
 @dataclass(frozen=True)
 class Draw:
-    """A line of ``drawn.csv``; ``judged`` is −1 while the seed is being measured."""
+    """A line of ``drawn.csv``: one seed.
+
+    Attributes:
+        seed: the seed.
+        part: the part of the plan that is measured, WHOLE or LIGHT of ``study.controls.seeded``.
+        rules: hash of the rules of all checks.
+        judged, alarms: numbers of judged checks and of alarms; −1 while the seed is being measured.
+    """
 
     seed: int
     part: str
@@ -103,21 +114,31 @@ class Line:
     places: str = ""
 
     def at(self, position: int, value: float) -> Line:
-        """Return the line with a position added for the n-th seed; missing positions before it become ``..``."""
+        """Return the line with the position of one more seed; missing positions before it become ``..``.
+
+        Parameters:
+            position: the index of the seed.
+            value: the position of the check in its window.
+        """
         before = self.places[: 2 * position].ljust(2 * position, NONE[0])
         return replace(self, places=before + packed(value) + self.places[2 * position + 2 :])
 
 
 @dataclass(frozen=True)
 class Record:
-    """All seeds in the order in which they were drawn, and the lines by (label, key, case, rule)."""
+    """The record of all seeds.
+
+    Attributes:
+        draws: the seeds, in the order in which they were drawn.
+        lines: (label, key, case, rule) ↦ the positions of a check that was judged by this rule.
+    """
 
     draws: tuple[Draw, ...] = ()
     lines: Mapping[Known, Line] = field(default_factory=dict)
 
     @classmethod
     def read(cls, directory: Path) -> Record:
-        """Return the record of a result directory; an empty record if the directory has none.
+        """Return the record of a result directory; it is empty if the directory has none.
 
         Raises:
             DataError: a file is damaged, or its lines do not fit the seeds.
@@ -140,8 +161,8 @@ class Record:
         return cls(draws, found)
 
     def write(self, directory: Path) -> None:
-        """Write both files: first the positions, then ``drawn.csv``, which says which seeds were judged."""
-        # Each line has characters for every seed, so that a seed that is missing from ``drawn.csv`` is noticed.
+        """Write ``places.csv.gz``, then ``drawn.csv``, so that no seed counts as judged before its positions exist."""
+        # All lines have the characters of all seeds, so that a seed that is missing in ``drawn.csv`` is noticed.
         wide = 2 * len(self.draws)
         known = [
             [*row, line.window_low, line.window_high, START + line.places.ljust(wide, NONE[0])]
@@ -152,22 +173,28 @@ class Record:
         write_csv(folder / "drawn.csv", pd.DataFrame([asdict(draw) for draw in self.draws], columns=DRAWN))
 
     def drawn(self, seed: int, part: str) -> Record:
-        """Return the record with a new seed that is to be measured."""
+        """Return the record with a new seed, which is measured next; raises DataError if the record has the seed."""
         if any(draw.seed == seed for draw in self.draws):
             raise DataError(f"seed {seed} is already in the record, in which nothing is replaced: draw another seed")
         return replace(self, draws=(*self.draws, Draw(seed, part)))
 
     def pending(self) -> Draw | None:
-        """Return the seed that was drawn but not judged, or None."""
+        """Return the seed that was drawn but not judged; None if there is none."""
         return next((draw for draw in self.draws if draw.judged < 0), None)
 
     def judged(
         self, seed: int, verdicts: Sequence[Verdict], rules: Mapping[RowKey, str], claimed: Callable[[str], bool]
     ) -> Record:
-        """Return the record with the verdicts on a seed that was drawn; lines of other rules do not change.
+        """Return the record with the verdicts on a seed.
 
-        Args:
-            claimed: returns for a label whether alarms of its checks count.
+        Parameters:
+            seed: a seed that was drawn and not judged.
+            verdicts: the checks on the meshes of this seed.
+            rules: key of a check ↦ fingerprint of its rule.
+            claimed: function that returns for a label whether alarms of its checks are counted.
+
+        Raises:
+            DataError: the seed was already judged.
         """
         position = [draw.seed for draw in self.draws].index(seed)
         if self.draws[position].judged >= 0:
@@ -184,7 +211,11 @@ class Record:
         return Record((*self.draws[:position], draw, *self.draws[position + 1 :]), lines)
 
     def agreement(self, seed: int, verdicts: Sequence[Verdict], rules: Mapping[RowKey, str]) -> tuple[int, int]:
-        """Return how many recorded positions of a seed agree with verdicts by the same rule, and how many do not."""
+        """Compare the recorded positions of a seed with new verdicts by the same rules.
+
+        Returns:
+            The number of positions that agree, and the number of those that differ.
+        """
         position, same, other = [draw.seed for draw in self.draws].index(seed), 0, 0
         for verdict in verdicts:
             row = verdict.label, verdict.key, verdict.case
@@ -202,6 +233,6 @@ def fingerprint(content: object) -> str:
 
 
 def _sound(places: str, seeds: int) -> bool:
-    """Return whether a line has two digits for each of at most ``seeds`` seeds."""
+    """Return whether a text encodes the positions of at most ``seeds`` seeds."""
     pairs = [places[i : i + 2] for i in range(0, len(places), 2)]
     return len(pairs) <= seeds and all(pair == NONE or (len(pair) == 2 and set(pair) <= set(DIGITS)) for pair in pairs)

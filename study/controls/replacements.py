@@ -1,4 +1,8 @@
-"""The deliberate defects of ``study.controls.table``: each function returns the wrong part, given the correct one."""
+"""The replacements for deliberate defects, which ``study.controls.table`` lists.
+
+A replacement is a function that returns the wrong part of the study, given the correct part. Functions with parameters
+return such a replacement. "Deliberate defect: X" means that X is true after the replacement.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +10,7 @@ import math
 from collections.abc import Callable, Iterator
 from copy import copy
 from dataclasses import replace
+from functools import partial
 from itertools import count, islice, pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -33,7 +38,7 @@ Function = Callable[..., Any]
 # Defects of any function or number.
 
 
-def instead(other: Any) -> Replacement:
+def replaced_by(other: Any) -> Replacement:
     """Return the replacement by the given object."""
     return lambda right: other
 
@@ -54,7 +59,7 @@ def times(factor: float) -> Replacement:
 
 
 def column_times(column: str, factor: float) -> Replacement:
-    """Deliberate defect: one number in the returned table row is multiplied by a factor."""
+    """Deliberate defect: the function returns a table row with one number multiplied by a factor."""
     return result(lambda row: {**row, column: factor * row[column]})
 
 
@@ -74,7 +79,7 @@ def in_one_call(call: int, change: Function) -> Replacement:
 
 
 def at_time(time: float, change: Function) -> Replacement:
-    """Deliberate defect: a method, whose first argument is the time, returns a changed result at one time."""
+    """Deliberate defect: a method whose first argument is the time returns a changed result at one time."""
     return lambda method: lambda of, now, *given: _when(np.isclose(now, time), change, method(of, now, *given))
 
 
@@ -82,8 +87,8 @@ def row_times(calls: tuple[int, ...], row: int, factor: float) -> Replacement:
     """Deliberate defect: returned displacements are multiplied by a factor at one time.
 
     Args:
-        calls: the calls of the function with this defect; () for all calls.
-        row: the number of the time.
+        calls: numbers of the calls of the function that have this defect, from 0; () for all calls.
+        row: the index of the time.
     """
 
     def wrong(right: Function) -> Function:
@@ -109,7 +114,8 @@ squared = result(lambda value: value**2)
 squared_each = result(lambda errors: {name: error**2 for name, error in errors.items()})
 
 
-# Contact solvers are functions of (S, N), and of the points of the unknowns if these are given; they map b to (u, λ).
+# Wrong contact solvers. A contact solver is made from the matrix S, the normals N and, for some solvers, the points of
+# the unknowns. It is a function that returns the displacement u and the contact forces λ, given the right-hand side b.
 
 
 def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
@@ -123,17 +129,13 @@ def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
         made = Signorini(S, N)
         return overridden(made, complementarity=lambda gap: rule(made, gap))
 
-    return instead(solver)
+    return replaced_by(solver)
 
 
 def solution(change: Callable[[Signorini, Any], Any]) -> Replacement:
     """Deliberate defect: displacement and forces come from ``change``, a function of the correct solver and of b."""
 
-    def solver(S: Any, N: Any, *points: Any) -> Any:
-        made = Signorini(S, N)
-        return lambda b: change(made, b)
-
-    return instead(solver)
+    return replaced_by(lambda S, N, *points: partial(change, Signorini(S, N)))
 
 
 def shifted_gap(by: float) -> Replacement:
@@ -178,7 +180,7 @@ def in_places(right: Any) -> Any:
 
 
 def springs(right: Any) -> Any:
-    """Deliberate defect: springs instead of v_ν ≤ 0, in pressure and tension, with a fixed stiffness."""
+    """Deliberate defect: springs that push and pull, with a fixed stiffness, replace the condition v_ν ≤ 0."""
     return lambda S, N: freed(right)(sps.csc_array(S + 100.0 / N.shape[0] * (N.T @ N)), N)
 
 
@@ -194,7 +196,13 @@ class RandomSearch(Signorini):
 
 
 def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
-    """Deliberate defect: one of ``part`` times the experiment's steps is solved by a wrong contact solver."""
+    """Deliberate defect: one step is solved by a wrong contact solver.
+
+    Args:
+        wrong: replacement of the contact solver.
+        which: the step, as for ``node``.
+        part: number of steps among which the step is chosen, relative to the steps of the experiment.
+    """
 
     def change(setup: Any) -> Any:
         call = node(which, int(part * setup.steps))
@@ -203,7 +211,7 @@ def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
             solve, other, calls = Signorini(S, N), wrong(Signorini)(S, N), count(1)
             return lambda b: (other if next(calls) == call else solve)(b)
 
-        return replaced(setup, "problem.solver", instead(solver))
+        return replaced(setup, "problem.solver", replaced_by(solver))
 
     return change
 
@@ -212,21 +220,34 @@ def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
 
 
 def node(which: str, last: int) -> int:
-    """Return the number of a time node: 1, an odd or even one in the middle, or the last."""
+    """Return the number of a time node: "first" is 1; "odd" and "even" lie in the middle; "last" is ``last``."""
     return {"first": 1, "odd": last // 2 | 1, "even": (last // 2 + 2) // 2 * 2, "last": last}[which]
 
 
 def marching(march: Callable[[Any, Any, int], Iterator[Any]]) -> Replacement:
-    """Return the replacement of a time scheme whose states come from ``march``.
+    """Deliberate defect: the time scheme yields the states of ``march``.
 
     Args:
-        march: function of the scheme, a problem and a number of steps.
+        march: function of the correct scheme, a problem and a number of steps, which returns the states.
     """
     return lambda scheme: SimpleNamespace(
         name=scheme.name,
         order=scheme.order,
         march=lambda problem, steps: march(scheme, problem, steps),
     )
+
+
+def states(change: Callable[[Any, int, Any, int], Any]) -> Replacement:
+    """Deliberate defect: the time scheme yields changed states.
+
+    Args:
+        change: function of a state, its number, the problem and the number of steps, which returns the changed state.
+    """
+
+    def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
+        return (change(state, n, problem, steps) for n, state in enumerate(scheme.march(problem, steps)))
+
+    return marching(march)
 
 
 def solving(alter: Callable[[SemiDiscrete], SemiDiscrete]) -> Replacement:
@@ -238,23 +259,20 @@ def state_off(which: str, halvings: int, **factors: float) -> Replacement:
     """Deliberate defect: parts of the state at one node are multiplied by factors.
 
     Args:
+        which: the node, as for ``node``.
         halvings: only the trajectory with 2^halvings times the steps of the experiment has the defect.
+        factors: name of an attribute of the state ↦ its factor.
     """
 
     def change(setup: Any) -> Any:
-        def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
-            wrong = node(which, steps) if steps == int(setup.steps * 2**halvings) else None
-            return (
-                _times_parts(state, factors) if n == wrong else state for n, state in _numbered(scheme, problem, steps)
-            )
+        defective = int(setup.steps * 2**halvings)
 
-        return replaced(setup, "scheme", marching(march))
+        def changed(state: Any, n: int, problem: Any, steps: int) -> Any:
+            return _times_parts(state, factors) if steps == defective and n == node(which, steps) else state
+
+        return replaced(setup, "scheme", states(changed))
 
     return change
-
-
-def _numbered(scheme: Any, problem: Any, steps: int) -> Iterator[tuple[int, Any]]:
-    return enumerate(scheme.march(problem, steps))
 
 
 def _times_parts(state: Any, factors: dict[str, float]) -> Any:
@@ -262,33 +280,35 @@ def _times_parts(state: Any, factors: dict[str, float]) -> Any:
 
 
 def rival_off(which: str) -> Replacement:
-    """Deliberate defect: the displacement is wrong by a thousandth at one node, except in the experiment."""
+    """Deliberate defect: other solutions than the experiment's are wrong by a thousandth at one node."""
 
     def change(setup: Any) -> Any:
-        def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
-            wrong = None if problem is setup.problem else node(which, steps)
-            return (
-                _times_parts(state, {"u": 1.001}) if n == wrong else state
-                for n, state in _numbered(scheme, problem, steps)
-            )
+        def changed(state: Any, n: int, problem: Any, steps: int) -> Any:
+            off = problem is not setup.problem and n == node(which, steps)
+            return _times_parts(state, {"u": 1.001}) if off else state
 
-        return replaced(setup, "scheme", marching(march))
+        return replaced(setup, "scheme", states(changed))
 
     return change
 
 
 def displacement_off(which: str, right_first: int) -> Replacement:
-    """Deliberate defect: the scheme reports ten times the displacement at one node, after some correct calls."""
+    """Deliberate defect: the scheme reports ten times the displacement at one node, except in its first calls.
+
+    Args:
+        which: the node, as for ``node``.
+        right_first: number of calls of ``march`` without the defect.
+    """
 
     def change(scheme: Any) -> Any:
         calls = count()
+        wrong = states(
+            lambda state, n, _, steps: _times_parts(state, {"u": 10.0}) if n == node(which, steps) else state
+        )
 
-        def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
-            wrong = node(which, steps) if next(calls) >= right_first else None
-            return (
-                _times_parts(state, {"u": 10.0}) if n == wrong else state
-                for n, state in _numbered(scheme, problem, steps)
-            )
+        def march(right: Any, problem: Any, steps: int) -> Iterator[Any]:
+            found: Iterator[Any] = (right if next(calls) < right_first else wrong(right)).march(problem, steps)
+            return found
 
         return marching(march)(scheme)
 
@@ -299,12 +319,10 @@ def coarse_forces(change: Callable[[Any], Any]) -> Replacement:
     """Deliberate defect: the contact forces of the run with half as many steps are changed."""
 
     def changed(setup: Any) -> Any:
-        def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
-            coarse = steps < setup.steps
-            for state in scheme.march(problem, steps):
-                yield replace(state, multipliers=change(state.multipliers)) if coarse else state
+        def alter(state: Any, n: int, problem: Any, steps: int) -> Any:
+            return replace(state, multipliers=change(state.multipliers)) if steps < setup.steps else state
 
-        return replaced(setup, "scheme", marching(march))
+        return replaced(setup, "scheme", states(alter))
 
     return changed
 
@@ -326,11 +344,8 @@ def _one_behind(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
         yield replace(state, u=before.u)
 
 
-def _without_residual(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
-    return (replace(state, residual=lambda: 0.0) for state in scheme.march(problem, steps))
-
-
-last_state, one_behind, without_residual = map(marching, (_last_state, _one_behind, _without_residual))
+last_state, one_behind = marching(_last_state), marching(_one_behind)
+without_residual = states(lambda state, *where: replace(state, residual=lambda: 0.0))
 no_viscosity = solving(lambda problem: replace(problem, M=0 * problem.M))
 no_elasticity = solving(lambda problem: replace(problem, reference=0 * problem.reference))
 swapped = solving(lambda problem: replace(problem, M=problem.reference, reference=problem.M))
@@ -390,11 +405,8 @@ def load_late(setup: Any) -> Any:
 def contact_work_times(factor: float) -> Replacement:
     """Deliberate defect: the work of contact in the load (3.7) is multiplied by a factor."""
 
-    def change(setup: Any) -> Any:
-        load = other_contact_work(factor)(ErrorNorm)(setup.solution, setup.space).load
-        return replaced(setup, "problem.load", instead(load))
-
-    return change
+    wrong = other_contact_work(factor)(ErrorNorm)
+    return lambda setup: replaced(setup, "problem.load", replaced_by(wrong(setup.solution, setup.space).load))
 
 
 def other_contact_work(factor: float) -> Replacement:
@@ -413,7 +425,7 @@ def other_contact_work(factor: float) -> Replacement:
 
 def start_at_the_end(setup: Any) -> Any:
     """Deliberate defect: u_0^h = Π^h u(T)."""
-    return replaced(setup, "problem.u0", instead(setup.v_norm.sample(setup.problem.T).interpolant))
+    return replaced(setup, "problem.u0", replaced_by(setup.v_norm.sample(setup.problem.T).interpolant))
 
 
 def start_outside(problem: Any) -> Any:
@@ -423,7 +435,7 @@ def start_outside(problem: Any) -> Any:
 
 def start_at_projection(setup: Any) -> Any:
     """Deliberate defect: u_0^h = P_h u_0, the projection in (·,·)_V, for a homogeneous A."""
-    return replaced(setup, "problem.u0", instead(projection(setup, 0.0)))
+    return replaced(setup, "problem.u0", replaced_by(projection(setup, 0.0)))
 
 
 def clamp_one_cell_short(setup: Any) -> Any:
@@ -504,12 +516,11 @@ def sum_of_roots(setup: Any) -> Any:
 def interpolant_off(which: str) -> Replacement:
     """Deliberate defect: 5 Π^h u instead of Π^h u at one node."""
 
-    def change(setup: Any) -> Any:
-        def sample(right: Function) -> Function:
-            five = lambda found: replace(found, interpolant=5.0 * found.interpolant)  # noqa: E731
-            return lambda time: _when(np.isclose(time, _time(which, setup)), five, right(time))
+    five = lambda found: replace(found, interpolant=5.0 * found.interpolant)  # noqa: E731
 
-        return replaced(setup, "v_norm.sample", sample)
+    def change(setup: Any) -> Any:
+        at_node = lambda time: np.isclose(time, _time(which, setup))  # noqa: E731
+        return replaced(setup, "v_norm.sample", lambda right: lambda time: _when(at_node(time), five, right(time)))
 
     return change
 
@@ -518,14 +529,13 @@ def interpolation_error_off(which: str, factor: float) -> Replacement:
     """Deliberate defect: ‖u − Π^h u‖_V is multiplied by a factor at one node."""
 
     def change(setup: Any) -> Any:
-        def distance(right: Function) -> Function:
-            def measured(sample: Any, v: Any) -> float:
-                off = v is sample.interpolant and np.isclose(sample.time, _time(which, setup))
-                return float((factor if off else 1.0) * right(sample, v))
+        right = setup.v_norm.distance
 
-            return measured
+        def distance(sample: Any, v: Any) -> float:
+            off = v is sample.interpolant and np.isclose(sample.time, _time(which, setup))
+            return float((factor if off else 1.0) * right(sample, v))
 
-        return replaced(setup, "v_norm.distance", distance)
+        return replaced(setup, "v_norm.distance", replaced_by(distance))
 
     return change
 
@@ -540,7 +550,7 @@ def load_off(amount: Callable[[float], float]) -> Replacement:
 
     def change(setup: Any) -> Any:
         right, T = setup.v_norm.load, setup.problem.T
-        wrong = instead(lambda time: (1 + amount(time / T)) * right(time))
+        wrong = replaced_by(lambda time: (1 + amount(time / T)) * right(time))
         return replaced(replaced(setup, "problem.load", wrong), "v_norm.load", wrong)
 
     return change
@@ -551,14 +561,11 @@ def load_off(amount: Callable[[float], float]) -> Replacement:
 
 def balance_alone(residual: Function) -> Function:
     """Deliberate defect: the residual ignores the sign of the contact forces, complementarity and the gap."""
-
-    def found(step: Any, u: Any, multipliers: Any, b: Any) -> float:
-        return float(np.linalg.norm(step.S @ u + step.forces @ multipliers - b) / np.linalg.norm(b))
-
-    return found
+    size = np.linalg.norm
+    return lambda step, u, multipliers, b: float(size(step.S @ u + step.forces @ multipliers - b) / size(b))
 
 
-def hastily(measure: Function) -> Function:
+def every_second_time(measure: Function) -> Function:
     """Deliberate defect: only every second time is measured, and residual and time share at the last time only."""
 
     def found(setup: Any) -> Any:
@@ -639,7 +646,7 @@ stress_load_late = stresses(
 def law_swapped(setup: Any) -> Any:
     """Deliberate defect: A and G are swapped in Problem 3.2."""
     law = setup.data.law
-    return replaced(setup, "data.law", instead(replace(law, A=law.G, G=law.A)))
+    return replaced(setup, "data.law", replaced_by(replace(law, A=law.G, G=law.A)))
 
 
 def no_surface_load(part: Any, x: Any) -> Function:
@@ -650,10 +657,7 @@ def no_surface_load(part: Any, x: Any) -> Function:
 def surface_load_late(setup: Any) -> Any:
     """Deliberate defect: f_2(t − k) instead of f_2(t)."""
     k = setup.data.body.T / setup.steps
-
-    def late(right: Function) -> Function:
-        return lambda part, x: lambda time: right(part, x)(np.maximum(time - k, 0.0))
-
+    late = lambda right: lambda part, x: lambda time: right(part, x)(np.maximum(time - k, 0.0))  # noqa: E731
     return replaced(setup, "data.surface_load", late)
 
 
@@ -677,7 +681,8 @@ def inadmissible_once(kind: str, call: int) -> Replacement:
     """Deliberate defect: in one step a stress is inadmissible by some thousandths of its size.
 
     Args:
-        kind: "jumps" between cells, "misses f_2", "tangential" on Γ3, or "pulls" on Γ3.
+        kind: "jumps" between cells, "misses f_2", is "tangential" on Γ3, or "pulls" on Γ3.
+        call: number of the step.
     """
 
     def spoiled(space: Any, state: Any) -> Any:
@@ -690,7 +695,7 @@ def inadmissible_once(kind: str, call: int) -> Replacement:
             tractions[cell, side, :, 0] = little
         else:
             tractions[cell, side, :, 1] += little
-        return replaced(state, "stress.tractions", instead(tractions))
+        return replaced(state, "stress.tractions", replaced_by(tractions))
 
     def wrong(inadmissible: Function) -> Function:
         calls = count()
@@ -703,7 +708,11 @@ def inadmissible_once(kind: str, call: int) -> Replacement:
 
 
 def space(change: Callable[[Space], dict[str, Any]]) -> Replacement:
-    """Deliberate defect: V^h has other attributes, which ``change`` returns."""
+    """Deliberate defect: V^h has other attributes.
+
+    Args:
+        change: function that returns the names and values of the new attributes, given the correct space.
+    """
     return result(lambda right: overridden(Space(right.mesh, right.body), **change(right)))
 
 
@@ -740,7 +749,7 @@ def over_vertices(h1_product: Function) -> Function:
 
 
 class Misstated:
-    """An operator with the stated constants of another operator."""
+    """A changed operator with the stated constants of the correct one."""
 
     def __init__(self, right: Any, change: Replacement) -> None:
         self.right, self.change = right, change
@@ -756,7 +765,12 @@ class Misstated:
 
 
 def law(tensor: str, change: Replacement) -> Replacement:
-    """Deliberate defect: A or G of a case differs from the operator whose constants it states."""
+    """Deliberate defect: A or G of a case is changed, and its stated constants are those of the correct operator.
+
+    Args:
+        tensor: "A" or "G".
+        change: the replacement of the operator.
+    """
 
     def misstated(case: Any) -> Any:
         right = case.solution.law
@@ -778,7 +792,12 @@ def engineering_shear(right: Function) -> Function:
 
 
 def returning(radius: float = 1.0, share: float = 1.0) -> Replacement:
-    """Deliberate defect: a law (3.3) with a wrong radius of K, or with a return to K that is too short or too long."""
+    """Deliberate defect: the law (3.3) has a wrong elastic set K, or its projection onto K is wrong.
+
+    Args:
+        radius: factor of the radius of K.
+        share: factor of the result.
+    """
 
     class Returning(Yield):
         def __call__(self, strain: Any) -> Any:
@@ -880,18 +899,14 @@ def opposite_work(compare: Function) -> Function:
 
 
 def random_only(quotients: Function) -> Function:
-    """Deliberate defect: only the first pairs, which are random, without the search for the worst pair."""
+    """Deliberate defect: only the first pairs are used, which are random; the worst pair is not searched."""
     return lambda *given: islice(quotients(*given), 10)
 
 
 def cut_off(projected: Function) -> Function:
     """Deliberate defect: the projection on K^h sets positive v_ν at vertices to 0 instead of minimising ‖·‖_V."""
-
-    def found(problem: Any, u: Any) -> Any:
-        N = problem.N
-        return u - N.T @ np.linalg.solve((N @ N.T).toarray(), np.maximum(N @ u, 0.0))
-
-    return found
+    products = lambda N: (N @ N.T).toarray()  # noqa: E731
+    return lambda problem, u: u - problem.N.T @ np.linalg.solve(products(problem.N), np.maximum(problem.N @ u, 0.0))
 
 
 def law_alone(pair: Any) -> Any:
@@ -900,12 +915,12 @@ def law_alone(pair: Any) -> Any:
 
 
 def rival(name: str, solver: Any) -> Replacement:
-    """Deliberate defect: the given solver replaces one of the other solvers."""
+    """Deliberate defect: the given solver replaces the named one of the solvers with which results are compared."""
     return lambda rivals: {**rivals, name: solver}
 
 
 def same_problem(name: str) -> Replacement:
-    """Deliberate defect: the problem replaces one of the problems with which it is compared."""
+    """Deliberate defect: the problem is compared with itself instead of with the named other problem."""
     return lambda rivals: lambda problem: {**rivals(problem), name: problem}
 
 
@@ -924,12 +939,10 @@ def unweighted(facet_rule: Function) -> Function:
 
 def body_load_off(right: Function) -> Function:
     """Deliberate defect: the load by the coarse rule is wrong at one time."""
-
-    def load(solution: Any, space: Any, time: float, degree: int) -> Any:
-        off = degree < 3 and np.isclose(time, 0.375 * solution.body.T)
-        return (1.1 if off else 1.0) * right(solution, space, time, degree)
-
-    return load
+    off = lambda solution, time, degree: degree < 3 and np.isclose(time, 0.375 * solution.body.T)  # noqa: E731
+    return lambda solution, space, time, degree: (
+        (1.1 if off(solution, time, degree) else 1.0) * right(solution, space, time, degree)
+    )
 
 
 def known_error(call: int, factor: float) -> Replacement:

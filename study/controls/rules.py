@@ -1,10 +1,10 @@
-"""Fingerprints of the rules by which checks of the ledger are judged: window, levels and statistic.
+"""Fingerprints of rules. The rule of a check is how it is judged: its window, its levels, and the statistic it uses.
 
-Seeds count for a check only if they were drawn after the last change to its rule. A change is detected by its effect.
-All measured numbers are replaced by pseudo-random numbers near h, which depend only on the names of the file, the row
-and the column, and these are judged. The fingerprint is a hash of the words, windows and values of the verdict and of
-the levels of its measurements. Another window, level or statistic changes the fingerprint of this check and of no other
-check; a rewritten rule with the same effect does not.
+The false-alarm rate of a check is estimated from seeds that were drawn after the last change of its rule. A change is
+detected by its effect on artificial data: all measured numbers are replaced by pseudo-random numbers of size h, which
+depend only on the names of the file, the row and the column, and these numbers are judged. The fingerprint is a hash of
+the resulting verdict (text, window, values) and of the levels of the measurements. So a new window, level or statistic
+changes the fingerprint of its check and of no other check. Code that is rewritten with the same effect changes nothing.
 """
 
 from __future__ import annotations
@@ -23,19 +23,23 @@ from study.run.plan import Plan
 from study.statements import STATEMENTS
 from study.statements.shared.base import LISTED, Statement
 
-KEPT = {"h", "k"}
-"""Columns of numbers that are not measured, in addition to the key of a file."""
+NOT_MEASURED = {"h", "k"}
+"""Columns of numbers that are not measured, so that they keep their values."""
 SCATTER = 0.2
-"""Scatter of the logarithms of the numbers, which makes ratios and orders differ from row to row."""
+"""Largest change of the logarithms of the artificial numbers, so that ratios and orders differ from row to row."""
 ALL = "all cases"
-"""The case name of checks about all cases."""
+"""The name of the case in checks about all cases."""
 
 
 def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
-    """Return the fingerprint of the rule of each check, for the data of a plan in a directory.
+    """Return for each check the fingerprint of its rule.
 
-    A check that needs more than the plan measured is left out, such as a check about all cases if the plan has some of
-    them.
+    A check is left out if ``plan`` lacks some of its measurements, for example a check about all cases.
+
+    Parameters:
+        directory: the directory with the data of ``plan``.
+        plan: the plan that was measured.
+        whole: the plan with all measurements of the checks.
     """
     cases = read_csv(directory, "cases.csv", PREDICTED)
     files = [file for file in data_files() if isinstance(file, CsvFile)]
@@ -43,47 +47,46 @@ def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
     found = {}
     for statement in STATEMENTS:
         if isinstance(statement.file, CsvFile):
-            measured, wanted = (_levels(some, statement) for some in (plan, whole))
+            settings = [_settings(some, statement) for some in (plan, whole)]
             for verdict in judge_statement(statement, tables[statement.file]):
-                of, all_of = (_of(verdict.case, levels) for levels in (measured, wanted))
-                if of == all_of and verdict.verdict not in UNCLAIMED:
-                    found[row_of(verdict)] = fingerprint([_said(verdict), of])
+                measured, wanted = (
+                    sorted(text for case, text in some if verdict.case in (case, ALL)) for some in settings
+                )
+                if measured == wanted and verdict.verdict not in UNCLAIMED:
+                    found[row_of(verdict)] = fingerprint([_texts(verdict), measured])
     return found
 
 
 def row_of(verdict: Verdict) -> RowKey:
-    """Return the key of a check, which does not depend on the seed."""
+    """Return the tuple (label, key, case) of a check, which does not depend on the seed of the meshes."""
     return verdict.label, verdict.key, verdict.case
 
 
 def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
-    """Return a table with pseudo-random numbers instead of the measured ones."""
+    """Return the table of a file with pseudo-random numbers in place of the measured ones."""
     found = table.copy()
     key = table[[name for name in file.key if name != "family"]].astype(str).agg(" ".join, axis=1)
     if file == LISTED:
         key += " " + table["quantity"]
     size = table["h"].to_numpy() if "h" in table else np.ones(len(table))
     for column in table.columns:
-        if column not in {*file.key, *KEPT} and pd.api.types.is_float_dtype(table[column]):
-            chance = [_chance(f"{file.name} {row} {column}") for row in key]
-            found[column] = size * np.exp(SCATTER * np.array(chance))
+        if column not in {*file.key, *NOT_MEASURED} and pd.api.types.is_float_dtype(table[column]):
+            hashes = [hashlib.sha256(f"{file.name} {row} {column}".encode()).hexdigest() for row in key]
+            # Numbers between −1 and 1.
+            chance = np.array([int(digits[:8], 16) / 2**31 - 1 for digits in hashes])
+            found[column] = size * np.exp(SCATTER * chance)
     return found
 
 
-def _chance(name: str) -> float:
-    """Return a number between −1 and 1 that depends only on a name."""
-    return int(hashlib.sha256(name.encode()).hexdigest()[:8], 16) / 2**31 - 1
-
-
-def _said(verdict: Verdict) -> list[str]:
-    """Return the texts of a verdict without the mesh family; numbers have six digits, equal on all machines."""
+def _texts(verdict: Verdict) -> list[str]:
+    """Return the texts and numbers of a verdict, without the mesh family; six digits are equal on all machines."""
     words = [*row_of(verdict), verdict.quantity.removesuffix(f", {verdict.family} meshes"), verdict.expected]
     numbers = verdict.observed, verdict.low, verdict.high, verdict.window_low, verdict.window_high
     return [*words, verdict.verdict, *(f"{number:.6g}" for number in numbers)]
 
 
-def _levels(plan: Plan, statement: Statement) -> list[tuple[str, str]]:
-    """Return pairs (case, setting without case and mesh family) of all measurements by which a statement is judged."""
+def _settings(plan: Plan, statement: Statement) -> list[tuple[str, str]]:
+    """Return pairs (case, level and other parameters as text) of all measurements by which a statement is judged."""
     own = [job for job in plan.jobs if job.statement.file == statement.file]
     if statement.file == LISTED:
         own = [job for job in own if job.statement.label == statement.label]
@@ -91,8 +94,3 @@ def _levels(plan: Plan, statement: Statement) -> list[tuple[str, str]]:
     return [
         (job.setting.case, repr(sorted((k, v) for k, v in vars(job.setting).items() if k not in hidden))) for job in own
     ]
-
-
-def _of(case: str, levels: list[tuple[str, str]]) -> list[str]:
-    """Return the settings of a case, or of all cases."""
-    return sorted(text for mine, text in levels if case in (mine, ALL))

@@ -1,4 +1,4 @@
-"""Measure every control and its baseline, and report whether the named checks noticed the defect."""
+"""Measures every control, and its setting without a defect, and reports whether the named checks noticed the defect."""
 
 from __future__ import annotations
 
@@ -27,8 +27,9 @@ from study.run.store import Store
 
 NO_DEFECT = "none"
 SAME = 1e-3
-"""Two defects count as the same mistake if their numbers in a setting agree to this relative tolerance. In checks that
-hold, some of which measure round-off, absolute differences of this size are ignored as well."""
+"""Relative tolerance up to which the numbers of two defects in a setting count as equal, so that the defects are the
+same mistake. In checks that hold, absolute differences of this size are ignored as well, because some measure
+rounding."""
 
 
 @dataclass(frozen=True)
@@ -39,10 +40,10 @@ class Outcome:
         defect: name of the control, or ``NO_DEFECT``.
         what: a description of the defect, in one line.
         setting: name of the setting.
-        row: for a control, the first of its checks that does not fail, or else its first check; for a baseline, the
-            first check that does not hold, or else its first check.
+        row: the check that is shown. For a control, the first of its named checks that does not fail, or the first one
+            if all fail. For a baseline, the first check that does not hold, or the first one if all hold.
         caught: whether every check that the control names fails; None for a baseline.
-        other_faults: other faults: a check that no control names, or a defect that equals another one.
+        other_faults: other faults in words: a check that no control names, or a defect that equals another one.
     """
 
     defect: str
@@ -59,7 +60,7 @@ class Outcome:
 
     @classmethod
     def of_control(cls, control: Control, verdicts: list[Verdict], other_faults: str = "") -> Outcome:
-        """Return the outcome of a control; only the checks that it names can notice the defect.
+        """Return the outcome of a control. Only failures of the checks that it names count.
 
         Raises:
             KeyError: the setting has no check with the key that the control gives.
@@ -71,48 +72,57 @@ class Outcome:
 
     @classmethod
     def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict], named: set[str]) -> Outcome:
-        """Return the outcome of a baseline: all checks hold, each is named by a control, and no key occurs twice.
+        """Return the outcome of a baseline: all checks must hold, each must be named by a control, no key occurs twice.
 
-        If no control named a check, it could be weakened or removed without any control failing.
+        A check that no control names could be weakened or removed, and no control would notice it.
+
+        Parameters:
+            setting: the setting.
+            verdicts: its checks without a defect.
+            named: the keys of all checks that controls name.
         """
         row = next((verdict for verdict in verdicts if verdict.verdict != HOLDS), verdicts[0])
         keys = [verdict.key for verdict in verdicts]
         twice = [f"two checks are called {key}" for key in dict.fromkeys(keys) if keys.count(key) > 1]
         unnamed = [f"no control names the check {key}" for key in dict.fromkeys(keys) if key not in named]
         other_faults = "; ".join(twice + unnamed)
-        return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None, other_faults)
+        return cls(NO_DEFECT, f"all {len(verdicts)} checks must hold", str(setting), row, None, other_faults)
 
 
 def settings(controls: Sequence[Control]) -> list[Baseline[Any]]:
-    """Return the settings of the controls without repetition."""
+    """Return the different settings of some controls."""
     return list(dict.fromkeys(control.setting for control in controls))
 
 
 def run_controls(
     controls: Sequence[Control], executor: Executor, store: Store, notify: Callable[[], object]
 ) -> list[Outcome]:
-    """Return the outcomes of the baselines, one per setting, and of the controls, in this order.
+    """Return the outcomes of the baselines, one for each setting, followed by those of the controls.
 
-    Measurements that are stored for the same code are not repeated. ``notify`` is called after every measurement.
+    Parameters:
+        controls: the controls.
+        executor: runs the measurements.
+        store: keeps finished measurements; those of the same code are not repeated.
+        notify: called after every measurement.
     """
     places = settings(controls)
     measured = [(place, "") for place in places] + [(control.setting, control.name) for control in controls]
     keys = [_key(*one) for one in measured]
     found: dict[str, list[Verdict]] = {}
     running: dict[Future[list[Verdict]], str] = {}
-    made_by = of_everything()
+    cache_key = of_everything()
     for key, (setting, name) in zip(keys, measured, strict=True):
-        kept = store.load(key, made_by)
-        if kept is None:
+        stored = store.load(key, cache_key)
+        if stored is None:
             running[executor.submit(work_by_name, setting, name)] = key
         else:
-            found[key] = [Verdict(**row) for row in kept["rows"]]
+            found[key] = [Verdict(**row) for row in stored["rows"]]
             notify()
     try:
         for future in as_completed(running):
             key = running[future]
             found[key] = future.result()
-            store.save(key, made_by, {"rows": [asdict(verdict) for verdict in found[key]]})
+            store.save(key, cache_key, {"rows": [asdict(verdict) for verdict in found[key]]})
             notify()
     finally:
         for future in running:
@@ -124,7 +134,12 @@ def run_controls(
 def outcomes(
     sound: Mapping[Baseline[Any], list[Verdict]], defective: Sequence[tuple[Control, list[Verdict]]]
 ) -> list[Outcome]:
-    """Return the outcomes, from the checks of every setting and of every control."""
+    """Return the outcomes of all settings and controls from their checks.
+
+    Parameters:
+        sound: setting ↦ its checks without a defect.
+        defective: pairs (control, its checks).
+    """
     named = {key for control, _ in defective for key in control.keys}
     other_faults: dict[str, str] = {}
     for (one, first), (other, second) in combinations(defective, 2):
@@ -152,10 +167,10 @@ def _key(setting: Baseline[Any], name: str) -> str:
 
 
 def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
-    """Return the checks of a setting with the defect of this name in the table; without a defect if the name is empty.
+    """Return the checks of a setting with the named defect of the table; for an empty name, without a defect.
 
-    The name is passed, because functions in the table cannot be sent to another process. One thread is used, because
-    the processes already use all cores.
+    The name is passed because a control contains functions, which cannot be sent to another process. One thread is used
+    because the processes already use all cores.
     """
     named = [one for one in table.CONTROLS if one.name == name and one.setting == setting]
     with threadpool_limits(1):
@@ -163,7 +178,7 @@ def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
 
 
 def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict]:
-    """Return the checks of a setting, with a defect if one is given."""
+    """Return the checks of a setting, with the defect of a control if one is given."""
     if control is None:
         return setting.verdicts(lambda measured: measured)
     with control.patched():
@@ -171,7 +186,7 @@ def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict
 
 
 def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:
-    """Write ``controls.csv`` with one line for each outcome; return its path."""
+    """Write ``controls.csv`` with one row for each outcome; return its path."""
     table = pd.DataFrame(
         {
             "defect": finding.defect,
@@ -191,14 +206,27 @@ def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:
 
 
 def controls_text(findings: Sequence[Outcome]) -> str:
-    """Return text: the settings without a defect, the defects with the check that noticed each, and the counts."""
+    """Return the printed text: a table of the settings without a defect, a table of the defects, and the counts."""
     baselines = [finding for finding in findings if finding.caught is None]
     controls = [finding for finding in findings if finding.caught is not None]
+    lines_of_baselines = [
+        (f.setting, f.what if f.row.verdict == HOLDS else f"{_name(f.row)}: {cell(f.row.observed)}", f.row.verdict)
+        for f in baselines
+    ]
+    lines_of_controls = [
+        (
+            f"{f.defect}: {f.what}\n({f.setting})",
+            f"{'' if f.caught else 'NOT NOTICED by '}{_name(f.row)}",
+            f.row.expected,
+            cell(f.row.observed),
+        )
+        for f in controls
+    ]
     return "\n".join(
         [
-            _table(["without a defect", "checks", "verdict"], [_baseline_line(finding) for finding in baselines]),
+            _table(["without a defect", "checks", "verdict"], lines_of_baselines),
             "",
-            _table(["defect", "noticed by", "expected", "observed"], [_control_line(finding) for finding in controls]),
+            _table(["defect", "noticed by", "expected", "observed"], lines_of_controls),
             "",
             f"{len(baselines)} settings without a defect: in {sum(f.passes for f in baselines)} every check holds",
             f"{len(controls)} defects: {sum(f.passes for f in controls)} noticed",
@@ -212,14 +240,5 @@ def _table(head: list[str], rows: list[tuple[str, ...]]) -> str:
     return tabulate(rows, head, "simple", disable_numparse=True, maxcolwidths=widths[: len(head)])
 
 
-def _baseline_line(finding: Outcome) -> tuple[str, ...]:
-    row = finding.row
-    if row.verdict == HOLDS:
-        return finding.setting, finding.what, HOLDS
-    return finding.setting, f"{row.label}: {row.quantity}: {cell(row.observed)}", row.verdict
-
-
-def _control_line(finding: Outcome) -> tuple[str, ...]:
-    row = finding.row
-    by = f"{row.label}: {row.quantity}" if finding.caught else f"NOT NOTICED by {row.label}: {row.quantity}"
-    return f"{finding.defect}: {finding.what}\n({finding.setting})", by, row.expected, cell(row.observed)
+def _name(row: Verdict) -> str:
+    return f"{row.label}: {row.quantity}"

@@ -1,8 +1,8 @@
-"""The plan of a seed: everything that the study judges on shaken meshes, measured on the shaken meshes of this seed.
+"""The plan of a seed: all checks of the study on shaken meshes, measured on the random meshes with this seed.
 
-Some measurements take most of the time: stresses on a separate space, rough solutions (which need the levels of the
-full study), errors computed by the second solver, and cases in 3D. They are measured on every ``EVERY``-th seed only.
-Each check has the number of seeds by which it was judged.
+In a shaken mesh, the vertices are moved at random. Some measurements take most of the time: stresses on a separate
+space, rough solutions (which need the levels of the full study), errors computed by the second solver, and cases in 3D.
+They are measured on every ``EVERY``-th seed only. So checks differ in the number of seeds by which they were judged.
 """
 
 from __future__ import annotations
@@ -28,26 +28,26 @@ from study.statements.shared.scope import Scope
 from study.statements.thm_4_2_own_space import OwnSpace
 
 WHOLE, LIGHT = "whole", "light"
-"""The parts of the plan: all measurements, and the cheap ones."""
+"""The parts of the plan: all measurements, or only the cheap ones."""
 EVERY = 5
-"""All checks are measured on every fifth seed, so that both parts take about the same time."""
+"""All measurements are made on every fifth seed, so that cheap and costly ones take about the same time together."""
 NOT_CLAIMED = {"(5.24)": "orders of a trace hang on few edges of random length"}
-"""Labels of statements that the ledger does not claim on shaken meshes, with the reason."""
+"""Label of a statement about which nothing is claimed on shaken meshes ↦ the reason."""
 TRACES = ("no-contact", "advance-recede")
-"""Cases whose traces are interpolated."""
+"""Cases whose traces on the contact boundary are interpolated."""
 
 
 def claimed(label: str) -> bool:
-    """Return whether the ledger claims the checks of a statement on shaken meshes."""
+    """Return whether the checks with this label are claimed to hold on shaken meshes."""
     return label not in NOT_CLAIMED
 
 
 @dataclass(frozen=True)
 class SeededScope(Scope):
-    """The quick study, on shaken meshes only.
+    """The scope of the quick study with shaken meshes only.
 
     Attributes:
-        seed: the seed of the meshes, whose family is called shaken-SEED.
+        seed: the seed of the meshes; the mesh family is called shaken-SEED.
     """
 
     seed: int = 0
@@ -64,10 +64,14 @@ class SeededScope(Scope):
 
 
 def seeded(seed: int, part: str = WHOLE) -> Plan:
-    """Return the plan of the quick study with a seed; rough cases have the levels of the full study.
+    """Return the plan of a seed: the quick study on its meshes, with the levels of the full study for rough cases.
 
-    Left out are pictures, bounds (proved for every mesh, and tested with random ones), errors of other codes, which ran
-    on the meshes of one seed, and the cases that only the full study measures (``SLOW``).
+    The plan has no pictures, no error bounds (which are proved for every mesh), no errors of other codes (which were
+    run on the meshes of one seed), and no cases that only the full study measures (``SLOW``).
+
+    Parameters:
+        seed: the seed.
+        part: WHOLE for all measurements, LIGHT for the cheap ones.
     """
     base = replace(quick(), rough=full().rough, command="study seeds")
     scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
@@ -81,7 +85,7 @@ def seeded(seed: int, part: str = WHOLE) -> Plan:
 
 
 def costly(job: Job) -> bool:
-    """Return whether a job belongs only to the seeds on which all checks are measured."""
+    """Return whether a job is so costly that it is run only on the seeds with all measurements."""
     solid = isinstance(job.statement, FirstOrder | InitialGap) and job.setting.dim == 3
     return solid or isinstance(job.statement, OwnSpace | Convergence | InterpolationOnContact | Recomputed)
 
@@ -89,9 +93,9 @@ def costly(job: Job) -> bool:
 def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
     """Return the settings of a statement on the shaken meshes of a seed.
 
-    They are the settings of the quick study or, if it has no shaken meshes, of the full study on the levels of the
-    quick one. Problem 3.2 on composite stresses has all settings of the full study. The traces of (5.24) are measured
-    although nothing is claimed about them on shaken meshes.
+    Settings of the quick study with shaken meshes are used. If there are none, those of the full study on the levels of
+    the quick study are used. Problem 3.2 with a separate stress space has all settings of the full study. The traces of
+    (5.24) are measured, although nothing is claimed about them on shaken meshes.
     """
     if isinstance(statement, InterpolationOnContact):
         return grid(TRACES, (scope.family,), (16, 32, 64))

@@ -1,9 +1,9 @@
-"""Sensitivity: the smallest defect that makes a check fail; the command ``study sensitivity``.
+"""Finds the smallest defect that makes a check fail: the command ``study sensitivity``.
 
 One part of Problem 5.1 is changed by a relative amount δ. Bisection on a logarithmic scale finds the smallest δ at
-which a check fails. Errors change by δ² for small δ, which orders and sizes hardly show. The checks of
-``study.statements.recomputed`` compare trajectories, which change by δ. Only these checks are used here, so the amounts
-are upper bounds for the whole ledger, and a coarse mesh suffices.
+which a check fails. For small δ the errors change by a multiple of δ², so observed orders hardly show the defect. The
+checks of ``study.statements.recomputed`` compare two trajectories, whose distance is a multiple of δ. Only these checks
+are used here. So the whole ledger may notice smaller defects, and a coarse mesh suffices.
 """
 
 from __future__ import annotations
@@ -19,12 +19,11 @@ import pandas as pd
 from tabulate import tabulate
 from threadpoolctl import threadpool_limits
 
+from study.controls.baselines import experiment
 from study.controls.small_defects import DEFECTS, START, SmallDefect
-from study.fem.naming import family_named, resolve
+from study.fem.naming import resolve
 from study.ledger.datafiles import CsvFile, Row, write_csv
 from study.ledger.verdict import FAILS
-from study.solve.steps import rate_steps
-from study.solve.tableau import MIDPOINT
 from study.statements.recomputed import TRAJECTORIES, Recomputed, gaps
 from study.statements.recomputed_solver import PlainProblem, Trajectory
 from study.statements.shared.base import Setting, grid
@@ -37,7 +36,7 @@ CLOSE = 1.05
 CASES = "full-contact", "advance-recede"
 FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 LEVEL = 8
-"""The coarsest level on which both studies compare trajectories."""
+"""The coarsest level on which the quick and the full study compare trajectories."""
 PLACES = grid(CASES, FAMILIES, (LEVEL,))
 SENSITIVITY = CsvFile(
     "sensitivity.csv", ("defect", "case", "family"), ("defect", "case", "family", "level", "amount", "seen_by")
@@ -46,7 +45,15 @@ SENSITIVITY = CsvFile(
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """One mesh, with the trajectories of the second solver for comparison: with its load and with the study's load."""
+    """The study and the second solver on one mesh.
+
+    Attributes:
+        setting: case, mesh family and level.
+        setup: the experiment of the study.
+        plain: the problem of the second solver.
+        course: trajectory of the second solver with its own load.
+        alike: trajectory of the second solver with the load of the study.
+    """
 
     setting: Setting
     setup: Experiment
@@ -56,16 +63,14 @@ class Place:
 
     @classmethod
     def of(cls, setting: Setting) -> Place:
-        """Return the experiment of the study on a mesh; loads are cached, because every defect needs the same ones."""
-        case = resolve(setting.case)
-        steps = rate_steps(case.solution.body.T, setting.level, case.pace)
-        setup = Experiment.of(case.solution, family_named(setting.family), setting.level, MIDPOINT, steps)
+        """Return both solvers on a mesh; loads are cached, because all defects need the same loads."""
+        setup = experiment(resolve(setting.case), setting.family, setting.level)
         setup = replace(setup, problem=replace(setup.problem, load=cache(setup.problem.load)))
         plain = PlainProblem(setup.solution, setup.space.mesh)
-        return cls(setting, setup, plain, *plain.trajectories(2 * steps, plain.load, setup.problem.load))
+        return cls(setting, setup, plain, *plain.trajectories(2 * setup.steps, plain.load, setup.problem.load))
 
     def failing(self, setup: Experiment) -> list[str]:
-        """Return the keys of the checks that fail."""
+        """Return the keys of the checks that fail for an experiment."""
         right = setup.problem.load is self.setup.problem.load
         alike = self.alike if right else self.plain.trajectories(2 * setup.steps, setup.problem.load)[0]
         row = {**vars(self.setting), "h": setup.space.h, **gaps(setup, self.plain, self.course, alike)}
@@ -74,7 +79,11 @@ class Place:
         return [verdict.key for verdict in verdicts if verdict.verdict == FAILS]
 
     def smallest(self, defect: SmallDefect) -> tuple[float, str]:
-        """Return the smallest amount at which a check fails, up to ``CLOSE``, and the check; ∞ if none fails."""
+        """Return the smallest amount of a defect at which a check fails, up to the factor ``CLOSE``.
+
+        Returns:
+            The amount, and the key of the check; infinity and an empty text if no check fails.
+        """
         holds, fails = LEAST, MOST
         if not (seen := self.failing(defect.apply(self.setup, fails))):
             return float("inf"), ""
@@ -88,7 +97,10 @@ class Place:
 
 
 def lines(setting: Setting) -> list[Row]:
-    """Return the rows of ``sensitivity.csv`` for one mesh; a zero start has no relative defect and is skipped."""
+    """Return the rows of ``sensitivity.csv`` for one mesh.
+
+    The defect of the initial displacement is skipped if this displacement is zero.
+    """
     with threadpool_limits(1):
         place = Place.of(setting)
         chosen = [defect for defect in DEFECTS if defect is not START or place.setup.problem.u0.any()]
@@ -97,7 +109,12 @@ def lines(setting: Setting) -> list[Row]:
 
 
 def run_sensitivity(executor: Executor, notify: Callable[[], object]) -> pd.DataFrame:
-    """Return the table ``sensitivity.csv``; ``notify`` is called after every mesh."""
+    """Return the table ``sensitivity.csv``.
+
+    Parameters:
+        executor: runs the meshes.
+        notify: called after every mesh.
+    """
     waiting = [executor.submit(lines, setting) for setting in PLACES]
     for _ in as_completed(waiting):
         notify()
@@ -112,11 +129,11 @@ def write_sensitivity(directory: Path, table: pd.DataFrame) -> Path:
 
 
 def sensitivity_text(table: pd.DataFrame) -> str:
-    """Return the amounts in per cent, with a line for every defect and a column for every mesh family."""
+    """Return a table as text: amounts in per cent, with a row for each defect and a column for each mesh family."""
     wide = table.assign(percent=[f"{100 * amount:.2g}" for amount in table["amount"]])
     wide = wide.pivot(index=["case", "defect"], columns="family", values="percent")
     order = list(dict.fromkeys(zip(table["case"], table["defect"], strict=True)))
     lines = [[*key, *wide.loc[key, list(FAMILIES)]] for key in order]
-    # The head is passed as a line of the table, because tabulate would pad it to more than 80 columns.
+    # The headings are passed as a row, because tabulate would widen columns with headings to more than 80 characters.
     head = ["case", "wrong by %", *FAMILIES]
     return tabulate([head, *lines], tablefmt="plain", disable_numparse=True, maxcolwidths=[None, 14])

@@ -1,10 +1,11 @@
-"""Defects of a given relative size in parts of Problem 5.1, for ``study.controls.sensitivity``."""
+"""Deliberate defects with a given relative size δ in parts of Problem 5.1, for ``study.controls.sensitivity``."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -15,24 +16,33 @@ from study.controls.control import Replacement, replaced
 from study.controls.replacements import forces_times, solving
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import work_on
-from study.fem.material import means
+from study.fem.space import means
 from study.statements.shared.experiment import Experiment
 
 
 @dataclass(frozen=True)
 class SmallDefect:
-    """A deliberate defect: its name, and a function that puts it into an experiment with a relative size."""
+    """A deliberate defect of any relative size.
+
+    Attributes:
+        name: name of the defect.
+        apply: function of an experiment and the relative size, which returns the experiment with the defect.
+    """
 
     name: str
     apply: Callable[[Experiment, float], Experiment]
 
 
 def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callable[[Experiment, float], Experiment]:
-    """Return the defect that adds δ times a part of the load F to it."""
+    """Return the function ``SmallDefect.apply`` for a load F with an additional part.
+
+    Parameters:
+        more: function that returns the part, t ↦ (n_dofs,), for an experiment; δ times the part is added to F.
+    """
 
     def apply(setup: Experiment, amount: float) -> Experiment:
         part = more(setup)
-        return _replaced(setup, "problem.load", lambda load: lambda time: load(time) + amount * part(time))
+        return replaced(setup, "problem.load", lambda load: lambda time: load(time) + amount * part(time))
 
     return apply
 
@@ -55,24 +65,14 @@ def contact_load(setup: Experiment) -> Callable[[float], Array]:
     return cache(lambda time: v_norm._contact_work(*(amplitudes(time, rate) for rate in (False, True))))
 
 
-def slow_clock(setup: Experiment, amount: float) -> Experiment:
-    """Deliberate defect: the load F((1 − δ) t) instead of F(t)."""
-    return _replaced(setup, "problem.load", lambda load: lambda time: load((1 - amount) * time))
+def changed(place: str, change: Callable[[Any, float], Any]) -> Callable[[Experiment, float], Experiment]:
+    """Return the function ``SmallDefect.apply`` that changes an attribute of the experiment.
 
-
-def wrong_start(setup: Experiment, amount: float) -> Experiment:
-    """Deliberate defect: the initial displacement (1 + δ) Π^h u_0."""
-    return _replaced(setup, "problem.u0", lambda u0: (1 + amount) * u0)
-
-
-def wrong_forces(setup: Experiment, amount: float) -> Experiment:
-    """Deliberate defect: the contact forces (1 + δ) λ; u^h is correct."""
-    return _replaced(setup, "problem.solver", forces_times(1 + amount))
-
-
-def _replaced(setup: Experiment, place: str, replacement: Replacement) -> Experiment:
-    changed: Experiment = replaced(setup, place, replacement)
-    return changed
+    Parameters:
+        place: the attribute, as for ``replaced``.
+        change: function that returns the wrong value, given the correct one and δ.
+    """
+    return lambda setup, amount: replaced(setup, place, lambda right: change(right, amount))
 
 
 def shear(tensor: Linear) -> Array:
@@ -87,34 +87,40 @@ def bulk(tensor: Linear) -> Array:
 
 
 def modulus(matrix: str, tensor: str, part: Callable[[Linear], Array]) -> Callable[[Experiment, float], Experiment]:
-    """Return the defect that multiplies a modulus of A or G by 1 + δ in the matrix of the solver."""
+    """Return the function ``SmallDefect.apply`` that multiplies a modulus of A or G by 1 + δ in the solver.
+
+    Parameters:
+        matrix: the matrix of the problem, "M" or "reference".
+        tensor: "A" or "G".
+        part: function that returns the part of the tensor that belongs to the modulus, (D, D).
+    """
 
     def apply(setup: Experiment, amount: float) -> Experiment:
         law: Linear = getattr(setup.solution.law, tensor)
         wrong = amount * setup.space.form(part(law), means(setup.space, law.factor))
         altered = solving(lambda problem: replaced(problem, matrix, lambda right: right + wrong))
-        return _replaced(setup, "scheme", altered)
+        return replaced(setup, "scheme", altered)
 
     return apply
 
 
-START = SmallDefect("start u_0^h", wrong_start)
+START = SmallDefect("start u_0^h", changed("problem.u0", lambda u0, amount: (1 + amount) * u0))
 DEFECTS = (
     SmallDefect("load f", loaded_by(lambda setup: setup.problem.load)),
     SmallDefect("surface load f_2", loaded_by(surface_load)),
     SmallDefect("body force f_0", loaded_by(body_force)),
     SmallDefect("contact load", loaded_by(contact_load)),
-    SmallDefect("contact force λ", wrong_forces),
+    SmallDefect("contact force λ", changed("problem.solver", lambda right, amount: forces_times(1 + amount)(right))),
     SmallDefect("μ of A", modulus("M", "A", shear)),
     SmallDefect("λ of A", modulus("M", "A", bulk)),
     SmallDefect("μ of G", modulus("reference", "G", shear)),
     SmallDefect("λ of G", modulus("reference", "G", bulk)),
     START,
-    SmallDefect("time t", slow_clock),
+    SmallDefect("time t", changed("problem.load", lambda load, amount: lambda time: load((1 - amount) * time))),
 )
 
 
 def by_amount(name: str, amount: float) -> Replacement:
-    """Return one of ``DEFECTS`` by its name, with a fixed size."""
+    """Return the named defect of ``DEFECTS`` with a fixed relative size, as a replacement for a control."""
     (defect,) = (each for each in DEFECTS if each.name == name)
     return lambda setup: defect.apply(setup, amount)

@@ -1,13 +1,14 @@
 # ruff: noqa: E501, one line for each defect
-"""The deliberate defects, in one table.
+"""All deliberate defects, in one table.
 
 Each line has the name and the description of a defect, the setting, the part that is replaced (``Control.place``), the
-function of ``study.controls.replacements`` that returns the wrong part, and the check of the ledger that must fail.
+function of ``study.controls.replacements`` that returns the wrong part, and the key of the check that must fail.
 
-Some controls test diagnostics. A residual that ignores the sign of the contact forces, or a supremum over every second
-time, is too small, and no window for the correct solution can reveal it. So the computation is made inaccurate in one
-respect, for example at one time node. If a diagnostic ignores this node, its check holds and the control is reported as
-not noticed.
+The second half of the table tests diagnostics, which are numbers that show how accurate a computation is. Suppose that
+a residual ignores the sign of the contact forces, or that a maximum over time skips every second time. Such a
+diagnostic is too small, and no window for a correct computation can reveal this. So the computation is made inaccurate
+in one respect, for example at one time node. If the diagnostic ignores this node, its check holds, and the control is
+reported as not noticed.
 """
 
 from __future__ import annotations
@@ -51,12 +52,12 @@ from study.statements.thm_4_2 import Gaps
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
 
-# Settings: each is the smallest in which every check holds without a defect and the named check fails with it.
+# Settings. Each is the smallest one in which every check holds without a defect and the named check fails with it.
 
 FULL, TURNED = Sweep("full-contact", levels=(4, 8, 16)), Sweep("full-contact", angle=0.3, levels=(4, 8, 16))
 NONE, FIXED = Sweep("no-contact"), Sweep("fixed-front-off-vertex")
 MOVING, MERGING = Sweep("advance-recede"), Sweep("merging-patches")
-APART_AT_FIRST = Sweep("parabolic-gap")
+INITIAL_GAP = Sweep("parabolic-gap")
 CROSSED, ROUGH = Sweep("advance-recede", families=("criss-cross",)), Sweep("rough-2", levels=(4, 8, 16, 32))
 SOLID = Sweep("cube-two-faces", levels=(6, 9, 12))
 CORNERED = Sweep("re-entrant", families=("unstructured", "graded"), levels=(8, 16, 32, 64))
@@ -70,6 +71,7 @@ ENCLOSURE = Bounding(EnclosedError(), tuple(by_midpoint("advance-recede", "one-d
 
 
 def on(statement: Any, case: str, family: str, *levels: int) -> Listing:
+    """Return the setting of a statement on some levels of a case and a mesh family."""
     return Listing(statement, case, family, levels)
 
 
@@ -88,53 +90,42 @@ FACES = on(InterpolationOnContact(), "hexagon", "unstructured", 16, 32, 64)
 CLOSE = on(Superclose(), "full-contact", "one-diagonal", 8, 16, 32)
 LINEAR, NONLINEAR = (on(Lipschitz(), case, "one-diagonal", 8, 16) for case in ("full-contact", "yield-on-a-part"))
 RESIDUAL = on(Residual(), "full-contact", "shaken", 6)
-TRAJECTORY, ONE_STRESS = (
-    on(OneTrajectory(), "advance-recede", "shaken", 6),
-    on(OneStress(), "advance-recede", "shaken", 4),
-)
-VELOCITY, DEPENDENCE = (
-    on(BoundedVelocity(), "advance-recede", "shaken", 8, 16),
-    on(Dependence(), "advance-recede", "unstructured", 6),
-)
+TRAJECTORY = on(OneTrajectory(), "advance-recede", "shaken", 6)
+ONE_STRESS = on(OneStress(), "advance-recede", "shaken", 4)
+VELOCITY = on(BoundedVelocity(), "advance-recede", "shaken", 8, 16)
+DEPENDENCE = on(Dependence(), "advance-recede", "unstructured", 6)
 ESTIMATE, FROM_REST = (
     on(StepsOfTheEstimate(), case, "unstructured", 8) for case in ("advance-recede", "lift-and-land")
 )
-APART, MONOTONE = (
-    on(Separation(), "full-contact", "unstructured", 8),
-    on(Resolvent(), "full-contact", "unstructured", 8),
-)
+SEPARATION = on(Separation(), "full-contact", "unstructured", 8)
+MONOTONE = on(Resolvent(), "full-contact", "unstructured", 8)
 LOADS = on(LoadInTime(), "lift-and-land", "unstructured", 4, 8)
 TRACTION, LOGARITHM = (on(TractionInTime(), case, "one-diagonal", 8, 16, 32) for case in ("advance-recede", "junction"))
-AT_REST, PARTING = (
-    on(ResidualBound(), "full-contact", "unstructured", 8),
-    on(SolutionDivergence(), "softening", "shaken", 4),
-)
-GROWING, ADVANCING = (
-    on(GrowingErrors(), "softening", "unstructured", 4),
-    on(AdvancingFront(), "natural-motion", "unstructured", 6, 12, 24),
-)
+AT_REST = on(ResidualBound(), "full-contact", "unstructured", 8)
+DIVERGENCE = on(SolutionDivergence(), "softening", "shaken", 4)
+GROWING = on(GrowingErrors(), "softening", "unstructured", 4)
+ADVANCING = on(AdvancingFront(), "natural-motion", "unstructured", 6, 12, 24)
 NO_POTENTIAL = on(NoPotential(), "no-potential", "one-diagonal", 6, 8, 10)
 NODAL_START = on(NodalStart(), "full-contact", "one-diagonal", 8, 16, 32)
 
-# Parts that are replaced by several controls.
+# Names of parts that several controls replace, and keys of checks that several controls name.
 
 SOLVER, LOAD, START, DISTANCE = "problem.solver", "problem.load", "problem.u0", "v_norm.distance"
 MEASURE, OWN_ERRORS = "statements.prop_5_4:Measurement", "statements.thm_4_2_own_space"
 PLAIN, KNOWN_ERROR = "statements.recomputed_solver:PlainProblem", "statements.enclosure:known_error"
-DISCRETE, SAME_DISPLACEMENT, SAME_FORCES = (
-    "discrete-order-superclose",
-    "displacement-same-load",
-    "multipliers-same-load",
-)
+DISCRETE_ORDER = "discrete-order-superclose"
+SAME_DISPLACEMENT, SAME_FORCES = "displacement-same-load", "multipliers-same-load"
 NODES, MIDDLE = ("first", "odd", "even", "last"), ("odd", "even")
-"""Time nodes with separate defects: a measurement that skips the middle or every second node misses one of them."""
+"""Time nodes at which single defects are put: a diagnostic that skips the ends or every second node misses one of them."""
 
 
 def zero(right: Any) -> Any:
+    """Deliberate defect: a number or an array is 0."""
     return 0 * right
 
 
 def negative(right: Any) -> Any:
+    """Deliberate defect: a number, an array or a matrix has the wrong sign."""
     return -right
 
 
@@ -146,16 +137,16 @@ CONTROLS: tuple[Control, ...] = (
     Control("contact relaxed", "v_ν ≤ √h instead of v_ν ≤ 0", FULL, "", wrong.constraint_relaxed, "order"),
     Control("contact work", "its sign flipped in the load (3.7)", MOVING, "", wrong.contact_work_times(-1.0), "order"),
     Control("normal flipped", "v_ν ≥ 0 instead of v_ν ≤ 0", MOVING, "problem.N", negative, "order"),
-    Control("initial gap flipped", "v_ν ≤ −g instead of v_ν ≤ g", APART_AT_FIRST, "problem.gap", negative,
+    Control("initial gap flipped", "v_ν ≤ −g instead of v_ν ≤ g", INITIAL_GAP, "problem.gap", negative,
             ("order", "order-extrapolated", "size", "discrete-order-superclose", "discrete-share")),
-    Control("initial gap left out", "v_ν ≤ 0 instead of v_ν ≤ g", APART_AT_FIRST, "problem.gap", zero, ("order", "order-extrapolated")),
+    Control("initial gap left out", "v_ν ≤ 0 instead of v_ν ≤ g", INITIAL_GAP, "problem.gap", zero, ("order", "order-extrapolated")),
     Control("normal along an axis", "the axis nearest to ν instead of ν", TURNED, "problem.N", wrong.nearest_axis, "order"),
     Control("one active set", "the contact solve stops after one iteration", MOVING, SOLVER, wrong.one_iteration, "residual"),
     Control("clamp short", "Γ1 ends one cell too early", FULL, "", wrong.clamp_one_cell_short, "clamped"),
     Control("viscosity dropped", "G(u) = F without A u̇", NONE, "scheme", wrong.no_viscosity, "order"),
     Control("elasticity dropped", "A u̇ = F without G(u)", NONE, "scheme", wrong.no_elasticity, "order"),
     Control("law swapped", "G u̇ + A u = F", NONE, "scheme", wrong.swapped, "order"),
-    Control("load late", "the load of the step before", MOVING, "", wrong.load_late, DISCRETE),
+    Control("load late", "the load of the step before", MOVING, "", wrong.load_late, DISCRETE_ORDER),
     Control("start at zero", "u_0^h = 0 instead of Π^h u_0", NONE, START, zero, "order"),
     Control("k like h", "backward Euler with k ~ h as if continuous in time", MOVING, "", wrong.k_like_h, "time-share"),
     Control("norm of H¹", "(‖v‖² + ‖ε(v)‖²)^½ instead of ‖v‖_V", FIXED, "", wrong.norm_of_h1, "leading-term"),
@@ -203,11 +194,11 @@ CONTROLS: tuple[Control, ...] = (
     Control("stress from displacement", "Problem 3.2 is fed by Problem 3.1", BOTH, "", wrong.stress_from_displacement, "alone-stress"),
     Control("stress without contact", "σ_ν = 0 instead of σ_ν ≤ 0", OWN, "solver", wrong.no_multipliers, "order-stress"),
     Control("stress law swapped", "A and G swapped in Problem 3.2", OWN, "", wrong.law_swapped, "order-strain"),
-    Control("stress without memory", "the strains of the past are 0", OWN, "scheme.past", wrong.instead((0.0, 0.0)), "order-strain"),
-    Control("stress without f_2", "σν = 0 instead of f_2 on Γ2", OWN, "data.surface_load", wrong.instead(wrong.no_surface_load), ("order-stress", "order-sup")),
+    Control("stress without memory", "the strains of the past are 0", OWN, "scheme.past", wrong.replaced_by((0.0, 0.0)), "order-strain"),
+    Control("stress without f_2", "σν = 0 instead of f_2 on Γ2", OWN, "data.surface_load", wrong.replaced_by(wrong.no_surface_load), ("order-stress", "order-sup")),
     Control("first step off", "u_1 off by 1e-4, then right", BOTH, "", wrong.step_times("first", u=1.0001), "displacement"),
     Control("first stress off", "σ_1 off by 1e-4, then right", BOTH, "", wrong.step_times("first", stress=1.0001), "stress"),
-    Control("stopped early", "gaps of 1e-8 instead of 1e-15", BOTH, "solve.stress_problem:AIM", wrong.instead(Accuracy(gap=1e-8, feasibility=1e-11)), "allowed"),
+    Control("stopped early", "gaps of 1e-8 instead of 1e-15", BOTH, "solve.stress_problem:AIM", wrong.replaced_by(Accuracy(gap=1e-8, feasibility=1e-11)), "allowed"),
     Control("3.2: load late", "the load of the step before in 3.2", BOTH, "", wrong.stress_load_late, "admissibility"),
     Control("3.2: work late", "u of the step before in the work", BOTH, "", wrong.displacement_late, "energy"),
     Control("3.2: contact with gaps", "v_ν ≤ 0 at every other vertex in 3.2", BOTH, "", wrong.stress_gaps, "membership"),
@@ -219,7 +210,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("sign of multipliers", "moments of −u instead of u", OWN, f"{OWN_ERRORS}:Exact.moments", wrong.times(-1.0), "order-displacement"),
     Control("sign of u^h", "moments of −u^h instead of u^h", OWN, f"{OWN_ERRORS}:Exact.moments_of", wrong.times(-1.0), "order-primal_displacement"),
     Control("3.1 without A", "Gε(u^h) instead of Aε(δu^h) + Gε(u^h)", OWN, f"{OWN_ERRORS}:Primal.__init__", wrong.without_viscosity, "order-primal_stress"),
-    Control("fronts missed", "f_0 not cut along fronts in 3.2", OWN_MERGING, "data.fronts", wrong.instead(no_fronts), "time-share"),
+    Control("fronts missed", "f_0 not cut along fronts in 3.2", OWN_MERGING, "data.fronts", wrong.replaced_by(no_fronts), "time-share"),
     Control("f_2 late", "f_2(t − k) instead of f_2(t)", OWN, "", wrong.surface_load_late, "growth"),
     # Other statements: a mistake in how each is measured, or a comparison of a quantity with itself.
     Control("f_2 left out", "(f_2, v) left out of (2.14)", GREEN, "green:work_on", wrong.no_work_on_loaded, "fine-rule"),
@@ -227,8 +218,8 @@ CONTROLS: tuple[Control, ...] = (
     Control("f_0 off by a third", "⅔ f_0 in (2.14)", KINKED, "green:work_of_body_force", wrong.times(2 / 3), "halved"),
     Control("f_0 off by 2 %", "0.98 f_0 in (2.14)", KINKED, "green:work_of_body_force", wrong.times(0.98), "shrunk"),
     Control("clamped at points", "Γ1 two points", KORN, "korn:space_of", wrong.space(wrong.pinned), "limit"),
-    Control("wrong end", "the largest eigenvalue for the smallest", KORN, "korn:smallest", wrong.instead(eigen.largest), "falling"),
-    Control("product of L²", "(·,·)_H for that of H_1", NORMS, "korn:h1_product", wrong.instead(eigen.mass), "settled-largest"),
+    Control("wrong end", "the largest eigenvalue for the smallest", KORN, "korn:smallest", wrong.replaced_by(eigen.largest), "falling"),
+    Control("product of L²", "(·,·)_H for that of H_1", NORMS, "korn:h1_product", wrong.replaced_by(eigen.mass), "settled-largest"),
     Control("norm doubled", "2 (·,·)_V for (·,·)_V", NORMS, "korn:largest", wrong.times(2.0), "upper"),
     Control("sum over vertices", "Σ v·w over vertices for (v, w)_H", NORMS, "korn:h1_product", wrong.over_vertices, "settled-smallest"),
     Control("strains doubled", "2ε(u) for ε(u), as ∇u + ∇uᵀ", NORMS, "korn:strain_product", wrong.times(2.0), "lower"),
@@ -282,7 +273,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("R without f_2", "(f_2, v) left out of R", RESIDUAL, "residual:terms", wrong.without("loaded"), "smooth"),
     Control("R without f_0", "(f_0, v) left out of R", RESIDUAL, "residual:terms", wrong.without("body"), "bound"),
     Control("blind: remainder", "R compared with itself", RESIDUAL, "", wrong.zeroed("Π^hu − u"), "remainder"),
-    Control("one search", "a search that stops at once", TRAJECTORY, "uniqueness:RandomStarts", wrong.instead(wrong.RandomSearch), "random-starts"),
+    Control("one search", "a search that stops at once", TRAJECTORY, "uniqueness:RandomStarts", wrong.replaced_by(wrong.RandomSearch), "random-starts"),
     Control("blind: least squares", "the solver compared with itself", TRAJECTORY, "uniqueness:rivals", wrong.same_problem("least squares"), "least-squares"),
     Control("blind: interior point", "the solver compared with itself", TRAJECTORY, "uniqueness:rivals", wrong.same_problem("interior point"), "interior-point"),
     Control("blind: fixed point", "the same splitting", TRAJECTORY, "", wrong.zeroed("fixed point"), "fixed-point"),
@@ -301,39 +292,39 @@ CONTROLS: tuple[Control, ...] = (
     Control("no work of contact: (5.19)", "its wrong sign in f", FROM_REST, "steps_of_the_estimate:Experiment", within("", wrong.contact_work_times(-1.0)), "5.19"),
     Control("0.9 Π^h u̇", "0.9 Π^h u̇ for Π^h u̇", ESTIMATE, "steps_of_the_estimate:Energies.interpolated_rate", wrong.times(0.9), "5.15"),
     Control("no interpolant", "0 for Π^h u, but for its velocity", FROM_REST, "steps_of_the_estimate:Energies.interpolant", wrong.times(0.0), "5.18"),
-    Control("cut off", "v_ν cut off at vertices for P", APART, "separation:projected", wrong.cut_off, "cone"),
-    Control("2A in τ̃", "2A ε(Pu − u) for A ε(Pu − u)", APART, "separation:separating", wrong.times(2.0), "gap"),
-    Control("reflected twice", "σ̃ − 2σ for 2σ − σ̃", APART, "separation:reflected", wrong.times(-1.0), "stresses"),
-    Control("not reflected", "σ for 2σ − σ̃", APART, "separation:reflected", wrong.instead(lambda *given: given[0]), "refuted"),
+    Control("cut off", "v_ν cut off at vertices for P", SEPARATION, "separation:projected", wrong.cut_off, "cone"),
+    Control("2A in τ̃", "2A ε(Pu − u) for A ε(Pu − u)", SEPARATION, "separation:separating", wrong.times(2.0), "gap"),
+    Control("reflected twice", "σ̃ − 2σ for 2σ − σ̃", SEPARATION, "separation:reflected", wrong.times(-1.0), "stresses"),
+    Control("not reflected", "σ for 2σ − σ̃", SEPARATION, "separation:reflected", wrong.replaced_by(lambda *given: given[0]), "refuted"),
     Control("foundation pulls", "μ ≤ 0 in Nᵀμ", MONOTONE, "resolvent:in_graph", wrong.result(lambda pair: (pair[0], -pair[1])), "normal-cone"),
     Control("2B", "2B for B", MONOTONE, "solve.evolution:SemiDiscrete.elastic", wrong.times(2.0), "monotone"),
     Control("J shrinks", "½ J for J", MONOTONE, "resolvent:Inverse.__call__", wrong.times(0.5), "resolvent"),
-    Control("one image", "J w after one step", MONOTONE, "resolvent:fixed_point", wrong.instead(lambda image, v, *how: (image(v), 1)), "onto"),
+    Control("one image", "J w after one step", MONOTONE, "resolvent:fixed_point", wrong.replaced_by(lambda image, v, *how: (image(v), 1)), "onto"),
     Control("J expands", "3/2 J for J", MONOTONE, "resolvent:Inverse.__call__", wrong.times(1.5), "resolvent-monotone"),
     Control("squares add up", "‖f(t_i) − f(t_{i−1})‖² for its root", LOADS, "norms_in_time:dual_norm", wrong.squared, "variation"),
     Control("load with a jump", "the work of contact with the wrong sign in f", LOADS, "norms_in_time:ErrorNorm", wrong.other_contact_work(-1.0), "increments"),
-    Control("vector for functional", "|F| for ‖M⁻¹F‖_V", LOADS, "norms_in_time:Cholesky", wrong.instead(lambda M: lambda F: F), "uniform"),
+    Control("vector for functional", "|F| for ‖M⁻¹F‖_V", LOADS, "norms_in_time:Cholesky", wrong.replaced_by(lambda M: lambda F: F), "uniform"),
     Control("no lengths: bounded", "sums over points for integrals on Γ", TRACTION, "norms_in_time:facet_rule", wrong.unweighted, "bounded"),
     Control("no lengths: unbounded", "sums over points for integrals on Γ", LOGARITHM, "norms_in_time:facet_rule", wrong.unweighted, "unbounded"),
     Control("σ four times in R", "4σ for σ in R", AT_REST, "residual_bound:Energies.functional", wrong.times(4.0), "bound"),
     Control("other sign of z", "−A ε(z)", AT_REST, "residual_bound:prestress", wrong.times(-1.0), "rest"),
     Control("1.2 ‖R‖", "1.2 ‖R‖ for ‖R‖", AT_REST, "residual_bound:dual_norm", wrong.times(1.2), "prestress"),
     Control("0.5 ‖R‖", "0.5 ‖R‖ for ‖R‖", AT_REST, "residual_bound:dual_norm", wrong.times(0.5), "attained"),
-    Control("softening by a tenth", "1.1 G'(0) for G'(0), in the eigenvalue alone", PARTING, "solution_divergence:derivative", wrong.times(1.1), "rate"),
-    Control("backward Euler for midpoint", "growth by 1/(1 − z) for e^z", PARTING, "solution_divergence:MIDPOINT", wrong.instead(BACKWARD_EULER), "rate-even"),
-    Control("growth a tenth too fast", "1.1 ‖u − v‖ for ‖u − v‖", PARTING, "solution_divergence:quotients", wrong.times(1.1), "bound"),
-    Control("growth a tenth too slow", "0.9 ‖u − v‖ for ‖u − v‖", PARTING, "solution_divergence:quotients", wrong.times(0.9), "bound-even"),
+    Control("softening by a tenth", "1.1 G'(0) for G'(0), in the eigenvalue alone", DIVERGENCE, "solution_divergence:derivative", wrong.times(1.1), "rate"),
+    Control("backward Euler for midpoint", "growth by 1/(1 − z) for e^z", DIVERGENCE, "solution_divergence:MIDPOINT", wrong.replaced_by(BACKWARD_EULER), "rate-even"),
+    Control("growth a tenth too fast", "1.1 ‖u − v‖ for ‖u − v‖", DIVERGENCE, "solution_divergence:quotients", wrong.times(1.1), "bound"),
+    Control("growth a tenth too slow", "0.9 ‖u − v‖ for ‖u − v‖", DIVERGENCE, "solution_divergence:quotients", wrong.times(0.9), "bound-even"),
     Control("f off by a tenth at a front", "0.9 f for f", ADVANCING, "advancing_front:load_from_forces", wrong.times(0.9), "order"),
     Control("squares of velocities", "‖u̇ − Π^h u̇‖² for its root", ADVANCING, "advancing_front:Velocity.interpolation_error", wrong.squared, "rate"),
     Control("traction off by a tenth", "0.9 σ_ν for σ_ν in the linear problem", ADVANCING, "advancing_front:pressure_load", wrong.times(0.9), "excess"),
     Control("blind: steps at a front", "one trajectory compared with itself", ADVANCING, "", wrong.zeroed("time share"), "time"),
-    Control("blind: a rule and itself", "the finer rule for f_0 is no finer", ADVANCING, "advancing_front:RAISED", wrong.instead(2), "quadrature"),
+    Control("blind: a rule and itself", "the finer rule for f_0 is no finer", ADVANCING, "advancing_front:RAISED", wrong.replaced_by(2), "quadrature"),
     Control("P_h off by a tenth", "1.1 P_h u for P_h u", GROWING, "growing_errors:projection", wrong.times(1.1), "known"),
     Control("start without an error in V^h", "u_0^h = P_h u_0 for Π^h u_0", GROWING, "growing_errors:Experiment", within("", wrong.start_at_projection), "needed"),
     Control("ten times the error: bound", "10 ‖u − u^h‖ for ‖u − u^h‖", GROWING, "growing_errors:share", wrong.times(10.0), "bound"),
     Control("ten times the error: time", "10 ‖u^h − û^{hk}‖ for ‖u^h − û^{hk}‖", GROWING, "growing_errors:furthest", wrong.times(10.0), "time"),
     Control("no potential: error", "100 ‖u^h − û^{hk}‖ for ‖u^h − û^{hk}‖", NO_POTENTIAL, "no_potential:furthest", wrong.times(100.0), ("data-equal", "data-unequal", "solution-equal", "solution-unequal")),
-    Control("no potential: skew part dropped", "the symmetric part of G for G", NO_POTENTIAL, "no_potential:Experiment", within("problem.remainder", wrong.instead(None)), "order-both"),
+    Control("no potential: skew part dropped", "the symmetric part of G for G", NO_POTENTIAL, "no_potential:Experiment", within("problem.remainder", wrong.replaced_by(None)), "order-both"),
     Control("no potential: load late", "the load of T/8 before in backward Euler", NO_POTENTIAL, "no_potential:backward_euler", wrong.load_of_before, ("order-equal", "order-unequal")),
     Control("no potential: norm", "Euclidean norm of nodal values for ‖·‖_V", NO_POTENTIAL, "no_potential:furthest", wrong.norm_of_nodal_values, "uniform"),
     Control("no potential: κ halved", "κ/2 for κ in both bounds", NO_POTENTIAL, "no_potential:EulerBounds", wrong.constant_halved, "rotation"),
@@ -362,7 +353,7 @@ CONTROLS: tuple[Control, ...] = (
     *(Control(f"residual: {which} step", f"1.5 λ for λ in the {which} step alone", MOVING, "",
               wrong.in_one_step(wrong.forces_times(1.5), which, 2), "residual") for which in NODES),
     *(Control(f"supremum: {which} node", f"5 u^h for u^h at the {which} node alone", MOVING, "",
-              wrong.state_off(which, 1, u=5.0), ("order", DISCRETE)) for which in NODES),
+              wrong.state_off(which, 1, u=5.0), ("order", DISCRETE_ORDER)) for which in NODES),
     *(Control(f"supremum of interpolation: {which} node", f"5 Π^h u for Π^h u at the {which} node alone", MOVING, "",
               wrong.interpolant_off(which), "leading-term") for which in NODES),
     *(Control(f"time share: {which} node", f"0.9 u^h for u^h with the longer steps, at the {which} node alone", MOVING, "",
@@ -372,11 +363,11 @@ CONTROLS: tuple[Control, ...] = (
     Control("quadrature: load", "1.05 f for f, the error's own rule is right", MOVING, "", wrong.load_off(lambda t: 0.05), "quadrature"),
     Control("quadrature: early load", "1.004 f for f until T/10 alone", MOVING, "", wrong.load_off(lambda t: 0.004 * (t < 0.1)), "quadrature"),
     Control("quadrature: error", "the error's rule has one point, the load's is right", MOVING, "", wrong.one_point_quadrature, "quadrature"),
-    Control("quadrature: degree", "rules of degree 1 for 4", MERGING, "fem.error_norm:DEGREE", wrong.instead(1), "quadrature"),
+    Control("quadrature: degree", "rules of degree 1 for 4", MERGING, "fem.error_norm:DEGREE", wrong.replaced_by(1), "quadrature"),
     Control("ten defects at once", "evidence too small in ten ways, forces that pull, a late load", MOVING, "solve.evolution:ContactStep._residual", wrong.balance_alone,
-            ("order", "order-extrapolated", "size", DISCRETE, "discrete-share"),
+            ("order", "order-extrapolated", "size", DISCRETE_ORDER, "discrete-share"),
             # The residual, the supremum, the shares and the quadrature ignore all but a part of their evidence.
-            (("controls.baselines:measure", wrong.hastily), (f"{MEASURE}.parallelogram", wrong.at_the_last_time),
+            (("controls.baselines:measure", wrong.every_second_time), (f"{MEASURE}.parallelogram", wrong.at_the_last_time),
              (f"{MEASURE}.clamped", wrong.returns(1e-12)), (f"{MEASURE}.quadrature_change", wrong.returns(1e-9)),
              (SOLVER, wrong.held), ("", wrong.load_late))),
     *(Control(f"contact: {which} node", f"−u^h and −λ for u^h and λ at the {which} node alone", PATCH, "",
@@ -386,9 +377,9 @@ CONTROLS: tuple[Control, ...] = (
             wrong.coarse_forces(wrong.off_in_turns), "time-share"),
     *(Control(f"contact: time share, {which} node", f"30 λ for λ with half as many steps, at the {which} node alone", PATCH, "",
               wrong.state_off(which, -1, multipliers=30.0), "time-share") for which in MIDDLE),
-    *(Control(f"3.2: {name}, {which} step", f"{what} in the {which} step alone", BOTH, "", wrong.step_times(which, **off), rows)
+    *(Control(f"3.2: {name}, {which} step", f"{what} in the {which} step alone", BOTH, "", wrong.step_times(which, **off), checks)
       for which in NODES
-      for name, what, off, rows in (
+      for name, what, off, checks in (
           ("stress", "σ larger by a thousandth", {"stress": 1.001}, ("stress", "admissibility", "energy")),
           ("displacement", "−u for u", {"u": -1.0}, ("displacement", "membership")),
           ("duality gap", "a gap 10¹⁴ times as large", {"gap": 1e14}, "allowed"))),
@@ -398,8 +389,8 @@ CONTROLS: tuple[Control, ...] = (
                                (5, "tangential", "is tangential on Γ3"), (6, "pulls", "pulls on Γ3"))),
     Control("own space: time share", "5 σ for σ with half as many steps, in one step alone", OWN, f"{OWN_ERRORS}:StressExperiment.companion", wrong.companion_off, "time-share"),
     *(Control(f"{name}: {which} step", f"{what} in the {which} step alone", setting, f"{module}:Experiment",
-              within("", wrong.in_one_step(solver, which, part)), rows)
-      for name, what, setting, module, solver, part, rows in (
+              within("", wrong.in_one_step(solver, which, part)), checks)
+      for name, what, setting, module, solver, part, checks in (
           ("u_n without contact", "V^h for K^h", ADMISSIBLE, "admissibility", wrong.freed, 1.0, "membership"),
           ("u_n held", "v_ν = 0 for v_ν ≤ 0", ADMISSIBLE, "admissibility", wrong.held, 1.0, ("cone", "displacements")),
           ("u_n pressed", "forces where a gap is open", ADMISSIBLE, "admissibility", wrong.shifted_gap(-0.03), 1.0, ("work", "displacements")),
@@ -407,8 +398,8 @@ CONTROLS: tuple[Control, ...] = (
           ("multipliers", "1.5 λ for λ", ESTIMATE, "steps_of_the_estimate", wrong.forces_times(1.5), 1 / 8, "slack-5.12"))
       for which in MIDDLE),
     *(Control(f"{name}: {which} node", f"{what} at the {which} node alone", setting, f"{module}:Experiment",
-              within("", wrong.state_off(which, halvings, u=factor)), rows)
-      for name, what, setting, module, halvings, factor, rows in (
+              within("", wrong.state_off(which, halvings, u=factor)), checks)
+      for name, what, setting, module, halvings, factor, checks in (
           ("superclose", "10 u^h for u^h", CLOSE, "superclose", 0, 10.0, "order"),
           ("superclose: time share", "1.5 u^h for u^h, half as many steps,", CLOSE, "superclose", -1, 1.5, "time-share"),
           ("bounds", "1000 u^h for u^h", BOUNDS, "error_bounds", 0, 1e3, ("constant-5.21", "constant-5.42")))
@@ -419,11 +410,11 @@ CONTROLS: tuple[Control, ...] = (
     Control("other ways to σ: one step", "1.001 σ for σ by every other way, in one step alone", ONE_STRESS, "uniqueness:stresses",
             wrong.rival_stress_off, ("random-starts", "least-squares", "interior-point")),
     *(Control(f"{name}: {which} node", f"10 u_n for u_n at the {which} node alone", setting, "wellposed:BACKWARD_EULER",
-              wrong.displacement_off(which, right_first), rows)
+              wrong.displacement_off(which, right_first), checks)
       for which in MIDDLE
-      for name, setting, right_first, rows in (
+      for name, setting, right_first, checks in (
           ("velocity", VELOCITY, 0, ("bounded", "limit")), ("dependence", DEPENDENCE, 1, ("bound", "monotone")),
-          ("growth", PARTING, 0, "bound"))),
+          ("growth", DIVERGENCE, 0, "bound"))),
     Control("backward Euler: one node", "100 u_n for u_n at one node alone", GROWING, "growing_errors:interpolated", wrong.row_times((), 129, 100.0), "time"),
     Control("one instant: e", "10⁶ ‖e‖² for ‖e‖² at the fourth instant alone", ESTIMATE, "steps_of_the_estimate:course",
             wrong.in_one_call(3, wrong.larger("e")), ("5.14", "5.16", "5.19")),
@@ -438,9 +429,9 @@ CONTROLS: tuple[Control, ...] = (
           ("time share, odd node", "1.2 u^h, longer steps, one node", "path", wrong.row_times((0,), 7, 1.2), "time"),
           ("time share, even node", "1.2 u^h, longer steps, one node", "path", wrong.row_times((0,), 8, 1.2), "time"),
           ("load at one time", "1.1 f for f by the coarse rule", "load_from_forces", wrong.body_load_off, "quadrature"))),
-    *(Control(f"computed again: {name}, {which} node", f"{what} at the {which} node alone", AGAIN, "", wrong.state_off(which, 1, **off), rows)
+    *(Control(f"computed again: {name}, {which} node", f"{what} at the {which} node alone", AGAIN, "", wrong.state_off(which, 1, **off), checks)
       for which in MIDDLE
-      for name, what, off, rows in (
+      for name, what, off, checks in (
           ("u", "1.1 u^h for u^h", {"u": 1.1}, ("displacement", SAME_DISPLACEMENT)),
           ("λ", "2 λ for λ", {"multipliers": 2.0}, ("multipliers", SAME_FORCES)))),
     Control("computed again: errors at one time", "errors that are a hundred times too large, by the plain way", AGAIN, f"{PLAIN}.distance",

@@ -1,21 +1,24 @@
-"""The false-alarm rate of a row of the ledger: by counting seeds, and from the tail of its distribution.
+"""The false-alarm rate of a check: how often chance alone makes it fail, on a random mesh with a fresh seed.
 
-A value v has a *place* in its window: (2v − low − high)/(high − low) in a window with two ends, which are −1 and 1;
-v/high or low/v in a window with one end, which is 1. A place beyond an end is an alarm.
+Each seed gives the check one value v. Its *position* in the window is (2v − low − high)/(high − low) if the window has
+two ends, so that the ends are −1 and 1. If the window has one end, the position is v/high or low/v, and the end is 1.
+A position beyond an end is a false alarm. The rate of false alarms is estimated in two ways.
 
-By count, the confidence interval at 95 % is the interval of Clopper and Pearson. No alarm on 100 seeds only shows that
-the rate is at most 3.6 %, so that the tail is extrapolated as well:
+By counting alarms, with the confidence interval of Clopper and Pearson at 95 %. No alarm on 100 seeds only shows that
+the rate is at most 3.6 %.
 
-* *normal*: for a sample with mean m and deviation s the place of one more seed lies beyond an end at the distance d
-  from m with the probability P(t_{N−1} > d/(s √(1 + 1/N))), Student's, which counts that m and s are estimates. Taken
-  where Shapiro and Wilk's test finds no reason against it at 1 %.
-* *Pareto*: elsewhere the excesses over the upper quarter towards an end follow a generalised Pareto distribution, whose
-  shape and scale come from probability-weighted moments (J. R. M. Hosking, J. R. Wallis, Parameter and quantile
-  estimation for the generalized Pareto distribution, Technometrics 29 (1987) 339–349). Bounded tails, as those of rows
-  that a theorem bounds, and heavy ones are both among them. Kolmogorov and Smirnov's test says how well it fits.
+From the tail of the distribution of positions, which is extrapolated with one of two models:
 
-A row that does not vary from seed to seed has no false alarms. The rate of the whole ledger is at most the sum of the
-rates of its rows, however they depend on each other.
+* *normal*, if the test of Shapiro and Wilk does not reject it at 1 %. For N positions with mean m and standard
+  deviation s, the next position lies beyond an end at the distance d from m with the probability
+  P(t_{N−1} > d/(s √(1 + 1/N))) of Student's distribution, which accounts for m and s being estimates.
+* *Pareto* otherwise: the excesses of the largest quarter of the positions over a threshold follow a generalised Pareto
+  distribution, which includes bounded and heavy tails. Shape and scale come from probability-weighted moments
+  (J. R. M. Hosking, J. R. Wallis, Parameter and quantile estimation for the generalized Pareto distribution,
+  Technometrics 29 (1987) 339–349). The test of Kolmogorov and Smirnov tells how well the model fits.
+
+A check whose position is the same for all seeds has no false alarms. The rate of the whole ledger is at most the sum of
+the rates of its checks, whether or not they are independent.
 """
 
 from __future__ import annotations
@@ -25,7 +28,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import scipy  # ``scipy.stats`` takes half a second to import: not before it is used
+import scipy  # importing ``scipy.stats`` takes half a second, so it is loaded at its first use
 from numpy.typing import NDArray
 
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
@@ -33,20 +36,25 @@ from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 Array = NDArray[np.float64]
 CONFIDENCE = 0.95
 PROMISE = 0.01
-"""The largest false-alarm rate of the whole ledger on a fresh seed."""
+"""The largest permitted false-alarm rate of the whole ledger on a fresh seed."""
 AGAINST = 0.01
-"""A fit is accepted if its p-value is at least this number."""
+"""A model of the tail is accepted if the p-value of its test is at least this number."""
 UPPER = 0.25
-"""The share of the largest values of a sample that counts as its tail."""
+"""The largest values of a sample, up to this fraction of it, are its tail."""
 FEWEST = 8
 """The least number of seeds for a model of the tail."""
 SAME = 2e-3
-"""A spread of places up to which they count as constant: twice the resolution of the record."""
+"""Positions count as constant if they differ by at most this number, twice the resolution of the record of seeds."""
 
 
 @cache
 def interval(alarms: int, judged: int) -> tuple[float, float]:
-    """Return the interval of Clopper and Pearson for a rate, at 95 %; (0, 1) if nothing was judged."""
+    """Return the confidence interval of a rate at 95 % by Clopper and Pearson.
+
+    Parameters:
+        alarms: number of seeds with an alarm.
+        judged: number of all seeds; for 0 seeds the interval is (0, 1).
+    """
     if judged == 0:
         return 0.0, 1.0
     found = scipy.stats.binomtest(alarms, judged).proportion_ci(CONFIDENCE, method="exact")
@@ -55,12 +63,12 @@ def interval(alarms: int, judged: int) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Tail:
-    """A model of the distribution of a row's place.
+    """A model of the distribution of the positions of a check.
 
     Attributes:
-        model: normal, Pareto, constant, or none where there are too few seeds.
-        rate: the probability of an alarm on one more seed.
-        fit: p-value of the test of the model; NaN without a model.
+        model: normal, Pareto, constant, or none if there are too few seeds.
+        rate: the probability of an alarm on the next seed.
+        fit: p-value of the test of the model; NaN if the model has no test.
     """
 
     model: str
@@ -69,12 +77,17 @@ class Tail:
 
     @property
     def serves(self) -> bool:
-        """Whether there is a model that its test accepts."""
+        """Whether the model can be used: it is constant, or its test accepts it."""
         return self.model == "constant" or self.fit >= AGAINST
 
 
 def tail(places: Array, two_sided: bool) -> Tail:
-    """Return the model of a row from its places on n seeds, (n,)."""
+    """Return the model of the distribution of a check.
+
+    Parameters:
+        places: positions of the check in its window, (seeds,).
+        two_sided: whether values can come near both ends of the window.
+    """
     if len(places) < FEWEST or not np.isfinite(places).all():
         return Tail("none", float("nan"))
     if np.ptp(places) <= SAME:
@@ -88,14 +101,22 @@ def tail(places: Array, two_sided: bool) -> Tail:
 
 
 def normal(places: Array) -> float:
-    """Return the probability that one more normal place is larger than 1."""
+    """Return the probability that the next position is larger than 1 in the normal model.
+
+    Parameters:
+        places: positions, (seeds,).
+    """
     n = len(places)
     distance = (1 - places.mean()) / (places.std(ddof=1) * np.sqrt(1 + 1 / n))
     return float(scipy.stats.t.sf(distance, n - 1))
 
 
 def pareto(places: Array) -> tuple[float, float]:
-    """Return the probability, by a Pareto tail, that one more place is larger than 1, and the p-value of its test."""
+    """Return the probability that the next position is larger than 1 in the Pareto model, and the p-value of its test.
+
+    Parameters:
+        places: positions, (seeds,).
+    """
     ordered = np.sort(places)
     most = max(FEWEST // 2, round(UPPER * len(places)))
     threshold = (ordered[-most - 1] + ordered[-most]) / 2
@@ -111,9 +132,12 @@ def pareto(places: Array) -> tuple[float, float]:
 
 
 def promise_verdict(low: float, high: float) -> str:
-    """Return the verdict on the promised rate from the confidence interval of the rate by count alone.
+    """Return whether the false-alarm rate is at most ``PROMISE``: holds, fails or undecided.
 
-    The model of the tails judges nothing: it extrapolates beyond all seeds that were drawn.
+    Only the counted alarms decide. The models of tails do not, because they extrapolate beyond all seeds.
+
+    Parameters:
+        low, high: confidence interval of the rate by counting alarms.
     """
     if low > PROMISE:
         return FAILS
@@ -121,5 +145,5 @@ def promise_verdict(low: float, high: float) -> str:
 
 
 def seeds_needed() -> int:
-    """Return the least number of seeds without an alarm that shows a false-alarm rate of at most ``PROMISE``."""
+    """Return how many seeds without any alarm are needed to show that the false-alarm rate is at most ``PROMISE``."""
     return math.ceil(math.log((1 - CONFIDENCE) / 2) / math.log(1 - PROMISE))

@@ -1,7 +1,7 @@
-"""Results of other people's contact codes on the exact solutions: ``codes/errors.csv`` and ``codes/classes.csv``.
+"""Results of other people's contact codes on problems with exact solutions: ``errors.csv`` and ``classes.csv``.
 
-``make codes`` writes these files where the codes are installed. They are read like the data of a run, and a statement
-is judged by them together with its own measurements (``OtherErrors``).
+``make codes`` runs the codes that are installed and writes these files into the folders ``FOLDER`` and ``MARCHES``. One
+statement compares the errors in these files with errors that this study measures (``OtherErrors``).
 """
 
 from __future__ import annotations
@@ -25,15 +25,19 @@ GRADES = ("exact for P1", "consistent", "stagnates", "wrong", "undecided")
 MADE = "make codes"
 AGAIN = f"make it again with `{MADE}`"
 FOLDER, MARCHES = "codes", "codes/march"
-"""Folders of static problems and of marches in time."""
+"""Folders with the results on static problems, and on problems in time."""
 FROZEN, MARCH = "frozen", "march"
 
 
 @dataclass(frozen=True)
 class Codes:
-    """One row of ``errors`` for each code, its parameters, case and mesh; of ``classes`` for each series of meshes.
+    """The results of all codes.
 
-    Rows are in the order of the files, in which ``errors`` has the number of its series.
+    A *series* is a code with fixed parameters (``variant``) on the meshes of one case and mesh family.
+
+    Attributes:
+        errors: one row for each series and mesh, in the order of the file, with the names that identify the series.
+        classes: one row for each series: the class of the code (``GRADES``) and its observed orders.
     """
 
     errors: pd.DataFrame
@@ -41,10 +45,10 @@ class Codes:
 
     @classmethod
     def read(cls, directory: Path, folder: str = FOLDER) -> Codes | None:
-        """Return the data in a directory of results; None if there are none.
+        """Return the results in a folder of a result directory; None if there is no such folder.
 
         Raises:
-            DataError: a file is missing, lacks a column, has no number where one belongs, or has a row twice.
+            DataError: a file is missing, lacks a column, has text in a column of numbers, or repeats a row.
         """
         place = directory / folder
         if not place.is_dir():
@@ -52,14 +56,15 @@ class Codes:
         errors = _table(place / "errors.csv", ERRORS, ["series", "level"])
         classes = _table(place / "classes.csv", CLASSES, ["series"], empty=True)
         refuse_repeated(place / "classes.csv", classes, SERIES, AGAIN)
-        # Rows of an unknown series stay, with empty names.
+        # Rows whose series is unknown remain, with empty names, so that ``study check`` reports them.
         return cls(errors.merge(classes[["series", *SERIES]], on="series", how="left"), classes)
 
     def series(self) -> pd.DataFrame:
-        """Return one row for each code, parameters, case and family: its class, and quotients on the finest mesh.
+        """Return one row for each series that a code can express: its class, and two quotients on its finest mesh.
 
-        ``share``: distance from the solution in K^h over the discretisation error. ``excess``: error of the pressure
-        over the error of the pressure of the solution in K^h.
+        Columns ``share``: the distance of the displacement from the discrete solution in K^h, divided by the error of
+        that solution. ``excess``: the error of the contact pressure, divided by the error of the pressure of the
+        discrete solution.
         """
         finest = self.errors.sort_values("level").groupby(SERIES, sort=False).tail(1)
         judged = self.classes[self.classes["class"] != NOT_EXPRESSED]
@@ -68,10 +73,10 @@ class Codes:
         return found.assign(share=share, excess=excess).replace([np.inf, -np.inf], np.nan)
 
     def rows(self) -> pd.DataFrame:
-        """Return one row for each code with its parameters: the classes of its series, and the worst quotients.
+        """Return one row for each code with fixed parameters, which summarises all of its series.
 
-        Columns: the key, ``classes`` as text, ``order_low``, ``order_high`` in V, the largest ``share``, ``excess`` and
-        ``invariance``.
+        Columns: ``KEY``; ``classes``, the number of series in each class as text; ``order_low`` and ``order_high``, the
+        extreme observed orders in V; the largest ``share``, ``excess`` and ``invariance``.
         """
         found = []
         for key, mine in self.series().groupby(KEY, sort=False):
@@ -83,7 +88,10 @@ class Codes:
         return pd.DataFrame(found)
 
     def on_meshes(self) -> pd.DataFrame:
-        """Return ``errors`` with version and class, and a row of NaN for each mesh that a code cannot express."""
+        """Return ``errors`` with version and class of the series.
+
+        A series that the code cannot express has a row of NaN for each mesh on which other codes were run.
+        """
         told = self.classes[[*SERIES, "version", "class"]]
         meshes = self.errors[MESH].drop_duplicates()
         left_out = told[told["class"] == NOT_EXPRESSED].merge(meshes, on=MESH[:2])
@@ -92,14 +100,18 @@ class Codes:
 
 @dataclass(frozen=True)
 class OtherErrors(CsvFile):
-    """Errors of other codes as a file that a statement is compared with."""
+    """The errors of all other codes as one table, with which a statement compares its own measurements.
+
+    Attributes:
+        label: label of the statement, for the column ``label``.
+    """
 
     label: str = ""
 
     def read(self, directory: Path) -> pd.DataFrame:
-        """Return ``Codes.on_meshes`` with the mode and the label of the statement; an empty table without such data."""
-        there = {FROZEN: Codes.read(directory, FOLDER), MARCH: Codes.read(directory, MARCHES)}
-        found = [codes.on_meshes().assign(mode=mode, label=self.label) for mode, codes in there.items() if codes]
+        """Return ``Codes.on_meshes`` of both folders, with the columns ``mode`` and ``label``; empty without data."""
+        modes = {FROZEN: Codes.read(directory, FOLDER), MARCH: Codes.read(directory, MARCHES)}
+        found = [codes.on_meshes().assign(mode=mode, label=self.label) for mode, codes in modes.items() if codes]
         return pd.concat(found, ignore_index=True)[[*self.columns]] if found else pd.DataFrame(columns=[*self.columns])
 
 

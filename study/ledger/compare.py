@@ -21,12 +21,12 @@ from study.ledger.pictures import Packed
 from study.ledger.verdict import ROW_KEY
 
 IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
-"""States of a file: equal bytes; no difference beyond the tolerance; a larger difference; skipped, as only one
-directory has it and ``study run`` does not write it."""
+"""States of a file: equal bytes; differences within the tolerance; larger differences; not compared, because only one
+directory has the file and ``study run`` does not write it."""
 PROSE = {"statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law"}
-"""Columns of prose: their changes are listed, but do not count as differences of results."""
+"""Columns of text for readers: changes in them are listed, but do not make results differ."""
 LATER = ["key", "family", "window_low", "window_high"]
-"""Columns that data of earlier versions lack: no difference if only one directory has them."""
+"""Columns that earlier versions did not write: results do not differ if only one directory has them."""
 KEYS = {
     "rates.csv": ("claim", "case", "family", "scheme", "level"),
     "equivalence.csv": ("case", "form", "level", "family"),
@@ -42,16 +42,18 @@ KEYS = {
     "sensitivity.csv": ("defect", "case", "family"),
     "seeds.csv": ("label", "key", "case"),
 }
-"""Columns that identify a row. Rows of ``NUMBERS`` and enclosures may share them, and are compared in their order."""
+"""File ↦ the columns that identify a row. In ``enclosures.csv`` and the files of ``NUMBERS`` several rows may have the
+same key; they are compared in their order."""
 MAGNITUDES = {"equivalence.csv": ("displacement_gap", "stress_gap", "displacement_bound", "stress_bound")}
-"""Columns whose order of magnitude alone is compared, as it depends on where an iteration stops."""
+"""File ↦ columns of which only the order of magnitude is compared, because it depends on where an iteration stops."""
 SAME_MAGNITUDE = 100.0
 """These columns count as equal up to this factor: for two tolerances of the solver they differed by at most 100."""
 NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("seeds", "lowest", "highest")}
-"""Columns by which a row is matched again if its words were changed."""
+"""File ↦ columns of numbers by which a row is found if the text in its key was changed."""
 OF_CONTROLS = "controls.csv", "seeds.csv", "sensitivity.csv"
 """Files that ``study run`` does not write."""
 MOST = 2000
+"""Largest number of cells of text that are listed for a column."""
 
 
 @dataclass(frozen=True)
@@ -70,14 +72,16 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Difference:
-    """The differences in a column, or the rows that only one file has.
+    """The differences in one column, or the rows or columns that only one of two files has.
 
     Attributes:
-        what: the column, the place in a picture, or "rows only in OLD" and the like.
-        compared, differing: how many cells both files have, 0 for what only one has, and how many differ at all.
-        beyond: how many make the files differ: numbers beyond the tolerance, words that are not for readers.
-        cells: ``row``, ``old``, ``new`` of the first MOST words; of numbers those of the one that differs most, with
-            |a − b| / max(|a|, |b|) as ``relative``, which is None where one of them is not finite.
+        what: name of the column, place in a picture, or a text such as "rows only in OLD".
+        compared: number of cells that both files have; 0 for rows or columns that only one file has.
+        differing: number of cells that differ.
+        beyond: number of differences that count: numbers beyond the tolerance, and text in columns other than PROSE.
+        cells: differing cells as dictionaries with the keys ``row``, ``old``, ``new`` and ``relative``. For text the
+            first MOST cells, with ``relative`` None. For numbers the one with the largest relative difference
+            |a − b| / max(|a|, |b|); ``relative`` is None if a or b is not finite.
     """
 
     what: str
@@ -89,7 +93,14 @@ class Difference:
 
 @dataclass(frozen=True)
 class FileDifference:
-    """The differences in one file, largest first; ``only`` is OLD or NEW if the other directory has no such file."""
+    """The differences in one file.
+
+    Attributes:
+        name: name of the file in the folder ``data``.
+        state: IDENTICAL, WITHIN, DIFFERS or LEFT_OUT.
+        only: OLD or NEW if only this directory has the file.
+        differences: differences that count first, then by their size.
+    """
 
     name: str
     state: str
@@ -108,12 +119,12 @@ class Comparison:
 
     @property
     def verdicts(self) -> list[dict[str, Any]]:
-        """The cells of all changed verdicts."""
+        """The cells of the column ``verdict`` that differ, from all files."""
         return [cell for file in self.files for d in file.differences if d.what == "verdict" for cell in d.cells]
 
     @property
     def states(self) -> dict[str, int]:
-        """State ↦ number of files."""
+        """The number of files in each state."""
         states = [file.state for file in self.files]
         return {state: states.count(state) for state in (IDENTICAL, WITHIN, DIFFERS, LEFT_OUT)}
 
@@ -123,7 +134,7 @@ class Comparison:
 
 
 def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
-    """Return the differences between two result directories; DataError names a missing or damaged file."""
+    """Return the differences between two result directories; raises DataError for a missing or damaged file."""
     names: set[str] = set()
     for directory in (old, new):
         data = directory / "data"
@@ -144,7 +155,8 @@ def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileD
         first, second = (path.read_bytes() for path in paths)
     except OSError as error:
         raise DataError(f"cannot read {error.filename}: {error.strerror}; make it readable") from error
-    if first == second and first.endswith(b"\n"):  # What ends within a line is read, and refused.
+    # A truncated file ends within a line; it is read below, which raises an error.
+    if first == second and first.endswith(b"\n"):
         return FileDifference(name, IDENTICAL)
     csv = name.endswith(".csv")
     read: list[Any] = _tables(name, directories) if csv else [_picture(name, directory) for directory in directories]
@@ -160,7 +172,11 @@ def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileD
 
 
 def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
-    """Return the common rows of two tables and notes on the others; a column has words or numbers in both tables."""
+    """Return the common rows of two tables as two tables, and the differences in their rows.
+
+    A column with a number in it is read as numbers in both tables. Rows that occur in only one table, and rows whose
+    text changed but whose numbers agree, are the third and later entries of the list.
+    """
     key, numbers = KEYS.get(name, ()), NUMBERS.get(name, ())
     tables = [read_csv(directory, name, (*key, *numbers)) for directory in directories]
     columns = tables[0].columns.intersection(tables[1].columns)
@@ -197,7 +213,7 @@ def _refusal(directory: Path, name: str, what: str) -> DataError:
 
 
 def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:
-    """Return names of rows: the cells of the key, numbers with nine digits, and a number for rows of the same name."""
+    """Return the names of rows: the cells of the key, numbers with nine digits; equal names are numbered."""
     cells = [[v if isinstance(v, str) else f"{v + 0.0:.9g}" for v in table[column]] for column in key]
     joined = [", ".join(filter(None, row)) for row in zip(*cells, strict=True)] if key else ["row"] * len(table)
     names = pd.Series(joined, dtype=str)
@@ -208,13 +224,18 @@ def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:
 def _picture(name: str, directory: Path) -> dict[str, pd.Series]:
     try:
         return dict(_places(json.loads((directory / "data" / name).read_bytes()), ""))
-    # No JSON or no UTF-8, brackets nested too deeply, packed numbers that are none.
+    # The file is not JSON in UTF-8, has too many nested brackets, or its packed numbers are damaged.
     except (ValueError, RecursionError, KeyError, TypeError) as error:
         raise _refusal(directory, name, f"is not a picture ({error})") from error
 
 
 def _places(value: Any, place: str) -> Iterator[tuple[str, pd.Series]]:
-    """Yield (place and shape, values) of the largest arrays of numbers, and of words."""
+    """Yield (place and shape, values) for each array of numbers or words in nested JSON data.
+
+    Parameters:
+        value: lists, dictionaries, numbers and words.
+        place: the place of ``value`` in the file, such as ``.frames[3]``.
+    """
     packed = isinstance(value, dict) and value.keys() == {"unit", "shape", "changes"}
     array = np.atleast_1d(Packed.read(value).values if packed else np.array(value, dtype=object))
     if any(isinstance(item, list | dict) for item in array.flat):
@@ -231,9 +252,12 @@ def _words(what: str, rows: Any, old: Any = "", new: Any = "", compared: int = 0
 
 
 def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance, rough: bool = False) -> Difference:
-    """Return the differences in a column; words and whole numbers, such as levels, have no tolerance.
+    """Return the differences in a column; the tolerance is not for words and whole numbers, such as levels.
 
-    ``rough`` numbers are compared by their order of magnitude.
+    Parameters:
+        what: name of the column.
+        old, new: its cells in both files, in the same order of rows.
+        rough: whether only the orders of magnitude of numbers are compared.
     """
     a, b = old.to_numpy(), new.to_numpy()
     if object in (a.dtype, b.dtype):
@@ -254,11 +278,12 @@ def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance, rou
 
 
 SHOWN_VERDICTS, SHOWN_ROWS, SHOWN_PLACES = 20, 5, 3
-"""How many changed verdicts, rows that only one directory has, and differences in a picture are shown."""
+"""Largest numbers of changed verdicts, of rows that only one directory has, and of differences in a picture in the
+report."""
 
 
 def as_json(found: Comparison) -> dict[str, Any]:
-    """Return the comparison for JSON."""
+    """Return the comparison as a dictionary that can be written as JSON."""
     head = {"differs": found.differs, "states": found.states, "verdicts": found.verdicts}
     return {**head, **asdict(found), "old": str(found.old), "new": str(found.new)}
 
@@ -295,7 +320,7 @@ def _lines(found: Comparison) -> Iterator[str]:
 
 def _listed(cells: list[dict[str, Any]], most: int) -> Iterator[str]:
     for cell in cells[:most]:
-        # Spaces at which no line ends.
+        # Non-breaking spaces, so that no line is broken at the arrow.
         change = f": {cell['old'] or 'nothing'}\u00a0→\u00a0{cell['new'] or 'nothing'}"
         yield f"    {cell['row']}" + change * (cell["old"] != cell["new"])
     if len(cells) > most > 1:
@@ -305,21 +330,26 @@ def _listed(cells: list[dict[str, Any]], most: int) -> Iterator[str]:
 ROUNDED = {name for name in LEDGER if name not in TEXT} - {"expected", "family"}
 """Columns of ``claims.csv`` whose last digits depend on the machine."""
 ROUNDED_RTOL = 1e-6
-"""Relative difference that their numbers may have, as iterations stop at different places."""
+"""Largest relative difference of numbers in these columns, because iterations stop at slightly different values."""
 SHOWN_TEXT = 60
-"""Characters that are shown of a text."""
+"""Largest number of characters of a line in a message."""
 
 
 def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -> str | None:
-    """Return where a file first differs from its expected text, in words: line, column, both texts; None if equal.
+    """Return a message about the first difference between a file and its expected text; None if there is none.
 
-    Args:
-        close: columns whose numbers may differ by rounding.
+    Parameters:
+        path: the file.
+        expected: the text that it should contain.
+        close: columns of a CSV file whose numbers may differ by rounding.
+
+    Returns:
+        Line, column, the text in the file and the expected text, in words.
     """
-    stands = path.read_text(encoding="utf-8", errors="replace")
-    if stands == expected:
+    text = path.read_text(encoding="utf-8", errors="replace")
+    if text == expected:
         return None
-    pairs = zip_longest(stands.split("\n"), expected.split("\n"))
+    pairs = zip_longest(text.split("\n"), expected.split("\n"))
     head = next(csv.reader([expected.partition("\n")[0]])) if path.suffix == ".csv" else []
     for number, (old, new) in enumerate(pairs, start=1):
         if old != new and (said := _in_line(old, new, head, close)):
@@ -328,28 +358,32 @@ def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -
 
 
 def _in_line(old: str | None, new: str | None, head: list[str], close: frozenset[str]) -> str:
-    """Return which column of a line differs; "" if only last digits do."""
+    """Return the difference between two lines in words; an empty text if only last digits differ.
+
+    Parameters:
+        old, new: the line in the file and the expected line; None if there is no such line.
+        head: names of the columns; empty if the file is not a table.
+        close: columns whose numbers may differ by rounding.
+    """
     if old is None or new is None:
-        return f": stands {_shown(old)}, would be {_shown(new)}"
+        return f": found {_shown(old)}, expected {_shown(new)}"
     if not head:
-        return f": stands {_shown(*_around(old, new))}, would be {_shown(*_around(new, old))}"
+        return f": found {_shown(old, new)}, expected {_shown(new, old)}"
     cells = zip_longest(head, *(next(csv.reader([text]), []) for text in (old, new)))
     for name, a, b in cells:
         if a != b and not (name in close and _close(a, b)):
-            return f", column {name}: stands {_shown(*_around(a, b))}, would be {_shown(*_around(b, a))}"
+            return f", column {name}: found {_shown(a, b)}, expected {_shown(b, a)}"
     return ""
 
 
-def _around(text: str | None, other: str | None) -> tuple[str | None, int]:
-    """Return a text and the place where it begins to differ from another one."""
-    same = next((i for i, (a, b) in enumerate(zip(text or "", other or "", strict=False)) if a != b), 0)
-    return text, same
+def _shown(text: str | None, other: str | None = None) -> str:
+    """Return a text in quotation marks, or "nothing" for None.
 
-
-def _shown(text: str | None, place: int = 0) -> str:
-    """Return a text, or the part around a place if it is long; "nothing" for no line."""
+    A long text is shortened to the part around its first difference from the other text.
+    """
     if text is None:
         return "nothing"
+    place = next((i for i, (a, b) in enumerate(zip(text, other or "", strict=False)) if a != b), 0)
     start = max(0, place - SHOWN_TEXT // 2) if len(text) > SHOWN_TEXT else 0
     part = text[start : start + SHOWN_TEXT]
     return f"{'…' * (start > 0)}{part!r}{'…' * (start + SHOWN_TEXT < len(text))}"

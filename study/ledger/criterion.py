@@ -1,7 +1,8 @@
-"""Criteria: from measurements on the levels of some mesh families to rows of the ledger.
+"""Criteria: each compares a quantity, measured on the levels of mesh families, with its tolerance window.
 
-The first part defines criteria, the second part those that most statements use: extreme values, values on the finest
-level, observed orders.
+A criterion gives one check, which is one row of the ledger, for each case. The first part of this file defines
+criteria. The second part has functions that make frequent ones: extreme values, values on the finest level, observed
+orders.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from study.ledger.verdict import (
     Named,
     Span,
     Verdict,
+    agreement,
     row,
 )
 from study.ledger.window import Window, at_most
@@ -35,19 +37,26 @@ Groups = dict[str, pd.DataFrame]
 """Mesh family ↦ table of its levels, coarse to fine, with the columns level, h and the quantities."""
 
 Measured = tuple[float, Span]
-"""(observed value, its range)."""
+"""(observed value, (smallest value, largest value))."""
 
 Measure = Callable[[pd.DataFrame], Measured | None]
-"""Table of the levels of one family ↦ measured value; None if these levels do not decide."""
+"""Function from the levels of one mesh family to the measured value; None if these levels do not decide."""
 
 
 def by_family(rows: pd.DataFrame) -> Groups:
-    """Return the rows of each mesh family, coarse to fine."""
+    """Return a dictionary: mesh family ↦ its rows, coarse to fine."""
     return {str(name): group.sort_values("h", ascending=False) for name, group in rows.groupby("family", sort=False)}
 
 
 def by_case(rows: pd.DataFrame) -> Iterator[tuple[str, Groups]]:
-    """Yield (case, table per mesh family) from measurements that are listed one number in a row."""
+    """Yield each case with its tables, one for each mesh family.
+
+    Parameters:
+        rows: a table with one number in each row: columns case, family, level, h, quantity, value.
+
+    Returns:
+        Pairs (case, mesh family ↦ table with one row for each level and one column for each quantity).
+    """
     for case, of_case in rows.groupby("case", sort=False):
         groups = {}
         for family, of_family in of_case.groupby("family", sort=False):
@@ -57,9 +66,18 @@ def by_case(rows: pd.DataFrame) -> Iterator[tuple[str, Groups]]:
 
 
 class Rule(Protocol):
-    """A rule gives one row of the ledger for each case."""
+    """A criterion or an observation: gives one check for each case."""
 
-    def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict: ...
+    def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
+        """Return the check of a statement for a case.
+
+        Parameters:
+            of: the statement, with its label and claim.
+            case: name of the case.
+            groups: mesh family ↦ table of its levels.
+            family: the mesh family, if the check is about one family only.
+        """
+        ...
 
 
 @dataclass(frozen=True)
@@ -67,12 +85,12 @@ class Criterion:
     """A quantity that has to lie in a tolerance window.
 
     Attributes:
-        key: short name of the row.
-        quantity: its name in words.
+        key: short name of the check.
+        quantity: the quantity in words.
         window: the tolerance window.
-        measure: computes it from the levels of one family.
-        needs: the columns that ``measure`` reads.
-        levels: with fewer levels the verdict is undecided.
+        measure: computes the quantity from the levels of one mesh family.
+        columns: the columns of the table that ``measure`` reads.
+        levels: with fewer levels the check is undecided.
     """
 
     key: str
@@ -83,97 +101,101 @@ class Criterion:
     levels: int = 1
 
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
-        """Return the row for a case: undecided if the levels of one family do not decide."""
-        complete = [group for group in groups.values() if all(name in group for name in self.columns)]
-        enough = [group for group in complete if len(group) >= self.levels]
-        found = [value for group in enough if (value := self.measure(group)) is not None]
-        decided = bool(found) and len(found) == len(groups)
-        judged = self._judge(found) if decided else (math.nan, NOWHERE, UNDECIDED)
+        """Return the check for a case, as ``Rule.verdict``.
+
+        The check fails if the value of one mesh family lies outside the window. It is undecided if a family has too few
+        levels or lacks a column, or if the range of a value reaches beyond the window. Otherwise it holds.
+        """
+        usable = (group for group in groups.values() if len(group) >= self.levels and {*self.columns} <= {*group})
+        measured = [found for group in usable if (found := self.measure(group)) is not None]
+        if not measured or len(measured) < len(groups):
+            judged: Found = (math.nan, NOWHERE, UNDECIDED)
+        else:
+            values = [value for value, _ in measured]
+            spans = np.array([span for _, span in measured])
+            low, high = float(spans[:, 0].min()), float(spans[:, 1].max())
+            inside = HOLDS if self.window.contains(low, high) else UNDECIDED
+            verdict = inside if self.window.contains(*values) else FAILS
+            judged = self.window.worst(values), (low, high), verdict
         fewest = min(map(len, groups.values()), default=0)
         short = f"{BECAUSE}it takes {self.levels} levels, not {fewest}" if fewest < self.levels else ""
         return row(of, self.key, self.quantity, self.window, judged, case, family, f"{self.window.text}{short}")
 
-    def _judge(self, found: Sequence[Measured]) -> Found:
-        values, spans = [value for value, _ in found], [span for _, span in found]
-        span = float(np.min([low for low, _ in spans])), float(np.max([high for _, high in spans]))
-        inside = self.window.contains(*span)
-        verdict = FAILS if not self.window.contains(*values) else HOLDS if inside else UNDECIDED
-        return self.window.worst(values), span, verdict
-
 
 @dataclass(frozen=True)
 class Observation:
-    """A quantity without a claim, for a reason: reported, or missed if our prediction was wrong.
+    """A quantity about which nothing is claimed; the check is missed if a prediction of this study was wrong.
 
-    The window of its criterion is the prediction, an unbounded one if there is none.
+    Attributes:
+        criterion: its window is the prediction; an unbounded window means that there is no prediction.
+        reason: why nothing is claimed.
     """
 
     criterion: Criterion
     reason: str
 
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
-        """Return the row for a case, which says whether the prediction agrees."""
+        """Return the check for a case, as ``Rule.verdict``: reported, or missed if the prediction was wrong."""
         found = self.criterion.verdict(of, case, groups, family)
-        prediction = {HOLDS: "met", FAILS: "wrong", UNDECIDED: "undecided"}[found.verdict]
-        if math.isnan(found.observed):
-            prediction = "undecided"
         if self.criterion.window == Window():
             return replace(found, expected=f"no claim: {self.reason}", verdict=REPORTED)
-        expected = f"predicted {self.criterion.window.text} ({prediction}); no claim, because {self.reason}"
-        return replace(found, expected=expected, verdict=MISSED if prediction == "wrong" else REPORTED)
+        missed = found.verdict == FAILS and not math.isnan(found.observed)
+        found = replace(found, verdict=MISSED if missed else REPORTED)
+        text = f"predicted {self.criterion.window.text} ({agreement(found)}); no claim, because {self.reason}"
+        return replace(found, expected=text)
 
 
 def judge(of: Named, rows: pd.DataFrame, rules: Sequence[Rule]) -> list[Verdict]:
-    """Return the rows of all rules on all cases, from measurements that are listed one number in a row."""
+    """Return the checks of a statement for all cases.
+
+    Parameters:
+        of: the statement.
+        rows: a table with one number in each row, as for ``by_case``.
+        rules: the criteria and observations of the statement.
+    """
     return [rule.verdict(of, case, groups) for case, groups in by_case(rows) for rule in rules]
 
 
 ENOUGH = 3
-"""Levels that an observed order takes at least."""
+"""Least number of levels for an observed order."""
 ROUNDING = 1e-9
-"""Room for rounding in bounds that hold exactly."""
+"""Tolerance for rounding in bounds that hold exactly."""
 BOUND = at_most(1 + ROUNDING, low=-math.inf)
 """Window of quotients that are at most 1."""
 SHARP = Window(0.99, 1 + ROUNDING, "≥ 0.99 shows that the constant is the best possible")
-"""Window of the largest quotient over a constant, which samples built for the best constant attain up to rounding."""
+"""Window of (largest quotient of samples) / (proved constant), for samples that attain the constant up to rounding."""
 
 
 def largest(key: str, quantity: str, window: Window, *columns: str) -> Criterion:
-    """Return the criterion for the largest value of some columns over all levels; NaN if one value is NaN."""
+    """Return the criterion for the largest value in some columns over all levels; NaN if one value is NaN."""
     return Criterion(key, quantity, window, lambda group: greatest(group[list(columns)].to_numpy()), columns)
 
 
 def largest_quotient(key: str, quantity: str, window: Window, above: str, below: str) -> Criterion:
-    """Return the criterion for the largest quotient of two columns over all levels."""
-
-    def measure(group: pd.DataFrame) -> Measured:
-        return greatest((group[above] / group[below]).to_numpy())
-
+    """Return the criterion for the largest quotient of the columns ``above`` and ``below`` over all levels."""
+    measure: Measure = lambda group: greatest((group[above] / group[below]).to_numpy())  # noqa: E731
     return Criterion(key, quantity, window, measure, (above, below))
 
 
 def every(key: str, quantity: str, window: Window, *columns: str) -> Criterion:
-    """Return the criterion for some columns on every level; shows the value farthest from the middle of the window."""
+    """Return the criterion for all values in some columns; the one farthest from the middle of the window is shown."""
 
     def measure(group: pd.DataFrame) -> Measured:
         values = group[list(columns)].to_numpy().ravel()
-        away = np.nan_to_num(abs(values - (window.low + window.high) / 2), nan=np.inf)
-        return among(values[away.argmax()], values)
+        distance = np.nan_to_num(abs(values - (window.low + window.high) / 2), nan=np.inf)
+        return among(values[distance.argmax()], values)
 
     return Criterion(key, quantity, window, measure, columns)
 
 
 def finest(key: str, quantity: str, window: Window, column: str) -> Criterion:
-    """Return the criterion for a column on the finest level."""
+    """Return the criterion for the value of a column on the finest level."""
     return Criterion(key, quantity, window, lambda group: exactly(group[column].iloc[-1]), (column,))
 
 
 def change(key: str, quantity: str, window: Window, column: str, levels: int = ENOUGH, since: int = 0) -> Criterion:
-    """Return the criterion for the quotient of a column on the finest level and on level number ``since``."""
-
-    def measure(group: pd.DataFrame) -> Measured:
-        return exactly(group[column].iloc[-1] / group[column].iloc[since])
-
+    """Return the criterion for a quotient of two values of a column: finest level over level number ``since``."""
+    measure: Measure = lambda group: exactly(group[column].iloc[-1] / group[column].iloc[since])  # noqa: E731
     return Criterion(key, quantity, window, measure, (column,), levels)
 
 
@@ -187,85 +209,88 @@ def greatest_ratio(key: str, quantity: str, window: Window, column: str, levels:
     return Criterion(key, quantity, window, measure, (column,), levels)
 
 
-def consecutive(key: str, quantity: str, window: Window, column: str) -> Criterion:
-    """Return the criterion for every observed order from level to level; the finest one is shown."""
+def of_errors(
+    key: str,
+    quantity: str,
+    window: Window,
+    column: str,
+    levels: int,
+    evaluate: Callable[[Array, Array], Measured],
+    last: int = 0,
+) -> Criterion:
+    """Return the criterion for a quantity that follows from mesh sizes and errors, such as an observed order.
+
+    Parameters:
+        column: the column of the errors.
+        levels: least number of levels.
+        evaluate: function of the mesh sizes and the errors, both (levels,), coarse to fine.
+        last: number of finest levels that are used; 0 for all.
+    """
 
     def measure(group: pd.DataFrame) -> Measured:
-        found = orders(*_errors(group, column))
-        return among(found[-1], found)
+        used = group.tail(last) if last else group
+        return evaluate(used["h"].to_numpy(), used[column].to_numpy())
 
-    return Criterion(key, quantity, window, or_none(measure), (column,), ENOUGH)
+    return Criterion(key, quantity, window, or_none(measure), (column,), levels)
+
+
+def consecutive(key: str, quantity: str, window: Window, column: str) -> Criterion:
+    """Return the criterion for all observed orders between consecutive levels; the finest one is shown."""
+    return of_errors(key, quantity, window, column, ENOUGH, lambda h, e: among((found := orders(h, e))[-1], found))
 
 
 def between_levels(key: str, quantity: str, window: Window, column: str, refinements: int, levels: int) -> Criterion:
     """Return the criterion for the observed order between the finest level and the one some refinements before."""
-
-    def measure(group: pd.DataFrame) -> Measured:
-        return exactly(orders(*_errors(group.iloc[[-1 - refinements, -1]], column))[0])
-
-    return Criterion(key, quantity, window, or_none(measure), (column,), levels)
+    pair = [-1 - refinements, -1]
+    return of_errors(key, quantity, window, column, levels, lambda h, e: exactly(orders(h[pair], e[pair])[0]))
 
 
 def order(key: str, quantity: str, window: Window, column: str, last: int = 0, levels: int = ENOUGH) -> Criterion:
-    """Return the criterion for the observed order of a column, by least squares over all levels or the last ones."""
-
-    def measure(group: pd.DataFrame) -> Measured:
-        return exactly(fit(*_errors(group.tail(last) if last else group, column)))
-
-    return Criterion(key, quantity, window, or_none(measure), (column,), levels)
+    """Return the criterion for the observed order by least squares, over all levels or the ``last`` ones."""
+    return of_errors(key, quantity, window, column, levels, lambda h, e: exactly(fit(h, e)), last)
 
 
 def weighted(
     key: str, quantity: str, window: Window, column: str, power: int, last: int = 0, levels: int = ENOUGH
 ) -> Criterion:
     """Return the criterion for the observed order by least squares with weights h^−power."""
-
-    def measure(group: pd.DataFrame) -> Measured:
-        return exactly(weighted_order(*_errors(group.tail(last) if last else group, column), power))
-
-    return Criterion(key, quantity, window, or_none(measure), (column,), levels)
+    return of_errors(key, quantity, window, column, levels, lambda h, e: exactly(weighted_order(h, e, power)), last)
 
 
 def growth(key: str, quantity: str, window: Window, column: str, power: int, levels: int) -> Criterion:
-    """Return the criterion for the growth from the coarsest to the finest level, by the same weighted least squares."""
+    """Return the criterion for the growth from the coarsest to the finest level.
 
-    def measure(group: pd.DataFrame) -> Measured:
-        h, values = _errors(group, column)
+    The growth is (h_finest/h_coarsest)^p with the observed order p by least squares with weights h^−power.
+    """
+
+    def evaluate(h: Array, values: Array) -> Measured:
         return exactly((h[-1] / h[0]) ** weighted_order(h, values, power))
 
-    return Criterion(key, quantity, window, or_none(measure), (column,), levels)
+    return of_errors(key, quantity, window, column, levels, evaluate)
 
 
 def extrapolated(key: str, quantity: str, window: Window, column: str) -> Criterion:
-    """Return the criterion for the observed order extrapolated from the three finest levels."""
-
-    def measure(group: pd.DataFrame) -> Measured:
-        return exactly(extrapolated_order(*_errors(group, column)))
-
-    return Criterion(key, quantity, window, or_none(measure), (column,), ENOUGH)
+    """Return the criterion for the observed order extrapolated to h → 0 from the three finest levels."""
+    return of_errors(key, quantity, window, column, ENOUGH, lambda h, e: exactly(extrapolated_order(h, e)))
 
 
 def exactly(value: float) -> Measured:
-    """Return a value whose range is the value itself."""
-    return float(value), (float(value), float(value))
+    """Return a measured value whose range is the value alone."""
+    return among(value, np.array([value]))
 
 
 def among(shown: float, values: Array) -> Measured:
-    """Return a value with the range of all values."""
+    """Return the measured value ``shown`` with the range of all values."""
     return float(shown), (float(values.min()), float(values.max()))
 
 
 def greatest(values: Array) -> Measured:
-    """Return the largest value with the range of all values."""
+    """Return the largest value, with the range of all values."""
     return among(values.max(), values)
 
 
-def _errors(group: pd.DataFrame, column: str) -> tuple[Array, Array]:
-    return group["h"].to_numpy(), group[column].to_numpy()
-
-
 def or_none(measure: Measure) -> Measure:
-    """Return a measure that gives NaN, so that the verdict fails, where errors have no order."""
+    """Return the function with NaN as its value, so that the check fails, if errors have no order."""
 
     def measured(table: pd.DataFrame) -> Measured | None:
         try:

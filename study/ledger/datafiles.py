@@ -1,4 +1,4 @@
-"""The data files of a run: columns and keys, reading with errors that name file, line and column, writing."""
+"""The data files of a run: their columns and keys; reading them with a check of every cell; writing them."""
 
 from __future__ import annotations
 
@@ -27,61 +27,36 @@ RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interp
 RATES += ["time_share", "predicted_interpolation"]
 SEEDS = ["label", "key", "case", "since", "seeds", "alarms", "rate_low", "rate_high", "rate_tail", "claimed"]
 ALL_ROWS = "all claimed rows"
-"""The label of the lines of ``seeds.csv`` about all claimed rows together."""
+"""The label of the rows of ``seeds.csv`` about all claimed checks together."""
 LEDGER = [field.name for field in fields(Verdict)]
 TEXT = {
-    *SERIES,
-    "label",
-    "statement",
-    "quantity",
-    "verdict",
-    "form",
-    "summary",
-    "law",
-    "zone",
-    "regularity",
-    "statements",
-    "reason",
-    "twin",
-    "trajectory",
-    "key",
-    "expected",
-    "defect",
-    "what",
-    "setting",
-    "caught",
-    "claimed",
-    "seen_by",
-    "levels",
-    "noticed_by",
-    "rule",
-    "part",
-    "tail",
-    "code",
-    "version",
-    "variant",
-    "class",
-}
-"""Columns of text, even if a cell looks like a number or is empty."""
+    *SERIES, "label", "statement", "quantity", "verdict", "form", "summary", "law", "zone", "regularity", "statements",
+    "reason", "twin", "trajectory", "key", "expected", "defect", "what", "setting", "caught", "claimed", "seen_by",
+    "levels", "noticed_by", "rule", "part", "tail", "code", "version", "variant", "class",
+}  # fmt: skip
+"""Columns that hold text, even if a cell looks like a number or is empty."""
 
 
 COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds"}
-"""Commands that write data files which ``study run`` does not write."""
+"""Data file ↦ the command that writes it, if this is not ``study run``."""
 
 
 NO_TABLE = pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError, gzip.BadGzipFile, EOFError, zlib.error
-"""Errors of pandas and gzip for a file that is no table."""
+"""Errors that pandas and gzip raise if a file is not a table."""
 
 
 class DataError(ValueError):
-    """A data file is missing or is not what ``study run`` writes."""
+    """Raised if a data file is missing, damaged or edited; the message names the file and the command that mends it."""
 
 
 def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFrame:
     """Return the table ``directory/data/name`` of a run.
 
+    Parameters:
+        columns: the columns that it must have; those that are not in ``TEXT`` must contain numbers or empty cells.
+
     Raises:
-        DataError: as ``read_table``, or a column of numbers has words; the message names file, line and column.
+        DataError: as ``read_table``, or a column of numbers contains text; the message names file, line and column.
     """
     command, path = COMMANDS.get(name), directory / "data" / name
     again = f"{command} --out {directory}" if command else made_by(directory)
@@ -92,7 +67,7 @@ def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFra
 
 
 def made_by(directory: Path) -> str:
-    """Return the command that made a directory, from its provenance, or ``study run`` if there is no provenance."""
+    """Return the command that made a result directory, from its provenance; ``study run`` if that is unreadable."""
     try:
         content = json.loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))
         plain = "study run --full" if content.get("plan") == "full" else "study run"
@@ -103,12 +78,15 @@ def made_by(directory: Path) -> str:
 
 
 def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFrame:
-    """Return the table that a command has written to a path, with at least some columns; empty text is "".
+    """Return a table from a CSV file; empty cells of text are "", empty cells of numbers are NaN.
 
-    A path that ends in ``.gz`` is uncompressed first.
+    Parameters:
+        path: the file; if its name ends in ``.gz``, it is uncompressed first.
+        columns: the columns that the table must have.
+        command: the command that wrote the file, for messages.
 
     Raises:
-        DataError: there is no such file, it is not a table, it ends within a line, or it lacks a column.
+        DataError: the file does not exist, is not a table, ends within a line, or lacks a column.
     """
     if not path.is_file():
         raise DataError(f"{path} is missing: make it with `{command}`")
@@ -129,40 +107,51 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
 
 
 def line(row: int) -> int:
-    """Return the line of a data file that holds a row; rows are counted from 0."""
+    """Return the number of the line in a data file that contains a row; rows are counted from 0."""
     return row + 2
 
 
 def refuse_words(path: Path, table: pd.DataFrame, columns: Collection[str], mend: str, empty: bool = False) -> None:
-    """Raise DataError, with line and column, if a column has a cell that is no number; ``empty`` allows empty cells."""
+    """Refuse a table in which a cell of some columns is not a number.
+
+    Parameters:
+        path: the file, for the message.
+        table: the content of the file.
+        columns: the columns that must contain numbers.
+        mend: how to mend the file, for the message.
+        empty: whether empty cells are accepted.
+
+    Raises:
+        DataError: names the line, the column and the cell.
+    """
     for column in columns:
         wrong = pd.to_numeric(table[column], errors="coerce").isna().to_numpy()
         if empty:
             wrong = wrong & table[column].notna().to_numpy()
         if wrong.any():
             row = int(wrong.argmax())
-            stands = pd.read_csv(path, dtype=str, keep_default_na=False)[column].iloc[row]
-            raise DataError(f"{path}, line {line(row)}, column {column}: stands {stands!r}, expected a number; {mend}")
+            found = pd.read_csv(path, dtype=str, keep_default_na=False)[column].iloc[row]
+            raise DataError(f"{path}, line {line(row)}, column {column}: found {found!r}, expected a number; {mend}")
 
 
 def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: str) -> None:
-    """Raise DataError, with both lines, if two rows have the same key."""
+    """Refuse a table in which two rows have the same key; raises DataError, which names both lines."""
     if (again := table.duplicated([*key]).to_numpy()).any():
         row = int(again.argmax())
         first = int((table[[*key]] == table[[*key]].iloc[row]).all(axis=1).to_numpy().argmax())
         names = ", ".join(f"{name} {table[name].iloc[row]}" for name in key)
         raise DataError(
-            f"{path}, line {line(row)}: the row {names} stands in line {line(first)} already, expected once; {mend}"
+            f"{path}, line {line(row)}: the row {names} is also in line {line(first)}, expected once; {mend}"
         )
 
 
 def write_csv(path: Path, table: pd.DataFrame) -> None:
-    """Write a data file with 12 digits and Unix line ends; after an interruption the old file is unchanged."""
+    """Write a table as CSV with 12 digits and Unix line ends; if writing is interrupted, the old file remains."""
     write_text(path, table_text(table))
 
 
 def table_text(table: pd.DataFrame) -> str:
-    """Return the text of a data file."""
+    """Return the text of the CSV file that ``write_csv`` writes."""
     return str(table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
 
 
@@ -170,7 +159,12 @@ Row = Mapping[str, Any]
 
 
 class DataFile(Protocol):
-    """A file or folder of measurements, with its name and the columns that identify a row."""
+    """A file or folder into which measurements are written.
+
+    Attributes:
+        name: its name in the folder ``data``.
+        key: the columns that identify a row.
+    """
 
     @property
     def name(self) -> str: ...
@@ -182,13 +176,13 @@ class DataFile(Protocol):
 
 @dataclass(frozen=True)
 class CsvFile:
-    """A table of measurements.
+    """A CSV file of measurements.
 
     Attributes:
-        name: the name of the file in ``data``.
+        name: name of the file in the folder ``data``.
         key: the columns that identify a row.
         columns: all measured columns.
-        derive: adds columns that are computed from the others.
+        derive: function that adds the columns which are computed from measured ones.
     """
 
     name: str
@@ -197,37 +191,48 @@ class CsvFile:
     derive: Callable[[pd.DataFrame], pd.DataFrame] = pd.DataFrame.copy
 
     def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
-        """Write the whole table; returns its path."""
+        """Write all rows into the file in the folder ``data`` and return its path, as a list."""
         write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=list(self.columns))))
         return [data / self.name]
 
     def read(self, directory: Path) -> pd.DataFrame:
-        """Return the table in ``directory/data``; raises DataError like ``read_csv``."""
+        """Return the table of a result directory; raises DataError as ``read_csv``."""
         return read_csv(directory, self.name, self.columns)
 
     def keys(self, table: pd.DataFrame) -> set[tuple[str, ...]]:
-        """Return (name of the file, key of the row, …) of all rows, as text."""
+        """Return for each row the tuple (name of the file, cells of its key), as text."""
         return {(self.name, *row) for row in table[list(self.key)].astype(str).itertuples(index=False, name=None)}
 
 
 @dataclass(frozen=True)
 class JsonFiles:
-    """A folder with a file for every measurement, named after the only column of its key."""
+    """A folder with one JSON file for each measurement.
+
+    Attributes:
+        name: name of the folder in the folder ``data``.
+        key: the one column whose values name the files.
+    """
 
     name: str
     key: tuple[str, ...]
 
     def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
-        """Write a file for each row, without spaces after separators (a tenth of its size); returns the paths."""
+        """Write one file for each row and return the paths; no spaces follow separators, which saves a tenth."""
         texts = {row[self.key[0]]: json.dumps(row, separators=(",", ":")) + "\n" for row in rows}
         return [write_text(data / self.name / f"{name}.json", text) for name, text in texts.items()]
 
 
 def read_rates(directory: Path) -> pd.DataFrame:
-    """Return ``rates.csv`` with the levels of each series in order and a column ``discrete_order``."""
+    """Return ``rates.csv`` with sorted levels in each series, and with the observed orders of the discrete error.
+
+    These orders are in the column ``discrete_order``.
+
+    Raises:
+        DataError: as ``read_csv``, or a number is missing or infinite, or a row is repeated.
+    """
     rates = read_csv(directory, "rates.csv", RATES)
     path, again = directory / "data" / "rates.csv", f"make it again with `{made_by(directory)}`"
-    # Figures cannot show infinite errors.
+    # Figures cannot show infinite errors, so they are refused as missing numbers are.
     finite = rates.replace([np.inf, -np.inf], np.nan)
     refuse_words(path, finite, [column for column in RATES if column not in {*TEXT, "order"}], again)
     refuse_repeated(path, rates, [*SERIES, "level"], again)
@@ -237,27 +242,29 @@ def read_rates(directory: Path) -> pd.DataFrame:
 
 
 def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
-    """Return the levels of a series in order, with the observed orders of a column as ``order``."""
+    """Return the sorted levels of a series, with the observed orders of a column in the column ``order``."""
     ordered = series.sort_values("level")
     return ordered.assign(order=since_before(ordered["h"].to_numpy(), ordered[column].to_numpy()))
 
 
 def count_caught(controls: pd.DataFrame) -> tuple[int, int]:
-    """Return how many defects in ``controls.csv`` were caught, and how many were injected."""
+    """Return how many of the deliberate defects in ``controls.csv`` were noticed, and the number of all."""
     injected = controls[controls["caught"] != ""]
     return int((injected["caught"] == "yes").sum()), len(injected)
 
 
 class AlarmSummary(NamedTuple):
-    """Verdicts of all claimed rows on other random meshes.
+    """The false-alarm rate of all claimed checks, from random meshes with fresh seeds.
 
     Attributes:
-        rows: number of claimed rows.
-        seeds, red: number of seeds on which all rows were measured, and of those on which some row did not hold.
+        rows: number of claimed checks.
+        seeds: number of seeds on which all claimed checks were measured.
+        red: number of these seeds on which at least one check did not hold.
         low, high: confidence interval of red/seeds at 95 %.
-        by_tail: upper estimate of the rate from the tails of the distributions of all rows.
-        light_seeds, light_red: number of all seeds, and of those on which a row that is measured on all did not hold.
-        verdict: whether the false-alarm rate is at most the promised one, by the count of seeds alone.
+        by_tail: upper estimate of the rate from the tails of the distributions of all checks.
+        light_seeds: number of all seeds; the cheap checks were measured on each.
+        light_red: number of all seeds on which at least one cheap check did not hold.
+        verdict: whether the rate is at most the permitted one, by counting seeds: holds, fails or undecided.
     """
 
     rows: int
@@ -272,7 +279,7 @@ class AlarmSummary(NamedTuple):
 
 
 def alarm_summary(seeds: pd.DataFrame) -> AlarmSummary:
-    """Return the summary of all claimed rows in ``seeds.csv``; DataError if it has no such lines."""
+    """Return the summary of all claimed checks in ``seeds.csv``; raises DataError if the table has no such rows."""
     together = seeds[seeds["label"] == ALL_ROWS].set_index("key")
     if not {"every", "light"} <= set(together.index):
         raise DataError("seeds.csv has no lines about all claimed rows: make it again with `study seeds`")
@@ -285,40 +292,44 @@ def alarm_summary(seeds: pd.DataFrame) -> AlarmSummary:
 
 
 def read_claims(directory: Path) -> pd.DataFrame:
-    """Return ``claims.csv``; DataError if it has an unknown verdict."""
+    """Return ``claims.csv``, the table of all checks; raises DataError as ``read_csv``, or for an unknown verdict."""
     claims = read_csv(directory, "claims.csv", LEDGER)
     unknown = sorted(set(claims["verdict"]) - set(VERDICTS))
     if unknown:
-        raise DataError(f"{directory / 'data' / 'claims.csv'}: verdicts {unknown}, known are {', '.join(VERDICTS)}")
+        path = directory / "data" / "claims.csv"
+        raise DataError(
+            f"{path} has the verdicts {', '.join(unknown)}, expected {', '.join(VERDICTS)}: "
+            f"make it again with `study tables --out {directory}`"
+        )
     return claims
 
 
 def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
-    """Return verdict ↦ number of rows of the ledger."""
+    """Return the number of checks with each verdict."""
     return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
 
 
 def count_kinds(claims: pd.DataFrame) -> dict[str, int]:
-    """Return kind of evidence ↦ number of rows of the ledger that hold."""
+    """Return the number of checks of each kind, of those that hold."""
     kinds = claims[claims["verdict"] == HOLDS].apply(kind, axis=1)
     return {name: int((kinds == name).sum()) for name in KINDS}
 
 
 def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
-    """Yield (label, claim, rows) of each statement in the order of the ledger; a label may have several claims."""
+    """Yield (label, claim, checks) for each statement in the order of the ledger; a label may have several claims."""
     for (label, claim), rows in claims.groupby(["label", "statement"], sort=False):
         yield str(label), str(claim), rows
 
 
 def with_orders(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a table with the observed order of its errors in the column ``order``, after the time share."""
+    """Return a table with the observed orders of its errors in a new column ``order`` after ``time_share``."""
     found = table.copy()
     found.insert(table.columns.tolist().index("time_share") + 1, "order", in_series(table, "error"))
     return found
 
 
 def in_series(table: pd.DataFrame, column: str) -> pd.Series:
-    """Return the observed orders of a column between each level and the level before, in each series."""
+    """Return the observed orders of a column, computed in each series as by ``since_before``, (rows,)."""
     found = pd.Series(np.nan, table.index)
     for _, group in table.groupby(SERIES, sort=False):
         found[group.index] = since_before(group["h"].to_numpy(), group[column].to_numpy())
@@ -326,7 +337,13 @@ def in_series(table: pd.DataFrame, column: str) -> pd.Series:
 
 
 def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the observed order between each level and the one before; NaN for the first, and without an order."""
+    """Return for each level the observed order between it and the level before, (levels,).
+
+    The order is NaN for the first level, and if an error is not positive and finite.
+
+    Parameters:
+        h, error: mesh sizes and errors, (levels,), coarse to fine.
+    """
     found = np.full(len(h), np.nan)
     for i in range(1, len(h)):
         with suppress(RatesError):

@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all, and the errors of commands that name the remedy."""
+"""Writes files completely or not at all, and defines the errors that end a command with a message."""
 
 from __future__ import annotations
 
@@ -11,31 +11,36 @@ from contextlib import suppress
 from pathlib import Path
 
 FULL = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC))
-"""Error numbers of a full disk and of a quota that is used up; Windows has no number for quotas."""
+"""Error numbers of a full disk and of an exhausted quota; Windows has no number for quotas."""
 
 BLOCK = 4096
-"""A disk with fewer free bytes is full: file systems allocate blocks of this size."""
+"""A disk with fewer free bytes counts as full, because file systems allocate blocks of this size."""
 
 
 class UsageError(ValueError):
-    """A command cannot use what it was given; says what was expected and how to mend it."""
+    """Raised if a command cannot use its input; the message says what was expected and how to mend it."""
 
 
 class JobsError(RuntimeError):
-    """Some jobs failed; the results of all other jobs are stored."""
+    """Raised if some jobs failed; the results of all other jobs are stored."""
 
 
 class StoreError(ValueError):
-    """A data directory cannot be used."""
+    """Raised if a result directory or a file in it cannot be read or written."""
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
-    """Let ``write`` fill a temporary file in the same folder, rename it to ``path`` when complete, return the path.
+    """Write a file completely or not at all, and return its path.
 
-    Readers see the old content or the new, never a part.
+    A temporary file in the same folder is written and then renamed, so that other programs see the old or the new
+    content, never a part of it.
+
+    Parameters:
+        path: the file.
+        write: function that writes the content to the path it is given.
 
     Raises:
-        StoreError: the directory cannot be written.
+        StoreError: the file cannot be written, for example because the disk is full.
     """
     part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
@@ -48,14 +53,14 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
             raise
         raise unwritable(path, cause) from error
     finally:
-        # The directory may not exist, which may be why writing failed.
+        # If the directory could not be made, there is no temporary file to remove.
         with suppress(OSError):
             part.unlink()
     return path
 
 
 def disk_full(error: BaseException | None) -> OSError | None:
-    """Returns the error among an error and its causes that says that the disk or the user's quota is full, or None."""
+    """Return the error that reports a full disk or quota, among an error and its causes; None if there is none."""
     seen: set[int] = set()
     while error is not None and id(error) not in seen:
         if isinstance(error, OSError) and error.errno in FULL:
@@ -66,7 +71,7 @@ def disk_full(error: BaseException | None) -> OSError | None:
 
 
 def _no_room(path: Path) -> OSError | None:
-    """Return ENOSPC if the disk is full now: programs such as ffmpeg do not say why they failed."""
+    """Return an error if the disk is full, else None; needed for programs such as ffmpeg, which give no reason."""
     with suppress(OSError):
         if shutil.disk_usage(path.parent).free < BLOCK:
             return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -74,7 +79,7 @@ def _no_room(path: Path) -> OSError | None:
 
 
 def unwritable(path: Path, error: OSError) -> StoreError:
-    """Return the error for a file that cannot be written, with the reason and the remedy."""
+    """Return the StoreError for a file that cannot be written; its message gives reason and remedy."""
     if error.errno in FULL:
         return StoreError(
             f"cannot write {path}: the disk is full ({error.strerror}); free space there, or give a directory on "
@@ -84,10 +89,10 @@ def unwritable(path: Path, error: OSError) -> StoreError:
 
 
 def write_packed(path: Path, text: str) -> Path:
-    """Write text compressed by gzip, whole or not at all; equal texts give equal files."""
+    """Write text compressed by gzip, completely or not at all, and return the path; equal texts give equal files."""
     return write_whole(path, lambda part: part.write_bytes(gzip.compress(text.encode(), 9, mtime=0)))
 
 
 def write_text(path: Path, text: str) -> Path:
-    """Write text whole or not at all, in UTF-8 with Unix line ends on every system."""
+    """Write text in UTF-8 with Unix line ends, completely or not at all, and return the path."""
     return write_whole(path, lambda part: part.write_text(text, encoding="utf-8", newline="\n"))

@@ -1,6 +1,7 @@
-"""The numbered formulas and statements of the source, and those that a label of the ledger names.
+"""The numbered formulas and statements of the paper, and which of them the label of a check names.
 
-Only labels such as "(3.9)–(3.11), (4.14), (4.15)" or "Thm 4.1, 5.2" say which formulas a row is about.
+A label such as "(3.9)–(3.11), (4.14), (4.15)" or "Thm 4.1, 5.2" is the only place that says which formulas a check
+tests.
 """
 
 from __future__ import annotations
@@ -8,7 +9,7 @@ from __future__ import annotations
 import re
 
 FORMULAS = {2: 18, 3: 15, 4: 30, 5: 43}
-"""Section ↦ the number of its last formula."""
+"""Section of the paper ↦ number of its last formula."""
 STATEMENTS = (
     "Problem 2.1",
     "Thm 2.2",
@@ -23,16 +24,19 @@ STATEMENTS = (
     "Prop. 5.4",
 )
 NUMBERED = (*(f"({section}.{n})" for section, last in FORMULAS.items() for n in range(1, last + 1)), *STATEMENTS)
-"""All formulas in the order of the source, then all statements."""
+"""All formulas in the order of the paper, then all statements."""
 NO_ROW, NOT_TESTED = "no row", "not tested"
-"""Labels of lines that say why a formula or statement has no row that could fail."""
+"""Labels of the rows that give the reason why a formula or statement has no check that can fail."""
 
 _FORMULA = re.compile(r"\((\d)\.(\d+)\)(?:–\((\d)\.(\d+)\))?")
 _STATEMENT = re.compile(r"(Thm|Prop\.|Problem) (\d\.\d(?:, \d\.\d)*)")
 
 
 def named(text: str) -> set[str]:
-    """Return the formulas and statements that a label names.
+    """Return the numbers of the formulas and statements that a label names.
+
+    Raises:
+        ValueError: a range of formulas begins and ends in different sections.
 
     >>> sorted(named("Thm 4.1, 5.2, (5.2)–(5.4)"))
     ['(5.2)', '(5.3)', '(5.4)', 'Thm 4.1', 'Thm 5.2']
@@ -41,6 +45,6 @@ def named(text: str) -> set[str]:
     for section, first, last_section, last in _FORMULA.findall(text):
         end = int(last) if last else int(first)
         if last_section not in ("", section):
-            raise ValueError(f"{text!r}: a range of formulas of two sections; write one for each")
+            raise ValueError(f"{text!r} has a range over two sections, expected one section: write a range for each")
         found |= {f"({section}.{n})" for n in range(int(first), end + 1)}
     return found

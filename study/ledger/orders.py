@@ -1,4 +1,7 @@
-"""Observed orders of convergence: consecutive, fitted, extrapolated, and the limit for h → 0."""
+"""Observed orders of convergence of errors on several meshes, and the limit of the errors for h → 0.
+
+In all functions, ``h`` are the mesh sizes and ``error`` the errors, both (levels,), coarse to fine.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +15,14 @@ Array = NDArray[np.float64]
 
 
 class RatesError(ValueError):
-    """A sequence of errors has no order."""
+    """Raised if a sequence of errors has no order."""
 
 
 def orders(h: Array, error: Array) -> Array:
     """Return the observed orders log(e_i/e_{i+1}) / log(h_i/h_{i+1}) of consecutive levels, (levels − 1,).
 
     Raises:
-        RatesError: sizes that do not decrease, or errors that are not positive and finite.
+        RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     h, error = np.asarray(h, dtype=float), np.asarray(error, dtype=float)
     if not (np.diff(h) < 0).all():
@@ -30,7 +33,7 @@ def orders(h: Array, error: Array) -> Array:
 
 
 def fit(h: Array, error: Array) -> float:
-    """Return the observed order by least squares.
+    """Return the observed order over all levels by least squares of log(error) over log(h).
 
     Raises:
         RatesError: as ``orders``.
@@ -42,8 +45,9 @@ def fit(h: Array, error: Array) -> float:
 def extrapolated_order(h: Array, error: Array) -> float:
     """Return the observed order for h → 0, extrapolated from the three finest levels.
 
-    If e = C h^p (1 + c h + …), the order between two levels is p + c' (h_i h_{i+1})^½ + …, whose second term is
-    eliminated from the orders of two consecutive pairs; on halved meshes this is 2 p_2 − p_1.
+    If e = C h^p (1 + c h + …), the order between two levels is p + c' (h_i h_{i+1})^½ + …. The second term is
+    eliminated from the orders p_1 and p_2 between the three levels. If each mesh size is half of the one before, the
+    result is 2 p_2 − p_1.
 
     Raises:
         RatesError: as ``orders``.
@@ -53,7 +57,9 @@ def extrapolated_order(h: Array, error: Array) -> float:
 
 
 def weighted_order(h: Array, error: Array, power: float) -> float:
-    """The least-squares order with weights h^−power, the best linear one where log e_i has a variance ~ h_i^power.
+    """Return the observed order by least squares with the weights h^−power.
+
+    The weights are optimal if the variance of log e_i is proportional to h_i^power.
 
     Raises:
         RatesError: as ``orders``.
@@ -65,10 +71,14 @@ def weighted_order(h: Array, error: Array, power: float) -> float:
 
 
 def limit(h: Array, error: Array, order: float) -> float:
-    """e∞ in e = e∞ + C h^p for the given p, over the geometric mean of the two finest errors.
+    """Return the limit of the errors for h → 0, relative to the geometric mean of the two finest errors.
 
-    The place of a front within its cell alternates from level to level. So two points are extrapolated: the
-    geometric means (of h and of e) over the two finest levels and over the two before them.
+    The limit is a in e = a + C h^p with the given p. A contact front lies at alternating places in its cell from level
+    to level, so errors alternate, too. Therefore two averages are extrapolated: the geometric means of h and e over the
+    two finest levels, and over the two levels before.
+
+    Parameters:
+        order: the exponent p.
     """
     x, e = (np.exp(np.log(np.asarray(v, dtype=float)[-4:]).reshape(2, 2).mean(axis=1)) for v in (h, error))
     x = x**order

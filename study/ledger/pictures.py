@@ -1,4 +1,4 @@
-"""Data of pictures: values over time with few digits, the facets of a contact face, and fields on a mesh over time."""
+"""Data for pictures: values over time, stored with few digits; the facets of a contact face; fields on a mesh."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 STEPS = 999
-"""Number of units in the largest value: three digits, a tenth of a pixel in a picture of a body."""
+"""The largest value is this multiple of the unit of storage: three digits, enough for a tenth of a pixel in a
+picture."""
 FINE = 32_000
-"""Number of units for values that are read as numbers: as many as 16 bits hold."""
+"""The same multiple for values that are read as numbers: as large as 16 bits permit."""
 
 
 @dataclass(frozen=True, eq=False)
 class Packed:
-    """Values over time, rounded to multiples of a unit.
+    """Values over time, rounded to multiples of a unit for short files.
 
     Attributes:
         unit: the largest absolute value / steps; 1 if all values are zero.
@@ -33,7 +34,12 @@ class Packed:
 
     @classmethod
     def of(cls, values: NDArray[np.float64], steps: int = STEPS) -> Packed:
-        """Return values over time, (times, ...), rounded to units; ``steps`` is STEPS or FINE."""
+        """Return the rounded form of values.
+
+        Parameters:
+            values: (times, ...).
+            steps: the largest absolute value in units: STEPS or FINE.
+        """
         unit = float(f"{np.max(np.abs(values), initial=0.0) / steps:.6g}") or 1.0
         return cls(unit, np.round(values / unit).astype(np.int16))
 
@@ -43,7 +49,10 @@ class Packed:
         return self.unit * self.multiples.astype(np.float64)
 
     def record(self) -> dict[str, Any]:
-        """Return the content of a JSON file: differences in time, compressed, as base-64 text for the report page."""
+        """Return the content of a JSON file, which ``read`` and the script of the report page read.
+
+        The multiples are stored as differences from time to time, compressed by zlib, as base-64 text.
+        """
         changes = np.diff(self.multiples, axis=0, prepend=np.int16(0)).astype("<i2")
         return {
             "unit": self.unit,
@@ -53,7 +62,7 @@ class Packed:
 
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> Packed:
-        """Return the values from the content of a JSON file.
+        """Return the values from the content of a JSON file, as ``record`` returns it.
 
         Raises:
             KeyError, TypeError, ValueError: the content is damaged.
@@ -67,23 +76,24 @@ class Packed:
 
 
 def short(values: NDArray[np.float64]) -> Any:
-    """Return nested lists of numbers with four significant digits, as many as a figure can show."""
+    """Return an array as nested lists, its numbers rounded to four significant digits, enough for a figure."""
     return np.vectorize(lambda v: float(f"{v:.4g}"), otypes=[float])(values).tolist()
 
 
 @dataclass(frozen=True, eq=False)
 class Facets:
-    """The facets of a contact face in space: the triangles of a surface whose corners are all nodes of the face.
+    """The facets of a contact face in 3D: the triangles of a surface whose corners are all nodes of the face.
 
-    The writer and the reader of a data file number them in the same way. A file lists the nodes of the face; the level
-    function ψ of its exact contact zone is stored at the nodes and at the midpoints of the edges.
+    A data file lists the nodes of the face. It stores the level function ψ of the exact contact zone at the nodes and
+    at the midpoints of the edges. The writer and the reader of a file use this class, so that both number edges in the
+    same way.
 
     Attributes:
-        cells: their indices among the triangles of the surface, (k,).
-        corners: indices into the nodes, (3, k).
-        edges: the two ends of each edge, the lower first, in lexicographic order, (2, e).
-        quarters: the four triangles into which the midpoints of its edges divide each of them, (3, 4k); midpoint i has
-            the index (number of nodes) + i.
+        cells: indices of the facets among the triangles of the surface, (k,).
+        corners: corners of the facets as indices into the nodes, (3, k).
+        edges: the two ends of each edge, the lower index first, in lexicographic order, (2, e).
+        quarters: corners of the four triangles into which the midpoints of the edges divide each facet, (3, 4k);
+            midpoint i has the index (number of nodes) + i.
     """
 
     cells: Numbers
@@ -93,7 +103,12 @@ class Facets:
 
     @classmethod
     def between(cls, nodes: Numbers, surface: Numbers) -> Facets:
-        """Return the triangles of a surface, (3, m), whose three vertices are all among the given nodes, (n,)."""
+        """Return the facets of a contact face.
+
+        Parameters:
+            nodes: vertex numbers of the nodes of the face, (n,).
+            surface: vertex numbers of the triangles of the surface, (3, m).
+        """
         number = np.full(surface.max() + 1, -1)
         number[nodes] = np.arange(len(nodes))
         cells = np.flatnonzero((number[surface] >= 0).all(axis=0))
@@ -104,17 +119,24 @@ class Facets:
         return cls(cells, corners, edges, np.hstack([[a, r, q], [b, p, r], [c, q, p], [p, q, r]]))
 
     def refined(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Return values at the nodes, (..., n), followed by their means at the midpoints of edges, (..., n + e)."""
+        """Return values at the nodes and at the midpoints of edges, where they are the mean of both ends.
+
+        Parameters:
+            values: values at the nodes, (..., n).
+
+        Returns:
+            The values at the nodes, then at the midpoints, (..., n + e).
+        """
         return np.concatenate([values, values[..., self.edges].mean(axis=-2)], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
 class MeshFields:
-    """Fields at one time.
+    """Fields on a mesh at one time.
 
     Attributes:
-        time: t.
-        at_vertices: name ↦ scalars, (vertices,), or vectors, (d, vertices); not a number where there is no value.
+        time: the time t.
+        at_vertices: name ↦ scalars, (vertices,), or vectors, (d, vertices); NaN at vertices without a value.
         in_cells: name ↦ scalars, (cells,), or matrices, (d, d, cells).
     """
 
@@ -125,7 +147,13 @@ class MeshFields:
 
 @dataclass(frozen=True, eq=False)
 class MeshSeries:
-    """The vertices of a mesh, (d, vertices), the corners of its simplices, (d + 1, cells), and fields at some times."""
+    """A mesh with fields at several times.
+
+    Attributes:
+        vertices: (d, vertices).
+        cells: vertex numbers of the triangles or tetrahedra, (d + 1, cells).
+        fields: the fields, one entry for each time.
+    """
 
     vertices: Array
     cells: NDArray[np.int64]

@@ -1,4 +1,4 @@
-"""Numbers and lines of text: decimal numbers rounded down or up so that they stay bounds, and the width of output."""
+"""Text for the terminal and for tables: wrapped lines, and numbers that are rounded so that they remain bounds."""
 
 from __future__ import annotations
 
@@ -11,38 +11,45 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 import pandas as pd
 
 WIDTH = 110
-"""Columns of printed text: the most, and the default without a terminal."""
+"""Characters in a line of output on a wide terminal, and without a terminal."""
 NARROW = 80
-"""Columns of the narrow layout; terminals with fewer columns wrap lines themselves."""
+"""Characters in a line of output on a narrow terminal."""
 
 
 def width() -> int:
-    """Return ``WIDTH`` if the terminal has that many columns, else ``NARROW``."""
+    """Return the number of characters in a line of output: ``WIDTH`` if the terminal is that wide, else ``NARROW``."""
     return WIDTH if shutil.get_terminal_size((WIDTH, 24)).columns >= WIDTH else NARROW
 
 
 def is_narrow() -> bool:
-    """Return whether the narrow layout is needed."""
+    """Return whether tables must fit into ``NARROW`` characters."""
     return width() == NARROW
 
 
 def folded(text: str) -> str:
-    """Return a line of text wrapped between words only, so that paths can be copied."""
+    """Return a text wrapped to the width of the output, between words only, so that paths can be copied."""
     return textwrap.fill(text, width(), subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
 
 
 def down(value: float, digits: int) -> str:
-    """Return a number rounded down to some significant digits."""
-    return _rounded(value, digits, ROUND_FLOOR)
+    """Return a number as text, rounded down to some significant digits."""
+    return f"{float(Context(prec=digits, rounding=ROUND_FLOOR).create_decimal(Decimal(value))):.{digits}g}"
 
 
 def up(value: float, digits: int) -> str:
-    """Return a number rounded up to some significant digits."""
-    return _rounded(value, digits, ROUND_CEILING)
+    """Return a number as text, rounded up to some significant digits."""
+    return f"{float(Context(prec=digits, rounding=ROUND_CEILING).create_decimal(Decimal(value))):.{digits}g}"
 
 
 def power_of_ten(value: float, least: float) -> float:
-    """Return the least power of ten ≥ a number ≥ 0, at least ``least``; infinity and NaN are returned unchanged."""
+    """Return the smallest power of ten that is at least ``value`` and at least ``least``.
+
+    Infinity, NaN and values up to ``least`` have no such power: the larger of ``value`` and ``least`` is returned.
+
+    Parameters:
+        value: a number ≥ 0.
+        least: a power of ten.
+    """
     if not math.isfinite(value) or value <= least:
         return max(value, least)
     exponent = Decimal(value).adjusted()
@@ -50,35 +57,27 @@ def power_of_ten(value: float, least: float) -> float:
 
 
 def below(value: float, decimals: int) -> str:
-    """Return the shortest decimal form of a value, rounded down to some decimals."""
-    return _quantized(value, decimals, ROUND_FLOOR)
+    """Return a number as text with the given number of decimals, rounded down."""
+    return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), ROUND_FLOOR))
 
 
 def above(value: float, decimals: int) -> str:
-    """Return the shortest decimal form of a value, rounded up to some decimals."""
-    return _quantized(value, decimals, ROUND_CEILING)
+    """Return a number as text with the given number of decimals, rounded up."""
+    return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), ROUND_CEILING))
 
 
 def interval(low: float, high: float, digits: int) -> str:
-    """Return [low, high] as text, rounded outwards."""
+    """Return the interval [low, high] as text, both ends rounded outwards to some significant digits."""
     return f"[{down(low, digits)}, {up(high, digits)}]"
 
 
-def _rounded(value: float, digits: int, rounding: str) -> str:
-    return f"{float(Context(prec=digits, rounding=rounding).create_decimal(Decimal(value))):.{digits}g}"
-
-
-def _quantized(value: float, decimals: int, rounding: str) -> str:
-    return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), rounding))
-
-
 def significant(number: float) -> str:
-    """Return four significant digits with trailing zeros: 0.05 → 0.05000, 1234.5 → 1234; zero is 0."""
+    """Return a number as text with four significant digits, zeros included: 0.05000 for 0.05, 1234 for 1234.5."""
     return f"{number:#.4g}".rstrip(".") if number else "0"
 
 
 def cell(value: Hashable) -> str:
-    """Return the text of one cell: words and whole numbers unchanged, other numbers with four significant digits."""
+    """Return the text of a table cell: words and whole numbers as they are, other numbers with four digits."""
     if pd.isna(value):
         return ""
     text = str(value)

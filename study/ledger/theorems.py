@@ -1,8 +1,8 @@
-"""Rows of the ledger that test a proved relation between computed numbers.
+"""Lists of the checks that test a proved relation between computed numbers.
 
-Such a row fails only if the code is wrong: the relation holds on every mesh and for every solution. It is no evidence
-for a claim about convergence. A row with a predicted lower end and a proved upper end is not listed, as it can miss
-its lower end.
+Such a relation holds on every mesh and for every solution, so its check fails only if the program is wrong. It is no
+evidence for a claim about convergence. A check whose window has a proved upper end but a predicted lower end is not
+listed, because it fails if the prediction is wrong.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ THEOREMS: dict[str, tuple[str, ...]] = {
     "bound": ("above",),
     "enclosure": ("above", "below"),
 }
-"""Label ↦ keys of inequalities, and of the parallelogram law."""
+"""Label ↦ keys of the checks of proved inequalities and of the parallelogram law."""
 EXACT_QUOTIENTS: dict[str, tuple[str, ...]] = {
     "(3.1)": ("ellipticity", "bound"),
     "(3.2)": ("lipschitz",),
     "Thm 4.2": ("alone-displacement", "alone-stress"),
     "(4.12)": ("bounded", "unbounded"),
 }
-"""Label ↦ keys of quotients that are 1 by linear algebra or by quadrature of the exact solution alone. Their windows
-are wider than rounding, and no discretisation enters them."""
+"""Label ↦ keys of the checks of quotients that are exactly 1, without discretisation: by linear algebra, or by
+quadrature of the exact solution alone. Their windows are wider than rounding."""
 
 
 def is_theorem(label: str, key: str) -> bool:
-    """Return whether the rows with this label and key test a proved relation."""
+    """Return whether the checks with this label and key test a proved relation."""
     return key in THEOREMS.get(label, ())
 
 
 def is_exact_quotient(label: str, key: str) -> bool:
-    """Return whether the rows with this label and key compare a number with itself, computed in another way."""
+    """Return whether the checks with this label and key compare two computations of the same exact number."""
     return key in EXACT_QUOTIENTS.get(label, ())

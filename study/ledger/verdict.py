@@ -1,10 +1,12 @@
-"""Rows of the ledger, and how much of its tolerance window a row uses.
+"""Checks, which are the rows of the ledger: their verdicts, their kinds, and the share of the window that they use.
 
-holds      the whole range lies in the window
-fails      a claim of the paper, or of ours, is contradicted: the observed value lies outside the window
-undecided  too few levels, or a range that reaches beyond the window; not a pass
-missed     a prediction of ours was wrong: its value lies outside the predicted window, which no statement claims
-reported   no claim is made about the numbers
+The verdicts:
+
+holds      the whole range of the quantity lies in the window
+fails      the observed value lies outside the window: it contradicts a claim of the paper or of this study
+undecided  there are too few levels, or the range reaches beyond the window; this is not a pass
+missed     a prediction of this study was wrong: the value lies outside the predicted window, which no statement claims
+reported   nothing is claimed about the value
 """
 
 from __future__ import annotations
@@ -24,28 +26,30 @@ HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "repo
 VERDICTS = (HOLDS, REPORTED, MISSED, UNDECIDED, FAILS)
 """From best to worst."""
 ROW_KEY = ("label", "key", "case", "family")
-"""The columns of ``claims.csv`` that tell its rows apart."""
+"""The columns of ``claims.csv`` that identify a row."""
 UNCLAIMED = (REPORTED, MISSED)
 """Verdicts of rows about which no statement makes a claim."""
 ORDER, SIZE, ONE_SIDED = "two-sided orders", "two-sided sizes", "one-sided bounds"
 THEOREM, IDENTITY = "proved relations", "identities"
 KINDS = (ORDER, SIZE, ONE_SIDED, THEOREM, IDENTITY)
-"""Kinds of evidence, from what bears most on a claim to what fails only if the code is broken."""
+"""Kinds of checks, from the strongest evidence for a claim to checks that fail only if the program is wrong."""
 CAN_FAIL = (ORDER, SIZE, ONE_SIDED)
-"""Kinds of rows that can fail although the code is right."""
+"""Kinds of checks that can fail although the program is correct."""
 EXACT = 1e-6
-"""An upper end, or a width, of a window up to which a row is an identity: rounding and solver tolerance, no theory."""
+"""A check is an identity if the upper end or the width of its window is at most this number, so that the window allows
+only for rounding and the solver's tolerance."""
 NOWHERE = (-math.inf, math.inf)
 """The range of a quantity that could not be measured."""
 BECAUSE = "; undecided, because "
-"""Separates the expected value from the reason why a row is undecided, in the column ``expected``."""
+"""Separates the window from the reason why a check is undecided, in the column ``expected``."""
 Span = tuple[float, float]
+"""(smallest value, largest value)."""
 Found = tuple[float, Span, str]
 """(observed value, its range, the verdict)."""
 
 
 class Named(Protocol):
-    """A statement: its number and its claim in words."""
+    """A statement: its label, such as "Prop. 5.4", and its claim in words."""
 
     @property
     def label(self) -> str: ...
@@ -55,21 +59,21 @@ class Named(Protocol):
 
 @dataclass(frozen=True)
 class Verdict:
-    """One line of ``claims.csv``, known by its label, key, case and family.
+    """One check: a row of ``claims.csv``, identified by label, key, case and family.
 
     Attributes:
         label: number of the statement.
-        statement: what is claimed, in words.
-        case: the exact solution it was measured on.
-        quantity: what was measured, in words.
-        expected: the window, in words.
-        observed: the value farthest from the middle of the window over the mesh families.
-        low, high: range of the quantity over families and levels.
+        statement: the claim in words.
+        case: name of the exact solution.
+        quantity: the measured quantity in words.
+        expected: the window in words.
+        observed: the value that is shown: the one of the mesh family that uses most of the window.
+        low, high: the range of the quantity over mesh families and levels.
         verdict: holds, fails, undecided, missed or reported.
         key: short name of the quantity, which never changes.
-        family: the mesh family, empty for a row about all of them.
-        window_low, window_high: the window. A row that holds with a range that reaches beyond is judged by its
-            observed value, or, where that lies outside, in the way that ``expected`` says.
+        family: the mesh family; empty for a check about all families.
+        window_low, window_high: the ends of the window. If a check holds although its range reaches beyond the window,
+            its observed value was judged; if that lies outside as well, ``expected`` says what was judged.
     """
 
     label: str
@@ -88,45 +92,45 @@ class Verdict:
 
     @property
     def identity(self) -> tuple[str, str, str, str]:
-        """(label, key, case, family), different for every row of a ledger."""
+        """The tuple (label, key, case, family), which is different for every row of a ledger."""
         return self.label, self.key, self.case, self.family
 
 
 def row(
     of: Named, key: str, quantity: str, window: Window, found: Found, case: str, family: str = "", expected: str = ""
 ) -> Verdict:
-    """Return a row; without ``expected`` it has the text of the window."""
+    """Return a check from its parts.
+
+    Parameters:
+        of: the statement.
+        key, quantity, window, case, family: as for ``Verdict``.
+        found: observed value, range and verdict.
+        expected: the expected value in words; by default the text of the window.
+    """
     observed, (low, high), verdict = found
-    return Verdict(
-        label=of.label,
-        statement=of.claim,
-        case=case,
-        quantity=f"{quantity}, {family} meshes" if family else quantity,
-        expected=expected or window.text,
-        observed=observed,
-        low=low,
-        high=high,
-        verdict=verdict,
-        key=key,
-        family=family,
-        window_low=window.low,
-        window_high=window.high,
-    )
+    words = f"{quantity}, {family} meshes" if family else quantity
+    numbers, ends = (observed, low, high), (window.low, window.high)
+    return Verdict(of.label, of.claim, case, words, expected or window.text, *numbers, verdict, key, family, *ends)
 
 
 def exit_code(verdicts: Sequence[Verdict]) -> int:
-    """Return 1 if a row fails, otherwise 3 if a row is undecided or there is none, otherwise 0."""
+    """Return the exit code: 1 if a check fails, otherwise 3 if one is undecided or there are none, otherwise 0."""
     found = {verdict.verdict for verdict in verdicts}
     return 1 if FAILS in found else 3 if UNDECIDED in found or not found else 0
 
 
 def kind(row: pd.Series) -> str:
-    """Return the kind of evidence of a row of ``claims.csv``: one of ``KINDS``.
+    """Return the kind of a check: one of ``KINDS``.
 
-    A row is an identity if its window allows rounding only (an upper end or a width of at most ``EXACT``), or if
-    ``theorems`` lists it. Proved relations, which ``theorems`` lists too, have a kind of their own. A window is
-    two-sided if both ends are finite and the lower one is not 0 or negligible compared with the upper one. A row is an
-    order if its key or its quantity contains the word.
+    The kind follows from the window and from the lists of ``study.ledger.theorems``. A check is
+
+    * an identity if its window only allows for rounding (``EXACT``) or if it is listed as an exact quotient;
+    * a proved relation if it is listed as a theorem;
+    * a one-sided bound if an end of the window is infinite, or the lower end is 0 or negligible next to the upper end;
+    * a two-sided order or size otherwise: an order if its key or quantity contains this word.
+
+    Parameters:
+        row: a row of ``claims.csv``.
     """
     label, key = str(row["label"]), str(row["key"])
     low, high = float(row["window_low"]), float(row["window_high"])
@@ -141,37 +145,42 @@ def kind(row: pd.Series) -> str:
 
 
 def is_of_the_paper(label: str) -> bool:
-    """Return whether a row is about a numbered formula or statement of the paper."""
+    """Return whether a label names a numbered formula or statement of the paper."""
     return bool(named(label))
 
 
 def window_share(row: pd.Series) -> float:
-    """Return the share of its window that a row of ``claims.csv`` uses; NaN for a row without a window of numbers.
+    """Return the share of its window that a check uses, from a row of ``claims.csv``; NaN without a finite end.
 
     The share is 1 at an end of the window. It is 0 in the middle of a window with two ends, and at the value 0 if the
-    low end is 0 or far below the high end.
+    lower end is 0 or negligible next to the upper end.
     """
     return max((_share(value, row) for value in _judged(row)), default=math.nan)
 
 
 def worst_value(row: pd.Series) -> float:
-    """Return the value of a row that uses most of its window; the observed value without a window."""
+    """Return the value of a check that uses most of its window; the observed value without a window."""
     return max(_judged(row), key=lambda value: _share(value, row), default=float(row["observed"]))
 
 
-def agreement(row: pd.Series) -> str:
-    """Return whether the prediction of a reported row was met, wrong or undecided."""
-    low, high, observed = (float(row[name]) for name in ("window_low", "window_high", "observed"))
-    if math.isnan(observed):
-        return "undecided"
-    if not low <= observed <= high:
+def agreement(found: Verdict | pd.Series) -> str:
+    """Return whether the prediction of a reported or missed check was met, wrong or undecided.
+
+    Parameters:
+        found: the check, or its row of ``claims.csv``.
+    """
+    if found.verdict == MISSED:
         return "wrong"
-    return "met" if low <= row["low"] and row["high"] <= high else "undecided"
+    inside = found.window_low <= found.low and found.high <= found.window_high
+    return "met" if inside and not math.isnan(found.observed) else "undecided"
 
 
 def _judged(row: pd.Series) -> list[float]:
-    """Return the values that were compared with the window: the ends of the range, or the observed value of a row that
-    holds although its range reaches beyond the window."""
+    """Return the values that were compared with the window.
+
+    These are both ends of the range, or the observed value if the check holds although its range reaches beyond the
+    window.
+    """
     low, high = float(row["window_low"]), float(row["window_high"])
     if not low < high or (low <= 0 and math.isinf(high)):
         return []
@@ -182,7 +191,6 @@ def _judged(row: pd.Series) -> list[float]:
 
 
 def _share(value: float, row: pd.Series) -> float:
-    """Return the share of the window that a value uses."""
     low, high = float(row["window_low"]), float(row["window_high"])
     if math.isinf(high):
         return low / value

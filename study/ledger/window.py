@@ -1,4 +1,4 @@
-"""Tolerance windows: where a measured number has to lie, fixed before it is measured."""
+"""Tolerance windows: the intervals in which measured numbers must lie, fixed before the measurement."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from dataclasses import dataclass
 import numpy as np
 
 MIN_POSITIVE = 1e-20
-"""The least positive diagnostic. Two computations of one quantity differ by rounding, about 1e-16 of its size; a
-diagnostic of exactly 0 means that a quantity was compared with itself."""
+"""The smallest diagnostic that counts as positive. Two different computations of a quantity differ at least by
+rounding, about 1e-16 of the quantity, so a diagnostic of exactly 0 means that a quantity was compared with itself."""
 SMALL = 1e-3
-"""A low end below this part of the high end only asks for a positive value."""
+"""If the lower end of a window is below this fraction of the upper end, only large values are bad."""
 STEEPER = 0.15
-"""Room for the observed order of a solution without (5.36)."""
+"""Half the width of the window for the observed order of a solution that violates assumption (5.36)."""
 
 
 @dataclass(frozen=True)
 class Window:
-    """The interval [low, high] for a quantity, with a text made from its numbers.
+    """A tolerance window: the interval [low, high] in which a quantity must lie.
 
     Attributes:
-        low, high: the ends. A low end of 0 or −∞, or far below the high end, says that only large values are bad.
-        why: the reason for these ends, or what they are relative to.
-        predicted: the least and the largest predicted value, if the window is their interval with room on both sides.
+        low, high: the ends. If ``low`` is 0, −∞ or far below ``high``, only large values are bad.
+        why: the reason for the ends, or the quantity to which the value is relative.
+        predicted: the smallest and the largest predicted value, if the window extends this interval on both sides.
     """
 
     low: float = -math.inf
@@ -35,29 +35,32 @@ class Window:
     @property
     def text(self) -> str:
         """The window in words, such as ``1 ± 0.15: every consecutive order``."""
-        return f"{self._numbers()}: {self.why}" if self.why else self._numbers()
-
-    def _numbers(self) -> str:
+        low, high = shown(self.low), shown(self.high)
         if self.predicted:
             least, largest = self.predicted
             middle = shown(least) if least == largest else f"{shown(least)} … {shown(largest)}"
             below, above = f"{least - self.low:.3g}", f"{self.high - largest:.3g}"
-            if below == above:
-                return f"{middle} ± {below}"
-            return f"{shown(self.low)} … {shown(self.high)}, predicted {middle}"
-        if math.isinf(self.high):
-            return f"≥ {shown(self.low)}"
-        if self.low == MIN_POSITIVE:
-            return f"> 0 and ≤ {shown(self.high)}"
-        one_sided = self.low == 0 or math.isinf(self.low)
-        return f"≤ {shown(self.high)}" if one_sided else f"{shown(self.low)} … {shown(self.high)}"
+            numbers = f"{middle} ± {below}" if below == above else f"{low} … {high}, predicted {middle}"
+        elif math.isinf(self.high):
+            numbers = f"≥ {low}"
+        elif self.low == MIN_POSITIVE:
+            numbers = f"> 0 and ≤ {high}"
+        elif self.low == 0 or math.isinf(self.low):
+            numbers = f"≤ {high}"
+        else:
+            numbers = f"{low} … {high}"
+        return f"{numbers}: {self.why}" if self.why else numbers
 
     def contains(self, *values: float) -> bool:
-        """Return whether all values lie inside; NaN does not."""
+        """Return whether all values lie in the window; NaN lies in no window."""
         return all(self.low <= value <= self.high for value in values)
 
     def worst(self, values: Sequence[float]) -> float:
-        """Return the worst value: the farthest from the middle, or the largest or smallest of a one-sided window."""
+        """Return the worst of some values.
+
+        In a window with two ends, the worst value is farthest from the middle. If only large or only small values are
+        bad, it is the largest or the smallest one. NaN is the worst of all.
+        """
         if math.isinf(self.high):
             distances = [-value for value in values]
         elif self.low > SMALL * self.high or -math.inf < self.low < 0 or self.predicted:
@@ -68,17 +71,17 @@ class Window:
 
 
 def at_most(high: float, why: str = "", low: float = 0.0) -> Window:
-    """Return the window of values up to ``high``; ``low`` is 0 for quantities ≥ 0, −∞ for others."""
+    """Return the window of values up to ``high``; give ``low=-math.inf`` for quantities that may be negative."""
     return Window(low, high, why)
 
 
 def positive_at_most(high: float, why: str = "") -> Window:
-    """Return the window of positive values up to ``high``: 0 means that a quantity was compared with itself."""
+    """Return the window of positive values up to ``high``; it excludes 0, see ``MIN_POSITIVE``."""
     return Window(MIN_POSITIVE, high, why)
 
 
 def at_least(low: float, why: str = "") -> Window:
-    """Return the window of values from ``low`` on."""
+    """Return the window of values that are at least ``low``."""
     return Window(low, math.inf, why)
 
 
@@ -93,7 +96,7 @@ def between(least: float, largest: float, below: float, above: float, why: str =
 
 
 def shown(number: float) -> str:
-    """Return three significant digits, plus the room for rounding of a bound: 0.544, 1e-10, 1 + 1e-9."""
+    """Return a number as text with three significant digits, and its small rest: 0.544, 1e-10, 1 + 1e-9."""
     text = f"{number:.3g}"
     rest = number - float(text) if math.isfinite(number) else 0.0
     if number and 0 < abs(rest) < 1e-4 * abs(number):

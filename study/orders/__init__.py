@@ -1,4 +1,7 @@
-"""Observed orders of convergence: of arrays, of tables, with a verdict against an expected order."""
+"""Computes observed orders of convergence from arrays or tables, and judges them against an expected order.
+
+The order p of errors e on meshes of size h is the exponent in e = C h^p.
+"""
 
 from __future__ import annotations
 
@@ -15,16 +18,20 @@ Wish = float | Mapping[str, float] | None
 
 def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_least: Wish = None,
                  tolerance: float = TOLERANCE) -> dict[str, OrderResult]:  # fmt: skip
-    """Return the observed orders and verdicts of several columns of errors.
+    """Return the observed orders and the verdicts for several columns of errors.
 
     Parameters:
-        h: mesh sizes, (levels,), or the name of their column if ``errors`` is a DataFrame.
-        errors: a dictionary or a DataFrame, name ↦ (levels,).
-        expected, at_least: one number for all columns, or name ↦ number.
+        h: mesh sizes, (levels,), or the name of their column in ``errors``.
+        errors: a dictionary or a DataFrame, name of a column ↦ errors, (levels,).
+        expected: expected order, one number for all columns, or name ↦ number.
+        at_least: smallest accepted order, one number for all columns, or name ↦ number.
+        tolerance: accepted difference from ``expected``.
+
+    Returns:
+        Name of a column ↦ result.
 
     Raises:
-        OrderError: as ``observed_orders``, or ``errors`` has no names, or an order is expected of a column that does
-            not exist.
+        OrderError: as ``observed_orders``; or ``errors`` has no names; or an order is expected of an unknown column.
     """
     if not hasattr(errors, "keys"):
         raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")
@@ -44,14 +51,20 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
 
 def assert_order(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
                  tolerance: float = TOLERANCE, name: str = "") -> OrderResult:  # fmt: skip
-    """Return the result if the errors have the expected order.
+    """Return the result of ``observed_orders`` if the errors have the expected order; for tests.
+
+    Parameters:
+        h, errors: mesh sizes and errors, (levels,).
+        expected, at_least: expected order, or smallest accepted order; one of them is needed.
+        tolerance: accepted difference from ``expected``.
+        name: name of the errors, for messages.
 
     Raises:
         AssertionError: the verdict is not *holds*; the message describes the observed orders.
         OrderError: as ``observed_orders``, or no expectation was given.
     """
     if expected is None and at_least is None:
-        raise OrderError("assert_order needs expected or at_least")
+        raise OrderError("assert_order got no order, expected one: give expected=P or at_least=P")
     result = observed_orders(h, errors, expected, at_least, tolerance, name)
     assert result.verdict == "holds", f"{name}: {result.conclusion}".removeprefix(": ")
     return result

@@ -1,7 +1,7 @@
-"""Numbers in the cells of a table, and the meaning of the names of its columns.
+"""Reads the numbers in the cells of a table, and guesses the meaning of a column from its name.
 
-Numbers are read in the forms in which people write them: 1.2D-3, 1.2(-3), 16x16, 1,5e-3, 1.2×10⁻³, 1/8, 5 %, −0.5,
-1 024, \\num{1e-3}.
+Numbers are understood in the forms in which people write them: 1.2D-3, 1.2(-3), 16x16, 1,5e-3, 1.2×10⁻³, 1/8, 5 %,
+−0.5, 1 024, \\num{1e-3}.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import math
 import re
 
 MISSING = re.compile(r"(?i)(?:[-–—−_*.…~/\\]*|n/?a|none|null|missing)")
-"""A cell without a number: empty, dashes, n/a."""
+"""Matches cells without a number: empty ones, dashes, n/a."""
 THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
 DECIMAL_COMMA = re.compile(r"[-+−]?\d*,\d+(?:[eEdD][-+−]?\d+)?\s*%?")
 UNIT = re.compile(r"(?P<number>.*[\d.])\s*(?P<unit>[kcmnµu]?m|[mµu]?s|min|[kMG]i?B|°|deg|[kM]?Pa|N)")
@@ -32,7 +32,7 @@ _REMARK = re.compile(r"(.*[\d.%])\s*(?:\([^()]*\)|±.*|\+/-.*|\\pm.*)")
 
 
 def to_number(cell: str, decimal_comma: bool = False) -> float | None:
-    """Return the number in a cell; NaN for a missing number, None for text.
+    """Return the number in a cell; NaN if the cell says that there is no number, None if it contains other text.
 
     Parameters:
         cell: the text, with or without surrounding blanks.
@@ -88,7 +88,7 @@ def _plain(text: str) -> float | None:
 
 
 def uses_decimal_commas(cells: list[str]) -> bool | None:
-    """Return whether commas in these cells are decimal commas; None if 1,024 may be 1.024 or 1024."""
+    """Return whether commas in some cells are decimal commas; None if 1,024 can mean 1.024 as well as 1024."""
     commas = [cell for cell in map(str.strip, cells) if "," in cell]
     if any(DECIMAL_COMMA.fullmatch(cell) and not THOUSANDS.fullmatch(cell) for cell in commas):
         return True
@@ -109,7 +109,7 @@ _KINDS = {
     "level": r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|refinements?|refine",
 }
 SIZES = ("size", "count", "total", "step")
-"""Roles of columns that give the size of a mesh or of a time step; the first is preferred."""
+"""Roles of columns from which mesh sizes or time steps follow, in the order in which they are preferred."""
 _ORDER = (
     r"\b(?:e?oc|eoc|orders?|rates?|roc|ooc|slope|ratio|reduction|log2|ordnung|ordre|konvergenzrate)\b|"
     r"^(?:p|q|r|conv|red)$"
@@ -125,10 +125,11 @@ _THEORY = r"\b(?:expected|theory|theoretical|predicted)\b"
 
 
 def role(name: str) -> str:
-    """Return the role of a column, from its name.
+    """Return the role of a column, guessed from its name.
 
-    The roles are ``error``, ``order``, ``size``, ``count``, ``total``, ``step`` (of time), ``level``, ``other`` and
-    ``unknown``. A ``count`` is a number along a side, a ``total`` a number of all cells, vertices or unknowns.
+    The roles are ``error``, ``order``, ``size`` (of a mesh), ``step`` (in time), ``count`` (number of cells along a
+    side), ``total`` (number of all cells, vertices or unknowns), ``level``, ``other`` (such as times and iterations)
+    and ``unknown``.
     """
     if name.strip(" $") == "T":
         # T is a temperature; time is t.

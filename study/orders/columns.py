@@ -1,4 +1,4 @@
-"""Decide which column of a table is a mesh size, which columns are errors, and which are left out and why."""
+"""Decides which column of a table has the mesh sizes, which columns have errors, and which columns are left out."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ class Options:
     """The options with which a user describes the columns of a table.
 
     Attributes:
-        dim: dimension of the meshes, for sizes given as counts of cells or unknowns.
+        dim: dimension of the meshes, needed if the sizes are numbers of all cells or unknowns.
         size: name of the column of sizes.
-        ratio: ratio of consecutive mesh sizes, coarse to fine, for tables without a size.
-        columns: names of the columns to be used as errors.
-        signed: whether values below zero are permitted.
+        ratio: ratio of the mesh sizes in consecutive rows, for tables without sizes.
+        columns: names of the columns of errors; by default they are recognised.
+        signed: whether numbers may be negative.
     """
 
     dim: int | None = None
@@ -42,13 +42,17 @@ class Options:
 
 @dataclass(frozen=True)
 class Series:
-    """Mesh sizes, columns of errors, and a description of how the table was read.
+    """The mesh sizes and errors of one table, and how the table was read.
 
     Attributes:
-        h: (levels,); errors: name ↦ (levels,).
-        size: how h was determined.
-        ignored: the names and roles of columns that were left out.
-        label: distinguishes several tables: ``degree 2`` if a column divides a table into cases, or the caption.
+        h: mesh sizes, (levels,).
+        errors: name of a column ↦ errors, (levels,).
+        size: how the mesh sizes were determined, in words.
+        ignored: name of a column that was left out ↦ its role.
+        caption: text above the table.
+        form: the form of the table in words.
+        label: text that distinguishes several tables: ``degree 2`` if a column divides a table into cases, or the
+            caption.
     """
 
     h: list[float]
@@ -61,13 +65,17 @@ class Series:
 
     @property
     def recognised(self) -> str:
-        """One line that names the size, the errors and the ignored columns."""
+        """One line that says how the table was read: its form, the sizes, the errors and the ignored columns."""
         ignored = f"; ignored: {', '.join(self.ignored)}" if self.ignored else ""
         return f"read as {self.form}; size: {self.size}; errors: {', '.join(self.errors)}{ignored}"
 
 
 def read_series(data: bytes | str, options: Options) -> list[Series]:
-    """Return the sizes and errors of all tables in a text that have errors.
+    """Return the mesh sizes and errors of all tables in a text; tables without errors are left out.
+
+    Parameters:
+        data: the text, or the bytes of a file.
+        options: the description of the columns by the user.
 
     Raises:
         OrderError: there is no table, no size or no errors; the size is ambiguous; or a cell is not a positive number.
@@ -92,7 +100,15 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
 
 
 class Columns:
-    """The columns of a table: names, cells, numbers and roles."""
+    """The columns of a table.
+
+    Attributes:
+        table, options: the table as text, and the description of the columns by the user.
+        names: distinct names of the columns.
+        cells, values, roles: name of a column ↦ its cells as text, its numbers, its role.
+        size: name of the column of sizes; None if there is none.
+        errors: names of the columns of errors.
+    """
 
     def __init__(self, table: RawTable, options: Options) -> None:
         self.table, self.options = table, options
@@ -106,9 +122,12 @@ class Columns:
         self.errors = [name for name in self.names if self._is_error(name)]
 
     def _role_by_numbers(self, name: str, original: str) -> str:
-        """Return the role of a column after looking at its numbers.
+        """Return the role of a column, corrected by its numbers.
 
-        Counters are not errors, and a column that repeats the sizes is not a second size.
+        A column that only counts rows has no errors, and a column that repeats the sizes is not a second size.
+
+        Parameters:
+            name, original: the distinct name of the column, and the name in the table.
         """
         kind, numbers = self.roles[name], self.values[name]
         if kind in ("other", "unknown") and all(ALONG_SIDES.fullmatch(cell.strip()) for cell in self.cells[name]):
@@ -156,7 +175,11 @@ class Columns:
         return None
 
     def series(self) -> Series:
-        """Return the sizes and errors, and a description of the columns that were left out."""
+        """Return the mesh sizes, the errors and the description of the table.
+
+        Raises:
+            OrderError: sizes are unknown or ambiguous, or a cell is not a positive number.
+        """
         errors = {name: self._checked(name) for name in self.errors if name != self.size}
         h, words = self._sizes(errors)
         left = [name for name in self.names if name not in errors and name != self.size]
@@ -168,7 +191,7 @@ class Columns:
         return Series(h, errors, words, ignored, self.table.caption, self.table.form, self.table.label)
 
     def _sizes(self, errors: dict[str, list[float]]) -> tuple[list[float], str]:
-        """Return the mesh sizes, and how they were determined."""
+        """Return the mesh sizes, and how they were determined, in words."""
         rows, ratio = len(self.table.rows), self.options.ratio
         levels = [name for name in self.names if self.roles[name] == "level"]
         if ratio is not None:
@@ -190,12 +213,12 @@ class Columns:
         )
 
     def _converted(self, name: str) -> tuple[list[float], str]:
-        """Return the mesh sizes from lengths, time steps or counts in a column."""
+        """Return the mesh sizes that follow from the column of sizes, and how they were determined, in words."""
         kind, label, dim = self.roles[name], name or "n", self.options.dim
         if not name:
             kind = "size" if str(self.options.size).lower() == "h" else "count"
         elif kind not in SIZES and all(value and value > 1 and (dim or value % 1 == 0) for value in self.values[name]):
-            # Whole numbers without a known name, such as steps, are counts; with --dim so are other numbers.
+            # Whole numbers in a column with an unknown name, such as steps, are counts; with --dim, other numbers, too.
             kind = "count"
         found = [math.nan if value is None else value for value in self.values[name]]
         if kind not in ("count", "total"):
@@ -214,7 +237,7 @@ class Columns:
         return [value ** (-1 / power) for value in found], f"{words} from column {label}"
 
     def _agrees_with_printed_orders(self, h: list[float], errors: dict[str, list[float]]) -> bool:
-        """Return whether the orders printed next to the errors were computed with these sizes."""
+        """Return whether the orders that the table has next to the errors follow from these mesh sizes."""
         differences = []
         for error, order in pairwise(self.names):
             if error not in errors or self.roles[order] != "order":
@@ -241,7 +264,7 @@ class Columns:
                 )
 
     def _checked(self, name: str) -> list[float]:
-        """Return the numbers of a column of errors; NaN if the text says nan."""
+        """Return the numbers in a column of errors; NaN if the cell says nan; raise OrderError for other cells."""
         if re.match(_LOGARITHM, name) and not self.options.signed:
             raise OrderError(f"column {name} holds logarithms: give the mesh sizes and the errors themselves")
         found = []
@@ -263,13 +286,18 @@ _LOGARITHM = re.compile(r"(?i)[\W_]*(?:log|ln)(?:[\W_]*(?:2|10|e))?(?:[\W_]|$)")
 
 
 def _distinct(names: list[str]) -> list[str]:
-    """Return the names; a repeated name gets the number of its column."""
+    """Return distinct names: the number of the column is added to a repeated name."""
     counts = Counter(names)
     return [name if counts[name] == 1 else f"{name} ({k + 1})" for k, name in enumerate(names)]
 
 
 def _join_names(parts: tuple[str, ...], names: list[str]) -> tuple[str, ...]:
-    """Return the parts of a text that was split at commas, joined again if a name of a column contains commas."""
+    """Return names of columns from the parts of a text that was split at commas; some names contain commas.
+
+    Parameters:
+        parts: the parts.
+        names: all names of columns.
+    """
     joined, start, known = [], 0, set(names)
     while start < len(parts):
         lengths = range(min(len(parts) - start, 8), 0, -1)
@@ -289,7 +317,10 @@ def _from_ratio(ratio: float, rows: int) -> list[float]:
 
 
 def _split_by_case(columns: Columns) -> list[Columns]:
-    """Return one table per value of a column, such as the degree, if sizes repeat but are distinct for each value."""
+    """Return one table for each value of a column, such as the degree, if this makes the sizes distinct.
+
+    If the sizes of the whole table are distinct, or there is no such column, the table itself is returned.
+    """
     table, size, rows = columns.table, columns.size, range(len(columns.table.rows))
     numbers = columns.values.get(size or "", [])
     if size is None or len(set(numbers)) == len(numbers):
@@ -297,7 +328,7 @@ def _split_by_case(columns: Columns) -> list[Columns]:
     for name in columns.names:
         cells = columns.cells[name]
         if cells[0] and "" in cells:
-            # Only the first row of a case has its name, as with multirow in LaTeX.
+            # Only the first row of each case has its name, as with \multirow in LaTeX.
             cells = [next(cell for cell in reversed(cells[: k + 1]) if cell) for k in rows]
         groups = {cell: [k for k in rows if cells[k] == cell] for cell in dict.fromkeys(cells)}
         whole = all(value is None or value % 1 == 0 for value in map(to_number, cells))

@@ -1,8 +1,8 @@
-"""Read tables of errors from text: find rows, columns and names in the form in which people paste a table.
+"""Reads tables of errors from text: finds rows, columns and names in the forms in which people paste tables.
 
-Forms that are read: values separated by commas, semicolons, tabs, pipes (Markdown, pytools, box drawing), ``&`` (LaTeX)
-or blanks; headers that are comments or have two rows; transposed tables; ``name = value`` lines; lists ``name = [1, 2,
-3]``; ``label 51: 0.1, 101: 0.02`` lines. The meaning of a column is decided in ``columns.py``.
+Forms that are understood: values separated by commas, semicolons, tabs, pipes (Markdown, pytools, box drawing), ``&``
+(LaTeX) or blanks; headers that are comments or have two rows; transposed tables; ``name = value`` lines; lists ``name =
+[1, 2, 3]``; ``label 51: 0.1, 101: 0.02`` lines. The meaning of a column is decided in ``columns.py``.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ MAX_BYTES = 8_000_000
 MAX_ROWS = 100_000
 MAX_CELL = 2_000
 MOST_GROUPED = 1_000
-"""Largest number of names in a header of two rows that are assigned to headings; more would take too long."""
+"""Largest number of names in a header of two rows; more names would take too long."""
 UNNAMED = ""
 EXAMPLE = (
     "expected a header such as 'h error' and one line for each mesh, for example 'h,error', '0.5,0.1', '0.25,0.025'"
@@ -33,10 +33,10 @@ class RawTable:
     """Names and cells of a table as text.
 
     Attributes:
-        form: the form of the table, in words.
+        form: the form of the table in words.
         names: names of the columns; an empty text for a column without a name.
-        rows: cells, one list for each mesh.
-        lines: line number of every row.
+        rows: the cells, one list for each mesh.
+        lines: for each row its line number in the text.
         caption: text above the table.
         label: the case, if the table is one part of a larger table.
     """
@@ -51,13 +51,15 @@ class RawTable:
 
 @dataclass(frozen=True)
 class Line:
+    """A line of the text, without the sign of a comment."""
+
     number: int
     text: str
     is_comment: bool
 
 
 def decode(data: bytes) -> str:
-    """Return text from bytes in UTF-8 or UTF-16, with or without byte order mark, or in Windows-1252.
+    """Return the text in some bytes, which may be in UTF-8, UTF-16 or Windows-1252.
 
     Raises:
         OrderError: more than 8 MB, or bytes that are not text.
@@ -90,7 +92,7 @@ def decode(data: bytes) -> str:
 
 
 def read_tables(data: bytes | str) -> list[RawTable]:
-    """Return all tables in a text, in their order in the text.
+    """Return all tables in a text, in the order in which they occur.
 
     Raises:
         OrderError: no table is recognised, a row has too few or too many cells, or the input is too large.
@@ -126,7 +128,7 @@ _LATEX_START = re.compile(
 
 
 def _lines(text: str) -> list[Line]:
-    """Return the lines with content, without colours, quote marks, rules and LaTeX commands for layout."""
+    """Return the lines with content, without colour codes, quote marks, rules and LaTeX commands for layout."""
     text = re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", text)
     signs: dict[str, str | int | None] = {"│": "|", "┃": "|", "║": "|", "┆": "|", "\u200b": None, "\ufeff": None}
     text = text.translate(str.maketrans(signs))
@@ -162,16 +164,16 @@ def _lines(text: str) -> list[Line]:
 # Tables with separators.
 
 Split = list[tuple[str, int, int]]
-"""Cells with the positions in the line at which they begin and end."""
+"""The cells of a line, each with the positions at which it begins and ends."""
 _WITHIN_NUMBER = re.compile(r"(?<=[\d.])\s+(%(?!\S)|(?:±|\+/-|\\pm|x|×|\\times|\\cdot|·)\s*(?=\d))")
 _PAIRS = re.compile(r"(?<!\S)([^\s:]+:) +(?=[-+.\d])")
 _NORM = re.compile(r"\\?\|\\?\|[^|]+\\?\|\\?\||\\\|[^|]+\\\|")
 
 
 def _split(line: str, separator: str) -> Split:
-    """Return the cells of a line."""
+    """Return the cells of a line that are separated by a sign or by blanks."""
     if separator == " ":
-        # ``h = 1/2`` is one cell, and ``h: 0.5 error: 0.1`` are two; a bar or comma between blanks is only decoration.
+        # ``h = 1/2`` is one cell, ``h: 0.5 error: 0.1`` are two; a bar or a comma between blanks separates nothing.
         joined = _WITHIN_NUMBER.sub(lambda found: found[1].strip(), line)
         line = re.sub(r"(?<=\S) *(=+) *(?=\S)", r"\1", joined)
         if len(_PAIRS.findall(line)) > 1:
@@ -183,7 +185,7 @@ def _split(line: str, separator: str) -> Split:
         except csv.Error:
             cells = line.strip().split(separator)
     elif separator == "|":
-        # The bars of a norm, ||u - u_h||, are not separators; bars around a number are.
+        # The bars in the norm ||u - u_h|| are no separators, but the bars around a number are.
         protected = _NORM.sub(
             lambda found: found[0] if _is_number(found[0].strip("|\\ ")) else found[0].replace("|", "\0"), line
         )
@@ -211,7 +213,7 @@ def _is_missing(cell: str) -> bool:
 
 
 def _separator(lines: list[Line]) -> str | None:
-    """Return the separator with which most lines divide into numbers; None if there is none."""
+    """Return the separator with which most lines consist of numbers; None if there is none."""
     best, most = None, 0.0
     for separator in ("|", "&", "\t", ";", ",", " "):
         score = 0.0
@@ -240,7 +242,7 @@ _TYPE_OR_UNIT = re.compile(
 
 
 def _delimited(lines: list[Line]) -> list[RawTable]:
-    """Return the tables whose cells are divided by one separator."""
+    """Return the tables whose cells are separated by one sign or by blanks."""
     separator = _separator(lines)
     if separator is not None:
         grid = _Grid(lines, separator)
@@ -260,7 +262,7 @@ def _delimited(lines: list[Line]) -> list[RawTable]:
 
 
 class _Grid:
-    """The lines of a text and their cells."""
+    """The lines of a text, divided into cells by one separator."""
 
     def __init__(self, lines: list[Line], separator: str) -> None:
         self.lines, self.separator = lines, separator
@@ -268,7 +270,7 @@ class _Grid:
         self.texts = [[cell for cell, *_ in cells] for cells in self.split]
 
     def tables(self) -> list[RawTable]:
-        """Return the tables, each a block of rows with the header above it."""
+        """Return the tables; each is a block of rows with a header above it."""
         tables: list[RawTable] = []
         above: list[int] = []
         block: list[int] = []
@@ -286,7 +288,14 @@ class _Grid:
         return tables + (self._table(above, block, tables) if block else [])
 
     def _is_row(self, i: int, width: int) -> bool:
-        """Return whether a line is a row of a table: half of its cells are numbers, or one if their number is right."""
+        """Return whether a line is a row of a table.
+
+        At least half of its cells must be numbers; with ``width`` cells, one number suffices.
+
+        Parameters:
+            i: index of the line.
+            width: number of columns of the table so far, 0 at its beginning.
+        """
         texts = self.texts[i]
         numbers = sum(map(_is_number, texts))
         if self.lines[i].is_comment or not numbers or _SUMMARY.match(texts[0]):
@@ -306,7 +315,15 @@ class _Grid:
         return len(self.split[following]) == width == len(self.split[block[0]]) > 1
 
     def _table(self, above: list[int], block: list[int], before: list[RawTable]) -> list[RawTable]:
-        """Return the table of a block of rows; its header is the nearest line above with a name for every column."""
+        """Return the table of a block of rows, in a list; the list is empty if the block is not a table.
+
+        The header is the nearest line above with a name for each column.
+
+        Parameters:
+            above: indices of the lines above the block.
+            block: indices of the rows.
+            before: tables above, whose header is used if the block has none.
+        """
         rows, width = self._aligned(block)
         names, used = self._header(above, rows, width)
         if not names and before and len(before[-1].names) == width:
@@ -393,7 +410,12 @@ class _Grid:
         return None
 
     def _grouped(self, group: int, i: int, names: list[str]) -> list[str] | None:
-        """Return the names from two header rows if headings of the upper row span several columns, otherwise None."""
+        """Return the names from a header of two rows, whose upper headings span several columns; otherwise None.
+
+        Parameters:
+            group, i: indices of the upper and of the lower row.
+            names: the names in the lower row.
+        """
         if self.separator == " ":
             upper, wide = _phrases(self.lines[group].text), _phrases(self.lines[i].text)
             lower = wide if len(wide) == len(names) else self.split[i]
@@ -417,7 +439,7 @@ class _Grid:
         return combined
 
     def transposed(self) -> list[RawTable]:
-        """Return tables with a line per quantity and a column per mesh, if labels or header show this form."""
+        """Return the tables with one line for each quantity and one column for each mesh; otherwise an empty list."""
         runs: list[list[int]] = []
         labelled = {i: parts for i in range(len(self.lines)) if (parts := self._labelled(i))}
         for i in range(len(self.lines)):
@@ -434,7 +456,7 @@ class _Grid:
         return []
 
     def _labelled(self, i: int) -> tuple[str, list[str]] | None:
-        """Return label and values of a line that is a label with at least two numbers."""
+        """Return label and values of a line that consists of a label and at least two numbers; otherwise None."""
         texts = list(self.texts[i])
         while texts and not texts[-1] and self.separator != "|":
             texts.pop()
@@ -449,7 +471,12 @@ class _Grid:
         return " ".join(texts[:first]).strip(), values
 
     def _transposed_run(self, run: list[int], labelled: list[tuple[str, list[str]]]) -> RawTable | None:
-        """Return the table of consecutive lines with labels; None if the sizes are unknown."""
+        """Return the table of consecutive lines with labels; None if the mesh sizes are unknown.
+
+        Parameters:
+            run: indices of the lines.
+            labelled: label and values of each line.
+        """
         number, width = self.lines[run[0]].number, max(len(values) for _, values in labelled)
         form, caption = "one line for each quantity", ""
         if any(role(label.strip(" :=")) in SIZES for label, _ in labelled):
@@ -475,14 +502,17 @@ class _Grid:
 
 
 def _phrases(text: str) -> Split:
-    """Return the phrases of a line that are separated by two or more blanks, with their begin and end positions."""
+    """Return the phrases of a line, which are separated by two or more blanks, with their positions."""
     return [(found[0], *found.span()) for found in re.finditer(r"\S+(?: \S+)*", text)]
 
 
 def _labels_of_repeated(upper: Split, lower: Split) -> list[str] | None:
-    """Return the heading above each name, if the names repeat for each heading and every heading is above its names.
+    """Return for each name the heading above it, if each heading is above a group of names and the groups are alike.
 
-    Headings may be centred or not. Sizes stand outside the groups.
+    Columns of sizes belong to no group; their heading is empty.
+
+    Parameters:
+        upper, lower: headings and names with their positions.
     """
     names = [name for name, *_ in lower]
     groups: list[list[int]] = []
@@ -505,7 +535,10 @@ def _labels_of_repeated(upper: Split, lower: Split) -> list[str] | None:
 
 
 def _labels_from_left(upper: Split, lower: Split) -> list[str] | None:
-    """Return the last heading that begins at or left of each name; None unless every heading begins at a name."""
+    """Return for each name the last heading that begins above it or left of it.
+
+    None is returned unless every heading begins above the beginning of a name.
+    """
     if any(all(abs(begin - start) > 1 for _, start, _ in lower) for _, begin, _ in upper):
         return None
     near = 0 if all(end - start == 1 for _, start, end in lower) else 1
@@ -513,7 +546,7 @@ def _labels_from_left(upper: Split, lower: Split) -> list[str] | None:
 
 
 def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
-    """Return whether every second value is the order of its two neighbours, for meshes twice as fine."""
+    """Return whether every second value is the observed order of its two neighbours, if mesh sizes are halved."""
     checked = []
     for numbers in ([to_number(cell) or math.nan for cell in values] for _, values in labelled):
         for coarse, order, fine in zip(numbers[::2], numbers[1::2], numbers[2::2], strict=False):
@@ -523,7 +556,14 @@ def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
 
 
 def _place(cells: Split, model: Split) -> list[str] | None:
-    """Return cells at the positions of the overlapping cells of a complete row; None if two cells share a position."""
+    """Return the cells of an incomplete row, each in the column of a complete row below or above it.
+
+    None is returned if two cells belong to the same column.
+
+    Parameters:
+        cells: the cells of the incomplete row.
+        model: the cells of the complete row.
+    """
     placed = [""] * len(model)
     for cell, start, end in cells:
         overlap = [min(end, right) - max(start, left) for _, left, right in model]
@@ -551,9 +591,9 @@ _UNNAMED_LIST = re.compile(r"\s*(?:[\w.]{1,40}\()?\[[^\[\]{}:=]*\]\)?[,;]?\s*")
 
 
 def _lists(lines: list[Line]) -> list[RawTable]:
-    """Return tables of lists ``name = [1, 2, 3]``, one for each column.
+    """Return the tables of lists ``name = [1, 2, 3]``, each of which is a column.
 
-    A list may continue on further lines; a repeated list of sizes begins another table.
+    A list may continue on further lines. A second list of sizes begins another table.
     """
     text = "\n".join(line.text for line in lines)
     if not re.search(_OPENING, text):
@@ -591,7 +631,7 @@ _PAIR = re.compile(
 
 
 def _labelled_pairs(lines: list[Line]) -> list[RawTable]:
-    """Return the table of ``label 51: 0.1, 101: 0.02, 201: 0.005`` lines, one for each quantity."""
+    """Return the table of lines such as ``label 51: 0.1, 101: 0.02``, with one line for each quantity."""
     columns: dict[str, list[str]] = {}
     sizes: list[str] = []
     number = 0
@@ -615,7 +655,7 @@ _VALUE = re.compile(r"[=:]\s*(?P<value>[^\s,;=:]+)(?=[\s,;]|$)")
 
 
 def _key_values(lines: list[Line]) -> list[RawTable]:
-    """Return the table of ``name = value`` lines; a record ends when a name is repeated."""
+    """Return the table of lines ``name = value``; the next row begins when a name is repeated."""
     records: list[dict[str, str]] = []
     numbers: list[int] = []
     for line in lines:
@@ -640,7 +680,10 @@ def _key_values(lines: list[Line]) -> list[RawTable]:
 
 
 def _plain(table: RawTable) -> RawTable:
-    """Return the table without units in cells and without empty columns, which a trailing separator makes."""
+    """Return the table without units and decimal commas in its cells, and without empty columns.
+
+    A separator at the end of each line makes an empty column.
+    """
     filled = [k for k, name in enumerate(table.names) if name or any(not _is_missing(row[k]) for row in table.rows)]
     columns = [[row[k] for row in table.rows] for k in filled]
     cells = [cell for column in columns for cell in column]

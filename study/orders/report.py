@@ -1,4 +1,4 @@
-"""Results as text, JSON, Markdown, JUnit XML and a plot."""
+"""Writes the results of ``study rates`` as text, JSON, Markdown, JUnit XML and as a plot."""
 
 from __future__ import annotations
 
@@ -18,12 +18,14 @@ from .sequences import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderError, OrderResul
 
 MOST_ROWS, MOST_COLUMNS = 24, 20
 Judged = list[tuple[Series, list[OrderResult]]]
-"""Tables with the results of their columns."""
+"""Pairs (table, results of its columns of errors)."""
 
 
 def exit_code(judged: Judged) -> int:
-    """Return 1 if an order fails or is higher than expected, else 3 if one is undecided, else 0 (also if none is
-    expected)."""
+    """Return the exit code: 1 if an order fails or is higher than expected, else 3 if one is undecided, else 0.
+
+    Columns without an expected order are not judged.
+    """
     results = [result for _, results in judged for result in results if result.expectation.window]
     verdicts = {result.verdict for result in results} - {SKIPPED}
     if verdicts & {FAILS, HIGHER}:
@@ -32,7 +34,7 @@ def exit_code(judged: Judged) -> int:
 
 
 def as_text(judged: Judged) -> str:
-    """Return one line with the conclusion for each column, then how the table was read and all orders."""
+    """Return the printed text: a conclusion for each column, then for each table how it was read and all orders."""
     lines: list[str] = []
     every = [result for _, results in judged for result in results]
     for result in every[:MOST_COLUMNS]:
@@ -49,7 +51,7 @@ def as_text(judged: Judged) -> str:
 
 
 def _rows(result: OrderResult) -> list[str]:
-    """Return lines with sizes, errors and orders of a column; the middle of a long column is left out."""
+    """Return the lines with the sizes, errors and orders of a column, without the middle of a long column."""
     orders = ("", *(f"{order:.3f}" for order in result.orders))
     rows = [f"  {h:12.5g} {e:12.5g} {p:>8}" for h, e, p in zip(result.h, result.errors, orders, strict=True)]
     if len(rows) > MOST_ROWS:
@@ -58,7 +60,10 @@ def _rows(result: OrderResult) -> list[str]:
 
 
 def as_json(judged: Judged) -> list[dict[str, Any]]:
-    """Return one object for each column; undefined numbers are null. Schema: docs/reference/rates.schema.json."""
+    """Return one dictionary for each column, in the format of docs/reference/rates.schema.json.
+
+    Numbers that are not finite become None.
+    """
     found = []
     for series, results in judged:
         table = {key: getattr(series, key) for key in ("caption", "form", "label", "size", "ignored")}
@@ -77,7 +82,7 @@ def _finite(value: Any) -> Any:
 
 
 def as_markdown(judged: Judged) -> str:
-    """Return a Markdown table for the summary of a CI job."""
+    """Return a Markdown table with the verdict of each column, for example for the summary of a CI job."""
     rows = ["| column | verdict | what the errors do |", "|---|---|---|"]
     for result in (result for _, results in judged for result in results):
         words = result.conclusion.removeprefix(f"{result.verdict}: ")
@@ -87,7 +92,10 @@ def as_markdown(judged: Judged) -> str:
 
 
 def as_junit(judged: Judged) -> str:
-    """Return JUnit XML with one test case for each column; undecided and higher than expected count as failures."""
+    """Return JUnit XML with one test case for each column.
+
+    Verdicts other than *holds* and *skipped* are failures, undecided orders and higher ones among them.
+    """
     every = [result for _, results in judged for result in results]
     failed = [result for result in every if result.verdict in (FAILS, HIGHER, UNDECIDED)]
     suite = ElementTree.Element("testsuite", name="study rates", tests=str(len(every)), failures=str(len(failed)))
@@ -101,7 +109,11 @@ def as_junit(judged: Judged) -> str:
 
 
 def plot(judged: Judged, file: Path) -> None:
-    """Draw errors over h with the fitted line of the judged levels and the expected order, as PNG, SVG or PDF.
+    """Draw the errors over h with two lines: the fitted order of the judged levels, and the expected order.
+
+    Parameters:
+        judged: the tables and results.
+        file: the file, whose name ends with .png, .svg or .pdf.
 
     Raises:
         OrderError: the name of the file has another ending, or Matplotlib is not installed.
@@ -119,7 +131,7 @@ def plot(judged: Judged, file: Path) -> None:
     for k, result in enumerate(drawn[:MOST_COLUMNS]):
         h, errors, colour = np.array(result.h), np.array(result.errors), f"C{k % 10}"
         positive = (errors > 0) & np.isfinite(errors)
-        # Dollar signs in names would start formulas that Matplotlib may not know.
+        # Matplotlib would read dollar signs in names as the start of a formula.
         label = f"{result.name}: order {result.order:.2f}".replace("$", r"\$")
         axes.plot(h[positive], errors[positive], "os^Dv"[k % 5], color=colour, markersize=5, label=label)
         if not math.isfinite(result.order):

@@ -1,4 +1,4 @@
-"""Observed orders of a sequence of errors: consecutive, fitted and extrapolated; a diagnosis and a verdict."""
+"""Observed orders of one sequence of errors: consecutive, fitted and extrapolated, with a diagnosis and a verdict."""
 
 from __future__ import annotations
 
@@ -14,15 +14,17 @@ from scipy.special import stdtrit
 Array = NDArray[np.float64]
 HOLDS, FAILS, UNDECIDED, HIGHER, SKIPPED = "holds", "fails", "undecided", "higher", "skipped"
 TOLERANCE = 0.15
-"""Half the width of the tolerance window around an expected order, by default."""
+"""Default half width of the tolerance window around an expected order."""
 STALLED = 0.2
-"""If the order on the finest meshes is at most this, the errors stagnate; if it is below the negative, they grow."""
+"""If the order on the finest meshes is at most this number, the errors stagnate; if it is below its negative, they
+grow."""
 CLEAR = 10.0
-"""Only errors above this multiple of the floor are judged: a floor of a tenth changes an order by at most 0.15."""
+"""If errors stagnate at a floor, only errors above this multiple of the floor are judged: a floor of a tenth of an
+error changes an order by at most 0.15."""
 ROUND_OFF = 1e-10
-"""A floor below this value, relative to the coarsest error or to 1, is round-off."""
+"""A floor below this number, relative to the coarsest error or to 1, is due to round-off."""
 SAME_SIZE = 1e-6
-"""Relative difference below which mesh sizes count as equal; an order between them would be noise."""
+"""Mesh sizes with a smaller relative difference count as equal; an order between them would be meaningless."""
 
 
 class OrderError(ValueError):
@@ -34,9 +36,9 @@ class Expectation:
     """The expectation with which an observed order is compared.
 
     Attributes:
-        expected: the order that theory gives; the observed order must not be lower or higher.
-        at_least: a lower limit only.
-        tolerance: half the width of the tolerance window around ``expected``.
+        expected: the order that theory predicts; the observed order may be neither lower nor higher.
+        at_least: the smallest accepted order; higher orders are accepted.
+        tolerance: half width of the tolerance window around ``expected``.
 
     Raises:
         OrderError: both an expected and a least order are given, or a number is not positive.
@@ -57,7 +59,7 @@ class Expectation:
 
     @property
     def window(self) -> tuple[float, float] | None:
-        """The smallest and largest accepted order; None without an expectation."""
+        """The smallest and the largest accepted order; None if no order is expected."""
         if self.at_least is not None:
             return self.at_least - 1e-9, math.inf
         if self.expected is None:
@@ -71,7 +73,14 @@ class Expectation:
 
 
 class Diagnosis(NamedTuple):
-    """The diagnosis of a sequence: the judged levels ``first:last``, a name, a sentence, and the verdict."""
+    """The diagnosis of a sequence of errors.
+
+    Attributes:
+        first, last: the range of the judged levels, as for a slice.
+        kind: the diagnosis in a word or two.
+        sentence: the diagnosis as a sentence.
+        verdict: holds, fails, undecided, higher or skipped.
+    """
 
     first: int
     last: int
@@ -85,7 +94,8 @@ class OrderResult:
     """Observed orders, diagnosis and verdict of one sequence of errors, coarse to fine.
 
     Attributes:
-        h, errors: (levels,).
+        name: name of the errors.
+        h, errors: mesh sizes and errors, (levels,).
         orders: consecutive observed orders, (levels − 1,); NaN if an error is zero or not finite.
         order, low, high: least-squares order over the judged levels and its 95 % interval.
         extrapolated: order extrapolated from the three finest judged levels; NaN for fewer levels.
@@ -114,7 +124,7 @@ class OrderResult:
 
     @property
     def conclusion(self) -> str:
-        """The verdict, the diagnosis and the expectation, in one line."""
+        """The verdict, the diagnosis and the expected order, in one line."""
         wanted = f"; expected {self.expectation}" if str(self.expectation) else ""
         return f"{self.verdict}: {self.sentence}{wanted}" if self.verdict else self.sentence
 
@@ -136,7 +146,10 @@ def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
 
 
 def fitted_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float, float]:
-    """Return the least-squares order of log e over log h and its Student interval at 95 %; infinite for two levels."""
+    """Return the least-squares slope of log e over log h, and the ends of its 95 % confidence interval by Student.
+
+    For two levels the interval is infinite.
+    """
     x, y = np.log(np.asarray(h, dtype=float)), np.log(np.asarray(errors, dtype=float))
     free = len(x) - 2
     if free < 0:
@@ -208,7 +221,7 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
 
 
 def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Array]:
-    """Return mesh sizes and errors after checking them, the coarsest mesh first."""
+    """Return mesh sizes and errors, the coarsest mesh first; raise OrderError if they cannot be used."""
     if np.iscomplexobj(errors):
         raise OrderError(f"{name or 'error'}: the errors are complex numbers; give absolute values")
     sizes, e = (np.asarray(values, dtype=float).ravel() for values in (h, errors))
@@ -231,7 +244,7 @@ def _text(orders: Array) -> str:
 
 
 def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
-    """Return the diagnosis of a sequence; errors that are not a power of h are recognised first."""
+    """Return the diagnosis of a sequence; special cases come first: infinite or zero errors, few meshes, stagnation."""
     n = len(e)
     if not np.isfinite(e).all():
         where = h[np.flatnonzero(~np.isfinite(e))[0]]
@@ -255,7 +268,7 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
 
 
 def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
-    """Return the diagnosis of errors that grow, stagnate or reach round-off on the finest meshes; None for others."""
+    """Return the diagnosis if errors grow, stagnate or reach round-off on the finest meshes, otherwise None."""
     orders, n = consecutive_orders(h, e), len(e)
     moving = np.flatnonzero(orders > STALLED)
     stall = int(moving[-1]) + 1 if moving.size else 0
@@ -277,8 +290,11 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
 
 
 def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
-    """Return the diagnosis of errors a + C h^p, a > 0, if the last two triples of levels agree on a and p; else
-    None."""
+    """Return the diagnosis if errors behave like a + C h^p with a > 0, otherwise None.
+
+    The limit a and the order p are computed from the last three levels and from the three levels before the last one.
+    Both results must agree.
+    """
     n, orders = len(e), consecutive_orders(h, e)
     if n < 4 or not orders[-1] < orders[-2] < orders[-3]:
         return None
@@ -292,7 +308,15 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
 
 
 def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, expectation: Expectation) -> Diagnosis:
-    """Return the diagnosis from the levels with errors clearly above a floor, if they have three orders or more."""
+    """Return the diagnosis of errors that are judged only while they are clearly above a floor.
+
+    If fewer than three orders remain, the verdict is *fails*, or *undecided* if the floor is round-off.
+
+    Parameters:
+        stall: index of the first level at the floor.
+        floor: size of the errors there.
+        kind, words: the diagnosis of the floor.
+    """
     low = np.flatnonzero(e[:stall] < CLEAR * floor)
     stop = int(low[0]) if low.size else stall
     if stop < 4:
@@ -307,7 +331,10 @@ def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, 
 
 
 def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
-    """Return the first level of the asymptotic range, and the verdict; an order in the window counts as settled."""
+    """Return the index of the first level from which on all orders lie in the window, and the verdict.
+
+    Without an expected order, it is the level from which on the orders hardly change, and the verdict is undecided.
+    """
     orders, n = consecutive_orders(h, e), len(e)
     if expectation.window is None:
         fine_first = orders[::-1]
@@ -317,7 +344,7 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
     outside = np.flatnonzero((orders < low) | (orders > high))
     first = int(outside[-1]) + 1 if outside.size else 0
     extrapolated = extrapolated_order(h, e)
-    # Equal errors on two meshes are a mistake in the table or chance; extrapolation then means nothing.
+    # If errors on two meshes are equal, by mistake or by chance, extrapolation is meaningless.
     two_suffice = low <= extrapolated <= high and (np.diff(e) != 0).all()
     if n - 1 - first >= 3 or (n - 1 - first == 2 and two_suffice):
         return first, HOLDS
@@ -332,7 +359,7 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
 
 
 def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
-    """Return the diagnosis and verdict of errors that decrease up to the finest mesh."""
+    """Return the diagnosis of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
     orders, used = consecutive_orders(h, e), consecutive_orders(h[first:], e[first:])
     previous, last = orders[-2:]
@@ -371,13 +398,13 @@ SAFETY = 1.25
 
 @dataclass(frozen=True)
 class GridConvergence:
-    """The convergence of a quantity on the three finest meshes.
+    """The convergence of a quantity on the three finest meshes, without an exact value.
 
     Attributes:
         kind: monotone, oscillating, diverging or equal values.
         order: apparent order.
-        extrapolated: value for h → 0.
-        index: grid convergence index of the finest mesh, relative.
+        extrapolated: extrapolated value for h → 0.
+        index: grid convergence index of the finest mesh: the estimated relative error, times ``SAFETY``.
     """
 
     kind: str
@@ -387,7 +414,10 @@ class GridConvergence:
 
 
 def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
-    """Return the apparent order, extrapolated value and grid convergence index from the three finest meshes.
+    """Return the apparent order, the extrapolated value and the grid convergence index from the three finest meshes.
+
+    Parameters:
+        h, values: mesh sizes and values of the quantity, (levels,).
 
     Raises:
         OrderError: fewer than three meshes, or sizes that are not positive and distinct.

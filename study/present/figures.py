@@ -273,12 +273,13 @@ class AdaptedMesh:
     uniform: pd.DataFrame
 
 
-def adapted_mesh(name: str, found: AdaptedMesh) -> Drawing:
-    """Return the figure ``adaptive`` of a problem."""
+def adapted_mesh(name: str, found: AdaptedMesh, norm: str) -> Drawing:
+    """Return the figure ``adaptive`` of a problem; ``norm`` is the error that is bounded, as text."""
     against = ", for meshes refined everywhere as well" if len(found.uniform) else ""
+    contact = "with what of Γ3 is in contact at the last time in colour, " if found.closed.size else ""
     caption = (
-        f"{name}: the last mesh, with what of Γ3 is in contact at the last time in colour, and the bound of "
-        f"max ‖u − u_h‖_V from u_h alone over unknowns{against}. The slope −1/2 is the best there is for P1."
+        f"{name}: the last mesh, {contact}and the bound of {norm} from u_h alone over unknowns{against}. The slope "
+        "−1/2 is the best there is for P1."
     )
     return Drawing("adaptive", partial(_draw_adapted, found), caption)
 
@@ -294,11 +295,8 @@ def _draw_adapted(found: AdaptedMesh) -> Figure:
     mesh.set_axis_off()
     mesh.set_title(f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
 
-    handles = [
-        entry("Γ3 in contact", color=VERMILLION, lw=thick),
-        entry("Γ3 open", color=BLUE, lw=thick),
-        entry("adaptive", color=BLUE, marker="o"),
-    ]
+    contact = [entry("Γ3 in contact", color=VERMILLION, lw=thick), entry("Γ3 open", color=BLUE, lw=thick)]
+    handles = [*(contact if found.closed.size else []), entry("adaptive", color=BLUE, marker="o")]
     bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o")
     if len(found.uniform):
         bounds.loglog(found.uniform["dofs"], found.uniform["plain"], color=GREY, marker="s")
@@ -311,7 +309,7 @@ def _draw_adapted(found: AdaptedMesh) -> Figure:
     bounds.loglog(ends, y[::2], color=DARK, ls="--", lw=0.8)
     text: dict[str, Any] = {"textcoords": "offset points", "xytext": (-5, -5), "ha": "right", "va": "top"}
     bounds.annotate("slope −1/2", (x[1], y[1]), **text)
-    bounds.set(xlabel="unknowns", ylabel=r"bound of max $\Vert u-u_h\Vert_V$")
+    bounds.set(xlabel="unknowns", ylabel="bound of the error")
     legend(figure, handles, len(handles))
     return figure
 

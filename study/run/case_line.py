@@ -1,4 +1,4 @@
-"""The line of a case in ``cases.csv`` and in ``study cases``, without importing solvers, which is slow."""
+"""Describes a case for ``cases.csv`` and ``study cases``; imports no solvers, which would be slow."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from manufactured.proved import proved_order
 
 
 def describe(case: Case) -> dict[str, Any]:
-    """Return the columns of ``cases.csv`` for a case."""
+    """Return the row of ``cases.csv`` for a case: name of the column ↦ value."""
     motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
     return {
         "case": case.name,

@@ -1,8 +1,9 @@
-"""``study check``: compare the data of a run with other data from which they follow, or with a new measurement.
+"""Checks the data of a run: the functions of ``study check``.
 
-Without a new measurement, the recorded plan is compared with the plan that its scope gives now, the rows with the plan,
-``cases.csv`` with the catalogue, and columns with each other (``relations``); no derived column is trusted. With
-``--again N`` a random sample of the rows is measured again.
+Most data follow from other data, and are compared with them: the recorded plan with the plan that its scope gives now,
+the rows of all tables with the plan, ``cases.csv`` with the catalogue of cases, and columns with each other
+(``study.run.relations``). Nothing is measured for this. With ``--again N``, a random sample of the rows is also
+measured again.
 """
 
 from __future__ import annotations
@@ -30,12 +31,20 @@ from study.run.store import Store
 from study.statements.enclosure import BOUNDS, ENCLOSURES
 
 SHOWN = 3
-"""Number of breaches that a message lists for each relation."""
+"""Number of wrong cells that a message lists for each relation."""
 
 
 @dataclass(frozen=True)
 class Verified:
-    """Numbers of compared items, and the cases whose files no longer exist."""
+    """The numbers of everything that was compared.
+
+    Attributes:
+        rows, files: numbers of rows and of files with measurements.
+        planned: number of planned measurements.
+        relations: number of relations between columns.
+        cases: number of cases whose predictions were compared.
+        gone: the cases that were not compared, because their files no longer exist.
+    """
 
     rows: int
     files: int
@@ -53,7 +62,10 @@ class Verified:
 
 
 def verify(directory: Path) -> Verified:
-    """Compare the data of a run with its plan, its predictions and each other.
+    """Compare the data of a run with its plan, with its predictions, and with each other.
+
+    Returns:
+        The numbers of everything that was compared.
 
     Raises:
         UsageError: the directory has no data.
@@ -67,11 +79,12 @@ def verify(directory: Path) -> Verified:
     tables = read_tables(directory)
     for file, table in tables.items():
         _refuse_unplanned(directory, file, table, planned, again)
-    # Predictions come from the catalogue or the file of a case, or from the record of the run if that file is gone.
+    # Predictions come from the catalogue or from the file of a case. If this file no longer exists, the record of the
+    # run is used.
     path = directory / "data" / "cases.csv"
     read_csv(directory, path.name, PREDICTED)
     if found := difference(path, table_text(pd.DataFrame(expectation.lines))):
-        raise DataError(f"{found}: the second is the prediction of the catalogue or of the case's file; {again}")
+        raise DataError(f"{found} from the catalogue or from the file of the case: {again}")
     broken = [[*map(str, relation(tables, expectation))] for relation in RELATIONS]
     of_codes = [(codes, folder) for folder in FOLDERS if (codes := Codes.read(directory, folder))]
     broken += [[*map(str, relation(*data))] for data in of_codes for relation in CODE_RELATIONS]
@@ -83,7 +96,11 @@ def verify(directory: Path) -> Verified:
 
 
 def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, again: str) -> set[tuple[str, ...]]:
-    """Return the recorded plan; DataError if it is empty, has repeated entries, or differs from its scope's plan."""
+    """Return the keys of the recorded plan.
+
+    Raises:
+        DataError: the plan is empty, repeats a key, or differs from the plan that its scope gives.
+    """
     recorded = [tuple(key) for key in record["planned"]]
     where = f"{directory}/data/provenance.json"
     if not recorded:
@@ -102,7 +119,8 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
 def _refuse_unplanned(
     directory: Path, file: CsvFile, table: pd.DataFrame, planned: set[tuple[str, ...]], again: str
 ) -> None:
-    """Refuse rows that are not planned; values over time belong to bounds. Missing rows are reported by the ledger."""
+    """Raise DataError if a row of a table is not planned. The first check of the ledger reports missing rows."""
+    # The plan lists the bounds; values over time belong to them.
     name = BOUNDS.name if file == ENCLOSURES else file.name
     keys = zip(*(table[column].astype(str) for column in file.key), strict=True)
     for row, key in enumerate(keys):
@@ -116,14 +134,15 @@ def _refuse_unplanned(
 # Measuring again.
 
 LEAST_COST = 0.3e6
-"""Least cost in µs with which a measurement is weighted; otherwise the cheapest few would be drawn too often."""
+"""Smallest cost in µs with which a measurement is weighted; otherwise the few cheapest ones would be drawn too
+often."""
 
 
 def planned_jobs(directory: Path) -> tuple[Job, ...]:
-    """Return every measurement that gives rows to the tables in a directory.
+    """Return all jobs whose rows are in the tables of a result directory.
 
-    Pictures are left out, because other processors number the cells of unstructured meshes of symmetric bodies
-    differently.
+    Jobs of pictures are left out: on other processors, the cells of unstructured meshes of symmetric bodies may be
+    numbered differently.
 
     Raises:
         UsageError: there are no data, or the file of a user's case no longer exists.
@@ -136,15 +155,15 @@ def planned_jobs(directory: Path) -> tuple[Job, ...]:
 
 
 def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
-    """Return a random sample of measurements without repetition; the same seed gives the same sample.
+    """Return a random sample of jobs without repetition.
 
-    A measurement is drawn with probability proportional to 1 / cost. The expected time of one draw is then the harmonic
-    mean of all costs, about 0.4 s for the full study, however long the most expensive measurement takes.
+    A job is drawn with a probability proportional to 1 / cost. So the expected time of one draw is the harmonic mean of
+    all costs, about 0.4 s for the full study, even if some jobs take very long.
 
-    Args:
-        jobs: all measurements of the plan.
-        count: size of the sample; all measurements if there are fewer.
-        seed: seed of the random generator, 0 or more.
+    Parameters:
+        jobs: all jobs of the plan.
+        count: size of the sample; if there are fewer jobs, all are returned.
+        seed: seed of the random generator, 0 or more; the same seed gives the same sample.
     """
     weights = 1 / np.maximum([job.cost for job in jobs], LEAST_COST)
     size = min(count, len(jobs))
@@ -153,17 +172,24 @@ def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
 
 
 def expected_seconds(jobs: Sequence[Job]) -> float:
-    """Return the expected computing time of measurements in seconds."""
+    """Return the expected computing time of jobs in seconds."""
     return float(np.maximum([job.cost for job in jobs], LEAST_COST).sum()) / 1e6
 
 
 def compare_again(
     directory: Path, jobs: Sequence[Job], pool: Pool, tolerance: Tolerance, notify: Callable[[float], None]
 ) -> Comparison:
-    """Measure again and compare the measured columns with the rows on disk; derived columns are not compared.
+    """Run jobs again and compare the measured columns with the rows on disk; derived columns are not compared.
+
+    Parameters:
+        directory: the result directory.
+        jobs: the jobs that are run again.
+        pool: runs the jobs.
+        tolerance: the permitted differences.
+        notify: called with the cost of each finished job.
 
     Returns:
-        The differences; ``old`` are the rows in ``directory``, ``new`` the rows measured now.
+        The differences; ``old`` means the rows in ``directory``, ``new`` the rows that were measured now.
 
     Raises:
         UsageError: a measurement needs more memory than is available.

@@ -1,8 +1,9 @@
-"""Run the jobs whose results are not stored, on local processes or on any other executor, within the available memory.
+"""Runs jobs on local processes, or on the workers of a Dask cluster, within the available memory.
 
-Every job states how many bytes it takes at most (``study.statements.shared.estimates``). It starts only if its bytes
-and those of all running jobs are available. If a job needs more memory than is available, the run ends before it
-starts. If a worker is killed nevertheless, no other job loses its result.
+Jobs whose results are stored are not run again. For each job, its largest memory is estimated
+(``study.statements.shared.estimates``). A job starts only if there is enough memory for it and for all running jobs. If
+a job needs more memory than is available, the run is refused before it starts. If a worker process is killed
+nevertheless, for example by the system because memory runs out, the results of all other jobs are kept.
 """
 
 from __future__ import annotations
@@ -33,17 +34,17 @@ from study.statements.enclosure import resolve_problem
 P = ParamSpec("P")
 T = TypeVar("T")
 Notify = Callable[[float], None]
-"""Function that is called with the cost of each finished job."""
+"""Function that is called with the cost of each finished job, to show progress."""
 GIB = 2.0**30
 CROWDED = 1.0 * GIB
-"""Memory of a worker above which it runs the garbage collector after a job, because cycles may hold large arrays."""
+"""If a worker takes more memory than this after a job, it runs the garbage collector: cycles may hold large arrays."""
 
 
 class Processes(Executor):
     """Worker processes on this machine.
 
-    A standard ``ProcessPoolExecutor`` refuses all work once a worker has been killed; this class starts new workers for
-    the next job. When this process ends for any reason, its workers end, too.
+    After a worker was killed, a standard ``ProcessPoolExecutor`` refuses all further work. This class starts new
+    workers instead. When the main process ends for any reason, the workers end, too.
     """
 
     def __init__(self, workers: int) -> None:
@@ -52,7 +53,7 @@ class Processes(Executor):
 
     def _start(self) -> ProcessPoolExecutor:
         pool = ProcessPoolExecutor(self.workers, initializer=_end_with_parent)
-        # The first submission forks all workers and must come before this process has threads that hold locks.
+        # The first call forks all workers. This must happen before this process has threads that hold locks.
         pool.submit(os.getpid)
         return pool
 
@@ -75,7 +76,7 @@ class Processes(Executor):
 
 
 def _end_with_parent() -> None:
-    """End this worker as soon as its parent process has ended."""
+    """Make this worker process end as soon as its parent process has ended."""
     parent = multiprocessing.parent_process()
     assert parent is not None
 
@@ -92,9 +93,9 @@ class Pool:
 
     Attributes:
         executor: runs the jobs.
-        workers: largest number of jobs that run at a time, each with one thread.
-        each: bytes that one job may take.
-        together: bytes that all running jobs may take.
+        workers: largest number of jobs that run at the same time, each with one thread.
+        each: memory that one job may take, in bytes.
+        together: memory that all running jobs may take together, in bytes.
     """
 
     executor: Executor
@@ -104,13 +105,13 @@ class Pool:
 
     @classmethod
     def of(cls, processes: Processes) -> Pool:
-        """Return the pool of local processes, which share the memory of this machine."""
+        """Return the pool of local processes, which may take all memory of this machine together."""
         memory = available()
         return cls(processes, processes.workers, memory, memory)
 
 
 def unfinished(jobs: Sequence[Job], store: Store) -> list[Job]:
-    """Return the jobs whose results are not stored, most expensive first."""
+    """Return the jobs whose results are not stored, the most expensive first."""
     missing = [job for job in jobs if store.load(job.key, job.fingerprint()) is None]
     return sorted(missing, key=lambda job: -job.cost)
 
@@ -123,15 +124,22 @@ def refuse_too_large(jobs: Sequence[Job], pool: Pool) -> None:
 
 
 def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> None:
-    """Run the jobs whose results are not stored, most expensive first, and store each result as its job ends.
+    """Run the jobs whose results are not stored, the most expensive first, and store each result when its job ends.
 
-    When a worker is killed, it is unknown which of the running jobs took too much memory. These jobs wait until all
-    others have ended. Then they run one by one, so that a second killed worker identifies the job.
+    If a worker is killed, it is unknown which of the running jobs took too much memory. These jobs wait until all other
+    jobs have ended, and then run one by one. If a worker is killed again, its job is the cause.
+
+    Parameters:
+        jobs: the jobs.
+        store: contains stored results and receives new ones.
+        pool: the executor and its limits.
+        notify: called with the cost of each finished job, and first with the cost of all jobs with stored results.
 
     Raises:
         UsageError: a job needs more memory than is available; no job has started.
-        JobsError: raised after all other jobs have ended; names each failed job and its error.
-        BrokenExecutor: a worker of a standard pool was killed.
+        JobsError: some jobs failed; it is raised after all other jobs have ended, and names each failed job and its
+            error.
+        BrokenExecutor: a worker of an executor other than ``Processes`` was killed.
     """
     waiting = unfinished(jobs, store)
     refuse_too_large(waiting, pool)
@@ -162,7 +170,14 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
 
 
 def startable(waiting: Sequence[Job], running: Iterable[Job], suspects: set[str], pool: Pool) -> Iterator[Job]:
-    """Yield the jobs that may start now, within the limits of workers and memory; suspects start only alone."""
+    """Yield the jobs that may start now within the limits of a pool.
+
+    Parameters:
+        waiting: jobs that have not started, the most expensive first.
+        running: jobs that are running.
+        suspects: keys of jobs that were running when a worker was killed; each of them starts only alone.
+        pool: the limits of workers and memory.
+    """
     started = [*running]
     for job in [*waiting]:
         if started:
@@ -177,7 +192,7 @@ def startable(waiting: Sequence[Job], running: Iterable[Job], suspects: set[str]
 
 
 def run_job(job: Job) -> Mapping[str, Any]:
-    """Run a job in a worker, with one thread because the worker processes already share the cores."""
+    """Run a job and return its result; one thread is used, because the worker processes already use all cores."""
     try:
         with threadpool_limits(1):
             return job.run()
@@ -187,7 +202,7 @@ def run_job(job: Job) -> Mapping[str, Any]:
 
 
 def _finish(job: Job, future: Future[Mapping[str, Any]], store: Store, notify: Notify) -> list[str]:
-    """Store the result of a job that has ended, or return a list with the reason why it has none."""
+    """Store the result of a job that has ended; return a list with the reason if it failed, otherwise an empty list."""
     if future.cancelled():
         return [f"{job.key}: its cluster no longer answers; run the same command again"]
     error = future.exception()
@@ -203,10 +218,12 @@ def _finish(job: Job, future: Future[Mapping[str, Any]], store: Store, notify: N
 
 
 def require(what: str, need: float, room: float) -> None:
-    """Refuse a task that needs more memory than is available, before time is spent.
+    """Raise UsageError if a computation needs more memory than is available.
 
-    Raises:
-        UsageError: states the needed and the available memory.
+    Parameters:
+        what: the computation in words, for the message.
+        need: needed memory in bytes.
+        room: available memory in bytes.
     """
     if need > room:
         raise UsageError(
@@ -216,16 +233,16 @@ def require(what: str, need: float, room: float) -> None:
 
 
 def available(root: Path = Path("/")) -> float:
-    """Return the number of bytes that can be used without swapping, on the machine and in all control groups.
+    """Return the number of bytes that this process can use without swapping.
 
-    On Linux the control groups of this process and their limits are read from /proc and /sys below ``root``; page cache
-    that can be dropped counts as free. Other systems have no control groups.
+    On Linux, control groups may limit the memory of a process, for example in a container. Their limits are read from
+    /proc and /sys below ``root``; page cache that can be dropped counts as free. Other systems have no control groups.
     """
     return min([float(psutil.virtual_memory().available), *_free_in_control_groups(root)])
 
 
 def _free_in_control_groups(root: Path) -> Iterator[float]:
-    """Yield the free bytes of each control group with a limit, from the group of this process up to the topmost."""
+    """Yield the free bytes of each control group with a limit, from the group of this process up to the root."""
     mounted = root / "sys/fs/cgroup"
     for line in _read(root / "proc/self/cgroup").splitlines():
         _, controllers, path = line.split(":", 2)
@@ -258,15 +275,15 @@ START = "dask worker {address} --nworkers 2 --nthreads 1"
 
 @contextmanager
 def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
-    """Yield the workers of the cluster at an address, after checking that each of them would compute the same results.
+    """Yield a pool of the workers of a Dask cluster, after checking that each worker computes the same results.
 
     Functions and results are exchanged as pickles. Anybody who can reach the port of the scheduler or of a worker can
     run any code there, and a hostile scheduler can run any code in this process. The only protection is Dask's TLS
     certificates, or a network in which every machine is trusted.
 
-    Args:
-        address: address of the scheduler, tcp://HOST:PORT.
-        references: the cases of the run; FILE.py:NAME must be the same file at the same path on every machine.
+    Parameters:
+        address: address of the Dask scheduler, tcp://HOST:PORT.
+        references: the cases of the run; the file of a case FILE.py:NAME must exist at the same path on every machine.
 
     Raises:
         UsageError: Dask is not installed, nothing answers at the address, there are no workers, or a worker has several
@@ -280,7 +297,8 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
             f"--cluster needs Dask ({error}): python -m pip install '.[study,cluster]' in a clone of the repository"
         ) from error
     try:
-        # Opening a socket fails at once if nothing listens; a client of Dask would wait for a long time.
+        # If nothing listens at the address, opening a socket fails at once; a client of Dask would wait for a long
+        # time.
         socket.create_connection(get_address_host_port(address), PATIENCE).close()
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -322,7 +340,11 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:
-    """Return what results depend on: versions, the code, and the problems of the cases as this process reads them."""
+    """Return everything on which results depend, in this process: versions, hashes of the code and of the cases.
+
+    Parameters:
+        references: names of cases, or FILE.py:NAME.
+    """
     for cached in (resolve, resolve_problem, problem):
         cached.cache_clear()
     problems = {reference: _problem(reference) for reference in references}

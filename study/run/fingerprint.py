@@ -1,8 +1,8 @@
-"""Cache key of a result: a hash of the code that computes it, of library versions, of the problem and the setting.
+"""Cache keys of results: hashes of the code that computes, of library versions, of the problem and of the setting.
 
-The code consists of all modules in ``COMPUTING``, without docstrings, comments and tolerance windows. So a change of
-code makes every result be computed anew, and a change of words or of a window does not. The BLAS kernels for a
-processor are not part of the key, so last digits may differ between processors.
+The code consists of all modules in ``COMPUTING``, without docstrings, comments and tolerance windows. If the code
+changes, every result is computed again. If only texts or windows change, stored results are used. The processor is not
+part of the key, although last digits may differ between processors.
 """
 
 from __future__ import annotations
@@ -31,31 +31,42 @@ COMPUTING = (
     *(f"study/{package}/**/*.py" for package in ("fem", "solve", "stresses", "bound", "statements")),
     "study/ledger/pictures.py",
 )
-"""The modules on which results depend; the last one rounds the numbers of pictures."""
+"""The modules on which results depend. The last one rounds the numbers of pictures."""
 WINDOWS = ("Window", "positive_at_most", "around", "at_least", "at_most", "between")
-"""Names of the functions that make tolerance windows in statements."""
+"""Names of the class and the functions that make tolerance windows."""
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
 
 
 def fingerprint(statement: Statement, setting: Setting) -> str:
-    """Return the cache key of what a statement measures in a setting."""
+    """Return the cache key of the measurement of a statement in a setting."""
     mesh = sorted((name, repr(value)) for name, value in vars(setting).items() if name != "case")
     return _hash([statement.label, type(statement).__name__, problem(setting.case), mesh, statement.steps(setting)])
 
 
 def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
-    """Return the cache key of a result for a problem or a case, in a setting of frozen values."""
+    """Return the cache key of a result for a problem, or for a case with an exact solution.
+
+    Parameters:
+        data: the problem.
+        case: the case; None if the exact solution is unknown.
+        setting: everything else on which the result depends: numbers, texts, arrays and dataclasses of these.
+    """
     return _hash([_value_of(data, case), by_value(list(setting))])
 
 
 def of_everything() -> str:
-    """Return the cache key of a result that depends on all code of the project, including the judging."""
+    """Return the cache key of a result that depends on all code of the project and on the tolerance windows."""
     return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py"), windows=True))
 
 
 @cache
 def problem(reference: str) -> str:
-    """Return the name of a problem of the project; for FILE.py:NAME, a hash of the file and of the problem's value."""
+    """Return a text that identifies a problem, for cache keys.
+
+    Parameters:
+        reference: the name of a problem of the project, which is returned unchanged, or FILE.py:NAME, for which a hash
+            of the file and of the values in the problem is returned.
+    """
     file, colon, _ = reference.rpartition(":")
     if not colon:
         return reference
@@ -66,7 +77,12 @@ def problem(reference: str) -> str:
 
 @cache
 def code_hash(patterns: tuple[str, ...] = COMPUTING, windows: bool = False) -> str:
-    """Return the hash of modules of the project, without docstrings, comments and, by default, tolerance windows."""
+    """Return a hash of modules of the project, without docstrings and comments.
+
+    Parameters:
+        patterns: patterns of file names, relative to ``ROOT``.
+        windows: whether the hash depends on tolerance windows.
+    """
     files = sorted(path for pattern in patterns for path in ROOT.glob(pattern))
     code = [
         (str(path.relative_to(ROOT)), without_docstrings(path.read_text(encoding="utf-8"), windows)) for path in files
@@ -75,43 +91,43 @@ def code_hash(patterns: tuple[str, ...] = COMPUTING, windows: bool = False) -> s
 
 
 def without_docstrings(text: str, windows: bool = True) -> str:
-    """Return the syntax tree of a module as text, without strings that stand alone, such as docstrings.
+    """Return the syntax tree of a module as text, without docstrings and other strings that are statements.
 
-    Without ``windows``, calls that make tolerance windows are left out as well.
+    Parameters:
+        text: the source text.
+        windows: whether the calls that make tolerance windows are included.
     """
     tree: ast.AST = ast.parse(text) if windows else _WithoutWindows().visit(ast.parse(text))
     for node in ast.walk(tree):
         for block in ("body", "orelse", "finalbody"):
             if isinstance(lines := getattr(node, block, None), list):
-                setattr(node, block, [line for line in lines if not _is_string(line)])
+                values = [line.value if isinstance(line, ast.Expr) else None for line in lines]
+                strings = [isinstance(value, ast.Constant) and isinstance(value.value, str) for value in values]
+                setattr(node, block, [line for line, string in zip(lines, strings, strict=True) if not string])
     return ast.dump(tree)
 
 
 class _WithoutWindows(ast.NodeTransformer):
-    """Replaces the calls that make tolerance windows, because windows do not change measured numbers."""
+    """Replaces the calls that make tolerance windows by a constant, because windows do not change measured numbers."""
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         is_window = isinstance(node.func, ast.Name) and node.func.id in WINDOWS
         return ast.Constant("window") if is_window else self.generic_visit(node)
 
 
-def _is_string(line: ast.AST) -> bool:
-    return isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant) and isinstance(line.value.value, str)
-
-
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of the libraries that compute, and the architecture."""
+    """Return the versions of Python and of ``LIBRARIES``, and the architecture of the machine."""
     return {"python": platform.python_version(), "machine": platform.machine(), **packages()}
 
 
 def packages() -> dict[str, str]:
-    """Return the versions of the libraries that compute."""
+    """Return the versions of ``LIBRARIES``."""
     return {package: version(package) for package in LIBRARIES}
 
 
 def by_value(item: object) -> object:
-    """Return a value as nested lists of text and numbers: dataclasses by their fields, formulas as text."""
+    """Return a value as nested lists of texts and numbers: a dataclass by its fields, a formula as text."""
     if is_dataclass(item) and not isinstance(item, type):
         return [type(item).__name__, *(by_value(getattr(item, field.name)) for field in fields(item) if field.init)]
     if isinstance(item, tuple | list):

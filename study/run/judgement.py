@@ -1,6 +1,6 @@
-"""The data files of a finished run: written from the results of its jobs, read with a check of every cell, and judged.
+"""Writes the data files of a run from the results of its jobs, reads them, and judges them.
 
-The verdicts of the ledger, ``claims.csv``, follow from the other data files alone.
+Judging needs the data files only: nothing is solved, and the checks in ``claims.csv`` follow from the other files.
 """
 
 from __future__ import annotations
@@ -39,25 +39,31 @@ from study.statements.shared.base import LISTED, REPORTED, Statement
 from study.statements.unmeasured import Listed
 
 WITHIN = {LISTED.name: ["quantity"], ENCLOSURES.name: ["time"]}
-"""Columns that distinguish the rows of one measurement."""
+"""File ↦ columns that distinguish the rows of one measurement."""
 MAY_BE_EMPTY = {
     BOUNDS.name: ["expected_order", "error", "above", "below", "upper", "lower"],
     ENCLOSURES.name: ["error"],
 }
-"""Columns of numbers that are empty if the exact solution is unknown."""
+"""File ↦ columns of numbers that are empty if the exact solution is unknown."""
 EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
-"""Names of the files that have measurements of every case of a run."""
+"""Names of the files with measurements of all cases of a run."""
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
 """Columns of ``cases.csv`` that are fixed before the measurement."""
 
 
 def data_files() -> list[DataFile]:
-    """Return all files to which measurements are written."""
+    """Return all files into which measurements are written."""
     return list(dict.fromkeys([*(statement.file for statement in STATEMENTS), ENCLOSURES]))
 
 
 def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
-    """Write the data files of a plan from the stored results of its jobs, and the provenance of these and of others."""
+    """Write the data files of a plan from the stored results of its jobs, ``cases.csv`` and ``provenance.json``.
+
+    Parameters:
+        plan: the plan; the results of all its jobs must be stored.
+        store: the result directory.
+        others: further data files, whose checksums are recorded in ``provenance.json`` as well.
+    """
     rows: dict[DataFile, list[Row]] = {file: [] for file in data_files()}
     written = list(others)
     for job in plan.jobs:
@@ -73,10 +79,11 @@ def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
 
 
 def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
-    """Return all tables of measurements of a run.
+    """Return all tables of measurements in a result directory.
 
     Raises:
-        DataError: a table is missing or damaged, a number is missing, or a row is repeated; names file and line.
+        DataError: a table is missing or damaged, a number is missing, or a row is repeated; the message names file and
+            line.
     """
     tables, remedy = {}, f"make it again with `{made_by(directory)}`"
     for file in (file for file in data_files() if isinstance(file, CsvFile)):
@@ -92,24 +99,24 @@ def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
 
 
 def judge(directory: Path) -> list[Verdict]:
-    """Judge the data of a run and write ``claims.csv``; raises the errors of ``verdicts``."""
+    """Judge the data in a result directory, write ``claims.csv`` and return its checks; raises as ``verdicts``."""
     found = verdicts(directory)
     write_csv(claims_file(directory), claims(found))
     return found
 
 
 def claims_file(directory: Path) -> Path:
-    """Return the path of ``claims.csv`` of a run."""
+    """Return the path of ``claims.csv`` in a result directory."""
     return directory / "data" / "claims.csv"
 
 
 def claims(found: Sequence[Verdict]) -> pd.DataFrame:
-    """Return the table of verdicts."""
+    """Return checks as the table ``claims.csv``."""
     return pd.DataFrame([asdict(verdict) for verdict in found])
 
 
 def verdicts(directory: Path) -> list[Verdict]:
-    """Judge the data of a run without solving or writing anything.
+    """Return all checks of the data in a result directory; nothing is solved or written.
 
     Raises:
         UsageError: the directory has no data.
@@ -121,7 +128,7 @@ def verdicts(directory: Path) -> list[Verdict]:
     _refuse_gaps(directory, tables, cases)
     measured = set().union(*(file.keys(table) for file, table in tables.items()))
     judged = {file: predicted(table, cases) for file, table in tables.items()}
-    # Statements are also compared with files that no run writes.
+    # Some statements also read files that ``study run`` does not write, such as the errors of other codes.
     external = {statement.joined_file for statement in STATEMENTS if statement.joined_file} - set(tables)
     judged |= {file: file.read(directory) for file in external}
     rows = [Complete().judge(planned, measured)]
@@ -132,13 +139,25 @@ def verdicts(directory: Path) -> list[Verdict]:
 
 
 def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
-    """Return a table with its predictions, and a column ``known``: whether the exact solution is known."""
+    """Return a table with the predictions of its cases, and a column ``known``.
+
+    Parameters:
+        table: a table with a column ``case``.
+        cases: the table ``cases.csv``, whose columns ``PREDICTED`` are added.
+
+    Returns:
+        The table; ``known`` tells whether the exact solution is known.
+    """
     new = [name for name in PREDICTED if name not in table or name == "case"]
     return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
 
 
 def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.DataFrame:
-    """Return the rows by which a statement is judged, joined with the rows of its reference file if it has one."""
+    """Return the rows by which a statement is judged.
+
+    If the statement compares its measurements with those in another file, the columns of that file are added, with the
+    suffix ``REPORTED`` in their names.
+    """
     assert isinstance(statement.file, CsvFile)
     mine, key = tables[statement.file], list(statement.file.key)
     if statement.joined_file is None:
@@ -148,21 +167,32 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
 
 
 def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:
-    """Return the verdicts; a verdict on a user's case fails only if the data contradict the statement."""
+    """Return the checks, with those of users' cases judged again by ``judge_own``.
+
+    A check of a user's case fails only if the data contradict the statement; otherwise a reason is added to its text.
+
+    Parameters:
+        verdicts: all checks.
+        rates: the table ``rates.csv`` with predictions.
+    """
     own = {str(case): rows for case, rows in rates.groupby("case") if case not in {known.name for known in catalogue()}}
     judged = {case: iter(judge_own([v for v in verdicts if v.case == case], rows)) for case, rows in own.items()}
     return [next(judged[verdict.case]) if verdict.case in judged else verdict for verdict in verdicts]
 
 
 def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
-    """Return the verdicts of a statement; an empty list if it has no rows."""
+    """Return the checks of a statement; an empty list if the table has no rows of it.
+
+    Parameters:
+        rows: the table of the statement's file, which several statements may share.
+    """
     of_all = statement.file != LISTED or isinstance(statement, Listed)
     mine = rows if of_all else rows[rows["label"] == statement.label]
     return statement.judge(mine) if len(mine) else []
 
 
 def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame], cases: pd.DataFrame) -> None:
-    """Refuse measurements of cases that are missing in ``cases.csv``, and bounds without values over time."""
+    """Raise DataError if ``cases.csv`` lacks a measured case, or a bound has no values over time."""
     again = f"make it with `{made_by(directory)}`"
     measured = {case for file, table in tables.items() if file.name in EVERY_CASE for case in table["case"]}
     if unknown := sorted(measured - set(cases["case"])):

@@ -1,4 +1,8 @@
-"""The plan of a run: its jobs, each of which measures one statement in one setting, checked before time is spent."""
+"""The plan of a run: a list of jobs, each of which measures one statement in one setting.
+
+A setting consists of case, mesh family, level, and further parameters such as the time scheme. A plan is checked before
+anything is computed. The file also defines the scopes of the quick and of the full study.
+"""
 
 from __future__ import annotations
 
@@ -23,32 +27,32 @@ from study.statements.shared.scope import SLOW, Levels, Scope
 
 @dataclass(frozen=True)
 class Job:
-    """The measurement of one statement in one setting; small enough to be sent to other processes."""
+    """One measurement: a statement in a setting. Jobs are small, so that they can be sent to other processes."""
 
     statement: Statement
     setting: Setting
 
     @property
     def identity(self) -> tuple[str, ...]:
-        """The name of the data file and the key of the rows that this job writes, as text."""
+        """The name of the data file, and the cells in its key columns that all rows of this job have, as texts."""
         known = {"label": self.statement.label, "case": name_of(self.setting.case)}
         key = (str(known.get(column) or getattr(self.setting, column)) for column in self.statement.file.key)
         return self.statement.file.name, *key
 
     @property
     def key(self) -> str:
-        """The name of the file with the result, without its ending."""
+        """The name of the file in which the result is stored, without the ending."""
         kind, *key = (re.sub(r"[^\w.]+", "-", part).strip("-") for part in self.identity)
         return "__".join([kind.removesuffix(".csv"), *(f"{part:0>5}" if part.isdigit() else part for part in key)])
 
     @property
     def cost(self) -> float:
-        """The expected time in µs; expensive jobs start first."""
+        """The expected computing time in µs."""
         return self.statement.cost(self.setting)
 
     @property
     def memory(self) -> float:
-        """The largest number of bytes that the process of this job takes."""
+        """The estimated largest memory of the process that runs this job, in bytes."""
         return self.statement.memory(self.setting)
 
     def fingerprint(self) -> str:
@@ -56,24 +60,29 @@ class Job:
         return fingerprint(self.statement, self.setting)
 
     def run(self) -> Mapping[str, Any]:
-        """Measure; return numbers by their names."""
+        """Run the measurement of the statement and return the measured numbers by their names."""
         return self.statement.measure(self.setting)
 
     def records(self, result: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """Yield (data file, row) for each row that follows from the result."""
+        """Yield pairs (data file, row) for all rows that follow from the result of ``run``."""
         return self.statement.records(self.setting, result)
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The jobs of a study, and its scope: cases, mesh families, levels and time scheme."""
+    """The jobs of a run.
+
+    Attributes:
+        scope: the cases, mesh families, levels and time scheme of the run.
+        jobs: the jobs.
+    """
 
     scope: Scope
     jobs: tuple[Job, ...]
 
     @classmethod
     def of(cls, scope: Scope) -> Plan:
-        """Return the jobs of all statements that have measurements in a scope."""
+        """Return the plan with the jobs of all statements in a scope."""
         statements = [
             statement
             for statement in STATEMENTS
@@ -83,23 +92,27 @@ class Plan:
         return cls(scope, tuple(jobs))
 
     def keys(self) -> list[tuple[str, ...]]:
-        """Return tuples (file name, key of the row, …) of all rows of the tables, sorted."""
+        """Return the sorted identities of all jobs that write rows of tables."""
         return sorted(job.identity for job in self.jobs if isinstance(job.statement.file, CsvFile))
 
     def check(self, spread: Callable[..., Iterable[Any]] = map) -> None:
-        """Refuse a plan that cannot be run, before time is spent; ``spread`` maps a function over cases.
+        """Raise an error if the plan cannot be run.
+
+        Parameters:
+            spread: applies a function to all cases, like ``map``; it may use several processes.
 
         Raises:
-            UsageError: the scope is refused by ``Scope.check``, or a user's case has the name of a catalogue case.
-            SelfProofError: a case is not an exact solution.
-            MeshError: a mesh does not fit the boundary parts of a body, or no cell rule exists for the places where a
-                solution is not smooth.
+            UsageError: the scope is refused by ``Scope.check``, or a user's case has the name of a case of the
+                catalogue.
+            SelfProofError: the solution of a case violates an equation or a contact condition.
+            MeshError: a mesh does not fit the boundary parts of a body, or there is no quadrature rule for the places
+                in a cell where a solution is not smooth.
         """
         self.scope.check()
-        # Solids first, because they take longest and would otherwise delay the end.
+        # Solutions in 3D come first, because they take longest and would delay the end.
         cases = sorted(self.scope.cases, key=lambda reference: -resolve(reference).solution.body.dim)
         findings = spread(violations, cases)
-        # Meshes are checked while other processes check the solutions.
+        # Meanwhile, other processes check the solutions.
         self._check_meshes()
         for reference, violated in zip(cases, findings, strict=True):
             if violated:
@@ -111,7 +124,10 @@ class Plan:
                 raise UsageError(f"{reference} has the name {name} of a case of the catalogue; give it another name")
 
     def _check_meshes(self) -> None:
-        """Refuse meshes that do not fit a body, or whose cells do not fit lines at which a solution is not smooth."""
+        """Raise MeshError if a mesh does not fit a body, or the lines at which a solution is not smooth.
+
+        Each mesh is made once for all cases on bodies of the same shape.
+        """
         groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
         for case, family, level in self.meshes():
             body = case.solution.body
@@ -128,27 +144,28 @@ class Plan:
                 raise MeshError(f"{case.name}, {family}, level {level}: {error}") from error
 
     def meshes(self) -> Iterator[tuple[Case, str, int]]:
-        """Yield (case, mesh family, level) for statements about every case; other statements choose meshes that fit."""
+        """Yield (case, mesh family, level) of the statements about every case; others only use meshes that fit."""
         for job in self.jobs:
             if job.statement.of_every_case:
                 yield resolve(job.setting.case), job.setting.family, job.setting.level
 
 
 def violations(reference: str) -> list[Finding]:
-    """Return the conditions that the exact solution of a case violates."""
+    """Return the equations and contact conditions that the solution of a case violates."""
     return [finding for finding in examine(resolve(reference).solution) if not finding.passes]
 
 
 NARROW = ("merging-patches", "layered")
-"""Cases with contact zones or layers that are three or four cells wide at n = 8. There the observed order depends on
-the mesh, so these cases start at a finer level. Solids start at n = 9 for the same reason: at n = 6 a disc is three
-cells wide, and the observed order misses its tolerance window on one random mesh in twenty."""
+"""Cases with contact zones or layers that are only three or four cells wide at n = 8. On such meshes the observed order
+depends on the mesh, so these cases begin with a finer level. Cases in 3D begin with n = 9 for the same reason: at n = 6
+a contact zone in the form of a disc is three cells wide, and the observed order misses its window on one random mesh in
+twenty."""
 FINEST = ("fixed-front-off-vertex", "advance-recede")
-"""Cases that are measured on one level more."""
+"""Cases that the full study measures on one more level."""
 
 
 def quick() -> Scope:
-    """Return the scope of the quick study, about a minute: all verdicts, one mesh family for each case."""
+    """Return the scope of the quick study, which takes a minute: all statements, one mesh family for each case."""
     return Scope(
         name="quick",
         cases=tuple(case.name for case in catalogue() if case.name not in SLOW),
@@ -163,7 +180,7 @@ def quick() -> Scope:
 
 
 def full() -> Scope:
-    """Return the scope of the full study, about half an hour: the levels of the committed results."""
+    """Return the scope of the full study, which takes half an hour: all mesh families and more levels."""
     return replace(
         quick(),
         plane=Levels((8, 16, 32, 64), (128,)),

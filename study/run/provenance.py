@@ -1,7 +1,8 @@
-"""The provenance of the data of a run: the plan, the code and versions that made the data, and checksums.
+"""The provenance of the data of a run: how they were made, in ``data/provenance.json``.
 
-A run records its scope in ``data/provenance.json``. The plan and the predictions can be computed again from the scope,
-the catalogue and the files of the user's cases (``Expectation``). If the file of a case no longer exists, the recorded
+The file has the scope and the plan of the run, the versions of Python and of the libraries, the code and data files of
+each statement, and checksums of the data files. The plan and the predictions also follow from the scope, the catalogue
+of cases and the files of users' cases (``Expectation``). If the file of a user's case no longer exists, the recorded
 values are used.
 """
 
@@ -33,13 +34,17 @@ from study.statements.shared.scope import Levels, Scope
 from study.statements.unmeasured import Listed
 
 SUMS = "sha256"
-"""The key of ``provenance.json`` for the checksums: names of files in ``data`` and the SHA-256 of their text."""
+"""The key in ``provenance.json`` for the checksums: name of a file in ``data`` ↦ SHA-256 of its text."""
 
 
 def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
-    """Return the content of ``provenance.json``, without checksums.
+    """Return the content of ``provenance.json`` without the checksums.
 
-    It has no date, so that equal runs give equal files. Paths of users' cases are relative to the directory.
+    It contains no date, so that equal runs give equal files.
+
+    Parameters:
+        plan: the plan of the run.
+        directory: the result directory, to which the paths of users' cases are relative.
     """
     scope = plan.scope
     names = [relative_reference(name, directory) for name in scope.cases]
@@ -59,7 +64,11 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
 
 
 def sources() -> dict[str, dict[str, Any]]:
-    """Return for each label its ``code`` files, relative to the root of the repository, and its ``data`` files."""
+    """Return for the label of each statement the names of its code files and of its data files.
+
+    Returns:
+        Label ↦ {"code": paths relative to the root of the repository, "data": names of files in ``data``}.
+    """
     complete = Path(inspect.getfile(Complete)).relative_to(ROOT).as_posix()
     entries: dict[str, dict[str, Any]] = {Complete.label: {"code": [complete], "data": ["provenance.json"]}}
     for statement in STATEMENTS:
@@ -72,11 +81,11 @@ def sources() -> dict[str, dict[str, Any]]:
 
 
 def read_provenance(directory: Path) -> dict[str, Any]:
-    """Return the content of ``provenance.json`` of a finished run.
+    """Return the content of ``provenance.json`` in a result directory.
 
     Raises:
         UsageError: the directory has no such file.
-        StoreError: the file is of another format, or damaged.
+        StoreError: the file has another format or is damaged.
     """
     path = directory / "data" / "provenance.json"
     if not path.is_file():
@@ -88,7 +97,7 @@ def read_provenance(directory: Path) -> dict[str, Any]:
 
 
 def refuse_to_replace(plan: Plan, directory: Path) -> None:
-    """Raise UsageError if the run on disk has rows that the plan lacks, because a new run would lose them."""
+    """Raise UsageError if the directory has rows of an earlier run that are not planned, because they would be lost."""
     if (directory / "data" / "provenance.json").exists():
         lost = {tuple(key) for key in read_provenance(directory)["planned"]} - set(plan.keys())
         if lost:
@@ -100,13 +109,21 @@ def refuse_to_replace(plan: Plan, directory: Path) -> None:
 
 @dataclass(frozen=True)
 class Complete:
-    """The first check of the ledger: a missing mesh family or level would make other checks easier to satisfy."""
+    """The first check of the ledger: no planned measurement is missing.
+
+    Without this check, a missing mesh family or level could make other checks hold.
+    """
 
     label: str = "data"
     claim: str = "all planned measurements are present"
 
     def judge(self, planned: set[tuple[str, ...]], measured: set[tuple[str, ...]]) -> Verdict:
-        """Return the check; it is undecided if planned rows are missing."""
+        """Return the check, which is undecided if measurements are missing.
+
+        Parameters:
+            planned: the keys of the planned rows.
+            measured: the keys of the rows in the tables.
+        """
         missing = sorted(planned - measured)
         quantity = "missing measurements" + (f", first {' '.join(missing[0])}" if missing else "")
         judged = *exactly(len(missing)), UNDECIDED if missing else HOLDS
@@ -115,12 +132,12 @@ class Complete:
 
 @dataclass(frozen=True)
 class Expectation:
-    """The values in the data of a run that are known without a measurement.
+    """The data of a run that follow from its scope without a measurement.
 
     Attributes:
-        plan: the jobs; None if the file of a user's case no longer exists.
-        cases: the cases that can be resolved, by name.
-        lines: the lines of ``cases.csv``.
+        plan: the plan; None if the file of a user's case no longer exists.
+        cases: name ↦ case, for the cases whose definition still exists.
+        lines: the rows of ``cases.csv``.
     """
 
     plan: Plan | None
@@ -129,11 +146,15 @@ class Expectation:
 
     @classmethod
     def of(cls, record: Mapping[str, Any], directory: Path) -> Expectation:
-        """Return the expectation from the provenance of a run.
+        """Return the expected data of a run.
+
+        Parameters:
+            record: the content of ``provenance.json``.
+            directory: the result directory.
 
         Raises:
-            DataError: an older version wrote the provenance, without the scope.
-            UsageError: the file of a user's case no longer defines it.
+            DataError: the provenance was written by an older version and lacks the scope.
+            UsageError: the file of a user's case exists, but no longer defines the case.
         """
         if not {"scope", "own_cases"} <= set(record):
             raise DataError(
@@ -149,23 +170,31 @@ class Expectation:
 
     @property
     def gone(self) -> set[str]:
-        """The names of the cases whose file no longer exists."""
+        """The names of the cases whose files no longer exist."""
         return {str(line["case"]) for line in self.lines} - set(self.cases)
 
     def proposition(self, case: str) -> str:
-        """Return the proposition whose hypotheses a case satisfies; an empty text if the case is not in the run."""
+        """Return the proposition whose assumptions a case satisfies; an empty text if the run lacks the case."""
         statements = [line["statements"] for line in self.lines if line["case"] == case]
         return str(statements[0]).partition(", ")[0] if statements else ""
 
 
 def relative_reference(reference: str, directory: Path) -> str:
-    """Return FILE.py:NAME with the path relative to a directory; return other references unchanged."""
+    """Return a case FILE.py:NAME with the path relative to a directory; a name of the catalogue is unchanged."""
     file, colon, name = reference.rpartition(":")
     return f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference
 
 
 def resolve_path(reference: str, directory: Path) -> str | None:
-    """Return a recorded reference with its full path; None if its file is gone; catalogue names are unchanged."""
+    """Return a case FILE.py:NAME with its full path; a name of the catalogue is unchanged.
+
+    Parameters:
+        reference: the case; its path is relative to ``directory``.
+        directory: the result directory.
+
+    Returns:
+        The case, or None if its file no longer exists.
+    """
     file, colon, name = reference.rpartition(":")
     if not colon:
         return reference
@@ -174,7 +203,7 @@ def resolve_path(reference: str, directory: Path) -> str | None:
 
 
 def read_scope(values: Mapping[str, Any]) -> Scope:
-    """Return a scope from its fields in JSON."""
+    """Return a scope from the values of its attributes as they stand in ``provenance.json``."""
 
     def levels(fields: Mapping[str, Any]) -> Levels:
         return Levels(tuple(fields["all"]), tuple(fields["first"]))
@@ -185,17 +214,20 @@ def read_scope(values: Mapping[str, Any]) -> Scope:
 
 
 def text_sum(path: Path) -> str:
-    """Return the SHA-256 of a text file with Unix line ends, because git may change line ends."""
+    """Return the SHA-256 of a text file, computed with Unix line ends, because git may change line ends."""
     return hashlib.sha256(path.read_bytes().replace(b"\r\n", b"\n")).hexdigest()
 
 
 def sums_of(data: Path, paths: Iterable[Path]) -> dict[str, str]:
-    """Return the checksums of files in a data directory, by their names relative to it."""
+    """Return the checksums of files: name relative to the folder ``data`` ↦ SHA-256."""
     return {path.relative_to(data).as_posix(): text_sum(path) for path in sorted(paths)}
 
 
 def compare_sums(directory: Path) -> set[Path]:
-    """Compare the data files of a run with the checksums in its provenance; return the files that have a checksum.
+    """Compare the data files of a run with the checksums in its provenance.
+
+    Returns:
+        The files with a checksum.
 
     Raises:
         DataError: a file is missing or was changed after the run.

@@ -1,8 +1,10 @@
-"""Relations between columns and files that hold for every measurement. A file that violates one was edited or damaged.
+"""Relations between columns and files that hold for every measurement. If one is violated, a file was edited or
+damaged.
 
-The relations need no solution. Examples: h is the mesh size of the family and level; an observed order follows from the
-errors; three norms satisfy the triangle inequality; a bound is the extreme of its values over time. The second half of
-the file has the relations between the columns of other people's contact codes.
+Nothing is solved to test them. Examples: h is the mesh size of the mesh family and level; an observed order follows
+from the errors; three norms satisfy the triangle inequality; a bound is the largest of its values over time. Each
+function yields the cells that violate one relation. The second part of this file has the relations for the results of
+other people's contact codes.
 """
 
 from __future__ import annotations
@@ -29,20 +31,28 @@ Numbers = NDArray[np.float64]
 DIGITS = 1e-10
 """Relative tolerance for columns with twelve digits."""
 SAMPLED_RTOL = 2e-5
-"""Relative tolerance for values over time, stored with six digits: 5e-6 for each of three numbers in a quotient."""
+"""Relative tolerance for values over time, which have six digits: 5e-6 for each of the three numbers in a quotient."""
 MIN_SAMPLED_MAX = 0.9
-"""Minimum ratio of the largest error at TIMES evenly spaced times to the largest error at all times."""
+"""Smallest accepted ratio of the largest error at TIMES equidistant times to the largest error at all times."""
 ORIGIN = 1e-9
-"""Fraction of T up to which a time counts as 0."""
+"""A time up to this fraction of T counts as 0."""
 CODE_RTOL = 2e-3
 """Relative tolerance in the files of other codes, most of whose columns have three digits."""
 CODE_ORDER_ROOM = 0.02
-"""The error of an observed order between meshes with h and h/2 that three digits can cause."""
+"""Tolerance for an observed order between meshes with h and h/2 if the errors have three digits."""
 
 
 @dataclass(frozen=True)
 class Breach:
-    """A cell that violates a relation."""
+    """A cell that violates a relation.
+
+    Attributes:
+        file: name of the file.
+        row: index of the row, from 0.
+        column: name of the column.
+        stands: the value in the file.
+        expected: the expected value in words.
+    """
 
     file: str
     row: int
@@ -52,40 +62,59 @@ class Breach:
 
     def __str__(self) -> str:
         where = f"{self.file}, line {line(self.row)}, column {self.column}"
-        return f"{where}: stands {self.stands}, expected {self.expected}"
+        return f"{where}: found {self.stands}, expected {self.expected}"
 
 
 Relation = Callable[[Tables, Expectation], Iterator[Breach]]
 
 
 def breaches(file: str, table: pd.DataFrame, column: str, holds: pd.Series, expected: pd.Series) -> Iterator[Breach]:
-    """Yield a breach for each row of a table in which ``holds`` is false, with the expected value."""
+    """Yield a breach for each row in which a column violates a relation.
+
+    Parameters:
+        file, table: name and content of the file.
+        column: the column.
+        holds: for each row whether the relation holds.
+        expected: for each row the expected value in words.
+    """
     for row in np.flatnonzero(~holds.to_numpy(dtype=bool)):
         yield Breach(file, int(row), column, table[column].iloc[row], str(expected.iloc[row]))
 
 
 def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series, room: float = DIGITS) -> Iterator[Breach]:
-    """Check that a column has the expected values up to rounding, and is empty where they are NaN."""
+    """Yield the cells of a column that differ from their expected values.
+
+    Parameters:
+        file, table, column: the file, its content and the column.
+        expected: the expected values; NaN if the cell must be empty.
+        room: relative and absolute tolerance.
+    """
     stands, wanted = table[column].to_numpy(dtype=float), expected.to_numpy(dtype=float)
     holds = pd.Series(np.isclose(stands, wanted, rtol=room, atol=room, equal_nan=True))
     yield from breaches(file, table, column, holds, expected.map("{:.12g}".format))
 
 
 def at_most(file: str, table: pd.DataFrame, column: str, bound: pd.Series, what: str) -> Iterator[Breach]:
-    """Check that a column is at most a bound; rows without a bound are skipped."""
+    """Yield the cells of a column that are larger than a bound; rows without a bound are skipped.
+
+    Parameters:
+        file, table, column: the file, its content and the column.
+        bound: the bound of each row.
+        what: the bound in words.
+    """
     holds = ~(table[column] > bound + DIGITS * abs(bound))
     yield from breaches(file, table, column, holds, bound.map(f"at most {{:.12g}}, {what}".format))
 
 
 def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that the proposition in ``rates.csv`` is the one whose hypotheses the case satisfies."""
+    """Check that the proposition in ``rates.csv`` is the one whose assumptions the case satisfies."""
     rates = tables[RATES]
     expected = rates["case"].map(expectation.proposition)
     yield from breaches(RATES.name, rates, "claim", rates["claim"] == expected, expected)
 
 
 def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that steps, their size and the dimension agree with the plan."""
+    """Check that time steps, the dimension and the times of the largest errors agree with the plan."""
     rates = tables[RATES]
     cases = rates["case"].map(expectation.cases)
     known = rates[cases.notna()].reset_index()
@@ -106,20 +135,23 @@ def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def orders(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that the order in ``rates.csv`` follows from its errors and mesh sizes."""
+    """Check that the observed orders in ``rates.csv`` follow from the errors and mesh sizes."""
     rates = tables[RATES]
     yield from equal(RATES.name, rates, "order", in_series(rates, "error"))
 
 
 def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that ``time_share`` and ``discrete_time_share`` are the same time error, relative to different errors."""
+    """Check that ``time_share`` and ``discrete_time_share`` belong to the same error of the time discretisation.
+
+    The first is relative to the error, the second to the discrete error.
+    """
     rates = tables[RATES]
     expected = rates["time_share"] * rates["error"] / rates["discrete_error"]
     yield from equal(RATES.name, rates, "discrete_time_share", expected)
 
 
 def triangles(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check the triangle inequality of the three errors, and that the initial error is at most the maximum."""
+    """Check the triangle inequality of the three errors, and that the initial error is at most the largest error."""
     rates, sides = tables[RATES], ["error", "interpolation_error", "discrete_error"]
     for side in sides:
         others = rates[[other for other in sides if other != side]].sum(axis=1)
@@ -137,7 +169,7 @@ MEASURED = {
                      "primal_displacement", "admissibility", "time_share"),
     BOUNDS.name: ("highest", "residual"),
 }  # fmt: skip
-"""Columns that are computed in floating point from many numbers, so that they are never exactly 0."""
+"""File ↦ columns that are computed from many rounded numbers, so that they are never exactly 0."""
 
 
 def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
@@ -149,7 +181,7 @@ def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that h is the mesh size of the family and level (``size_of``)."""
+    """Check that h is the mesh size of the mesh family on the body at this level."""
     known: dict[tuple[object, str, int], float] = {}
     for file, table in tables.items():
         if "h" in table:
@@ -161,7 +193,13 @@ def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 def _size(
     known: dict[tuple[object, str, int], float], expectation: Expectation, case: str, family: str, n: int
 ) -> float:
-    """Return h, computed once for all cases on one body; NaN if the file of the case no longer exists."""
+    """Return the mesh size, NaN if the file of the case no longer exists.
+
+    Parameters:
+        known: (shape of a body, mesh family, level) ↦ mesh size; each size is computed once and added.
+        expectation: the cases of the run.
+        case, family, n: the case, the mesh family and the level.
+    """
     if case in expectation.gone:
         return float("nan")
     body = expectation.cases[case].solution.body if case in expectation.cases else resolve_problem(case).data.body
@@ -173,7 +211,7 @@ def _size(
 
 
 def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that errors on two mesh families differ. Graded meshes are skipped: a coarse one may be uniform."""
+    """Check that errors on different mesh families differ; graded meshes are skipped, as coarse ones may be uniform."""
     rates = tables[RATES]
     place, uniform = [rates[name] for name in ("case", "scheme", "level")], rates["family"] != GRADED
     for column in ("error", "discrete_error"):
@@ -184,7 +222,7 @@ def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check the order in ``bounds.csv``, and that errors are empty exactly if the solution is unknown."""
+    """Check the expected order in ``bounds.csv``, and that errors are empty exactly if the solution is unknown."""
     bounds = tables[BOUNDS]
     problems = [resolve_problem(case) for case in bounds["case"]]
     orders = pd.Series([problem.order for problem in problems], dtype=float)
@@ -200,7 +238,7 @@ def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breac
 
 
 def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that every row of ``bounds.csv`` is the extreme of the values over time in ``enclosures.csv``."""
+    """Check that each number in ``bounds.csv`` is an extreme of the values over time in ``enclosures.csv``."""
     bounds, times = tables[BOUNDS], tables[ENCLOSURES]
     upper, room = times["distance"] + times["bound"], SAMPLED_RTOL * (times["distance"] + times["bound"])
     lower = (times["distance"] - times["bound"]).clip(lower=0)
@@ -226,7 +264,7 @@ def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def _at(known: pd.DataFrame, found: Iterator[Breach]) -> Iterator[Breach]:
-    """Yield breaches of a table of selected rows, with their row numbers in the whole table."""
+    """Yield breaches that were found in selected rows of a table, with the row numbers of the whole table."""
     for breach in found:
         row = int(known["index"].iloc[breach.row])
         yield Breach(breach.file, row, breach.column, breach.stands, breach.expected)
@@ -238,7 +276,7 @@ RELATIONS: tuple[Relation, ...] = (
 
 
 def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Check that the errors of the discrete solution in K^h and of its pressure depend on the mesh, not on the code."""
+    """Check that the errors of the discrete solution in K^h are the same for all codes on the same mesh."""
     errors = codes.errors
     for column in ("h", "best", "best_pressure"):
         first = errors.groupby(MESH)[column].transform("median")
@@ -248,7 +286,7 @@ def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
 
 
 def code_triangle(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Check that the errors of a code and of the solution in K^h differ by at most the distance of the solutions."""
+    """Check the triangle inequality for a code's solution, the discrete solution in K^h and the exact solution."""
     errors = codes.errors
     room = CODE_RTOL * (errors["best"] + errors["distance"])
     holds = abs(errors["error"] - errors["best"]) <= errors["distance"] + room
@@ -260,7 +298,7 @@ CODE_ORDERS = {"order_in_v": "error", "order_of_distance": "distance", "order_of
 
 
 def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Check that orders are observed on the two finest meshes."""
+    """Check that the observed orders in ``classes.csv`` follow from the errors on the two finest meshes."""
     finest: dict[object, dict[str, float]] = {}
     for number, rows in codes.errors.sort_values("level").groupby("series", sort=False):
         h, *errors = (rows[name].to_numpy()[-2:] for name in ("h", *CODE_ORDERS.values()))
@@ -276,7 +314,7 @@ def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
 
 
 def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Check that every series has a class, and errors unless the code cannot express the problem."""
+    """Check that every series has a class, and has errors unless the code cannot express the problem."""
     there, left_out = codes.classes["series"].isin(codes.errors["series"]), codes.classes["class"] == NOT_EXPRESSED
     wanted = there.map({True: "a class, as there are errors", False: f"{NOT_EXPRESSED}, as there are no errors"})
     yield from breaches(f"{folder}/classes.csv", codes.classes, "class", there != left_out, wanted)

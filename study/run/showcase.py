@@ -1,4 +1,4 @@
-"""A case for display, solved on one moderate mesh: its picture, and fields for ParaView."""
+"""Solves a case on one mesh for display: the data of its picture, and fields for ParaView. Used by ``study show``."""
 
 from __future__ import annotations
 
@@ -21,22 +21,33 @@ from study.statements.shared import estimates
 from study.statements.shared.scope import regular
 
 EVERY = 2
-"""Every second frame is shown."""
+"""Every second time step is shown."""
 STEPS = pictures.STEPS
 LEVELS = {2: pictures.LEVEL, 3: 9}
-"""The level for each dimension: moderate, and in 3D a multiple of the number that divides the faces of the cubes."""
+"""Dimension ↦ default level. In 3D it is a multiple of the number of parts into which a face of a cube is divided."""
 
 
 @dataclass(frozen=True, eq=False)
 class Showcase:
-    """A case for display: its picture in the form of ``pictures/CASE.json``, and fields on the whole mesh."""
+    """A solved case for display.
+
+    Attributes:
+        picture: data of its picture, in the format of ``pictures/CASE.json``.
+        series: fields on the whole mesh over time.
+    """
 
     picture: dict[str, Any]
     series: MeshSeries
 
 
 def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[], object] = lambda: None) -> Showcase:
-    """Solve a case for display; ``notify`` is called after each of the STEPS + 1 frames.
+    """Solve a case for display.
+
+    Parameters:
+        case: the case.
+        level: level of the mesh.
+        directory: the directory in which results will be written; it is only tested here.
+        notify: called after each of the STEPS + 1 times.
 
     Raises:
         UsageError: no mesh family can mesh the body, or there is not enough memory for this level.
@@ -62,7 +73,7 @@ def affordable_family(case: Case, level: int) -> MeshFamily:
 
 
 def mesh_series(motion: Motion, every: int) -> MeshSeries:
-    """Return every ``every``-th frame of a motion as fields on the mesh.
+    """Return the fields on the mesh at every ``every``-th time of a motion.
 
     Fields at the vertices are ``displacement``, ``velocity``, and on Γ3 ``gap`` and ``pressure`` (``gap_1``, ``gap_2``,
     … if Γ3 has several faces). Fields on the cells, constant on each, are ``stress`` and ``von_mises``.
@@ -82,7 +93,12 @@ def _fields(motion: Motion, frame: Frame, weights: Array) -> MeshFields:
 
 
 def _on_contact(motion: Motion, values: dict[str, Array]) -> Iterator[tuple[str, Array]]:
-    """Yield values at the contact vertices, (m,), as fields over all vertices, one field for each face of Γ3."""
+    """Yield names and fields over all vertices, one field for each quantity and contact face; NaN at other vertices.
+
+    Parameters:
+        motion: the solved case.
+        values: name of a quantity ↦ its values at the contact vertices, (m,).
+    """
     faces, start = motion.space.contact, 0
     for number, (_, vertices) in enumerate(faces, start=1):
         rows = slice(start, start + len(vertices))

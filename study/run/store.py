@@ -1,8 +1,9 @@
-"""The results of finished jobs on disk: one small file per job, written completely or not at all.
+"""Stores the results of finished jobs on disk, and locks a result directory while a command works on it.
 
-A file contains the format number, the key of the job, the cache key of its result (``fingerprint``), the result and its
-checksum. If a run is killed, the results of finished jobs remain, and the same command runs the other jobs. A file that
-is truncated or altered, or whose keys differ, is ignored and its job runs again.
+Each job has one small file, which is written completely or not at all. It contains the format number, the key of the
+job, the cache key of its result (``fingerprint``), the result and its checksum. If a run is killed, the results of
+finished jobs remain, and the same command runs only the other jobs. If a file is damaged, or its keys differ, the file
+is ignored and the job runs again.
 """
 
 from __future__ import annotations
@@ -26,16 +27,14 @@ if sys.platform != "win32":
     import fcntl
 
 FORMAT = 2
-"""Version of the data files; it changes when older files can no longer be read."""
-
-
+"""Version of the format of the data files; it changes when older files can no longer be read."""
 WRITTEN = ("data", "tables", "figures", "article", "report.html")
-"""The files and folders that a run, and the commands that use its data, write."""
+"""The files and folders that ``study run`` and the commands for its data write into a result directory."""
 
 
 @dataclass(frozen=True)
 class Store:
-    """The data directory of a run, DIR/data, with its jobs in DIR/data/jobs.
+    """A result directory DIR. Its data are in DIR/data, and the results of jobs in DIR/data/jobs.
 
     Attributes:
         directory: DIR.
@@ -56,14 +55,15 @@ class Store:
 
     @property
     def marks(self) -> tuple[Path, ...]:
-        """Files of which at least one exists if the study has written to the directory before."""
+        """Files of which at least one exists if a command of the study has written into the directory before."""
         return self.lock, self.data / "provenance.json"
 
     def path(self, key: str) -> Path:
+        """Return the path of the file with the result of a job."""
         return self.data / "jobs" / f"{key}.json"
 
     def refuse_foreign(self) -> None:
-        """Raise StoreError if the directory contains files that the study did not write."""
+        """Raise StoreError if the directory contains files of other programs, which might be overwritten."""
         if any(mark.exists() for mark in self.marks):
             return
         for place in self.written:
@@ -120,7 +120,7 @@ class Store:
             return
         try:
             fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # A store that removes its lock (of tasks) may have removed the file after this process opened it.
+            # Another process may have removed the file after this process opened it, as ``TaskStore`` does at its end.
             if not os.path.samestat(os.fstat(file.fileno()), os.stat(self.lock)):
                 raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
         except OSError as error:
@@ -130,9 +130,9 @@ class Store:
             ) from error
 
     def steady(self) -> AbstractContextManager[None]:
-        """Lock the data of a finished run for a command that reads them.
+        """Return a context in which the data of a finished run are locked for a command that reads them.
 
-        Data that do not exist, or that this user may not write, are not locked.
+        If the data do not exist, or this user may not write them, they are not locked.
 
         Raises:
             StoreError: another run works on the directory, or its data can be written but its lock cannot.
@@ -141,7 +141,13 @@ class Store:
         return self.locked() if changes else nullcontext()
 
     def save(self, key: str, fingerprint: str, result: Mapping[str, Any]) -> None:
-        """Write the result of a finished job."""
+        """Write the result of a finished job into its file.
+
+        Parameters:
+            key: name of the file.
+            fingerprint: cache key of the result.
+            result: numbers, texts, lists and dictionaries.
+        """
         content = {
             "format": FORMAT,
             "key": key,
@@ -152,7 +158,7 @@ class Store:
         write_text(self.path(key), json.dumps(content, indent=None) + "\n")
 
     def load(self, key: str, fingerprint: str) -> dict[str, Any] | None:
-        """Return the result of a job; None if its file is missing or damaged, or its keys differ.
+        """Return the result of a job; None if its file is missing or damaged, or has another cache key.
 
         Raises:
             StoreError: the file has another format, or cannot be read.
@@ -177,7 +183,7 @@ class Store:
         """
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-        # The file is not JSON in UTF-8, has too many digits or nested brackets, or does not exist.
+        # The file does not exist, is not JSON in UTF-8, or has too many digits or nested brackets.
         except (ValueError, RecursionError, FileNotFoundError, IsADirectoryError, NotADirectoryError):
             return None
         except OSError as error:
@@ -189,16 +195,12 @@ class Store:
 
 
 def _checksum(result: object) -> str:
-    """Return the SHA-256 of a result as JSON, which is the same after writing and reading."""
+    """Return the SHA-256 of a result in JSON; it does not change when the result is written and read."""
     return hashlib.sha256(json.dumps(result).encode()).hexdigest()
 
 
 def require_format(path: Path, content: dict[str, Any] | None) -> None:
-    """Refuse data of another format.
-
-    Raises:
-        StoreError: names the file and both format numbers.
-    """
+    """Raise StoreError if a data file has another format number than this version reads."""
     found = None if content is None else content.get("format")
     if found != FORMAT:
         raise StoreError(

@@ -1,4 +1,4 @@
-"""Contact problems as files for other codes, in the format ``contact-task`` (docs/reference/tasks.md)."""
+"""Writes contact problems as files for other codes: ``study export``. The format is in docs/reference/tasks.md."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from manufactured.body import Kind
 from manufactured.tensors import Array
-from study.fem.material import means
+from study.fem.space import means
 from study.ledger.files import StoreError, UsageError, write_text, write_whole
 from study.run.store import Store
 from study.statements.shared.tasks import Task
@@ -23,16 +23,24 @@ from study.statements.shared.tasks import Task
 FORMAT, VERSION = "contact-task", 2
 Data = dict[str, Any]
 MARGIN, DEPTH = 0.25, 0.25
-"""How far a meshed foundation extends beyond its face, and its thickness, relative to the length of the face."""
+"""Length by which a meshed foundation extends beyond its face on each side, and its thickness, both relative to the
+length of the face."""
 SUMS = "SHA256SUMS"
 DIGITS = 13
 """Significant digits of the largest number of an array; smaller numbers have as many decimal places."""
 FINER = {"reference": 14}
-"""Digits of the reference displacement: distances to it may be zero, and their rounding errors grow like 1/h."""
+"""Significant digits of other arrays: distances from the reference displacement may be zero, and their rounding errors
+grow like 1/h."""
 
 
 def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
-    """Return the static problems at the given instants, with the data by which solutions are judged."""
+    """Return the data of a file with static problems, each of which has the exact solution at one instant.
+
+    Parameters:
+        task: case, mesh family and level.
+        instants: the times, in [0, T].
+        scale: factor of all loads.
+    """
     require_instants(instants, task.solution.body.T)
     loads = [
         {
@@ -61,7 +69,15 @@ def require_scale(scale: float) -> None:
 
 
 def march(task: Task, steps: int, scale: float = 1.0) -> Data:
-    """Return the evolution by the midpoint rule with equal steps: loads at t_{n−1/2}, solutions at t_n."""
+    """Return the data of a file with a problem in time, for the midpoint rule with equal steps.
+
+    Loads are given at t_{n−1/2}, solutions at t_n.
+
+    Parameters:
+        task: case, mesh family and level.
+        steps: number of time steps.
+        scale: factor of all loads.
+    """
     problem, states = task.march(steps)
     k, judge, loads = problem.T / steps, [], []
     for n, state in enumerate(states):
@@ -74,7 +90,13 @@ def march(task: Task, steps: int, scale: float = 1.0) -> Data:
 
 
 def _judged(task: Task, time: float, balanced: float, reference: Array) -> Data:
-    """Return the data by which a solution at one time is judged; contact forces are taken at the time ``balanced``."""
+    """Return the exact and the reference solution by which an answer at one time is judged.
+
+    Parameters:
+        time: the time of the displacement.
+        balanced: the time at which the scheme balances forces, for the contact forces.
+        reference: the discrete solution, (n_dofs,).
+    """
     sample = task.v_norm.sample(time)
     return {
         "time": float(time),
@@ -120,7 +142,7 @@ def _head(task: Task, mode: str, scale: float) -> Data:
 
 
 def _gaps(task: Task, scale: float) -> list[Data]:
-    """Return the initial gap at the vertices of each piece of Γ3; nothing if there is none."""
+    """Return for each piece of Γ3 the entry with the initial gap at its vertices, empty if there is no gap."""
     counts = [len(vertices) for _, vertices in task.space.contact]
     if not task.solution.has_initial_gap:
         return [{} for _ in counts]
@@ -128,7 +150,12 @@ def _gaps(task: Task, scale: float) -> list[Data]:
 
 
 def oriented(points: Array, cells: Array) -> Array:
-    """Return the cells with vertices ordered so that volumes are positive, (d + 1, cells)."""
+    """Return the cells with the vertices in such an order that all volumes are positive, (d + 1, cells).
+
+    Parameters:
+        points: the vertices, (d, vertices).
+        cells: vertex numbers, (d + 1, cells).
+    """
     corners = points[:, cells]
     negative = np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)) < 0
     turned = cells.copy()
@@ -137,7 +164,7 @@ def oriented(points: Array, cells: Array) -> Array:
 
 
 def with_foundation(data: Data, segments: int) -> Data:
-    """Return the data of a task with a meshed slab below each part of Γ3."""
+    """Return the data of a task with a meshed foundation below each part of Γ3, of ``segments`` segments each."""
     vertices = np.asarray(data["vertices"])
     pieces = [
         slab(vertices[np.unique(piece["facets"])], np.asarray(piece["normal"]), segments) for piece in data["contact"]
@@ -146,7 +173,7 @@ def with_foundation(data: Data, segments: int) -> Data:
 
 
 def require_segments(segments: int, dim: int) -> None:
-    """Raise UsageError for a foundation of a solid, or with fewer than one segment."""
+    """Raise UsageError if a foundation is wanted for a body in space, or with fewer than one segment."""
     if dim != 2:
         raise UsageError("--foundation meshes foundations in the plane only; leave it out for a body in space")
     if segments < 1:
@@ -154,18 +181,21 @@ def require_segments(segments: int, dim: int) -> None:
 
 
 def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
-    """Return a rigid foundation as a meshed body: two triangles for each of the equal segments below a straight face.
+    """Return a rigid foundation below a straight face as a mesh: equal segments with two triangles each.
 
-    Args:
+    Parameters:
         face: vertices of the face, (n, 2).
-        normal: ν, out of the body and into the slab, (2,).
-        segments: number of segments on the side that touches the body, margins included.
+        normal: unit normal ν, out of the body and into the foundation, (2,).
+        segments: number of segments on the side that touches the body, including both margins.
+
+    Returns:
+        Arrays ``vertices`` (v, 2), ``cells`` (c, 3) and ``facets``, the segments towards the body, (s, 2).
 
     Raises:
-        UsageError: the body is a solid, or there is fewer than one segment.
+        UsageError: the body is not plane, or there is fewer than one segment.
     """
     require_segments(segments, face.shape[1])
-    # The axes (along, −ν) are right-handed if the slab is below the body.
+    # The axes (along, −ν) are right-handed.
     along = np.array([-normal[1], normal[0]])
     s = face @ along
     length = float(np.ptp(s))
@@ -189,7 +219,7 @@ def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class TaskStore(Store):
-    """A directory with tasks and their checksums only, for people to copy; so the lock is removed at the end."""
+    """A directory with only tasks and their checksums. People copy it, so the lock file is removed at the end."""
 
     written: tuple[str, ...] = (".",)
 
@@ -214,7 +244,9 @@ class TaskStore(Store):
 
 
 def write_task(directory: Path, data: dict[str, Any]) -> Path:
-    """Write NAME.json.xz, with identical bytes for the same data, and its line in SHA256SUMS; return the path.
+    """Write a task into a file NAME.json.xz, and its checksum into SHA256SUMS; return the path.
+
+    Equal data give identical files.
 
     Raises:
         StoreError: the directory cannot be written, or SHA256SUMS has a malformed line.
@@ -229,18 +261,21 @@ def write_task(directory: Path, data: dict[str, Any]) -> Path:
 
 
 def _sums(path: Path) -> dict[str, str]:
-    """Return the checksums of files by name, from a file of ``sha256sum``."""
+    """Return the checksums in a file that ``sha256sum`` can read: name of a file ↦ checksum."""
     sums = {}
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines() if path.exists() else [], 1):
         parts = line.split()
         if len(parts) != 2:
-            raise StoreError(f"{path}, line {number}: stands {line!r}, expected a sum and a file; remove the line")
+            raise StoreError(f"{path}, line {number}: found {line!r}, expected a checksum and a file: remove the line")
         sums[parts[1]] = parts[0]
     return sums
 
 
 def plain(value: Any, digits: int = DIGITS) -> Any:
-    """Return nested data with arrays as lists, rounded relative to the largest number of each array."""
+    """Return nested data with arrays as lists, for JSON.
+
+    Numbers are rounded to as many decimal places as the largest number of their array needs for ``digits`` digits.
+    """
     if isinstance(value, dict):
         return {key: plain(one, FINER.get(key, DIGITS)) for key, one in value.items()}
     if isinstance(value, list):

@@ -46,73 +46,21 @@ from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.unmeasured import Misprints, Untested, WithoutRow
 from study.statements.wellposed import BoundedVelocity, Dependence
 
-PROBLEM = (
-    Green(),
-    Korn(),
-    Dependence(),
-    SolutionDivergence(),
-    Viscosity(),
-    ElasticityOperator(),
-    Projection(),
-    Norms(),
-    LoadInTime(),
-    Admissibility(),
-)
-ONE_SOLUTION = BoundedVelocity(), OneTrajectory(), SameMesh(), StandsAlone(), OwnSpace(), OneStress()
-PROPERTIES = (
-    Lipschitz(),
-    Resolvent(),
-    TractionInTime(),
-    NaturalConditions(),
-    Separation(),
-    Hypercircle(),
-    VertexConstraint(),
-    Interpolant(),
-)
-ESTIMATES = (
-    StepsOfTheEstimate(),
-    ErrorBounds(),
-    GrowingErrors(),
-    InterpolationInV(),
-    SizeOfInterpolation(),
-    InterpolationOnContact(),
-)
-CONVERGENCE = (
-    ResidualBound(),
-    Convergence(),
-    NodalStart(),
-    FirstOrder(),
-    RegularityNeeded(),
-    Turned(),
-    Superclose(),
-    Residual(),
-)
-WEIGHED = ContactForce(), Recomputed(), OtherCodes()
-BEYOND = (
-    EdgeWork(),
-    WorkOfContact(),
-    Rollers(),
-    AdvancingFront(),
-    BackwardEuler(),
-    NoPotential(),
-    FullyDiscrete(),
-    Landings(),
-    InitialGap(),
-)
-CERTIFIED = BoundedError(), EnclosedError()
-
 STATEMENTS: tuple[Statement, ...] = (
-    *PROBLEM,
-    *ONE_SOLUTION,
-    *PROPERTIES,
-    *ESTIMATES,
-    *CONVERGENCE,
-    *WEIGHED,
-    *BEYOND,
-    *CERTIFIED,
-    Misprints(),
-    Untested(),
-    WithoutRow(),
-    Pictures(),
+    # The problem, its data, and that it has one solution.
+    *(Green(), Korn(), Dependence(), SolutionDivergence(), Viscosity(), ElasticityOperator(), Projection(), Norms()),
+    *(LoadInTime(), Admissibility(), BoundedVelocity(), OneTrajectory(), SameMesh(), StandsAlone(), OwnSpace()),
+    *(OneStress(), Lipschitz(), Resolvent(), TractionInTime(), NaturalConditions(), Separation(), Hypercircle()),
+    # The discretisation, the error estimate and convergence.
+    *(VertexConstraint(), Interpolant(), StepsOfTheEstimate(), ErrorBounds(), GrowingErrors(), InterpolationInV()),
+    *(SizeOfInterpolation(), InterpolationOnContact(), ResidualBound(), Convergence(), NodalStart(), FirstOrder()),
+    *(RegularityNeeded(), Turned(), Superclose(), Residual()),
+    # The contact force, and comparisons with other solvers and other codes.
+    *(ContactForce(), Recomputed(), OtherCodes()),
+    # Beyond the paper.
+    *(EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), BackwardEuler(), NoPotential(), FullyDiscrete()),
+    *(Landings(), InitialGap(), BoundedError(), EnclosedError()),
+    # Rows and pictures without a claim.
+    *(Misprints(), Untested(), WithoutRow(), Pictures()),
 )
 """All statements; the commands and the ledger read this list."""

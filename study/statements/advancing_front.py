@@ -24,7 +24,6 @@ integrates is not.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -48,7 +47,6 @@ from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import Velocity, dual_norm, maximum, midpoints
-from study.statements.shared.scope import Scope
 
 DEGREE, RAISED = 2, 6
 """Degrees of the cell rule for f_0, and of the finer rule that shows its quadrature error."""
@@ -67,6 +65,7 @@ class AdvancingFront(ListedNumbers):
 
     label = "beyond: advancing front"
     claim = "‖u − u^h‖ ~ h at an advancing natural front, where the order 1/2 is proved"
+    outside_catalogue = True
     rules = (
         between_levels("order", "order of ‖u − u^h‖ over two refinements", INTERPOLATION, "error", 2, ENOUGH),
         order("rate", "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}", SINGULAR, "rate", last=2),
@@ -77,10 +76,6 @@ class AdvancingFront(ListedNumbers):
     # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
     quick = grid((NAME,), ("unstructured",), (8, 16, 32))
     full = grid((NAME,), ("one-diagonal", "unstructured"), (8, 16, 32, 64))
-
-    def settings(self, scope: Scope) -> Sequence[Setting]:
-        """Return all settings if the whole catalogue is studied; the case itself is not in the catalogue."""
-        return self.places(scope.full) if scope.whole else []
 
     def cost(self, setting: Setting) -> float:
         """Return the expected time in µs; the number of time steps grows like the number of cells along a side."""

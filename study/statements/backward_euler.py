@@ -20,6 +20,7 @@ error between the nodes.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -60,10 +61,19 @@ def columns(quantity: str) -> list[str]:
     return [f"{count} {quantity}" for count in COUNTS]
 
 
-def orders_in_k(levels: pd.DataFrame) -> Measured:
-    """Return the orders of the error in k on all meshes; the ledger shows the order on the finest mesh."""
-    orders = np.array([fit(1 / np.array(COUNTS), row) for row in levels[columns("error")].to_numpy()])
-    return among(orders[-1], orders)
+def order_in_k(key: str, quantity: str, window: Window, counts: Sequence[int], columns: Sequence[str]) -> Criterion:
+    """Return the criterion for the order of an error in k on all meshes; the ledger shows the order on the finest mesh.
+
+    Args:
+        counts: numbers of steps.
+        columns: for each number of steps, the name of the column with the error.
+    """
+
+    def measure(levels: pd.DataFrame) -> Measured:
+        orders = np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
+        return among(orders[-1], orders)
+
+    return Criterion(key, quantity, window, or_none(measure), tuple(columns))
 
 
 class BackwardEuler(ListedNumbers):
@@ -78,7 +88,7 @@ class BackwardEuler(ListedNumbers):
         largest("constant", "‖u^h − U_n‖ on (t_{n−1}, t_n] / its bound", PROVED, *columns("constant")),
         every("between", INTERPOLATION, BETWEEN, *columns("between")),
         largest("midpoint", ALL_TIMES, PROVED, *columns("midpoint")),
-        Criterion("order", "order of ‖u^h − û^{hk}‖ in k", IN_K, or_none(orders_in_k), tuple(columns("error"))),
+        order_in_k("order", "order of ‖u^h − û^{hk}‖ in k", IN_K, COUNTS, columns("error")),
         change("uniform", f"‖u^h − û^{{hk}}‖ with {LAST} steps, finest mesh / coarsest mesh", UNIFORM, f"{LAST} error"),
         largest("reference", CHANGE, positive_at_most(0.1, "so it hardly changes the error"), "reference"),
     )

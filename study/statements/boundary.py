@@ -1,19 +1,19 @@
 """(4.13): σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which the discrete solution satisfies only in the limit h → 0.
 
 The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13). They do for
-h → 0 in two senses. The orders are predicted for solutions with σ ∈ W^{1,∞}:
+h → 0, in two senses. The orders are predicted for solutions with σ ∈ W^{1,∞}.
 
-* In L²(Γ). ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is h^{−1/2} times
-  the error in the cells along Γ, which may contain all of it. If the error is spread evenly, as W^{1,∞} estimates say
-  for smooth solutions on quasi-uniform meshes, these cells hold h^{3/2}, and ‖σ^hν − σν‖ is of order 1, no more: σ^h is
-  constant on the cell. For σ_τ alone, which ‖σ^hν − σν‖ bounds, the first-order term depends on how the triangles along
-  Γ3 lie.
-* Against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V, and since the scheme
-  satisfies this for Π^h v,
+* In L²(Γ), ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is at most h^{−1/2}
+  times the error in the cells along Γ, and these cells may contain the whole error. Order 1 is predicted, because
+  W^{1,∞} estimates for smooth solutions on quasi-uniform meshes say that the error is spread evenly. The cells along Γ
+  then contain h^{3/2} of it. More than order 1 is not possible for ‖σ^hν − σν‖, because σ^h is constant on a cell. For
+  σ_τ alone, which ‖σ^hν − σν‖ bounds, the term of first order depends on how the triangles lie along Γ3.
+* Against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V. The scheme satisfies
+  this equation for Π^h v, so
 
-      (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h):
+      (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h).
 
-  order 2, whatever the time step leaves in σ^h − σ.
+  This gives order 2, whatever error the time steps leave in σ^h − σ.
 
 The second half of the file makes the smooth fields v; other statements use them as well.
 """
@@ -30,8 +30,8 @@ from manufactured.body import Body, Kind, Part
 from manufactured.exact.solution import Fields
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, traction
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules
-from study.fem.material import on_cells
 from study.fem.quadrature import facet_rule
+from study.fem.space import on_cells
 from study.ledger.criterion import Observation, order, weighted
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
@@ -83,15 +83,17 @@ def tractions(setup: Experiment) -> dict[str, float]:
     """Return the norms of the violations, relative to ‖σν‖ on Γ2 ∪ Γ3; the smooth fields have ‖v‖_V = 1."""
     body = setup.space.body
     loaded, contact = ([Side(setup, part) for part in body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT))
-    against_load, against_contact = (weighted_strains(setup, f(body)) for f in (fields_on_loaded, fields_on_contact))
+    against_load, against_contact = (weighted_strains(setup, fields) for fields in smooth_fields(body))
     squares = []
     for time, stress in discrete_stresses(setup):
+        on_loaded = np.sum([side.squares(stress, time) for side in loaded], axis=0)
+        on_contact = np.sum([side.squares(stress, time) for side in contact], axis=0)
         squares.append(
             {
-                "tangential": sum(side.tangential(stress) for side in contact),
-                "contact": sum(side.difference(stress, time) for side in contact),
-                "loaded": sum(side.difference(stress, time) for side in loaded),
-                "size": sum(side.size(time) for side in loaded + contact),
+                "tangential": on_contact[0],
+                "contact": on_contact[1],
+                "loaded": on_loaded[1],
+                "size": on_loaded[2] + on_contact[2],
                 "loaded, weakly": weak_defect(against_load, stress, time),
                 "tangential, weakly": weak_defect(against_contact, stress, time),
             }
@@ -119,20 +121,16 @@ class Side:
         self.rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
         self.exact = setup.solution.at(part.point(self.rule.s))
 
-    def tangential(self, stress: Tensors) -> float:
-        """Return ∫ |σ^h_τ|² over the part."""
-        forces = traction(stress[:, self.cells], self.part.normal)
-        tangential = forces - np.multiply.outer(self.part.normal, self.part.normal @ forces)
-        return float(np.sum(tangential**2 * self.rule.weights.sum(axis=1)))
-
-    def difference(self, stress: Tensors, time: float) -> float:
-        """Return ∫ |σ^hν − σν|² over the part."""
-        forces = traction(stress[:, self.cells], self.part.normal)[..., None]
-        return float(np.sum((forces - self.exact.surface_load(self.part, time)) ** 2 * self.rule.weights))
-
-    def size(self, time: float) -> float:
-        """Return ∫ |σν|² over the part."""
-        return float(np.sum(self.exact.surface_load(self.part, time) ** 2 * self.rule.weights))
+    def squares(self, stress: Tensors, time: float) -> tuple[float, float, float]:
+        """Return the integrals of |σ^h_τ|², |σ^hν − σν|² and |σν|² over the part, for the stress σ^h at one time."""
+        weights, normal = self.rule.weights, self.part.normal
+        forces, exact = traction(stress[:, self.cells], normal), self.exact.surface_load(self.part, time)
+        tangential = forces - np.multiply.outer(normal, normal @ forces)
+        return (
+            float(np.sum(tangential**2 * weights.sum(axis=1))),
+            float(np.sum((forces[..., None] - exact) ** 2 * weights)),
+            float(np.sum(exact**2 * weights)),
+        )
 
 
 WeightedStrains = list[tuple[Array, Fields, Array]]
@@ -159,25 +157,27 @@ def weak_defect(strains: WeightedStrains, stress: Tensors, time: float) -> float
     return float(np.sum(np.sum(works, axis=0) ** 2))
 
 
-def fields_on_loaded(body: Body) -> list[Field]:
-    """Return fields that vanish on Γ1 and Γ3."""
-    rng, fixed = np.random.default_rng(SEED), planes(body, Kind.CLAMPED) + planes(body, Kind.CONTACT)
-    return [vanishing(waves(body, rng), fixed) for _ in range(FIELDS)]
+def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
+    """Return random smooth fields that show each of both conditions.
 
+    Returns:
+        Fields that vanish on Γ1 and Γ3, and fields that vanish on Γ1, are tangential on one plane of Γ3 and vanish on
+        its other planes.
+    """
+    clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
+    rng = np.random.default_rng(SEED)
+    on_loaded = [vanishing(waves(body, rng), clamped + contact) for _ in range(FIELDS)]
 
-def fields_on_contact(body: Body) -> list[Field]:
-    """Return fields that vanish on Γ1 and are tangential on one plane of Γ3 and zero on its other planes."""
-    rng, clamped, contact = np.random.default_rng(SEED), planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
-
-    def field(part: Part, along: Field, inside: Field) -> Field:
+    def tangential(part: Part, along: Field, inside: Field) -> Field:
         others, tangents = [other for other in contact if other is not part], part.frame[:, :-1]
+        projector = tangents @ tangents.T
+        return vanishing(
+            lambda x: np.tensordot(projector, along(x), axes=1) + part.coordinates(x)[1] * inside(x), clamped + others
+        )
 
-        def tangential(x: Points) -> Vectors:
-            return np.tensordot(tangents @ tangents.T, along(x), axes=1) + part.coordinates(x)[1] * inside(x)
-
-        return vanishing(tangential, clamped + others)
-
-    return [field(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(FIELDS)]
+    rng = np.random.default_rng(SEED)
+    on_contact = [tangential(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(FIELDS)]
+    return on_loaded, on_contact
 
 
 # Smooth fields.
@@ -186,11 +186,15 @@ def fields_on_contact(body: Body) -> list[Field]:
 def planes(body: Body, kind: Kind) -> list[Part]:
     """Return one part of the given kind for each line or plane in which such parts lie."""
 
-    def same(a: Part, b: Part) -> bool:
-        return np.allclose(a.normal, b.normal) and np.allclose(a.normal @ (a.start - b.start), 0)
-
-    parts = body.of(kind)
-    return [part for i, part in enumerate(parts) if not any(same(part, other) for other in parts[:i])]
+    found: list[Part] = []
+    for part in body.of(kind):
+        known = any(
+            np.allclose(part.normal, other.normal) and np.allclose(part.normal @ (part.start - other.start), 0)
+            for other in found
+        )
+        if not known:
+            found.append(part)
+    return found
 
 
 def distances(x: Points, parts: list[Part]) -> Array:

@@ -13,7 +13,7 @@ the cells of a mesh.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import numpy as np
 
@@ -111,6 +111,10 @@ def extreme_quotients(A: AtPoints, dim: int, count: int) -> dict[str, float]:
     return {"smallest": float(values.min()), "largest": float(values.max()), "asymmetry": skew / top.max()}
 
 
+NEAR = 1e-4
+"""Relative distance |a − b|/|a| of near pairs; their quotients approximate the derivative of G."""
+
+
 class ElasticityOperator(OfLaws):
     """Measures |G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for random tensors, and G(·, 0).
 
@@ -128,8 +132,18 @@ class ElasticityOperator(OfLaws):
     def measure(self, setting: Setting) -> dict[str, float]:
         space, G = space_of(setting), resolve(setting.case).solution.law.G
         x = points(space)
-        operator, slopes, products = G.at(x), [], []
-        for a, b in pairs(operator, np.random.default_rng(SEED), space.dim, x.shape[1]):
+        operator, rng, slopes, products = G.at(x), np.random.default_rng(SEED), [], []
+
+        def random() -> Tensors:
+            return tensors(rng, space.dim, x.shape[1])
+
+        a, distant = random(), random()
+        matrices = derivative(operator, a)
+        _, vectors = np.linalg.eigh((matrices + matrices.swapaxes(1, 2)) / 2)
+        # Near pairs in a random direction and along eigenvectors of the extreme eigenvalues of G'.
+        directions = random(), vectors[:, :, -1].T, vectors[:, :, 0].T
+        steps = [NEAR * np.linalg.norm(a, axis=0) * d / np.linalg.norm(d, axis=0) for d in directions]
+        for b in (distant, *(a + step for step in steps)):
             change, difference = operator(a) - operator(b), a - b
             square = np.sum(difference**2, axis=0)
             slopes.append(np.linalg.norm(change, axis=0) / np.sqrt(square))
@@ -137,20 +151,6 @@ class ElasticityOperator(OfLaws):
         zero = abs(operator(np.zeros((size(space.dim), x.shape[1]))) - G.at_rest[:, None]).max()
         found = {"quotient": np.max(slopes), "monotonicity": G.monotonicity - np.min(products), "at zero": zero}
         return with_h(space.h, {name: value / G.lipschitz for name, value in found.items()})
-
-
-NEAR = 1e-4
-"""Relative distance |a − b|/|a| of near pairs; their quotients approximate the derivative of G."""
-
-
-def pairs(operator: AtPoints, rng: np.random.Generator, dim: int, count: int) -> Iterator[tuple[Tensors, Tensors]]:
-    """Yield distant and near random pairs, and near pairs along eigenvectors of the extreme eigenvalues of G'."""
-    a = tensors(rng, dim, count)
-    yield a, tensors(rng, dim, count)
-    matrices = derivative(operator, a)
-    _, vectors = np.linalg.eigh((matrices + matrices.swapaxes(1, 2)) / 2)
-    for direction in (tensors(rng, dim, count), vectors[:, :, -1].T, vectors[:, :, 0].T):
-        yield a, a + NEAR * np.linalg.norm(a, axis=0) * direction / np.linalg.norm(direction, axis=0)
 
 
 class Projection(OfLaws):
@@ -178,27 +178,20 @@ def projection(G: Yield, count: int) -> dict[str, float]:
     """Return the largest violation of each property of a projection, over random tensors."""
     rng = np.random.default_rng(SEED)
     a = np.hstack([tensors(rng, G.dim, count), G.convex.radius * tensors(rng, G.dim, count)])
-    b, k = rng.permutation(a, axis=1), inside(G, rng.permutation(a, axis=1), rng)
-
-    def project(strain: Tensors) -> Tensors:
-        return strain - G(strain) / G.beta
-
-    nearest, distance = project(a), np.linalg.norm(a - b, axis=0)
-    outward, along, moved = a - nearest, k - nearest, distance > 0
-    sizes = np.linalg.norm(outward, axis=0) * np.linalg.norm(along, axis=0)
+    b, k = rng.permutation(a, axis=1), rng.permutation(a, axis=1)
+    # Tensors in K: random tensors are scaled down so that many of them lie on the boundary of K.
+    k = k / np.maximum(gauge(G, k), 1.0) * np.minimum(rng.uniform(0, 2, k.shape[1]), 1.0)
+    nearest_a, nearest_b, nearest_k = (strain - G(strain) / G.beta for strain in (a, b, k))
+    distance, outward, along = np.linalg.norm(a - b, axis=0), a - nearest_a, k - nearest_a
+    moved, sizes = distance > 0, np.linalg.norm(outward, axis=0) * np.linalg.norm(along, axis=0)
     return {
-        "expansion": (np.linalg.norm(nearest - project(b), axis=0)[moved] / distance[moved]).max(),
-        "membership": gauge(G, nearest).max(),
+        "expansion": (np.linalg.norm(nearest_a - nearest_b, axis=0)[moved] / distance[moved]).max(),
+        "membership": gauge(G, nearest_a).max(),
         "nearest": (np.sum(outward * along, axis=0) / np.maximum(sizes, np.finfo(float).tiny)).max(),
-        "identity": (np.linalg.norm(project(k) - k, axis=0) / np.linalg.norm(k, axis=0)).max(),
+        "identity": (np.linalg.norm(nearest_k - k, axis=0) / np.linalg.norm(k, axis=0)).max(),
     }
 
 
 def gauge(G: Yield, strain: Tensors) -> Array:
     """Return |Pτ|/r with the projector P and the radius r of K, which is at most 1 for τ ∈ K, (n,)."""
     return np.linalg.norm(G.convex.projector @ strain, axis=0) / G.convex.radius
-
-
-def inside(G: Yield, strain: Tensors, rng: np.random.Generator) -> Tensors:
-    """Return tensors in K, which are the given tensors scaled down; many lie on the boundary of K."""
-    return strain / np.maximum(gauge(G, strain), 1.0) * np.minimum(rng.uniform(0, 2, strain.shape[1]), 1.0)

@@ -1,8 +1,8 @@
 """K^h and Π^h (near (5.23)): v ∈ V^h lies in K if v_ν ≤ 0 at the vertices of Γ3, and Π^h v ∈ K^h for continuous v ∈ K.
 
 The solvers represent K^h = V^h ∩ K by {v : Nv ≤ 0}, where Nv are normal displacements at vertices. The test checks the
-definition of K, v_ν ≤ 0 on all of Γ3 and v = 0 on Γ1, at points between the vertices, with normals and facets from the
-geometry of the body. It uses N only to make functions in K^h (Nv ≤ 0, including extreme rays of the cone) and functions
+definition of K, v_ν ≤ 0 on all of Γ3 and v = 0 on Γ1, at points between the vertices. Normals and facets come from the
+geometry of the body. N is used only to make functions in K^h (Nv ≤ 0, including extreme rays of the cone) and functions
 outside K^h (one (Nv)_i > 0). No violation is allowed, because linear functions attain their maximum at vertices.
 """
 
@@ -13,7 +13,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from manufactured.body import Body, Kind, Part
+from manufactured.body import Body, Kind
 from manufactured.catalogue import catalogue
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Points, Vectors
@@ -74,7 +74,9 @@ class Interpolant(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        return place(catalogue(), EVERY, (8, 16), (2, 4)) if full else place(named(*BODIES), IRREGULAR, (8,), (2,))
+        if full:
+            return place(catalogue(), EVERY, (8, 16), (2, 4))
+        return place(named(*BODIES), IRREGULAR, (8,), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
@@ -156,20 +158,17 @@ def admissible(body: Body, rng: np.random.Generator) -> list[Field]:
     """
     clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
 
-    def squared(x: Points, parts: list[Part]) -> Array:
-        return distances(x, parts) ** 2
-
     def field() -> Field:
         inner, pieces = waves(body, rng), [(part, waves(body, rng), waves(body, rng)) for part in contact]
 
         def v(x: Points) -> Vectors:
-            total = squared(x, contact) * inner(x)
+            total = distances(x, contact) ** 2 * inner(x)
             for part, along, pressed in pieces:
                 others = [other for other in contact if other is not part]
                 free, depth = along(x), pressed(x)[0] ** 2
                 normal = np.tensordot(part.normal, free, axes=1) + depth
-                total = total + squared(x, others) * (free - np.multiply.outer(part.normal, normal))
-            return squared(x, clamped) * total
+                total = total + distances(x, others) ** 2 * (free - np.multiply.outer(part.normal, normal))
+            return distances(x, clamped) ** 2 * total
 
         return v
 

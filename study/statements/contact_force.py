@@ -1,8 +1,8 @@
 """The contact force −σ^h_ν converges to the contact pressure p, and u^h_ν ≤ 0 holds between the vertices of Γ3.
 
-The paper claims nothing about the contact force. It is judged separately, because orders in V hardly depend on it:
-where all of Γ3 is in contact, contact forces that are wrong by a fifth do not change u^h, and penalty
-methods whose error stagnates pass.
+The paper claims nothing about the contact force. It is judged separately, because the order of the error in V hardly
+depends on it. Where all of Γ3 is in contact, contact forces that are wrong by a fifth do not change u^h. Penalty
+methods have the right order in V on coarse meshes, although their error stagnates later.
 
 **Measured** for every case of Proposition 5.4 with contact. With the nodal contact forces λ_n at t_{n−1/2}, which are
 the multipliers of the midpoint rule, Problem 5.1 reads
@@ -22,10 +22,11 @@ comes from the exact stress at points of the faces.
   in the cells along Γ3. These contain O(h^{3/2}) of ‖σ − σ^h‖_Q for ε(u) ∈ W^{1,∞}, and ‖v‖_V ≤ c h^{−1/2} ‖v_ν‖. This
   gives order 1 without cancellation. With cancellation, the inverse inequality gives half an order less than the order
   of the dual norm.
-* **resultant**: at least the order of the dual norm, of which v with v_ν = 1 on a piece of Γ3 is a special case. For
-  such a smooth v, (σ^h − σ, ε(v − Π^h v)) is of order 2 by the argument of Aubin and Nitsche, if the contact zone is
-  known. A moving front is known only up to one cell, which adds the pressure in that cell to the error. On coarse
-  levels orders above 2 are observed where a contact patch is only a few cells wide, so the window has no upper end.
+* **resultant**: at least the order of the dual norm, because v with v_ν = 1 on a piece of Γ3 is one of the v in the
+  supremum. For such a smooth v, (σ^h − σ, ε(v − Π^h v)) is of order 2 by the argument of Aubin and Nitsche, if the
+  contact zone is known. A moving front is known only up to one cell, which adds the pressure in that cell to the error.
+  On coarse levels orders above 2 are observed where a contact patch is only a few cells wide, so the window has no
+  upper end.
 
 On random meshes ‖p − p^h‖_{L²(Γ3)} is dominated by the few edges that happen to be long where p is strongly curved. In
 a pilot study on ten meshes its logarithm had a standard deviation of 0.2 on every level, n = 8, 16, 32, and its order
@@ -35,15 +36,15 @@ was 1.16 ± 0.18. Therefore this order is only reported there. The order of the 
 **Sign conditions**: u^h_ν is linear between vertices and u^h ∈ K^h, so u^h_ν ≤ 0 at every point of straight faces up to
 round-off, and λ ≥ 0.
 
-If the whole face lands with a non-zero velocity, p jumps in time. In the step with the jump every scheme returns a mean
-of the values before and after it. So the error in L²(0,T) is of order 1/2 in k, times a factor that depends on the
-position of the jump within the step; this order is only reported.
+If the whole face comes into contact with a non-zero velocity, p jumps in time. In the step with the jump every scheme
+returns a mean of the values before and after the jump. So the error in L²(0,T) is of order 1/2 in k, times a factor
+that depends on the position of the jump within the step. This order is only reported.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -90,7 +91,15 @@ POINTS, SOLID_POINTS = 20, 6
 
 
 class PressedFace:
-    """One piece of Γ3 with quadrature points, the exact pressure, and the P1 functions φ_i of its rows of N."""
+    """One piece of Γ3 with quadrature points, the exact pressure at them, and the P1 functions of its vertices.
+
+    Attributes:
+        weights: the quadrature weights, (points,).
+        normal: ν.
+        every: the values of the P1 functions of all vertices of the mesh at the points, (points, vertices).
+        functions: the values of the P1 functions φ_i of the vertices that have a row in N, (points, m).
+        mass: ∫ φ_i φ_j, (m, m).
+    """
 
     def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
         count = POINTS if space.dim == 2 else SOLID_POINTS
@@ -112,38 +121,26 @@ class PressedFace:
         """Return ∫ p φ_i, (m, n), for n pressures at the points, (points, n)."""
         return self.functions.T @ (self.weights[:, None] * pressure)
 
-    def square(self, pressure: Array) -> float:
-        """Return Σ_n ‖p‖² for n pressures at the points, (points, n)."""
-        return float((self.weights @ pressure**2).sum())
 
-    def from_moments(self, forces: Array) -> Array:
-        """Return p^h at the points, (points, n); its moments ∫ p^h φ_i are the given nodal forces, (m, n)."""
-        return self.functions @ np.linalg.solve(self.mass, forces)
-
-
-@dataclass(frozen=True, eq=False)
 class Forces:
-    """The pieces of Γ3, and the matrix W = N M⁻¹ Nᵀ, which gives the dual norm sup y·Nv/‖v‖_V = (y·Wy)^½.
+    """Measures errors of nodal contact forces and the penetration between the vertices.
 
     Attributes:
+        space: V^h.
+        faces: the pieces of Γ3.
         rows: the rows of N that belong to each piece.
+        W: the matrix N M⁻¹ Nᵀ, which gives the dual norm sup y·Nv/‖v‖_V = (y·Wy)^½, (m, m).
     """
 
-    space: Space
-    faces: Sequence[PressedFace]
-    rows: Sequence[slice]
-    W: Array
-
-    @classmethod
-    def of(cls, setup: Experiment) -> Forces:
-        """Return the object for an experiment, whose time scheme and load are not used."""
-        space, ends = setup.space, np.cumsum([0, *(len(vertices) for _, vertices in setup.space.contact)])
-        faces = [
+    def __init__(self, setup: Experiment) -> None:
+        self.space = space = setup.space
+        ends = np.cumsum([0, *(len(vertices) for _, vertices in space.contact)])
+        self.faces = [
             PressedFace(setup.solution, space, face, vertices)
             for face, (_, vertices) in zip(setup.solution.faces, space.contact, strict=True)
         ]
-        rows = [slice(*pair) for pair in pairwise(ends)]
-        return cls(space, faces, rows, Signorini(setup.problem.M, space.N, space.free_points).W)
+        self.rows = [slice(*pair) for pair in pairwise(ends)]
+        self.W = Signorini(setup.problem.M, space.N, space.free_points).W
 
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
         """Return the squared ERRORS and the squared exact norms, summed over n times, (3,) each.
@@ -151,11 +148,16 @@ class Forces:
         Args:
             multipliers: the nodal contact forces λ at the times, (n, m).
         """
-        exact = [face.pressure(times) for face in self.faces]
-        y = np.concatenate([face.moments(p) for face, p in zip(self.faces, exact, strict=True)])
-        missing, parts = y - multipliers.T, list(zip(self.faces, exact, self.rows, strict=True))
-        errors = sum(face.square(p - face.from_moments(multipliers.T[rows])) for face, p, rows in parts)
-        sizes = sum(face.square(p) for face, p, _ in parts)
+        exact, errors, sizes = [], 0.0, 0.0
+        for face, rows in zip(self.faces, self.rows, strict=True):
+            p = face.pressure(times)
+            # p^h is the P1 function with the moments λ.
+            p_h = face.functions @ np.linalg.solve(face.mass, multipliers.T[rows])
+            errors += float((face.weights @ (p - p_h) ** 2).sum())
+            sizes += float((face.weights @ p**2).sum())
+            exact.append(face.moments(p))
+        y = np.concatenate(exact)
+        missing = y - multipliers.T
         total, lost = (np.array([values[rows].sum(axis=0) for rows in self.rows]) for values in (y, missing))
         found = errors, np.vdot(missing, self.W @ missing), np.vdot(lost, lost)
         return np.array(found), np.array([sizes, np.vdot(y, self.W @ y), np.vdot(total, total)])
@@ -180,8 +182,8 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
 
 
 def measure_contact(setup: Experiment) -> dict[str, Any]:
-    """Return the columns of ``contact.csv`` from ``h`` on; the midpoint rule takes an even number of steps."""
-    forces = Forces.of(setup)
+    """Return the columns of ``contact.csv`` from ``h`` on; the number of steps must be even."""
+    forces = Forces(setup)
     errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
     coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
     shares = abs(errors - coarse) / errors
@@ -200,8 +202,8 @@ LANDS = "lift-and-land"
 NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
 JUMP = around(0.5, 0.2, "k^{1/2}")
 AT_CLAMP = "contact-at-clamp"
-"""The case whose contact face meets Γ1. There 1 is no trace of a function of V, so that the dual norm, from which the
-order 1 follows, does not bound the error of the resultant."""
+"""A case whose contact face meets Γ1. The order of the resultant follows from the dual norm with v_ν = 1, but v = 0 on
+Γ1, so no v ∈ V has v_ν = 1 on the whole face. Two faces of ``hexagon`` meet Γ1 as well; the order is claimed there."""
 NO_BOUND = "the face meets Γ1, so that the dual norm does not bound the error of the resultant"
 STRIP = between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2")
 PRESSURE = order("order-pressure", "order of ‖p − p^h‖_{L²(Γ3)}", STRIP, "pressure")

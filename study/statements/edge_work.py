@@ -25,12 +25,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 import pandas as pd
 
-from manufactured.exact import ExactSolution, Face
+from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
@@ -88,11 +88,11 @@ class EdgeWork(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
         found: dict[str, list[float]] = {name: [0.0] for name in (WORK, OF_ALL, OVERALL, *BRANCHES)}
-        for edges in mixed_edges(solution, space):
-            by_open_part = edges.open_part >= EQUAL
-            found[WORK] += [*(edges.quotients / beta(edges.open_part))]
-            found[OVERALL] += [*edges.quotients]
-            found[OF_ALL] += [supremum(touching, rho) for touching in edges.touching for rho in EXPONENTS]
+        for touching, open_part, quotients in mixed_edges(solution, space):
+            by_open_part = open_part >= EQUAL
+            found[WORK] += [*(quotients / beta(open_part))]
+            found[OVERALL] += [*quotients]
+            found[OF_ALL] += [supremum(of_edge, rho) for of_edge in touching for rho in EXPONENTS]
             found[BRANCHES[0]].append(float(np.sum(by_open_part)))
             found[BRANCHES[1]].append(float(np.sum(~by_open_part)))
         counts = {name: sum(found.pop(name)) for name in BRANCHES}
@@ -113,51 +113,33 @@ BOTH_KINDS = Criterion(
 )
 
 
-@dataclass(frozen=True, eq=False)
-class Edges:
-    """Edges on which there are both contact and a gap.
+def mixed_edges(solution: ExactSolution, space: Space) -> Iterator[tuple[Array, Array, Array]]:
+    """Yield, for every piece of Γ3 and every time, numbers about the edges on which there are both contact and a gap.
 
-    Attributes:
-        touching: whether there is contact at the points of ``FIRST``, (n, points).
-        open_part: |N|/h, (n,).
-        quotients: |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
+    Yields:
+        For n edges: whether there is contact at the points of ``FIRST``, (n, points); |N|/h, (n,); and the quotients
+        |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,). The quotients are computed on the interval (0, 1). Scaling it
+        to an edge multiplies R_E by h and leaves the seminorm |·|_{1/2} unchanged.
     """
-
-    touching: Array
-    open_part: Array
-    quotients: Array
-
-
-def mixed_edges(solution: ExactSolution, space: Space) -> Iterator[Edges]:
-    """Yield, for every piece of Γ3 and every time, the edges on which there are both contact and a gap."""
-    for face in solution.faces:
+    for face, part in product(solution.faces, TIMES):
+        time = part * solution.body.T
         corners = space.mesh.p[:, space.mesh.facets[:, space.facets(face.part)]]
         ends = np.sort(face.part.coordinates(corners)[0][0], axis=0)
-        for time in (part * solution.body.T for part in TIMES):
-            found = edges_at(solution, face, ends, time)
-            if len(found.open_part):
-                yield found
-
-
-def edges_at(solution: ExactSolution, face: Face, ends: Array, time: float) -> Edges:
-    """Return the edges, out of n edges with the end coordinates (2, n), with both contact and a gap at one time.
-
-    The quotients are computed on the interval (0, 1). Scaling it to an edge multiplies R_E by h and leaves the seminorm
-    |·|_{1/2} unchanged.
-    """
-    places = [ends[0][:, None] + (ends[1] - ends[0])[:, None] * x for x, _ in (FIRST, SECOND)]
-    touching = face.level_jet(places[0][None], time)[(0,)] >= 0
-    changes = np.sum(touching[:, 1:] != touching[:, :-1], axis=1)
-    chosen = (changes >= 1) & (changes <= CHANGES)
-    places, ends, touching = [s[chosen] for s in places], ends[:, chosen], touching[chosen]
-    pressure = [solution.on(face, s[None]).stated_pressure(time) for s in places]
-    slope = [face.gap_jet(s[None], time, 1)[(1,)] for s in places]
-    nodal, h = face.gap_jet(ends[None], time)[(0,)], ends[1] - ends[0]
-    interpolant = nodal[0][:, None] * (1 - FIRST[0]) + nodal[1][:, None] * FIRST[0]
-    gap = face.gap_jet(places[0][None], time)[(0,)]
-    work = h * (pressure[0] * (interpolant - gap) @ FIRST[1])
-    quotients = abs(work) / (h**2 * seminorm(pressure[0], pressure[1], 0.5) * seminorm(slope[0], slope[1], 0.5))
-    return Edges(touching, 1 - touching @ FIRST[1], quotients)
+        places = [ends[0][:, None] + (ends[1] - ends[0])[:, None] * x for x, _ in (FIRST, SECOND)]
+        touching = face.level_jet(places[0][None], time)[(0,)] >= 0
+        changes = np.sum(touching[:, 1:] != touching[:, :-1], axis=1)
+        chosen = (changes >= 1) & (changes <= CHANGES)
+        if not chosen.any():
+            continue
+        places, ends, touching = [s[chosen] for s in places], ends[:, chosen], touching[chosen]
+        pressure = [solution.on(face, s[None]).stated_pressure(time) for s in places]
+        slope = [face.gap_jet(s[None], time, 1)[(1,)] for s in places]
+        nodal, h = face.gap_jet(ends[None], time)[(0,)], ends[1] - ends[0]
+        interpolant = nodal[0][:, None] * (1 - FIRST[0]) + nodal[1][:, None] * FIRST[0]
+        gap = face.gap_jet(places[0][None], time)[(0,)]
+        work = h * (pressure[0] * (interpolant - gap) @ FIRST[1])
+        quotients = abs(work) / (h**2 * seminorm(pressure[0], pressure[1], 0.5) * seminorm(slope[0], slope[1], 0.5))
+        yield touching, 1 - touching @ FIRST[1], quotients
 
 
 def beta(open_part: Array) -> Array:
@@ -184,20 +166,19 @@ def supremum(touching: Array, rho: float) -> float:
     mass = np.where((nodes == 0) | (nodes == 1), 0.5, 1.0) / PANELS
     ends = np.flatnonzero(contact)[[0, -1]]
     at_start, at_end = nodes * PANELS <= ends[0], nodes * PANELS > ends[1]
-    of_pressure = dual_products(A, with_all_panels(contact), mass * np.array([1 - nodes, nodes]))
-    of_slope = dual_products(A, with_all_panels(~contact), mass * np.array([at_start, at_end]))
+    of_pressure = dual_products(A, contact, mass * np.array([1 - nodes, nodes]))
+    of_slope = dual_products(A, ~contact, mass * np.array([at_start, at_end]))
     largest_value = float(np.max(np.linalg.eigvals(of_pressure @ of_slope).real, initial=0.0))
     return math.sqrt(largest_value) / float(beta(np.array(1 - contact.mean())))
 
 
-def with_all_panels(panels: Array) -> Array:
-    """Return whether both panels next to a node are marked in ``panels``, for each node."""
+def dual_products(A: Array, panels: Array, functionals: Array) -> Array:
+    """Return f_i A⁻¹ f_j for two functionals f_1, f_2, (2, 2).
+
+    A is restricted to the free nodes, that is, the nodes whose neighbouring panels are all in ``panels``.
+    """
     padded = np.concatenate([[True], panels, [True]])
-    return np.asarray(padded[:-1] & padded[1:])
-
-
-def dual_products(A: Array, free: Array, functionals: Array) -> Array:
-    """Return f_i A⁻¹ f_j for two functionals f_1, f_2, with A restricted to the free nodes, (2, 2)."""
+    free = padded[:-1] & padded[1:]
     if not free.any():
         return np.zeros((2, 2))
     chosen = functionals[:, free]

@@ -145,22 +145,16 @@ def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
     problems whose solution is unknown.
     """
     for case in filter(eligible, cases):
-        in_turn = families_in_turn(case)
-        for family, scheme in zip(in_turn, SCHEMES, strict=True):
-            yield BoundSetting(case.name, family, 8, scheme.name, SmoothedInTime())
-        yield from by_midpoint(case.name, in_turn[0], (16,), SmoothedInTime())
-        yield from by_midpoint(case.name, in_turn[0], (4, 8) if case.name != CHECKED else (), Refined(1, 2))
+        serving = [family for family in ROTATION if family in families(case)]
+        first = serving.index(ROTATION_STARTS.get(case.name, (case.families or serving)[0]))
+        for turn, scheme in enumerate(SCHEMES, start=first):
+            yield BoundSetting(case.name, serving[turn % len(serving)], 8, scheme.name, SmoothedInTime())
+        yield from by_midpoint(case.name, serving[first], (16,), SmoothedInTime())
+        yield from by_midpoint(case.name, serving[first], (4, 8) if case.name != CHECKED else (), Refined(1, 2))
     if any(case.name == CHECKED for case in cases):
         yield from by_midpoint(CHECKED, "shaken", (8, 16, CHECKED_LEVEL), Refined(1, 4))
         yield from by_midpoint("ramp", "unstructured", (4, 8, 16), Refined(2, 2))
         yield from by_midpoint("bracket", "graded", (4, 8, 16), Refined(1, 2))
-
-
-def families_in_turn(case: Case) -> list[str]:
-    """Return the name of a mesh family for each scheme, cyclically from the families that can mesh the body."""
-    serving = [family for family in ROTATION if family in families(case)]
-    first = serving.index(ROTATION_STARTS.get(case.name, (case.families or serving)[0]))
-    return [serving[(first + turn) % len(serving)] for turn in range(len(SCHEMES))]
 
 
 # Measurement.
@@ -184,11 +178,9 @@ class ResolvedProblem:
 @lru_cache
 def resolve_problem(reference: str) -> ResolvedProblem:
     """Return the problem with an unknown solution that has the given name, or the problem of the given case."""
-    problem = problems_without_solution().get(reference)
-    if problem is not None:
-        return ResolvedProblem(
-            problem.name, problem.data, math.nan if problem.order is None else problem.order, PACE, None
-        )
+    if problem := problems_without_solution().get(reference):
+        order = math.nan if problem.order is None else problem.order
+        return ResolvedProblem(problem.name, problem.data, order, PACE, None)
     case = resolve(reference)
     return ResolvedProblem(case.name, Data.of(case.solution), case.order, case.pace, case)
 
@@ -233,16 +225,6 @@ def measure(
     return row | parts, found
 
 
-def over_time(found: Enclosure) -> dict[str, list[float]]:
-    """Return the columns of ``enclosures.csv``, at no more than TIMES times."""
-    chosen = np.unique(np.linspace(0, len(found.times) - 1, TIMES).round().astype(int))
-    columns = ("error", "distance", "bound")
-    return {
-        "time": np.round(found.times[chosen], 9).tolist(),
-        **{name: [float(f"{v:.6g}") for v in getattr(found, name)[chosen]] for name in columns},
-    }
-
-
 class Bounds(Statement):
     """Base class of the statements "bound" and "enclosure", which have the same measurement."""
 
@@ -255,11 +237,14 @@ class Bounds(Statement):
 
     def measure(self, setting: BoundSetting) -> dict[str, Any]:
         """Return a row of ``bounds.csv`` under the key "row", and columns of ``enclosures.csv`` under "times"."""
-        family, scheme = family_named(setting.family), choose("scheme", setting.scheme, SCHEMES)
-        row, found = measure(
-            resolve_problem(setting.case), family, setting.level, scheme, self.steps(setting), setting.by
-        )
-        return {"row": row, "times": over_time(found)}
+        problem, family = resolve_problem(setting.case), family_named(setting.family)
+        scheme = choose("scheme", setting.scheme, SCHEMES)
+        row, found = measure(problem, family, setting.level, scheme, self.steps(setting), setting.by)
+        chosen = np.unique(np.linspace(0, len(found.times) - 1, TIMES).round().astype(int))
+        times: dict[str, list[float]] = {"time": np.round(found.times[chosen], 9).tolist()}
+        for name in ("error", "distance", "bound"):
+            times[name] = [float(f"{value:.6g}") for value in getattr(found, name)[chosen]]
+        return {"row": row, "times": times}
 
     def records(self, setting: BoundSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
         """Yield one row of ``bounds.csv``, and one row of ``enclosures.csv`` for every time."""

@@ -73,17 +73,13 @@ class Turned(Statement):
     rules = CHANGES
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        found = []
+        names, found = [name for rule in CHANGES for name in rule.columns], []
         turned = rows[rows["twin"].isin(rows["case"]) & (rows["twin"] != rows["case"])]
         for case, mine in turned.groupby("case", sort=False):
-            twin = rows[rows["case"] == mine["twin"].iloc[0]]
-            found += [rule.verdict(self, str(case), {"": relative_changes(mine, twin)}) for rule in self.rules]
+            twin = rows[rows["case"] == mine["twin"].iloc[0]][[*SAME_MESH, *names]]
+            pairs = mine[~mine["family"].isin(WITH_AXES)].merge(twin, on=SAME_MESH, suffixes=("", "_twin"))
+            # Without a common mesh there are no columns, so that the rows are undecided.
+            compared = names if len(pairs) else []
+            changes = pd.DataFrame({name: abs(pairs[name] / pairs[f"{name}_twin"] - 1) for name in compared})
+            found += [rule.verdict(self, str(case), {"": changes}) for rule in self.rules]
         return found
-
-
-def relative_changes(rows: pd.DataFrame, twin: pd.DataFrame) -> pd.DataFrame:
-    """Return |e/e' − 1| for the errors e of a case and e' of its twin; no columns if they have no meshes in common."""
-    names = [name for rule in CHANGES for name in rule.columns]
-    same = rows[~rows["family"].isin(WITH_AXES)]
-    pairs = same.merge(twin[[*SAME_MESH, *names]], on=SAME_MESH, suffixes=("", "_twin"))
-    return pd.DataFrame({name: abs(pairs[name] / pairs[f"{name}_twin"] - 1) for name in (names if len(pairs) else ())})

@@ -8,8 +8,8 @@ measured,
 at the nodes t_n that belong to the time grids of all k, so that all maxima are over the same times. Predicted before
 measuring, and reported without a verdict, because the paper claims nothing:
 
-* e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q. The reason is that e is nearly all
-  interpolation error, which is nearly orthogonal in V to V^h, where the error in time lies;
+* e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q. The reason is that the error in space is
+  mainly interpolation error, which is nearly orthogonal in V to V^h, while the error in time lies in V^h;
 * d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so Problem 5.1 is not stiff and d does not depend on
   h;
 * q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, 3/2 where u̇^h jumps because vertices change contact.
@@ -20,9 +20,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
-from itertools import islice
 
 import numpy as np
 import pandas as pd
@@ -32,8 +31,9 @@ from scipy.special import stdtrit
 from manufactured.tensors import Array
 from study.ledger.criterion import ENOUGH, Criterion, Measured, Observation, exactly, judge
 from study.ledger.verdict import Verdict
-from study.ledger.window import Window, around, at_most, between
+from study.ledger.window import around, at_most, between
 from study.solve.evolution import Scheme
+from study.solve.paths import path
 from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
@@ -53,6 +53,8 @@ CONFIDENCE = 0.95
 """Confidence level of the intervals of fitted parameters."""
 IN_H = around(1, 0.15)
 OPEN = "the source leaves it open"
+KEYS = "time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit", "sum-in-h", "sum-in-k"
+"""The fitted quantities of each scheme."""
 
 
 class FullyDiscrete(ListedNumbers):
@@ -66,7 +68,20 @@ class FullyDiscrete(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        return with_h(setup.space.h, dict(errors(setup)))
+        v_norm, M, T, common = setup.v_norm, setup.problem.M, setup.problem.T, min(COUNTS)
+        # Cached, because schemes and numbers of steps have most of their times in common.
+        load = lru_cache(maxsize=None)(setup.problem.load)
+        problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
+        reference = path(problem, MIDPOINT, FINEST)[:: FINEST // common]
+        samples = [v_norm.sample(n * T / common) for n in range(common + 1)]
+        found: dict[str, float] = {}
+        for scheme in SCHEMES:
+            for count in COUNTS:
+                states = path(problem, scheme, count)[:: count // common]
+                pairs = list(zip(reference - states, samples, states, strict=True))
+                found[f"{scheme.name} {count} e"] = maximum(v_norm.distance(sample, u) for _, sample, u in pairs)
+                found[f"{scheme.name} {count} d"] = maximum(math.sqrt(v @ (M @ v)) for v, _, _ in pairs)
+        return with_h(setup.space.h, found)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         return judge(self, rows, [rule for scheme in SCHEMES for rule in observations(scheme)])
@@ -77,106 +92,76 @@ def columns(scheme: Scheme, which: str) -> list[str]:
     return [f"{scheme.name} {count} {which}" for count in COUNTS]
 
 
-def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
-    """Yield e and d of every scheme and number of steps, with the names of ``columns``."""
-    v_norm, M = setup.v_norm, setup.problem.M
-    # Cached, because schemes and numbers of steps have most of their times in common.
-    load = lru_cache(maxsize=None)(setup.problem.load)
-    problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
-    common = min(COUNTS)
-    reference = [state.u for n, state in enumerate(MIDPOINT.march(problem, FINEST)) if n % (FINEST // common) == 0]
-    samples = [v_norm.sample(n * problem.T / common) for n in range(common + 1)]
-    for scheme in SCHEMES:
-        for count in COUNTS:
-            at_common = islice(scheme.march(problem, count), 0, None, count // common)
-            pairs = [
-                (reference[n] - state.u, v_norm.distance(samples[n], state.u)) for n, state in enumerate(at_common)
-            ]
-            yield f"{scheme.name} {count} e", maximum(error for _, error in pairs)
-            yield f"{scheme.name} {count} d", maximum(math.sqrt(v @ (M @ v)) for v, _ in pairs)
-
-
 def observations(scheme: Scheme) -> Iterator[Observation]:
     """Yield the reported quantities of a scheme."""
     order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e") + columns(scheme, "d"))
     in_time, error, fitted = "‖u^h − u^{hk}‖", "‖u − u^{hk}‖", "C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖"
-    table: list[tuple[str, str, Window, Callable[[Table], Measured | None]]] = [
-        ("time-in-k", f"order q of {in_time} in k", order, lambda e: fit_d(e).parameters[1]),
-        ("time-in-h", f"order s of {in_time} in h", around(0, 0.1), lambda e: fit_d(e).parameters[2]),
-        ("error-in-h", f"order p of {error} in h", IN_H, lambda e: fit_e(e).parameters[1]),
-        ("error-in-k", f"order q of {error} in k", order, lambda e: fit_e(e).parameters[3] if visible(e) else None),
-        ("misfit", "misfit of the root of squares / misfit of C_h h^p + C_k k^q", at_most(1.0),
-         lambda e: exactly(fit_e(e).misfit / fit_e(e, 1.0).misfit)),
-        ("sum-in-h", f"order p of {fitted}", IN_H, lambda e: fit_e(e, 1.0).parameters[1]),
-        ("sum-in-k", f"order q of {fitted}", order, lambda e: fit_e(e, 1.0).parameters[3] if visible(e) else None),
-    ]  # fmt: skip
-    for key, quantity, window, value in table:
+    table = (
+        (f"order q of {in_time} in k", order),
+        (f"order s of {in_time} in h", around(0, 0.1)),
+        (f"order p of {error} in h", IN_H),
+        (f"order q of {error} in k", order),
+        ("misfit of the root of squares / misfit of C_h h^p + C_k k^q", at_most(1.0)),
+        (f"order p of {fitted}", IN_H),
+        (f"order q of {fitted}", order),
+    )
+    for key, (quantity, window) in zip(KEYS, table, strict=True):
 
-        def measure(levels: pd.DataFrame, value: Callable[[Table], Measured | None] = value) -> Measured | None:
+        def measure(levels: pd.DataFrame, key: str = key) -> Measured | None:
             e, d = (levels[columns(scheme, which)].to_numpy() for which in "ed")
-            positive = np.isfinite(e).all() and np.isfinite(d).all() and (e > 0).all() and (d > 0).all()
-            return value(Table(levels["h"].to_numpy(), e, d)) if positive else None
+            return fitted_orders(levels["h"].to_numpy(), e, d)[key]
 
         named = f"{scheme.name}-{key}", f"{scheme.name}: {quantity}"
         yield Observation(Criterion(*named, window, measure, needs, ENOUGH), OPEN)
 
 
-@dataclass(frozen=True, eq=False)
-class Table:
-    """The errors of one scheme on one mesh family.
+def fitted_orders(h: Array, e: Array, d: Array) -> dict[str, Measured | None]:
+    """Return the orders in h and k of both errors of one scheme on one mesh family, by least squares.
 
-    Attributes:
-        h: mesh sizes, from coarse to fine, (levels,).
+    d = C k^q h^s is fitted to the smaller steps. e^r = (C_h h^p)^r + (C_k k^q)^r is fitted for r = 2 and r = 1. The
+    order in k is None if d is nearly everywhere hidden behind the error in space.
+
+    Args:
+        h: the mesh sizes, from coarse to fine, (levels,).
         e, d: both errors, (levels, numbers of steps).
+
+    Returns:
+        The parameters by the keys of ``observations``; all None if an error is not positive.
     """
+    if not all(np.isfinite(errors).all() and (errors > 0).all() for errors in (e, d)):
+        return dict.fromkeys(KEYS)
+    log_h, log_k, log_e = np.log(h)[:, None], -np.log(COUNTS), np.log(e)
+    last_k, last_d = -np.log(ASYMPTOTIC), np.log(d[:, -len(ASYMPTOTIC) :])
+    start = np.array([0.0, 1.0, 0.0])
+    (C, q, s), _ = fit(lambda x: (x[0] + x[1] * last_k + x[2] * log_h - last_d).ravel(), start)
 
-    h: Array
-    e: Array
-    d: Array
+    def sum_of_powers(power: float) -> tuple[list[Measured], float]:
+        """Fit log C_h, p, log C_k and q to e, starting from the fit of d."""
+
+        def residuals(x: Array) -> Array:
+            parts = np.logaddexp(power * (x[0] + x[1] * log_h), power * (x[2] + x[3] * log_k))
+            return (parts / power - log_e).ravel()
+
+        least = np.unravel_index(np.argmin(e), e.shape)
+        return fit(residuals, np.array([log_e[least] - log_h[least[0], 0], 1.0, C[0], q[0]]))
+
+    (squares, misfit), (sums, misfit_of_sums) = sum_of_powers(2.0), sum_of_powers(1.0)
+    visible = int(np.sum(d[-1] / e[-1] >= VISIBLE)) >= 2
+    found = q, s, squares[1], squares[3] if visible else None, exactly(misfit / misfit_of_sums)
+    return dict(zip(KEYS, (*found, sums[1], sums[3] if visible else None), strict=True))
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
-    """A least-squares fit: the parameters with Student intervals at 95 %, and the root mean square residual."""
+def fit(residuals: Callable[[Array], Array], start: Array) -> tuple[list[Measured], float]:
+    """Return the least-squares fit for residuals r(x).
 
-    parameters: list[Measured]
-    misfit: float
-
-
-def fit(residuals: Callable[[Array], Array], start: Array) -> Fit:
-    """Return the least-squares fit for residuals r(x), with intervals from the Jacobian at the minimum."""
+    Returns:
+        The parameters with Student intervals at 95 %, from the Jacobian at the minimum, and the root mean square
+        residual.
+    """
     found = least_squares(residuals, start, method="lm", x_scale="jac")
     freedom = len(found.fun) - len(start)
     variance = 2 * found.cost / freedom
     spread = np.sqrt(variance * np.diag(np.linalg.pinv(found.jac.T @ found.jac)))
     half = float(stdtrit(freedom, (1 + CONFIDENCE) / 2)) * spread
     parameters = [(x, (x - r, x + r)) for x, r in zip(found.x.tolist(), half.tolist(), strict=True)]
-    return Fit(parameters, float(np.sqrt(variance)))
-
-
-def fit_d(table: Table) -> Fit:
-    """Return the fit of d = C k^q h^s, with the parameters (log C, q, s)."""
-    log_h, log_k = np.log(table.h)[:, None], -np.log(ASYMPTOTIC)
-    log_d = np.log(table.d[:, -len(ASYMPTOTIC) :])
-    return fit(lambda x: (x[0] + x[1] * log_k + x[2] * log_h - log_d).ravel(), np.array([0.0, 1.0, 0.0]))
-
-
-def fit_e(table: Table, power: float = 2.0) -> Fit:
-    """Return the fit of e^r = (C_h h^p)^r + (C_k k^q)^r for a power r, with the parameters (log C_h, p, log C_k, q).
-
-    The iteration starts from the fit of d.
-    """
-    log_h, log_k, log_e = np.log(table.h)[:, None], -np.log(COUNTS), np.log(table.e)
-
-    def residuals(x: Array) -> Array:
-        parts = np.logaddexp(power * (x[0] + x[1] * log_h), power * (x[2] + x[3] * log_k))
-        return (parts / power - log_e).ravel()
-
-    (constant, _), (order, _), _ = fit_d(table).parameters
-    least = np.unravel_index(np.argmin(table.e), table.e.shape)
-    return fit(residuals, np.array([log_e[least] - log_h[least[0], 0], 1.0, constant, order]))
-
-
-def visible(table: Table) -> bool:
-    """Return whether d is at least VISIBLE times e for two numbers of steps on the finest mesh."""
-    return int(np.sum(table.d[-1] / table.e[-1] >= VISIBLE)) >= 2
+    return parameters, float(np.sqrt(variance))

@@ -6,7 +6,8 @@ With (2.2), (2.4), σ_τ = 0 on Γ3 and v = 0 on Γ1, Green's formula says that 
 
 The left side is ``ErrorNorm.load``, which needs no derivative of σ. The right side is computed from the forces, term by
 term. The defect is the distance of both sides in the dual norm of V^h, ‖F‖² = FᵀM⁻¹F, divided by the **smallest**
-non-zero term of the four. So a missing term gives at least 1 and a wrong sign at least 2, however large the others are.
+non-zero term of the four. So the defect is at least 1 if a term is missing, and at least 2 if its sign is wrong,
+however large the other terms are.
 
 Only the quadrature error may remain. It is at round-off level if f_0 is smooth except on known straight lines, along
 which cells are cut. Otherwise f_0 jumps inside cells: on the curve where the material begins to yield, on the cylinder

@@ -1,8 +1,8 @@
 """(5.21) and the theorem on backward Euler for large and small T and ω = L_G/m_A: errors grow like e^{ωT}, not faster.
 
-T and ω are varied over two decades, by scaling time and G. The laws are the law of the case and G = −ωA (column
-"even"). ``solution_divergence`` does the same for the distance of two solutions of Problem 5.1; here errors are
-measured. Predicted before measuring:
+T and ω are varied over two decades, by scaling time and G. The laws are the law of the case (columns "own") and
+G = −ωA (columns "even"). ``solution_divergence`` measures the distance of two solutions of Problem 5.1 for the same T
+and ω. Predicted before measuring:
 
 * *No contact, G = −ωA, u = (1/10 + t/T) U.* Let P_h be the projection onto V^h in (·,·)_V. Here B = −ωI in (4.2), and
   V^h replaces K^h. Then P_h u − u^h = e^{ωt} (P_h u_0 − Π^h u_0), which is orthogonal to u − P_h u. So at T
@@ -89,7 +89,7 @@ class GrowingErrors(ListedNumbers):
         for omega, T in SWEEP:
             law = even_law(own.dim, omega)
             free = experiment(opening(law, T), setting)
-            found[column("even", "known", omega, T)] = error_at_end(free) / known(free, omega)
+            found[column("even", "known", omega, T)] = error_over_predicted(free, omega)
             found[column("even", "needed", omega, T)] = share(free) * math.exp(omega * T)
             found[column("even", "bound", omega, T)] = share(experiment(softening(law, T), setting))
             moving = experiment(softening(scaled(own, omega), T), setting)
@@ -105,9 +105,9 @@ def experiment(solution: ExactSolution, setting: Setting) -> Experiment:
 
 
 def opening(law: KelvinVoigt, T: float) -> ExactSolution:
-    """Return a solution that is never in contact and linear in t, with the gap w = (1/10 + t/T)(1 + 4x(1 − x)).
+    """Return a solution that is linear in t and never in contact, with the gap w = (1/10 + t/T)(1 + 4x(1 − x)).
 
-    On Γ3, ε_nn = 0.
+    The normal strain ε_nn is 0 on Γ3.
     """
     body, time = unit_square(T), t / Rational(T).limit_denominator(1000)
     (part,) = body.of(Kind.CONTACT)
@@ -121,19 +121,16 @@ def share(setup: Experiment) -> float:
     return sides(setup)["(5.21), c"]
 
 
-def error_at_end(setup: Experiment) -> float:
-    """Return ‖u(T) − u^h(T)‖_V for the solution u^h in V^h, that is, without the contact condition."""
-    end = path(replace(setup.problem, N=setup.problem.N[:0]), setup.scheme, setup.steps)[-1]
-    return setup.v_norm.distance(setup.v_norm.sample(setup.problem.T), end)
+def error_over_predicted(setup: Experiment, omega: float) -> float:
+    """Return the error at T of the discrete solution in V^h, without the contact condition, over its predicted value.
 
-
-def known(setup: Experiment, omega: float) -> float:
-    """Return the predicted error (‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2} at T."""
+    The prediction is (‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2}.
+    """
     v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
-    start = projection(setup, 0.0) - problem.u0
-    return math.hypot(
-        v_norm.distance(v_norm.sample(T), projection(setup, T)), math.exp(omega * T) * norm(problem, start)
-    )
+    end = path(replace(problem, N=problem.N[:0]), setup.scheme, setup.steps)[-1]
+    sample, start = v_norm.sample(T), norm(problem, projection(setup, 0.0) - problem.u0)
+    predicted = math.hypot(v_norm.distance(sample, projection(setup, T)), math.exp(omega * T) * start)
+    return v_norm.distance(sample, end) / predicted
 
 
 def projection(setup: Experiment, time: float) -> np.ndarray:

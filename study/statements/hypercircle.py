@@ -1,14 +1,16 @@
 """The theorem of Prager and Synge: a displacement u^h and a stress σ^h bound each other's errors in static contact.
 
-The paper has no such statement. If gap and pressure of a case are frozen at one time, then u̇ = 0, and the problem is
-elastic contact with the tensor C = G and known exact u and σ.
-For u^h ∈ K^h of P1 and a stress σ^h that balances P f_0, P f_2 with σ^h_τ = 0, σ^h_ν ≤ 0 on Γ3, Green's formula gives
+The paper has no such statement. If gap and pressure of a case are frozen at one time, then u̇ = 0. The problem is then
+elastic contact with the tensor C = G, whose exact solution u and σ is known. Let u^h ∈ K^h be piecewise linear, let P
+be the L² projection of the loads onto polynomials, and let the stress σ^h balance P f_0 and P f_2, with σ^h_τ = 0 and
+σ^h_ν ≤ 0 on Γ3. Then Green's formula gives
 
     ‖σ^h − Cε(u^h)‖²_{C⁻¹} = ‖e‖²_C + ‖σ − σ^h‖²_{C⁻¹} − 2(f_0 − P f_0, e) − 2(f_2 − P f_2, e)_{Γ2}
                              + 2∫_{Γ3} (σ^h_ν − σ_ν) e_ν,     e = u − u^h,
 
-the theorem of Prager and Synge with additional terms. (σ^h_ν − σ_ν) e_ν ≥ −σ^h_ν u^h_ν, and with the constants of
-``study.stresses.oscillation`` the loads are at most Ω ‖e‖_C, so that with η² = ‖σ^h − Cε(u^h)‖² + 2∫_{Γ3} σ^h_ν u^h_ν
+the theorem of Prager and Synge with additional terms. On Γ3, (σ^h_ν − σ_ν) e_ν ≥ −σ^h_ν u^h_ν. The two terms with
+f_0 − P f_0 and f_2 − P f_2 are together at most 2Ω ‖e‖_C, with the constants Ω of ``study.stresses.oscillation``. So
+with η² = ‖σ^h − Cε(u^h)‖² + 2∫_{Γ3} σ^h_ν u^h_ν
 
     (‖u − u^h‖² + ‖σ − σ^h‖²)^½ ≤ Ω + (Ω² + η²)^½.
 
@@ -45,7 +47,7 @@ from study.ledger.criterion import Observation, every
 from study.ledger.window import Window, around
 from study.solve.signorini import Signorini
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.stresses.bernstein import interval_mass
+from study.stresses.composite import interval_mass
 from study.stresses.hybrid import Equilibrium
 from study.stresses.loads import ProjectedLoads
 from study.stresses.oscillation import Oscillation

@@ -27,7 +27,6 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.criterion import (
     ENOUGH,
-    Criterion,
     Measured,
     Observation,
     Rule,
@@ -48,54 +47,26 @@ TIMES = (0.23, 0.61)
 RAISED = 2
 """Increase of the degree of cell rules and of the points on facets, because kinks cross cells and facets."""
 ROUND_OFF = 1e-10
-"""Smaller relative errors count as round-off: a trace that is zero or linear has no interpolation error."""
+"""Smaller relative errors count as round-off, because a trace that is zero or linear has no interpolation error."""
 TRACES = (
-    "full-contact",
-    "fixed-front-on-vertex",
-    "advance-recede",
-    "rotated",
-    "corner",
-    "contact-at-clamp",
-    "hexagon",
-    "cube-disc",
-    "cube-two-faces",
-    "natural-front",
-    "rough-trace",
-    "moving-rough",
-    "cube-rough",
-    "rough-1.75",
-    "rough-2",
-    "rough-2.25",
-    "re-entrant",
-    "junction",
-    "softening",
+    *("full-contact", "fixed-front-on-vertex", "advance-recede", "rotated", "corner", "contact-at-clamp", "hexagon"),
+    *("cube-disc", "cube-two-faces", "natural-front", "rough-trace", "moving-rough", "cube-rough", "rough-1.75"),
+    *("rough-2", "rough-2.25", "re-entrant", "junction", "softening"),
 )
 """One case for every pair of a body and a regularity of the trace on Γ3."""
 ROOM = 0.15
 """Tolerance for orders. It is needed because fronts cut cells at different places on each level, and because the meshes
 of different levels are not nested."""
 
-
 SMOOTH = "a smooth field"
-FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": f"u({fraction:g} T)" for fraction in TIMES}}
+INSTANTS = {f"u({fraction:g} T)": fraction for fraction in TIMES}
+"""Fraction of T for each v = u(t), by the name of v."""
+FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": v for v, fraction in INSTANTS.items()}}
 """Name of the function v that is interpolated, by the key of the row."""
 REGULARITY = "τ"
 """Name of the column with the τ for which v_ν ∈ H^s(Γ3,i) for s < τ; it follows from the exponents of the case."""
-
-
-def at(fraction: float) -> str:
-    """Return the name of v = u(t) for t at a fraction of T."""
-    return FIELDS[f"u-{fraction}"]
-
-
-def size_of(face: int) -> str:
-    """Return the name of the column with the mesh size on Γ3,i."""
-    return f"size of Γ3,{face}"
-
-
-def trace_of(v: str, face: int) -> str:
-    """Return the name of the column with the interpolation error of v_ν on Γ3,i."""
-    return f"{v} on Γ3,{face}"
+SIZE, TRACE = "size of Γ3,{}", "{} on Γ3,{}"
+"""Names of the columns with the mesh size on Γ3,i and with the interpolation error of v_ν on Γ3,i."""
 
 
 def smooth(body: Body) -> Field:
@@ -126,9 +97,9 @@ class InterpolationInV(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
         v_norm = ErrorNorm(solution, space, RAISED)
-        samples = {at(fraction): v_norm.sample(fraction * solution.body.T) for fraction in TIMES}
-        found = {name: v_norm.distance(sample, sample.interpolant) for name, sample in samples.items()}
-        return with_h(space.h, {**found, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
+        samples = {v: v_norm.sample(fraction * solution.body.T) for v, fraction in INSTANTS.items()}
+        errors = {v: v_norm.distance(sample, sample.interpolant) for v, sample in samples.items()}
+        return with_h(space.h, {**errors, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         by_cells = around(1.0, ROOM, "least squares, weighted by the number of cells")
@@ -168,15 +139,16 @@ class InterpolationOnContact(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         # No shaken meshes: a few edges contribute most of the squared error Σ_e |e|⁵ |w''|²/120, so with random lengths
         # of edges the order varies by 0.3 from seed to seed.
-        traces, without = named(*(TRACES if full else ("advance-recede", "rough-2"))), (Graded().name, Shaken().name)
-        return [s for s in place(traces, EVERY, (16, 32, 64), (8, 16, 24)) if s.family not in without]
+        cases = named(*(TRACES if full else ("advance-recede", "rough-2")))
+        without = Graded().name, Shaken().name
+        return [s for s in place(cases, EVERY, (16, 32, 64), (8, 16, 24)) if s.family not in without]
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, case = space_of(setting), resolve(setting.case)
         found = {REGULARITY: case.regularity.trace}
         for i, face in enumerate(case.solution.faces, start=1):
-            found[size_of(i)] = induced_size(space, face.part)
-            found |= {trace_of(name, i): error for name, error in on_face(case.solution, space, face).items()}
+            found[SIZE.format(i)] = induced_size(space, face.part)
+            found |= {TRACE.format(v, i): error for v, error in on_face(case.solution, space, face).items()}
         return with_h(space.h, found)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -188,32 +160,31 @@ class InterpolationOnContact(ListedNumbers):
                 on_trace(key, v, face, math.inf if v == SMOOTH else tau).verdict(self, case, groups)
                 for key, v in FIELDS.items()
                 for face in range(1, len(columns))
-                if {size_of(face), trace_of(v, face)} <= columns
+                if {SIZE.format(face), TRACE.format(v, face)} <= columns
             ]
         return found
 
 
 def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
-    """Return the criterion for the order of a trace: 2 is claimed for τ > 2, otherwise min(2, τ) is predicted."""
-    key, name = f"{key}-face-{face}", trace_of(v, face)
-    quantity = f"order of ‖v_ν − Π^h v_ν‖, v = {name}"
+    """Return the criterion for the order of the interpolation error of v_ν on Γ3,i, in the mesh size on Γ3,i.
+
+    The paper claims order 2 for τ > 2; otherwise min(2, τ) is predicted.
+    """
+    key, column, size = f"{key}-face-{face}", TRACE.format(v, face), SIZE.format(face)
+    quantity, claimed = f"order of ‖v_ν − Π^h v_ν‖, v = {column}", around(2.0, ROOM)
     if tau >= 2.5:
-        return in_induced_size(consecutive(key, f"{quantity}, level by level", around(2.0, ROOM), name), face)
-    if tau > 2:
+        in_h = consecutive(key, f"{quantity}, level by level", claimed, column)
+    elif tau > 2:
         # Over two refinements, because the error in the cell of the front depends on where the front cuts the cell.
-        over_two = between_levels(key, f"{quantity}, over two refinements", around(2.0, ROOM), name, 2, ENOUGH)
-        return in_induced_size(over_two, face)
-    criterion = in_induced_size(order(key, f"{quantity}, fitted", around(tau, 0.3), name), face)
-    return Observation(criterion, "the trace is not in H², so that (5.24) does not apply")
-
-
-def in_induced_size(criterion: Criterion, face: int) -> Criterion:
-    """Return the criterion with h replaced by the mesh size on Γ3,i."""
+        in_h = between_levels(key, f"{quantity}, over two refinements", claimed, column, 2, ENOUGH)
+    else:
+        in_h = order(key, f"{quantity}, fitted", around(tau, 0.3), column)
 
     def measure(table: pd.DataFrame) -> Measured | None:
-        return criterion.measure(table.assign(h=table[size_of(face)]))
+        return in_h.measure(table.assign(h=table[size]))
 
-    return replace(criterion, measure=measure, columns=(*criterion.columns, size_of(face)))
+    criterion = replace(in_h, measure=measure, columns=(column, size))
+    return criterion if tau > 2 else Observation(criterion, "the trace is not in H², so that (5.24) does not apply")
 
 
 def induced_size(space: Space, part: Part) -> float:
@@ -231,8 +202,8 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> dict[str, floa
     rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS + RAISED)
     x, vertices = face.part.point(rule.s), mesh.p[:, mesh.facets[:, facets]]
     exact, nodes, field = solution.at(x), solution.at(vertices), smooth(space.body)
-    times = {at(fraction): fraction * solution.body.T for fraction in TIMES}
-    pairs = {name: (exact.displacement(time), nodes.displacement(time)) for name, time in times.items()}
+    times = {v: fraction * solution.body.T for v, fraction in INSTANTS.items()}
+    pairs = {v: (exact.displacement(time), nodes.displacement(time)) for v, time in times.items()}
     found = {}
     for name, (values, nodal) in {**pairs, SMOOTH: (field(x), field(vertices))}.items():
         trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (values, nodal))

@@ -1,6 +1,6 @@
 """Korn's inequality (2.17), and the equivalence (3.6) of the norms ‖·‖_V and ‖·‖_{H_1} that follows from it.
 
-Both are tested on V^h ⊂ V. The minimum over V^h is an upper bound of the square of the constant in (2.17):
+Both are tested on V^h ⊂ V. The minimum over V^h is an upper bound of the square of the constant C_K in (2.17):
 
     C_K² = inf_{v ∈ V} ‖ε(v)‖_Q² / ‖v‖_{H_1}² ≤ min_{v ∈ V^h} ‖ε(v)‖_Q² / ‖v‖_{H_1}².
 

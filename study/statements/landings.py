@@ -1,26 +1,33 @@
-"""Beyond the paper: second-order time schemes have only order 1 if a landing vertex makes a neighbour lift off.
+"""Beyond the paper: time schemes of second order have only order 1 if a landing vertex makes its neighbour lift off.
 
-When a vertex of Γ3 comes into contact ("lands"), u̇^h jumps, and its neighbours react at once, because there is no
-inertia. If this unloads a neighbour in contact, the neighbour lifts off at the same time. The exact solution has first
-a force and then a gap at this neighbour. In the time step with the landing, the discrete solution can have only one of
-both, because complementarity is imposed at the end of the step. This causes an error proportional to k that remains.
+A vertex of Γ3 *lands* when it comes into contact. At a landing the velocity u̇^h jumps. There is no inertia, so the
+neighbours of the vertex react at once. If the landing unloads a neighbour that is in contact, this neighbour lifts off
+at the same time. Until the landing the exact solution has a force at the neighbour, and from then on a gap. A time
+scheme imposes complementarity at the end of each step, so in the step of the landing its solution has either a force or
+a gap at the neighbour, not both. This causes an error proportional to k, which does not decay.
 
-*Two unknowns show it*: S u̇ + N_K(u) ∋ F, K = {u ≥ 0}, S = [[2, −1], [−1, 2]], F = (3/20, −2), u(0) = (0, 2/5). The
-first unknown u_1 is in contact until the second lands at t = 2/5; then u_1 increases with the velocity 3/40. Let the
-landing be at (n + θ)k. A step of backward Euler or the midpoint rule leaves u_1 at 0 if θ ≥ 3/20, while the exact u_1
-is (1 − θ)·3k/40. The error in ‖·‖_S of √2·(1 − θ)·3k/40 is permanent. For k = 2^{−j}, θ is cyclically 4/5, 3/5, 1/5,
-2/5, so errors at the nodes are between √2·3/200 and √2·6/100 times k, and both values are attained. So the order is at
-most 1, and two successive values of k need not show it. For BDF2 the distance from u at the end is at least √2·17k/600
-for every θ. paper/time.tex has the proofs.
+**A problem with two unknowns** shows the effect:
 
-*Linear finite elements*: a load moves along Γ3 so that the pressure does not vanish at the front. The landings cause an
-error C_1 k, and the times between them an error C_2 k². C_2 hardly depends on the mesh; C_1 depends on the jumps of
-velocities at landings, which may be smaller on finer meshes. The order 1 shows only for k below C_1/C_2, so an order
-fitted to a fixed range of k may approach 2 on finer meshes. (The midpoint rule over all six halvings: 1.1 for n = 8,
-1.4 for n = 16; the first prediction was 1 to 3/2, without a theory.) Therefore the order over the last three halvings
-is reported, on every level. Expected is 1 ± 0.4, because the positions θ of the landings matter; 3/2 and 2 lie outside.
-(This range was set after the data had been seen, so it is no claim.) Under the load of the case itself, gap and
-pressure vanish to high order at the fronts, landings hardly change velocities, and the order is 2 over all halvings.
+    S u̇ + N_K(u) ∋ F,   K = {u ≥ 0},   S = [[2, −1], [−1, 2]],   F = (3/20, −2),   u(0) = (0, 2/5).
+
+The first unknown u_1 is in contact until the second unknown lands at t = 2/5. Then u_1 increases with the velocity
+3/40. Let the landing be at the time (n + θ)k. If θ ≥ 3/20, a step of backward Euler or of the midpoint rule leaves
+u_1 = 0, while the exact value is (1 − θ)·3k/40. The error √2·(1 − θ)·3k/40 in ‖·‖_S remains. For k = 2^{−j} the values
+of θ are cyclically 4/5, 3/5, 1/5 and 2/5. So errors at the nodes are between √2·3/200 and √2·6/100 times k, and both
+bounds are attained. The order is at most 1, although two successive values of k need not show it. For BDF2 the error
+at the end is at least √2·17k/600 for every θ. paper/time.tex has the proofs. The errors of backward Euler and the
+midpoint rule are judged.
+
+**Linear finite elements.** A load moves along Γ3 in such a way that the pressure does not vanish at the front. Landings
+then cause an error C_1 k, and the times between them an error C_2 k². C_2 hardly depends on the mesh. C_1 depends on
+the jumps of velocities at landings, which may be smaller on finer meshes. The order 1 shows only for k below C_1/C_2.
+So an order that is fitted to a fixed range of k may tend to 2 on finer meshes: over all six halvings of k the midpoint
+rule has the order 1.1 for n = 8 and 1.4 for n = 16. (The first prediction was 1 to 3/2, without a theory.) Therefore
+the order over the last three halvings is reported on every level. Expected is 1 ± 0.4, because the positions θ of the
+landings matter; 3/2 and 2 lie outside. This range was set after the data had been seen, so it is no claim.
+
+Under the load of the case itself, gap and pressure vanish to high order at the fronts. Landings then hardly change
+velocities, and the order is 2 over all halvings.
 """
 
 from __future__ import annotations
@@ -45,10 +52,11 @@ from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 
 COUNTS = (16, 32, 64, 128, 256, 512, 1024)
-"""Numbers of steps: six halvings of k."""
+"""Numbers of time steps: six halvings of k."""
 FINEST = 8192
-"""Steps of the midpoint rule whose solution is used for u^h."""
+"""Number of steps of the midpoint rule whose solution is used for u^h."""
 LANDING, RISE = 0.4, 0.075
+"""The problem with two unknowns: the time of the landing, and the velocity of u_1 after it."""
 PROVED = Window(
     math.sqrt(2) * 0.2 * RISE * (1 - 1e-9), math.sqrt(2) * 0.8 * RISE * (1 + 1e-9), "proved, both ends attained"
 )
@@ -77,10 +85,7 @@ def rolling(space: Space) -> Callable[[float], Array]:
     s = np.linalg.norm(along, axis=0) / part.measure
     normal = sps.csr_array(space.N[: len(vertices)].T) * (np.gradient(s) * part.measure)
 
-    def load(t: float) -> Array:
-        return np.asarray(normal @ (1 - 5 * np.sin(2 * np.pi * (2 * s - 4 * t))))
-
-    return load
+    return lambda t: np.asarray(normal @ (1 - 5 * np.sin(2 * np.pi * (2 * s - 4 * t))))
 
 
 def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -> Observation:
@@ -116,10 +121,15 @@ class Landings(ListedNumbers):
     full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:
+        found: dict[str, float] = {}
+        for scheme in (BACKWARD_EULER, MIDPOINT):
+            for count in COUNTS:
+                exact = solution_of_two_unknowns(np.arange(count + 1) / count)
+                error = furthest(two_unknowns(), path(two_unknowns(), scheme, count), exact)
+                found[f"two {scheme.name} {count}"] = count * error
         setup = Experiment.at(setting, MIDPOINT, FINEST)
         rolled = replace(setup.problem, load=rolling(setup.space), u0=np.zeros(setup.space.dofs))
         loads = {"own": setup.problem, "rolling": rolled}
-        found = errors_of_two_unknowns()
         for load, problem in loads.items():
             exact = path(problem, MIDPOINT, FINEST)
             for scheme in (BDF2, MIDPOINT):
@@ -130,17 +140,7 @@ class Landings(ListedNumbers):
         return with_h(setup.space.h, found)
 
 
-def errors_of_two_unknowns() -> dict[str, float]:
-    """Return errors divided by k for the problem with two unknowns."""
-    problem, found = two_unknowns(), {}
-    for scheme in (BACKWARD_EULER, MIDPOINT):
-        for count in COUNTS:
-            exact = solution_of_two_unknowns(np.arange(count + 1) / count)
-            found[f"two {scheme.name} {count}"] = count * furthest(problem, path(problem, scheme, count), exact)
-    return found
-
-
 def landings(problem: SemiDiscrete, states: Array) -> int:
-    """Return how often a vertex of Γ3 comes into contact."""
+    """Return how many times a vertex of Γ3 comes into contact, counted over all vertices and time steps."""
     touching = -1e-12 * abs(states).max() <= (problem.N @ states[1:].T).T
     return int((touching[1:] & ~touching[:-1]).sum())

@@ -31,7 +31,6 @@ import numpy as np
 from manufactured.law import Linear
 from manufactured.tensors import Array, Points, dyad
 from study.fem.naming import resolve
-from study.fem.space import Space
 from study.ledger.criterion import consecutive, every, finest, largest
 from study.ledger.window import Window, around, at_least, positive_at_most
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
@@ -64,7 +63,8 @@ class NodalStart(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, A = space_of(setting), resolve(setting.case).solution.law.A
-        start = interpolant(space, setting.level)
+        # The grid has 2^i cells along a side, and Π^h u_0 sees the spikes with j ≤ i only.
+        start = space.interpolate(np.multiply.outer(DIRECTION, spikes(space.mesh.p, setting.level.bit_length() - 1)))
         energy = start @ (unloaded(space, resolve(setting.case).solution.law).M @ start)
         size, bound = math.sqrt(energy), norm_of_start(A)
         hats = 2 * mean_energy(A) * (setting.level - 4)
@@ -77,11 +77,6 @@ class NodalStart(ListedNumbers):
                 "error / start at 0": (size - bound) / bound,
             },
         )
-
-
-def interpolant(space: Space, level: int) -> Array:
-    """Return Π^h u_0 on the grid with ``level`` = 2^i cells along a side, (n_dofs,)."""
-    return space.interpolate(np.multiply.outer(DIRECTION, spikes(space.mesh.p, level.bit_length() - 1)))
 
 
 def spikes(x: Points, last: int) -> Array:

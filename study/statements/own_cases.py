@@ -1,8 +1,8 @@
 """Verdicts on a user's own case: a row *fails* only where the data contradict the statement.
 
 The cases of the catalogue were designed as tests. A user's case may not be suitable: its meshes are too coarse, its
-time steps too long, or its largest error is at t = 0, where it is only an interpolation error. Then a row that misses
-its window is *undecided, because …*, with a remedy. A row still fails if
+time steps too long, or its largest error is at t = 0, where the error is only an interpolation error. Then a row that
+misses its window is *undecided, because …*, with a remedy. A row still fails if
 
 * the last two orders lie outside the window on the same side, and the distance of the second one from the predicted
   order p is more than NEARER = 0.8 times the distance of the first. If e = C h^p (1 + c h^q) this distance shrinks by
@@ -10,21 +10,21 @@ its window is *undecided, because …*, with a remedy. A row still fails if
 * errors do not fall on the finest meshes, or fall ever more slowly although the limit must be 0;
 * a value is NaN, or an identity is violated: residuals, u^h on Γ1, the parallelogram law.
 
-Some rows, such as the order of ‖Π^h u − u^h‖_V, only support the conclusion that an observed order is the order of u^h.
-The paper does not claim them, so if they miss their windows they are undecided. The paper claims nothing about the
-contact force either. If the error of its resultant exceeds its window on the finest meshes, these meshes do not resolve
-contact, and the orders of the force are undecided, whether they lie in their windows or not.
+Some rows, such as the order of ‖Π^h u − u^h‖_V, only show that the observed order belongs to u^h and not to the
+interpolation error. The paper does not claim these orders, so if such a row misses its window it is undecided. The
+paper claims nothing about the contact force either. If the error of its resultant exceeds its window on the finest
+meshes, these meshes do not resolve contact, and the orders of the force are undecided, whether they lie in their
+windows or not.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike
 
 from manufactured.case import INITIAL_GAP
 from study.ledger.criterion import ENOUGH, Groups, by_family
@@ -83,8 +83,8 @@ def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
 def unclaimed(verdict: Verdict) -> Verdict:
     """Return the verdict, changed to *reported* if only the superclose order of the contact force is missed.
 
-    The paper does not claim this additional half order, and if fronts are a few cells apart it appears only on finer
-    meshes.
+    The paper does not claim this additional half order. If the distance of fronts is a few cells, it appears only on
+    finer meshes.
     """
     superclose, other = DUAL_ORDERS[True], DUAL_ORDERS[False]
     missed = (verdict.label, verdict.key, verdict.verdict) == (ContactForce.label, superclose.key, FAILS)
@@ -105,20 +105,21 @@ def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
     """
     remedy, key = remedy_of(groups), verdict.key
     if key in ("order", "order-extrapolated", "order-finest"):
-        why = why_missed(series(groups, orders_of("error")), expected, expected - verdict.window_low, remedy)
+        why = why_missed(orders_of(groups, "error"), expected, expected - verdict.window_low, remedy)
         return why or (NO_RATE.format(remedy=remedy) if verdict.label == "Prop. 5.3" else "")
     if key == "interpolation-order-finest":
-        orders = series(groups, orders_of("interpolation_error"))
+        orders = orders_of(groups, "interpolation_error")
         return why_missed(orders, expected, expected - verdict.window_low, remedy)
     if key == "leading-term":
-        ratios = series(groups, lambda group: group["interpolation_error"] / group["predicted_interpolation"])
+        pairs = [group["interpolation_error"] / group["predicted_interpolation"] for group in groups.values()]
+        ratios = [ratio.dropna().to_numpy() for ratio in pairs]
         return why_missed(ratios, 1.0, 1 - verdict.window_low, remedy)
     if key == "falling":
-        last = [errors[-2:] for errors in series(groups, lambda group: group["error"])]
+        last = [group["error"].dropna().to_numpy()[-2:] for group in groups.values()]
         return f"errors fall on the finest meshes only: {remedy}" if all(e[-1] < e[0] for e in last) else ""
     if key == "limit":
         # Over two refinements, because single orders alternate with the position of the front in its cell.
-        over_two = [orders[1:] + orders[:-1] for orders in series(groups, orders_of("error"))]
+        over_two = [orders[1:] + orders[:-1] for orders in orders_of(groups, "error")]
         slower = any(len(found) < 2 or found[-1] < found[0] for found in over_two)
         return "" if slower else f"errors fall more slowly than h^s, and do not slow down: {remedy}"
     if key == "discrete-order-superclose" and verdict.observed > verdict.window_high:
@@ -157,15 +158,10 @@ def remedy_of(groups: Groups) -> str:
     return f"{TRY} {' '.join(map(str, finer(levels, dim)))}"
 
 
-def series(groups: Groups, of: Callable[[pd.DataFrame], ArrayLike]) -> list[Array]:
-    """Return a quantity for every mesh family, from coarse to fine, without NaN values."""
-    found = [np.asarray(of(group), dtype=float) for group in groups.values()]
-    return [values[~np.isnan(values)] for values in found]
-
-
-def orders_of(column: str) -> Callable[[pd.DataFrame], Array]:
-    """Return the function that gives the orders of a column from level to level."""
-    return lambda group: since_before(group["h"].to_numpy(), group[column].to_numpy())
+def orders_of(groups: Groups, column: str) -> list[Array]:
+    """Return the orders of a column from level to level, without NaN, for every mesh family."""
+    found = [since_before(group["h"].to_numpy(), group[column].to_numpy()) for group in groups.values()]
+    return [orders[~np.isnan(orders)] for orders in found]
 
 
 def why_missed(series: Sequence[Array], target: float, room: float, remedy: str) -> str:
@@ -184,23 +180,23 @@ def why_missed(series: Sequence[Array], target: float, room: float, remedy: str)
 
 def finer(levels: Sequence[int], dim: int) -> list[int]:
     """Return the levels to try next: 16 32 64 after 8 16 32; if there are too few levels, 8 16 32 after 8."""
-    return [*levels[1:], _next(levels, dim)] if len(levels) >= ENOUGH else enough(levels, ENOUGH, dim)
+    needed = len(levels) + 1 if len(levels) >= ENOUGH else ENOUGH
+    return enough(levels, needed, dim)[-max(len(levels), ENOUGH) :]
 
 
 def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
-    """Return the levels and finer ones, so that there are at least ``needed``."""
+    """Return the levels with as many finer ones as are necessary for ``needed`` levels.
+
+    In the plane 32 follows 8, 16, and 15 follows 9, 12. In 3D 12 follows 8, because 16 would cost 2⁵ times more.
+    """
     found = list(levels)
     while len(found) < needed:
-        found.append(_next(found, dim))
+        last, before = found[-1], found[-2] if len(found) > 1 else 0
+        if last < 2 * before:
+            found.append(2 * last - before)
+        else:
+            found.append(2 * last if dim == 2 else last + max(1, last // 2))
     return found
-
-
-def _next(levels: Sequence[int], dim: int) -> int:
-    """Return the next finer level: 32 after (8, 16), 15 after (9, 12). In 3D 12 follows 8: 16 costs 2⁵ times more."""
-    last, before = levels[-1], levels[-2] if len(levels) > 1 else 0
-    if last < 2 * before:
-        return 2 * last - before
-    return 2 * last if dim == 2 else last + max(1, last // 2)
 
 
 def least_levels(proposition: str) -> int:

@@ -32,22 +32,22 @@ POINTS, LINE = 400, 80
 """Number of intervals along a plane face, for the exact contact zone and for the curves of exact gap and pressure."""
 HALVINGS = 10
 """Number of bisections of a time interval in which the number of connected parts of the exact zone changes."""
-Pieces = list[list[float]]
-"""The end points [begin, end] of the intervals that make up a contact zone."""
 
 
 def picture(case: Case) -> dict[str, Any]:
     """Return contact gap and pressure, displacement and stress over time, and the deformed mesh at three times.
 
-    The computed pressure at a vertex is its contact force over the integral of its shape function.
-    ``cells`` are the triangles of the mesh, in space those of its surface, ``vertices`` their corners.
-    ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed; ``shapes`` are the times, among
-    these, of the deformed meshes.
+    The computed pressure at a vertex is its contact force divided by the integral of its shape function.
 
-    A face has gap, pressure and their exact values at its points. In the plane these are written out, with the ends of
-    the exact zone, and ``line`` has exact values at more points, evenly spaced, packed. In space, where there are many,
-    they are packed; ``nodes`` says which of the vertices they are, and ``level_exact`` is ψ there and at the midpoints
-    between them (the exact zone is {ψ ≥ 0}).
+    Returns:
+        ``cells`` are the triangles of the mesh, in 3D the triangles of its surface, and ``vertices`` their corners.
+        ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed. ``shapes`` are the times at
+        which the deformed mesh is shown.
+
+        Each of ``faces`` has gap, pressure and their exact values at the contact vertices. In 2D these are written as
+        numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line`` has exact values at evenly spaced
+        points, packed. In 3D all values are packed, ``nodes`` are the indices of the contact vertices in ``vertices``,
+        and ``level_exact`` is ψ at these vertices and at the midpoints between them; the exact zone is {ψ ≥ 0}.
 
     Raises:
         MeshError: no mesh of a moderate level fits the body.
@@ -111,7 +111,7 @@ def contact_weights(space: Space) -> Array:
 def faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
 ) -> Iterator[dict[str, Any]]:
-    """Yield gap and pressure of every face with their exact values, packed for bodies in 3D."""
+    """Yield the records of the contact faces, whose contents ``picture`` describes."""
     plane, start = space.dim == 2, 0
     write: Callable[[Array], Any] = short if plane else packed
     for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
@@ -137,40 +137,35 @@ def faces(
             yield {**found, "level_exact": packed(between.level(times).T), "nodes": nodes.tolist()}
 
 
+def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
+    """Return the exact contact zone of a plane face over time, and the curves of exact gap and pressure.
+
+    The zone is given at evenly spaced times and at times near which its connected parts appear, merge or vanish. The
+    curves end at the first and the last contact vertex, because the pressure may be unbounded where Γ3 meets Γ1.
+    """
+    fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
+    level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
+    instants = np.linspace(0, solution.body.T, 101).tolist()
+    zone = {t: intervals(fine, level(t)) for t in instants}
+    for before, after in pairwise(instants):
+        for _ in range(HALVINGS if len(zone[before]) != len(zone[after]) else 0):
+            middle = (before + after) / 2
+            zone[middle] = intervals(fine, level(middle))
+            before, after = (middle, after) if len(zone[middle]) == len(zone[before]) else (before, middle)
+    shown = {round(t, 7): zone[t] for t in sorted(zone)}
+    return {
+        "zone_exact": {"times": list(shown), "intervals": list(shown.values())},
+        "line": {"s": short(line), "gap": packed(exact.gap(times).T), "pressure": packed(exact.pressure(times).T)},
+    }
+
+
 def packed(values: Array) -> dict[str, Any]:
     """Return values at points over time in the packed format with many digits."""
     return Packed.of(values, FINE).record()
 
 
-def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
-    """Return the exact contact zone of a plane face over time, and the curves of exact gap and pressure.
-
-    The curves end at the first and the last contact vertex, because the pressure may be unbounded where Γ3 meets Γ1.
-    """
-    fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
-    level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
-    zone = zone_over_time(lambda t: intervals(fine, level(t)), np.linspace(0, solution.body.T, 101).tolist())
-    return {
-        "zone_exact": {"times": list(zone), "intervals": list(zone.values())},
-        "line": {"s": short(line), "gap": packed(exact.gap(times).T), "pressure": packed(exact.pressure(times).T)},
-    }
-
-
-def zone_over_time(
-    pieces: Callable[[float], list[list[float]]], instants: list[float]
-) -> dict[float, list[list[float]]]:
-    """Return the connected parts of a zone, by time; times are added where parts appear, merge or vanish."""
-    found = {t: pieces(t) for t in instants}
-    for before, after in pairwise(instants):
-        for _ in range(HALVINGS if len(found[before]) != len(found[after]) else 0):
-            middle = (before + after) / 2
-            found[middle] = pieces(middle)
-            before, after = (middle, after) if len(found[middle]) == len(found[before]) else (before, middle)
-    return {round(t, 7): found[t] for t in sorted(found)}
-
-
-def intervals(s: Array, level: Array) -> Pieces:
-    """Return the intervals of s in which ψ ≥ 0, by linear interpolation between the points."""
+def intervals(s: Array, level: Array) -> list[list[float]]:
+    """Return the intervals [begin, end] of s in which ψ ≥ 0, by linear interpolation between the points."""
     inside = level >= 0
     if not inside.any():
         return []

@@ -17,8 +17,8 @@ by three relations, of which the first shares no code with the errors:
 * ‖u − Π^h u‖_V against its leading term, computed from second derivatives of u (``from_rates``, (5.23));
 * (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ = 1 within 10 %. If u^h were the best approximation of u in V^h,
   this would be Pythagoras' theorem; contact and memory disturb it little. It ties the error to the interpolation error;
-* the parallelogram law of u − u^h and u − Π^h u at every time. It ties the error to u^h: the interpolation error,
-  reported as the error, would pass the other relations because both are nearly equal.
+* the parallelogram law of u − u^h and u − Π^h u at every time. It ties the error to u^h. An interpolation error that is
+  reported as the error by mistake would satisfy the other relations, because both errors are nearly equal.
 
 **Why ‖Π^h u − u^h‖_V is reported as well.** For piecewise linear functions the error is nearly all interpolation
 error, and its maximum may be at t = 0, before anything is solved. The discrete error shows the work of the solver;
@@ -119,6 +119,16 @@ class Rates(Statement):
         """
         yield self.file, {"claim": self.label, **found}
 
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        found: list[Verdict] = []
+        for case, mine in rows[rows["claim"] == self.label].groupby("case", sort=False):
+            found += self.judge_case(str(case), mine, float(mine["expected_order"].iloc[0]))
+        return found
+
+    def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
+        """Return the verdicts on one case from its rows of ``rates.csv`` and the expected order."""
+        raise NotImplementedError
+
     def cost(self, setting: RateSetting) -> float:
         """Return the expected time in µs; a cell in 3D costs more, because of more components and a denser factor."""
         cells = setting.level**setting.dim * estimates.cells(setting.family)
@@ -146,7 +156,7 @@ def measure_case(case: Case, family: MeshFamily, level: int, scheme: Tableau, st
 
 
 def measure(experiment: Experiment) -> Measurement:
-    """Return the errors of the solution with time step k/2 at all its nodes, and its distance from the one with k."""
+    """Return the errors of the trajectory with time step k/2 at all its nodes, and the distance from the one with k."""
     v_norm, problem, M = experiment.v_norm, experiment.problem, experiment.problem.M
     coarse = experiment.scheme.march(problem, experiment.steps)
     history: list[tuple[float, ...]] = []
@@ -227,9 +237,9 @@ class Measurement:
         """Return max_n |2e² + 2i² − (2m)² − d²| over max_n d², which must be 0 by the parallelogram law.
 
         e, i, d and m are the rows of ``history`` after t. d is computed with the matrix M, the others by ``ErrorNorm``
-        with another quadrature rule for A. The test notices if the interpolation error is measured by mistake: instead
-        of e and m, the result is 1, because e = m = i leaves d²; instead of e only, the defect is 2 |i² − e²|, which is
-        2d² if u^h is the best approximation.
+        with another quadrature rule for A. If the interpolation error is measured by mistake in place of e and m, the
+        result is 1, because e = m = i leaves d². If it is measured in place of e alone, the defect is 2 |i² − e²|,
+        which is 2d² if u^h is the best approximation.
         """
         _, error, interpolation, discrete, halfway = self.history
         missed = 2 * error**2 + 2 * interpolation**2 - (2 * halfway) ** 2 - discrete**2
@@ -285,28 +295,21 @@ def size_of_error(group: pd.DataFrame) -> Measured:
     return exactly(np.hypot(last["error"], last["discrete_error"]) / last["interpolation_error"])
 
 
-def residuals(group: pd.DataFrame) -> Measured:
+def residual_share(group: pd.DataFrame) -> Measured:
     """Return the largest residual of contact solves, relative to the solver's tolerance for the number of unknowns."""
     allowed = [solver_choice.residual(dim, dofs) for dim, dofs in zip(group["dim"], group["dofs"], strict=True)]
     return greatest(group["residual"].to_numpy() / np.array(allowed))
 
 
 PARALLELOGRAM = positive_at_most(1e-3, "exact, except for rounding and for two quadratures of the factor of A")
-RESIDUAL = positive_at_most(
-    1.0, f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
-)
+TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
+RESIDUAL, ACCEPTED = positive_at_most(1.0, TOLERANCE), "residual of the contact solves / largest accepted residual"
 SIZE = around(1, 0.1, "Pythagoras")
 SIZES = Criterion("size", "size of the error", SIZE, size_of_error, ("error", "discrete_error", "interpolation_error"))
 EVIDENCE = (
     largest("parallelogram", "parallelogram law of u − u^h and u − Π^h u", PARALLELOGRAM, "parallelogram"),
     largest("time-share", "time share", positive_at_most(0.02, "of the error"), "time_share"),
-    Criterion(
-        "residual",
-        "residual of the contact solves / largest accepted residual",
-        RESIDUAL,
-        residuals,
-        ("dim", "dofs", "residual"),
-    ),
+    Criterion("residual", ACCEPTED, RESIDUAL, residual_share, ("dim", "dofs", "residual")),
     largest("clamped", "u^h = 0 on Γ1", at_most(1e-10, "rounding"), "clamped"),
     largest("quadrature", "change under finer quadrature", positive_at_most(0.02, "of the error"), "quadrature_change"),
 )
@@ -320,7 +323,7 @@ SOLIDS = (
     between_levels("order-finest", "order of the error, finest pair", SOLID, "error", 1, ENOUGH),
     between_levels("interpolation-order-finest", PAIR, SOLID, "interpolation_error", 1, ENOUGH),
 )
-"""An additional criterion in 3D: there are few levels, so the order from the two finest ones must be closer to 1."""
+"""Additional criteria in 3D: there are few levels, so the order from the two finest levels must be closer to 1."""
 OF_THE_TERM = around(1, 0.15, "least squares, as the error is compared with this term there")
 TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes"
 LEADING_ORDER = order("leading-order", TERM, OF_THE_TERM, LEADING, ENOUGH + 1)
@@ -360,8 +363,8 @@ AFTER_START = Criterion(
 class StartShare:
     """The criterion that the largest error is attained after t = 0.
 
-    At t = 0 the error is the interpolation error of u_0, so a maximum there says nothing about the solver. The solver
-    is not at fault if the interpolation error ‖u − Π^h u‖_V itself is largest at t = 0, or at least EXPECTED_AT_START
+    At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. The solver is not
+    at fault if the interpolation error ‖u − Π^h u‖_V itself is largest at t = 0, or at least EXPECTED_AT_START
     times its maximum. Then the row is reported; otherwise it fails.
     """
 
@@ -376,26 +379,15 @@ class StartShare:
         return found
 
 
-def error_orders(expected: float) -> tuple[Criterion, Criterion]:
-    """Return the criteria for the order of the error: level by level, and extrapolated to h → 0.
-
-    On irregular meshes both are orders in the leading term of the interpolation error, which is of order h by
-    LEADING_ORDER.
-    """
-    by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
-    limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
-    return (
-        consecutive("order", "order of the error, level by level", by_level, "error"),
-        extrapolated("order-extrapolated", "order of the error, extrapolated", limit, "error"),
-    )
-
-
 def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups]]:
     """Yield the criteria for the rows of one case, and the mesh families that each of them judges."""
     groups = by_family(rows)
     in_h, (irregular, _) = in_leading_term(groups), split_irregular(groups)
-    for criterion in (*error_orders(expected), SIZES):
-        yield criterion, in_h
+    by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
+    limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
+    yield consecutive("order", "order of the error, level by level", by_level, "error"), in_h
+    yield extrapolated("order-extrapolated", "order of the error, extrapolated", limit, "error"), in_h
+    yield SIZES, in_h
     for superclose, criterion in DISCRETE_ORDERS.items():
         if mine := {name: table for name, table in groups.items() if (name == "one-diagonal") is superclose}:
             yield criterion, mine
@@ -413,14 +405,5 @@ class FirstOrder(Rates):
     label = "Prop. 5.4"
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        mine = rows[rows["claim"] == self.label]
-        return [
-            verdict
-            for case, of_case in mine.groupby("case", sort=False)
-            for verdict in self.judge_case(str(case), of_case, float(of_case["expected_order"].iloc[0]))
-        ]
-
     def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
-        """Return the verdicts on one case from its rows of ``rates.csv`` and the expected order."""
         return [rule.verdict(self, case, groups) for rule, groups in rules_of(rows, expected)]

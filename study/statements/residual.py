@@ -43,7 +43,7 @@ from study.fem.space import Space
 from study.ledger.criterion import Criterion, Measured, finest, greatest, judge
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, positive_at_most
-from study.statements.boundary import Field, planes, strain, vanishing, waves
+from study.statements.boundary import planes, strain, vanishing, waves
 from study.statements.green import (
     FINE,
     KINKED,
@@ -118,41 +118,36 @@ def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
     found: dict[str, list[float]] = {"smooth v": [], "Π^hu − u": [], "bound": []}
     for time in (fraction * solution.body.T for fraction in TIMES):
         cut = cut_at_fronts(solution, time)
-        of = terms(cut, space, time, [*smooth_fields(space), interpolation_error(cut, space, time)])
-        difference, smooth, small = of.residual - of.contact, slice(FIELDS), slice(FIELDS, None)
-        found["bound"] += of.shares.tolist()
+        R = terms(cut, space, time, [*smooth_fields(space), interpolation_error(cut, space, time)])
+        found["bound"] += R.shares.tolist()
         for name, v, sizes in (
-            ("smooth v", smooth, (of.stress, of.body, of.loaded, of.contact)),
-            ("Π^hu − u", small, (of.stress, of.body, of.loaded)),
+            ("smooth v", slice(FIELDS), (R.stress, R.body, R.loaded, R.contact)),
+            ("Π^hu − u", slice(FIELDS, None), (R.stress, R.body, R.loaded)),
         ):
-            found[name].append(norm(difference[v]) / smallest_positive([norm(size[v]) for size in sizes]))
+            defect = float(np.linalg.norm((R.residual - R.contact)[v]))
+            found[name].append(defect / smallest_positive([float(np.linalg.norm(size[v])) for size in sizes]))
     if not touches(solution, space):
         del found["bound"]
     return {name: maximum(values) if values else math.nan for name, values in found.items()}
 
 
-@dataclass(frozen=True)
-class FunctionOfV:
-    """A function of V at one time.
+FunctionOfV = tuple[Callable[[CellRule], tuple[Vectors, Tensors]], Callable[[Part, FacetRule], Vectors]]
+"""A function v ∈ V at one time, as two functions.
 
-    Attributes:
-        inside: returns values (d, cells, points) and strains (D, cells, points) at the points of a cell rule.
-        on: returns values at the points of a facet rule on a part of the boundary, (d, facets, points).
-    """
-
-    inside: Callable[[CellRule], tuple[Vectors, Tensors]]
-    on: Callable[[Part, FacetRule], Vectors]
+The first returns the values of v (d, cells, points) and the strains (D, cells, points) at the points of a cell rule.
+The second returns the values of v at the points of a facet rule on a part of the boundary, (d, facets, points).
+"""
 
 
 def smooth_fields(space: Space) -> list[FunctionOfV]:
     """Return random waves that vanish on Γ1."""
     rng, clamped = np.random.default_rng(SEED), planes(space.body, Kind.CLAMPED)
-    return [analytic(vanishing(waves(space.body, rng), clamped)) for _ in range(FIELDS)]
 
+    def wave() -> FunctionOfV:
+        v = vanishing(waves(space.body, rng), clamped)
+        return lambda rule: (v(rule.points), strain(v, rule.points)), lambda part, rule: v(part.point(rule.s))
 
-def analytic(v: Field) -> FunctionOfV:
-    """Return a field that is analytic in x as a test function."""
-    return FunctionOfV(lambda rule: (v(rule.points), strain(v, rule.points)), lambda part, rule: v(part.point(rule.s)))
+    return [wave() for _ in range(FIELDS)]
 
 
 def interpolation_error(solution: ExactSolution, space: Space, time: float) -> FunctionOfV:
@@ -169,7 +164,7 @@ def interpolation_error(solution: ExactSolution, space: Space, time: float) -> F
         exact = solution.at(part.point(rule.s)).displacement(time)
         return np.einsum("dan,anq->dnq", nodal[:, mesh.facets[:, rule.facets]], rule.shapes) - exact
 
-    return FunctionOfV(inside, on)
+    return inside, on
 
 
 @dataclass(frozen=True, eq=False)
@@ -198,7 +193,7 @@ class Terms:
     @property
     def shares(self) -> Array:
         """Return |R| / bound for those v whose bound is not zero up to round-off; empty without contact."""
-        given = ~(self.bound <= ROUND_OFF * norm(self.stress))
+        given = ~(self.bound <= ROUND_OFF * np.linalg.norm(self.stress))
         return abs(self.residual[given]) / self.bound[given]
 
 
@@ -208,17 +203,17 @@ def terms(solution: ExactSolution, space: Space, time: float, functions: Sequenc
     for rule in rules(solution, space.mesh, FINE[space.dim]):
         exact = solution.at(rule.points)
         sigma, force = exact.stress(time) * rule.weights, exact.body_force(time) * rule.weights
-        values = [v.inside(rule) for v in functions]
+        values = [inside(rule) for inside, _ in functions]
         stress += [np.vdot(sigma, strain_of_v) for _, strain_of_v in values]
         body += [np.vdot(force, v) for v, _ in values]
     for part in space.body.of(Kind.LOADED):
         edge = on_facets(space, part)
         load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
-        loaded += [np.vdot(load, v.on(part, edge)) for v in functions]
+        loaded += [np.vdot(load, on(part, edge)) for _, on in functions]
     for face in solution.faces:
         edge = on_facets(space, face.part, face.rough)
         normal_stress = -solution.on(face, edge.s).pressure(time)
-        traces = [np.tensordot(face.part.normal, v.on(face.part, edge), axes=1) for v in functions]
+        traces = [np.tensordot(face.part.normal, on(face.part, edge), axes=1) for _, on in functions]
         contact += [np.sum(normal_stress * trace * edge.weights) for trace in traces]
         square += [np.sum(trace**2 * edge.weights) for trace in traces]
         pressed += np.sum(normal_stress**2 * edge.weights)
@@ -238,7 +233,3 @@ def touches(solution: ExactSolution, space: Space) -> bool:
 def on_facets(space: Space, part: Part, rough: tuple[float, ...] = ()) -> FacetRule:
     """Return the fine rule on a part of the boundary."""
     return facet_rule(space.mesh, space.facets(part), part, rough, POINTS)
-
-
-def norm(values: Array) -> float:
-    return float(np.linalg.norm(values))

@@ -1,32 +1,41 @@
-"""(4.4), (4.5), (5.6): the operator ∂ψ_K + B + (L_G/m_A) I is maximal monotone, so that Theorem 2.2 applies to it.
+"""(4.4), (4.5), (5.6): the operator ∂ψ_K + B + (L_G/m_A) I is maximal monotone, so Theorem 2.2 applies to it.
 
-It is tested on V^h. The term (L_G/m_A) I is needed only if G is not monotone. Therefore each law of the catalogue is
-used with G and with −G, which satisfies (3.2) as well. Let L = L_G/m_A.
+The test is made on V^h, with L = L_G/m_A. The term L I is needed only if G is not monotone. Therefore each law of the
+catalogue is used with G and with −G, which satisfies (3.2) as well.
 
-* *Monotone.* Pairs of points of the graph are made without a solver: u ∈ K^h with v_ν = 0 at some vertices of Γ3, and
-  g = M⁻¹Nᵀμ ∈ ∂ψ_K(u), (4.8), with random μ ≥ 0 at these vertices. ∂ψ_K alone is monotone, and with B or −B
+* *Monotone.* For pairs of points (u, g) and (u', g') of the graph of ∂ψ_K
 
       −(g − g' ± Bu ∓ Bu', u − u')_V ≤ L ‖u − u'‖_V².
 
-  Predicted: 0.3 to 1 of this bound is attained, since G ε·ε over L_G/m_A A ε·ε is 0.4 to 1 for the homogeneous laws of
-  the catalogue. For the others it is less by as much as L_G and m_A belong to different points: a tenth where layers
-  differ by that factor. With a monotone B alone nothing would be attained. Random pairs hardly see a G with both signs:
-  0.08 in ``softening``.
-* *Maximal.* By Minty's theorem I + λ(∂ψ_K ± B) must be onto V^h for some λ < 1/L. For λ = 1/(2L) and any w the equation
-  is solved by u ↦ P(w ∓ λBu), a contraction with the factor 1/2, where P is the projection on K^h in ‖·‖_V. Whether
-  w − u ∓ λBu lies in ∂ψ_K(u) is decided by nonnegative least squares. Predicted: round-off.
-* *Its inverse J.* Monotonicity with ω is ‖Jw − Jw'‖_V ≤ (1 − λω)⁻¹ ‖w − w'‖_V. Here ω = L for −G, which makes the
-  factor 2; for G it is the ω that the law states, 0 where it is monotone. Large quotients are searched from a w
-  inside K^h, by steps d whose next direction is J(w + d) − J(w). There J is (I ± λB)⁻¹. So with ‖B‖ = κ the part (1 −
-  κ/2L)⁻¹/2 of the bound for −G is attained, a half without B and 0.6 to 1 for homogeneous laws; for a monotone G at
-  least (1 + 1/2)⁻¹ = 2/3.
+  The pairs are made without a contact solver: u ∈ K^h has v_ν = 0 at some vertices of Γ3, and by (4.8) g = M⁻¹Nᵀμ with
+  random μ ≥ 0 at these vertices lies in ∂ψ_K(u). Without B the left side must not be positive. Predicted for the
+  largest quotient of both sides:
+
+  - 0.3 to 1 for homogeneous laws, because G ε·ε / ((L_G/m_A) A ε·ε) is 0.4 to 1 there;
+  - less for other laws, because L_G and m_A belong to different points of the body: about a tenth where the moduli of
+    two layers differ by a factor of ten;
+  - 0.08 for ``softening``, because random pairs seldom find the directions in which G softens.
+
+  If B were monotone for both signs, the quotient would be 0.
+* *Maximal.* By Minty's theorem I + λ(∂ψ_K ± B) must map onto V^h for some λ < 1/L. For λ = 1/(2L) and random w the
+  equation w ∈ u + λ(∂ψ_K(u) ± Bu) is solved by iterating u ↦ P(w ∓ λBu), where P is the projection onto K^h in ‖·‖_V.
+  The map is a contraction with the factor 1/2. Nonnegative least squares then decides whether w − u ∓ λBu lies in
+  ∂ψ_K(u). Predicted: yes, up to round-off.
+* *The resolvent* J = (I + λ(∂ψ_K ± B))⁻¹. If ∂ψ_K ± B + ωI is monotone, then
+
+      ‖Jw − Jw'‖_V ≤ (1 − λω)⁻¹ ‖w − w'‖_V.
+
+  For −G ω = L, so the factor is 2. For G ω is the number that the law states, 0 for a monotone G. Large quotients are
+  searched around a point w deep inside K^h, where J = (I ± λB)⁻¹, by a power iteration: the next step is
+  J(w + d) − J(w). Predicted for the quotient over its bound:
+
+  - for −G it is (1 − ‖B‖/(2L))⁻¹/2, which is 0.6 to 1 for homogeneous laws; without B it would be 1/2;
+  - for a monotone G at least (1 + 1/2)⁻¹ = 2/3.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -128,30 +137,28 @@ def in_graph(space: Space, v: Array, rng: np.random.Generator) -> tuple[Array, A
     return u, space.N.T @ np.where(normal > 0, rng.uniform(size=len(normal)) * abs(normal).max(), 0.0)
 
 
-@dataclass(frozen=True, eq=False)
 class Inverse:
     """Computes the resolvent J = (I + λ(∂ψ_K + B))⁻¹.
 
-    Attributes:
+    Args:
         problem: gives B, K^h and the inner product of V.
         scale: λ; a negative value stands for −G.
     """
 
-    problem: SemiDiscrete
-    scale: float
-
-    @cached_property
-    def _project(self) -> Signorini:
-        return Signorini(self.problem.M, self.problem.N)
+    def __init__(self, problem: SemiDiscrete, scale: float) -> None:
+        self.problem, self.scale = problem, scale
+        self._project = Signorini(problem.M, problem.N)
 
     def __call__(self, w: Array) -> Array:
         """Return J w, by the fixed point of u ↦ P(w − λBu)."""
-        M, given = self.problem.M, self.problem.M @ w
-
-        def image(v: Array) -> Array:
-            return self._project(given - self.scale * self.problem.elastic(v))[0]
-
-        return fixed_point(image, w, lambda v: M @ v, SETTLED, MOST)[0]
+        problem, scale, given = self.problem, self.scale, self.problem.M @ w
+        return fixed_point(
+            lambda u: self._project(given - scale * problem.elastic(u))[0],
+            w,
+            lambda v: problem.M @ v,
+            SETTLED,
+            MOST,
+        )[0]
 
     def defect(self, w: Array) -> float:
         """Return the distance of w − u − λBu from ∂ψ_K(u) for u = Jw, relative to its terms.

@@ -9,11 +9,13 @@ and σ any member of Σ^h(t). The steps are, for all v ∈ K^h:
 
 * (4.16), (4.23): (τ̃, ε(v))_Q ≥ 0, that is, −(τ̃, ε(·))_Q lies in the cone {Nᵀλ : λ ≥ 0};
 * (4.17)–(4.20): (τ̃, ε(u))_Q < α < 0. Since K^h is a cone, (Pu − u, Pu)_V = 0, so −(τ̃, ε(u))_Q = ‖Pu − u‖_V².
-  Predicted is the quotient 1. A smaller one leaves no α between, and for a larger one P is no projection;
-* (4.24), and before (4.25) and (4.27): τ̃ + σ̃ and 2σ − σ̃ lie in Σ^h(t);
-* (4.25)–(4.27): (τ − σ, ε(u))_Q for these two τ adds up to (τ̃, ε(u))_Q, so one is at most half of it, and (3.15) fails
-  for every σ, as u ∉ K^h. For σ = σ̃ + τ̃/2 both are half of it; for random σ one is much less. Predicted is 1 for the
-  least quotient, attained there.
+  Predicted is the quotient 1 of both sides. If it were at most 1/2, α would not lie above (τ̃, ε(u))_Q; if it were
+  not 1, P would not be the projection;
+* (4.24), and before it (4.25) and (4.27): τ̃ + σ̃ and 2σ − σ̃ lie in Σ^h(t);
+* (4.25)–(4.27): for the two stresses τ = τ̃ + σ̃ and τ = 2σ − σ̃ the numbers (τ − σ, ε(u))_Q add up to (τ̃, ε(u))_Q.
+  So one of them is at most half of it, which is negative, and (3.15) fails for every σ, as u ∉ K^h. For σ = σ̃ + τ̃/2
+  both are half of it; for random σ one is much less. Predicted for the least of the numbers over half of (τ̃, ε(u))_Q
+  is 1, attained for σ = σ̃ + τ̃/2.
 
 Only P uses the contact solver; nonnegative least squares decides whether a functional lies in the cone. This tests the
 argument on V^h. It does not test that there is no solution outside K, which Problem 3.2 itself decides (Thm 4.2).
@@ -21,17 +23,15 @@ argument on V^h. It does not test that there is no solution outside K, which Pro
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import islice
+from itertools import chain, islice
 
 import numpy as np
 
 from manufactured.law import AtPoints
 from manufactured.tensors import Array, Tensors
 from study.fem.error_norm import ErrorNorm
-from study.fem.material import on_cells
 from study.fem.naming import resolve
-from study.fem.space import Space
+from study.fem.space import Space, on_cells
 from study.ledger.criterion import every, largest
 from study.ledger.window import around, positive_at_most
 from study.solve.evolution import SemiDiscrete
@@ -84,14 +84,6 @@ class Separation(ListedNumbers):
         return with_h(space.h, refutation(space, problem, A, load))
 
 
-def outside(space: Space, rng: np.random.Generator) -> Iterator[Array]:
-    """Yield random u ∉ K^h: some violate many constraints, some only one."""
-    for _ in range(COUNT):
-        u = rng.standard_normal(space.dofs)
-        yield u if (space.N @ u).max() > 0 else -u
-    yield from islice(nonmembers(space, rng), COUNT)
-
-
 def refutation(space: Space, problem: SemiDiscrete, A: AtPoints, load: Array) -> dict[str, float]:
     """Return the extreme values in the four steps over all u and σ.
 
@@ -114,7 +106,10 @@ def refutation(space: Space, problem: SemiDiscrete, A: AtPoints, load: Array) ->
     rivals = Rivals(space, problem, A, rng)
     balanced = separating(space, A, Cholesky(problem.M)(load))
     cones, gaps, distances, quotients = [], [], [], []
-    for u in outside(space, rng):
+    random = (rng.standard_normal(space.dofs) for _ in range(COUNT))
+    many_violated = (u if (space.N @ u).max() > 0 else -u for u in random)
+    one_violated = islice(nonmembers(space, rng), COUNT)
+    for u in chain(many_violated, one_violated):
         step = projected(problem, u) - u
         tau = separating(space, A, step)
         functional, drop = space.functional(tau), work(tau, u)

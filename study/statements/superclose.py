@@ -1,11 +1,11 @@
 """The discrete error ‖Π^h u − u^h‖_V is of order 3/2 to 2 on one-diagonal meshes; the paper claims nothing about it.
 
 The rows of Proposition 5.4 are measured with k ~ h^{2/3}, which is enough for errors of order h. The discrete error is
-smaller, so on fine meshes the error in time of these steps would dominate it. Here k ~ h. If the midpoint rule is of
-order 2, its error is then the same share of the discrete error on every mesh. Jumps of u̇ may reduce the order in k down
-to 1 (``landings``), so the growth of the share is judged: an order 3/2 in k would double it over two refinements. One
-case was judged at first and is only reported now, because its ü is not square integrable in time; its share is between
-1 % and 40 %.
+smaller, so on fine meshes the error in time of these steps would dominate it. Therefore k ~ h here. If the midpoint
+rule is of order 2, its error is the same share of the discrete error on every mesh. Jumps of u̇ may reduce the order in
+k to 1 (``landings``). So the growth of the share is judged: an order 3/2 in k would double the share over two
+refinements. One case was judged at first and is only reported now, because its ü is not square integrable in time; its
+share is between 1 % and 40 %.
 """
 
 from __future__ import annotations

@@ -4,17 +4,18 @@
 method, in which u_n is a multiplier that is not forced into K^h. Both share only the strain matrix, the load and the
 time steps of backward Euler. A row of ``equivalence.csv`` has the largest differences ("gaps") of both over time.
 
-**Tolerance.** How large the gaps may be is known without the solution. At step j the interior-point method stops with a
-duality gap g_j,
-and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are at most g_j, where σ* and ε* are exact
-for the same ε_{j−1} (``study.solve.interior_point``). With ω = max(−m, 0)/m_A, which is 0 for monotone G,
-C ≥ (1 − kω) A/k. So a step is Lipschitz in ε_{j−1} with q = 1/(1 − kω) in the norm of A, which is the norm of V, and
-A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n} g_j^{1/2} for monotone G,
+**Tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
+method stops with a duality gap g_j. Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are
+at most g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.interior_point``). Let ω =
+max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so a step is Lipschitz in ε_{j−1} with q = 1/(1 − kω)
+in the norm of A, which is the norm of V, and A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n} g_j^{1/2}
+for monotone G,
 
     ‖u_n(3.2) − u_n(3.1)‖_V ≤ (q k)^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
 
-up to the tolerances of both solvers: A/k alone carries ε_{j−1} into σ_n, with ‖A ε/k‖_{C⁻¹} ≤ (q/k)^{1/2} ‖ε‖_A, and
-|τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The same holds for Cε + β(ε − P_K ε), with A/k + C and β(ε − P_K ε) treated separately.
+up to the tolerances of both solvers. The second bound holds because A/k alone carries ε_{j−1} into σ_n, with
+‖A ε/k‖_{C⁻¹} ≤ (q/k)^{1/2} ‖ε‖_A, and |τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The same bounds hold for
+G ε = G_0 ε + β(ε − P_K ε) with a linear G_0, where A/k + G_0 and β(ε − P_K ε) are treated separately.
 ``paper/proofs_study.tex`` has the proof.
 
 **Sensitivity.** Two solutions that agree prove nothing if one was computed from the other, or if the comparison is not
@@ -23,11 +24,11 @@ unchanged. The gap must show the whole mistake:
 
     ‖u(3.2) − ũ(3.1)‖_V / ‖u(3.1) − ũ(3.1)‖_V = 1.
 
-If Problem 3.2 took its solution from Problem 3.1, the ratio would be 0; the same if the gap compared a solution with
-itself. A flipped normal matters wherever there is a gap or a pressure, so the ratio is never 0/0. This shows that the
-comparison is sensitive. It does not show how stresses are computed: if both sides agree without the mistake, the
-triangle inequality gives 1 up to their distance, also for a Problem 3.2 that solves its own copy of Problem 3.1.
-``tests/controls/test_controls.py`` shows that stresses are found without a displacement solver in the process.
+If Problem 3.2 took its solution from Problem 3.1, the ratio would be 0. It would also be 0 if the gap compared a
+solution with itself. A flipped normal matters wherever there is a gap or a pressure, so the ratio is never 0/0. A ratio
+of 1 shows that the comparison is sensitive. It does not show how stresses are computed: a Problem 3.2 that solves its
+own copy of Problem 3.1 has a ratio of 1, too. ``tests/controls/test_controls.py`` computes stresses in a process
+without a displacement solver.
 
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """
@@ -40,20 +41,17 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-import pandas as pd
 import scipy.sparse as sps
 from scipy.optimize import nnls
 
 from manufactured.case import Case
 from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
-from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
-from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, every, greatest, largest, largest_quotient
+from study.fem.space import Space, on_cells
+from study.ledger.criterion import Criterion, every, greatest, largest, largest_quotient
 from study.ledger.datafiles import CsvFile
 from study.ledger.text import power_of_ten
 from study.ledger.window import around, at_most, positive_at_most
@@ -105,7 +103,7 @@ def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[S
     """
     if solution.has_initial_gap:
         raise StressError(
-            "Problem 3.2 is not that of a body with an initial gap: K is no cone then, and (σ, ε(u))_Q = (f, u)_V, "
+            "Problem 3.2 does not allow an initial gap: K is no cone then, and (σ, ε(u))_Q = (f, u)_V, "
             "(4.14), lacks the work of σ_ν on the gap; take a case whose initial_gap is 0"
         )
     space = Space(family(solution.body, level), solution.body)
@@ -122,7 +120,8 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
     """
     space, law, M = stresses.space, stresses.law, displacements.M
     cells, k, root, radius = on_cells(space, law), step_size(displacements.T, steps), np.sqrt(space.volumes), 0.0
-    q = lipschitz_of_step(law, k)
+    BACKWARD_EULER.require_unique(k, law.growth)
+    q = 1 / (1 - k * law.growth)  # The Lipschitz constant of a step in ‖·‖_V.
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
     pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
@@ -146,12 +145,6 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
     return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))
 
 
-def lipschitz_of_step(law: KelvinVoigt, k: float) -> float:
-    """Return q = 1/(1 − kω), the Lipschitz constant of a step of backward Euler in ‖·‖_V; StepsError if kω ≥ 1."""
-    BACKWARD_EULER.require_unique(k, law.growth)
-    return 1 / (1 - k * law.growth)
-
-
 def beyond(defect: Array, N: sps.csr_array) -> float:
     """Return sup {defect·v : Nv ≤ 0, |v| ≤ 1}, the distance of the defect from the cone {Nᵀλ : λ ≥ 0}."""
     touched = np.unique(N.indices)
@@ -160,7 +153,7 @@ def beyond(defect: Array, N: sps.csr_array) -> float:
 
 
 LEAST = 1e-9
-"""Smaller gaps are reported as this number, because they depend on where the last iteration of a solver stops."""
+"""Smaller gaps are reported as this number, because they depend on the iteration at which a solver stops."""
 
 
 def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
@@ -190,11 +183,6 @@ def compare(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str,
     return {**where, **magnitudes(found), "family": family.name}
 
 
-def largest_bound(group: pd.DataFrame) -> Measured:
-    """Return the larger of both bounds on every level."""
-    return greatest(group[list(BOUNDS)].to_numpy().max(axis=1))
-
-
 OVER_BOUND = "of Problem 3.2 minus that of 3.1 / bound from the duality gap"
 PROVED = positive_at_most(1.0, "proved")
 AGREEMENT = positive_at_most(1e-7, "at every step")
@@ -218,7 +206,13 @@ class SameMesh(Statement):
             "displacement", f"displacement {OVER_BOUND}", PROVED, "displacement_gap", "displacement_bound"
         ),
         largest_quotient("stress", f"stress {OVER_BOUND}", PROVED, "stress_gap", "stress_bound"),
-        Criterion("allowed", "bound from the duality gap / size of the solution", SHARP, largest_bound, BOUNDS),
+        Criterion(
+            "allowed",
+            "bound from the duality gap / size of the solution",
+            SHARP,
+            lambda group: greatest(group[list(BOUNDS)].to_numpy().max(axis=1)),
+            BOUNDS,
+        ),
         largest("admissibility", "σ^h ∈ Σ^h(t)", AGREEMENT, "admissibility"),
         largest("energy", "(σ, ε(u))_Q = (f, u)_V, (4.14)", AGREEMENT, "energy_gap"),
         largest(
@@ -242,7 +236,7 @@ class SameMesh(Statement):
         return float(setting.level**setting.dim * self.steps(setting)) * (70 if setting.dim == 2 else 1000)
 
     def memory(self, setting: Setting) -> float:
-        return estimates.equivalence(setting.dim, setting.level, setting.family)
+        return estimates.displacement(setting.dim, setting.level, setting.family)
 
     def steps(self, setting: Setting) -> int:
         """Return two time steps for every cell along a side."""
@@ -255,8 +249,8 @@ class Sides:
 
     Attributes:
         displacements: Problem 3.1.
-        stresses: the Problem 3.2 that is compared with a Problem 3.1. The correct one is the same for every Problem
-            3.1; it is a function so that a negative control can make it depend on Problem 3.1.
+        stresses: returns the Problem 3.2 that is compared with a given Problem 3.1. The correct Problem 3.2 does not
+            depend on Problem 3.1; a negative control replaces it by a Problem 3.2 that does.
     """
 
     displacements: SemiDiscrete
@@ -291,27 +285,23 @@ class Derived(StressProblem):
             old = strain
 
 
-class Independence(NamedTuple):
-    """The share of a mistake in Problem 3.1 that the gaps show: 1 if they show all of it, 0 if they do not change.
+def independence(sides: Sides, steps: int) -> dict[str, float]:
+    """Return the share of a mistake in Problem 3.1 that the gaps show: 1 if they show all of it, 0 if none.
 
-    Displacements are measured in ‖·‖_V, stresses in ‖·‖_Q.
-    """
+    The mistake is that Problem 3.1 alone has flipped normals. The share is the gap between Problem 3.2 and the wrong
+    Problem 3.1, divided by the change of the solution of Problem 3.1. Both are measured by ``gaps``, so a comparison of
+    a solution with itself in ``gaps`` is noticed as well.
 
-    displacement_shown: float
-    stress_shown: float
-
-
-def independence(sides: Sides, steps: int) -> Independence:
-    """Return the gaps if Problem 3.1 alone has flipped normals, relative to the change of its solution.
-
-    Both are measured by ``gaps``, so a comparison of a solution with itself in ``gaps`` is noticed as well.
+    Returns:
+        "displacement_shown" in ‖·‖_V and "stress_shown" in ‖·‖_Q.
     """
     wrong = replace(sides.displacements, N=-sides.displacements.N)
     stresses = sides.stresses(wrong)
     opened = gaps(wrong, stresses, steps)
     mistake = gaps(wrong, Derived.compared(stresses, sides.displacements), steps)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Independence(*(float(ratio) for ratio in np.divide(opened[:2], mistake[:2])))
+        displacement, stress = np.divide(opened[:2], mistake[:2])
+    return {"displacement_shown": float(displacement), "stress_shown": float(stress)}
 
 
 CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
@@ -340,4 +330,4 @@ class StandsAlone(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         sides = Sides.of(resolve(setting.case).solution, family_named(setting.family), setting.level)
         shown = independence(sides, 2 * setting.level)
-        return with_h(sides.stresses(sides.displacements).space.h, shown._asdict())
+        return with_h(sides.stresses(sides.displacements).space.h, shown)

@@ -30,7 +30,8 @@ from study.statements.thm_4_2_own_space import StressExperiment
 STEPS = 12
 _BY_WHAT = f"exact solvers, or a fixed-point iteration stopped at {FIXED_POINT:g} in every step"
 EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), positive_at_most(1e-9, _BY_WHAT)
-"""Windows: from any initial guess a solver must end with the same digits; another solver differs by round-off."""
+"""Windows for the same solver from another initial guess, which may give exactly the same digits, and for another
+solver, whose result differs at least by round-off."""
 INTERIOR = positive_at_most(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
 
 

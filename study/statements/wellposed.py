@@ -130,7 +130,10 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbatio
 
 
 def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]:
-    """Yield perturbations of loads and initial values; the first, a constant load, moves no vertex of Γ3 along ν."""
+    """Yield perturbations of loads and initial values.
+
+    The first perturbation is a constant load that moves no vertex of Γ3 along ν.
+    """
     rng, riesz, onto = np.random.default_rng(SEED), Cholesky(problem.M), Signorini(problem.M, problem.N)
     load = maximum(norm(problem, riesz(problem.load(float(t)))) for t in np.linspace(0, problem.T, 9))
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))

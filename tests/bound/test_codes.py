@@ -44,6 +44,13 @@ def test_upper_bounds_are_at_most_twice_the_errors() -> None:
     assert (BOUNDS["highest"] / BOUNDS["lowest"]).max() < 2
 
 
+def test_the_bound_with_default_settings_is_at_most_a_quarter_above_the_error() -> None:
+    """Predicted: with one refinement less, y, a twentieth of d at two refinements, is 2^{3/2} to 4 times as large."""
+    middle = BOUNDS[BOUNDS["level"] == judge_codes.DEFAULT]
+    assert (middle["default_high"] >= middle["lowest"]).all()
+    assert (middle["default_high"] / middle["lowest"]).max() < 1.25
+
+
 def test_the_page_shows_the_record() -> None:
     text = judge_codes.PAGE.read_text(encoding="utf-8")
     assert "<!-- bounds-of-codes -->" in text

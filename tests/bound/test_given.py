@@ -31,9 +31,9 @@ from study.bound.bounded import contact_sentences
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, enclose_several
 from study.bound.fields import read
-from study.bound.given import GivenDisplacement, bound_displacement, given
+from study.bound.given import bound_displacement, given
 from study.bound.problem import BoundError
-from study.bound.trajectory import Refined
+from study.bound.trajectory import GivenDisplacement, Refined
 
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 VARIANTS = ("less", "more", "penetrating", "of another problem")

@@ -58,7 +58,7 @@ def test_words_and_nan_in_a_data_file_are_named_by_file_and_line(
     table.to_csv(path, index=False)
     if command != ["compare"]:
         said = told(capsys, *command, "--out", str(run_of_two / "new"))
-        assert f"{path}, line 4, column {column}: stands {word!r}, expected a number" in said
+        assert f"{path}, line 4, column {column}: found {word!r}, expected a number" in said
         assert f"--levels 8 16 32 --out {run_of_two / 'new'}`" in said
         return
     # What is no number is a difference like others.

@@ -186,44 +186,44 @@ RATES, CASES, EQUIVALENCE = "rates.csv", "cases.csv", "equivalence.csv"
 EDITS: dict[str, tuple[Edit, str]] = {
     "an order that nobody predicted": (
         edit(CASES, "expected_order", to("0.9")),
-        r"cases.csv, line 2, column expected_order: stands '0.9', would be '1'.*run",
+        r"cases.csv, line 2, column expected_order: found '0.9', expected '1'.*run",
     ),
-    "a twin": (edit(CASES, "twin", to("hexagon")), r"cases.csv, line 2, column twin: stands 'hexagon'"),
+    "a twin": (edit(CASES, "twin", to("hexagon")), r"cases.csv, line 2, column twin: found 'hexagon'"),
     "the claim of another proposition": (
         edit(RATES, "claim", to("Prop. 5.3")),
-        r"rates.csv, line 2, column claim: stands Prop. 5.3, expected Prop. 5.4",
+        r"rates.csv, line 2, column claim: found Prop. 5.3, expected Prop. 5.4",
     ),
     "an order that does not follow": (
         edit(RATES, "order", times(1.01), "order != ''", 1),
-        r"rates.csv, line 3, column order: stands .*, expected 0?1?\.",
+        r"rates.csv, line 3, column order: found .*, expected 0?1?\.",
     ),
-    "mesh sizes times 3": (edit(RATES, "h", times(3)), r"rates.csv, line 2, column h: stands 0.375, expected 0.125"),
+    "mesh sizes times 3": (edit(RATES, "h", times(3)), r"rates.csv, line 2, column h: found 0.375, expected 0.125"),
     "one mesh size": (
         edit(RATES, "h", times(1.0001), "family == 'unstructured'", 1),
-        r"rates.csv, line \d+, column h: stands",
+        r"rates.csv, line \d+, column h: found",
     ),
     "a mesh size of the other formulation": (edit(EQUIVALENCE, "h", times(3), rows=1), r"equivalence.csv, line 2, col"),
     **{
         f"{column} exactly 0": (
             edit(RATES, column, to("0")),
-            rf"rates.csv, line 2, column {column}: stands 0, expected a positive number",
+            rf"rates.csv, line 2, column {column}: found 0, expected a positive number",
         )
         for column in ("residual", "quadrature_change", "parallelogram", "time_share")
     },
-    "an error above the triangle": (edit(RATES, "error", times(3), rows=1), r"line 2, column error: stands .* at most"),
-    "a step": (edit(RATES, "k", times(2), rows=1), r"rates.csv, line 2, column k: stands"),
-    "steps": (edit(RATES, "steps", to("7"), rows=1), r"rates.csv, line 2, column steps: stands 7.*, expected 32"),
-    "a dimension": (edit(RATES, "dim", to("3"), rows=1), r"rates.csv, line 2, column dim: stands 3.*, expected 2"),
-    "a time off the grid": (edit(RATES, "at", to("0.7771"), rows=1), r"rates.csv, line 2, column at: stands 0.7771"),
+    "an error above the triangle": (edit(RATES, "error", times(3), rows=1), r"line 2, column error: found .* at most"),
+    "a step": (edit(RATES, "k", times(2), rows=1), r"rates.csv, line 2, column k: found"),
+    "steps": (edit(RATES, "steps", to("7"), rows=1), r"rates.csv, line 2, column steps: found 7.*, expected 32"),
+    "a dimension": (edit(RATES, "dim", to("3"), rows=1), r"rates.csv, line 2, column dim: found 3.*, expected 2"),
+    "a time off the grid": (edit(RATES, "at", to("0.7771"), rows=1), r"rates.csv, line 2, column at: found 0.7771"),
     "half of a time share": (edit(RATES, "time_share", times(0.5), rows=1), r"line 2, column discrete_time_share"),
     "an error at the start": (edit(RATES, "initial_error", times(50), rows=1), r"column initial_error.*largest error"),
-    "no number": (edit(RATES, "error", to("nan"), rows=1), r"rates.csv, line 2, column error: stands 'nan', expected"),
-    "nothing": (edit(RATES, "time_share", to(""), rows=1), r"rates.csv, line 2, column time_share: stands ''"),
-    "a word": (edit(RATES, "residual", to("small"), rows=1), r"rates.csv, line 2, column residual: stands 'small'"),
-    "a level that is a word": (edit(RATES, "level", to("x"), rows=1), r"rates.csv, line 2, column level: stands 'x'"),
-    "a row twice": (twice(RATES), r"rates.csv, line \d+: the row case pocket, .* stands in line 3 already"),
+    "no number": (edit(RATES, "error", to("nan"), rows=1), r"rates.csv, line 2, column error: found 'nan', expected"),
+    "nothing": (edit(RATES, "time_share", to(""), rows=1), r"rates.csv, line 2, column time_share: found ''"),
+    "a word": (edit(RATES, "residual", to("small"), rows=1), r"rates.csv, line 2, column residual: found 'small'"),
+    "a level that is a word": (edit(RATES, "level", to("x"), rows=1), r"rates.csv, line 2, column level: found 'x'"),
+    "a row twice": (twice(RATES), r"rates.csv, line \d+: the row case pocket, .* is also in line 3"),
     "a row of the other formulation twice": (twice(EQUIVALENCE), r"equivalence.csv, line \d+: .* in line 3 already"),
-    "a line of the catalogue twice": (twice(CASES, 0), r"cases.csv, line 3, .*: stands 'pocket', would be nothing"),
+    "a line of the catalogue twice": (twice(CASES, 0), r"cases.csv, line 3, .*: found 'pocket', expected nothing"),
     "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
     "tables and plan emptied": (emptied, r"provenance.json has an empty plan"),
     "a smaller plan": (
@@ -233,11 +233,11 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "a row planned twice": (planned(lambda keys: [*keys, keys[0]]), r"provenance.json plans .* twice"),
     "a verdict": (
         edit("claims.csv", "verdict", to("reported"), rows=1),
-        r"claims.csv, line 2, column verdict: stands 'reported', would be 'holds': `study tables",
+        r"claims.csv, line 2, column verdict: found 'reported', expected 'holds': `study tables",
     ),
     "what was observed": (
         edit("claims.csv", "observed", times(1.001), "observed != '0'", 1),
-        r"claims.csv, line \d+, column observed: stands",
+        r"claims.csv, line \d+, column observed: found",
     ),
 }
 
@@ -278,36 +278,36 @@ ERRORS, CLASSES = "../codes/errors.csv", "../codes/classes.csv"
 CODES: dict[str, tuple[Edit, str]] = {
     "the error of a code": (
         edit(ERRORS, "error", times(0.5), rows=1),
-        r"codes/errors.csv, line 2, column error: stands .* up to the distance from the solution in K\^h",
+        r"codes/errors.csv, line 2, column error: found .* up to the distance from the solution in K\^h",
     ),
     "the error of the solution in K^h": (
         edit(ERRORS, "best", times(1.1), rows=1),
-        r"codes/errors.csv, line 2, column best: stands .*, as in the rows of most other codes",
+        r"codes/errors.csv, line 2, column best: found .*, as in the rows of most other codes",
     ),
-    "the mesh size of a code": (edit(ERRORS, "h", times(2), rows=1), r"errors.csv, line 2, column h: stands"),
+    "the mesh size of a code": (edit(ERRORS, "h", times(2), rows=1), r"errors.csv, line 2, column h: found"),
     "errors of a code that fall faster": (
         edit(ERRORS, "pressure", times(0.5), "level == '64'", 1),
-        r"codes/classes.csv, line \d+, column order_of_pressure: stands",
+        r"codes/classes.csv, line \d+, column order_of_pressure: found",
     ),
     "a class for what a code cannot express": (
         edit(CLASSES, "class", to("exact for P1"), "`class` == 'not expressed'", 1),
-        r"classes.csv, line \d+, column class: stands exact for P1, expected not expressed, as there are no errors",
+        r"classes.csv, line \d+, column class: found exact for P1, expected not expressed, as there are no errors",
     ),
     "a series of no code": (
         edit(ERRORS, "series", to("9999"), rows=1),
-        r"errors.csv, line 2, column series: stands 9999, expected a series of classes.csv",
+        r"errors.csv, line 2, column series: found 9999, expected a series of classes.csv",
     ),
     "a word for an error of a code": (
         edit(ERRORS, "error", to("small"), rows=1),
-        r"line 2, column error: stands 'small'",
+        r"line 2, column error: found 'small'",
     ),
     "a row of a code twice": (
         twice(ERRORS),
-        r"errors.csv, line \d+: the row series 1, level .* stands in line 3 already",
+        r"errors.csv, line \d+: the row series 1, level .* is also in line 3",
     ),
     "a march by a code": (
         edit("../codes/march/errors.csv", "error", times(0.5), rows=1),
-        r"codes/march/errors.csv, line 2, column error: stands",
+        r"codes/march/errors.csv, line 2, column error: found",
     ),
 }
 
@@ -329,38 +329,38 @@ def tables_as_written(directory: Path) -> None:
 COMMITTED: dict[str, tuple[Edit, str]] = {
     "a twin removed": (
         edit(CASES, "twin", to(""), "case == 'rotated'"),
-        r"cases.csv, line \d+, column twin: stands '', would be 'advance-recede'",
+        r"cases.csv, line \d+, column twin: found '', expected 'advance-recede'",
     ),
     "errors of enclosures times 100": (
         edit("enclosures.csv", "error", times(100)),
-        r"bounds.csv, line 2, column error: stands .*, the largest over its times in enclosures.csv",
+        r"bounds.csv, line 2, column error: found .*, the largest over its times in enclosures.csv",
     ),
     "a bound that its course does not reach": (
         edit("bounds.csv", "above", times(0.9), rows=1),
-        r"bounds.csv, line 2, column above: stands",
+        r"bounds.csv, line 2, column above: found",
     ),
     "an error where none is known": (
         edit("bounds.csv", "error", to("1"), "case == 'ramp'", 1),
-        r"bounds.csv, line \d+, column error: stands 1.*, expected nothing, as the solution is unknown",
+        r"bounds.csv, line \d+, column error: found 1.*, expected nothing, as the solution is unknown",
     ),
     "the order of a problem": (
         edit("bounds.csv", "expected_order", to("0.5"), "case == 'advance-recede'", 1),
-        r"bounds.csv, line \d+, column expected_order: stands 0.5, expected 1",
+        r"bounds.csv, line \d+, column expected_order: found 0.5, expected 1",
     ),
     "meshes that are not shaken": (
         unshaken,
-        r"rates.csv, line \d+, column error: stands .*, expected another number than on the meshes of another family",
+        r"rates.csv, line \d+, column error: found .*, expected another number than on the meshes of another family",
     ),
-    "a row of statements twice": (twice("statements.csv"), r"statements.csv, line \d+: .* stands in line 3 already"),
+    "a row of statements twice": (twice("statements.csv"), r"statements.csv, line \d+: .* is also in line 3"),
     "a word in a statement": (edit("statements.csv", "value", to("x"), rows=1), r"statements.csv, line 2, column va"),
     "a mesh size of a statement": (edit("statements.csv", "h", times(3), rows=1), r"statements.csv, line 2, column h"),
     "a table": (
         lambda directory: (directory / "tables" / "rates.md").write_text("# rates\n", encoding="utf-8"),
-        r"rates.md, line 1: stands '# rates', would be .*: `study tables --out",
+        r"rates.md, line 1: found '# rates', expected .*: `study tables --out",
     ),
     "a number of the papers": (
         lambda directory: shutil.copy(ROOT / "README.md", directory / "article" / "numbers.tex"),
-        r"numbers.tex, line 1: stands",
+        r"numbers.tex, line 1: found",
     ),
     "a line of a course in time deleted": (
         shortened("data/enclosures.csv", 9),
@@ -375,11 +375,11 @@ COMMITTED: dict[str, tuple[Edit, str]] = {
         shortened("data/seeds.csv", 40),
         r"seeds.csv, line 41, .*: `study seeds",
     ),
-    "a badge": (shortened("badges/ledger.svg", 1), r"ledger.svg, line 2: stands .*: `make pages` writes it again"),
-    "a caption": (shortened("figures/growth.txt", 0), r"growth.txt, line 1: stands .*: `study figures"),
+    "a badge": (shortened("badges/ledger.svg", 1), r"ledger.svg, line 2: found .*: `make pages` writes it again"),
+    "a caption": (shortened("figures/growth.txt", 0), r"growth.txt, line 1: found .*: `study figures"),
     "a number of the README": (
         lambda directory: replace_in(directory.parent / "README.md", "orders", "order", "<!-- headline -->"),
-        r"README.md, line \d+: stands .*: `make pages` writes it again",
+        r"README.md, line \d+: found .*: `make pages` writes it again",
     ),
 }
 OTHER_PARTS: dict[str, Part] = {
@@ -461,7 +461,7 @@ def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(
     (own.parent / "pocket.py").unlink()
     assert "not compared, because their files no longer exist: pocket" in refusal(own, capsys, code=0)
     edit(CASES, "expected_order", to("0.9"))(own)
-    assert "column expected_order: stands '0.9', would be '1'" in refusal(own, capsys)
+    assert "column expected_order: found '0.9', expected '1'" in refusal(own, capsys)
 
 
 def test_a_case_whose_file_predicts_something_else_now_is_refused(
@@ -469,7 +469,7 @@ def test_a_case_whose_file_predicts_something_else_now_is_refused(
 ) -> None:
     path = own.parent / "pocket.py"
     path.write_text(path.read_text(encoding="utf-8").replace('reason="', 'reason="now '), encoding="utf-8")
-    assert re.search(r"cases.csv, line 2, column reason: stands .*, would be 'now ", refusal(own, capsys))
+    assert re.search(r"cases.csv, line 2, column reason: found .*, expected 'now ", refusal(own, capsys))
 
 
 def test_tables_writes_what_check_asks_for(own: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -248,7 +248,7 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
     assert main(["bound", "advance-recede", "--displacement", *files, *options]) == 0
     printed = " ".join(capsys.readouterr().out.split())
     assert "exact solution known" in printed
-    assert "trajectory-8.npz, degree 1," in printed
+    assert "trajectory-8.npz: degree 1," in printed
     found = pd.read_csv(tmp_path / "advance-recede-trajectory-4-trajectory-8" / "levels.csv")
     before = pd.read_csv(directory / "levels.csv")
     names = ["h", "steps", "lowest", "highest", "plain", "order_low", "order_high"]
@@ -264,6 +264,8 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
     [
         (["--nearest"], "--nearest need a file"),
         (["--displacement", "none.npz"], "there is no file none.npz"),
+        (["--displacement", "."], ". is a directory: give the file in it"),
+        (["--adapt", "5%", "--cells", "0"], "--cells must be 1 or more, got 0"),
         (["--displacement", "none.npz", "--adapt", "1"], "not both"),
         (["--adapt", "5 percent"], "a tolerance such as 0.2 or 5%, got '5 percent'"),
     ],

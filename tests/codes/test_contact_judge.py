@@ -296,7 +296,9 @@ def test_a_line_of_the_sums_that_is_none_is_named(tmp_path: Path, capsys: Any) -
         sums.write("mine\n")
     before = {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
     assert main([*command, "--scale", "2"]) == 2
-    assert "SHA256SUMS, line 2: stands 'mine', expected a sum and a file; remove the line" in capsys.readouterr().err
+    assert (
+        "SHA256SUMS, line 2: found 'mine', expected a checksum and a file: remove the line" in capsys.readouterr().err
+    )
     assert {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()} == before
 
 

@@ -15,7 +15,7 @@ import pytest
 
 from study.cli import seeds
 from study.cli.main import main
-from study.controls.alarms import Seen, tally
+from study.controls.alarms import CountedCheck, tally
 from study.controls.record import Line, Record, packed
 from study.controls.rules import row_of, rules
 from study.controls.seeded import LIGHT, NOT_CLAIMED, WHOLE, claimed, costly, seeded
@@ -280,7 +280,7 @@ def test_rows_that_are_no_longer_in_the_ledger_do_not_count(committed: Record, c
     """The last whole seed and those after it do not have them; what is in the record of them stays there."""
     known = ("a label", "a key", "a case", "r000000000")
     gone = replace(committed, lines={**committed.lines, known: Line(0.0, 1.0, packed(2.0))})
-    assert known[:3] not in {row.key for row in Seen.of(gone)}
+    assert known[:3] not in {row.key for row in CountedCheck.of(gone)}
     assert tally(gone).equals(counted)
 
 
@@ -290,7 +290,12 @@ def test_the_committed_record_keeps_what_is_promised(committed: Record, counted:
     written = read_csv(RESULTS, "seeds.csv", table.columns)
     assert list(written["key"]) == list(table["key"])
     assert written["seeds"].equals(table["seeds"])
-    assert {row.key[0] for row in Seen.of(committed)} >= {"Prop. 5.4", "Prop. 5.3", "Thm 4.2", "Thm 4.2, own space"}
+    assert {row.key[0] for row in CountedCheck.of(committed)} >= {
+        "Prop. 5.4",
+        "Prop. 5.3",
+        "Thm 4.2",
+        "Thm 4.2, own space",
+    }
 
 
 def test_rows_of_the_committed_record_have_the_windows_of_the_ledger(committed: Record) -> None:
@@ -299,7 +304,7 @@ def test_rows_of_the_committed_record_have_the_windows_of_the_ledger(committed: 
     windows = {
         tuple(row[:3]): row[3:] for row in claims[["label", "key", "case", "window_low", "window_high"]].to_numpy()
     }
-    latest = {row.key: committed.lines[(*row.key, row.rule)] for row in Seen.of(committed)}
+    latest = {row.key: committed.lines[(*row.key, row.rule)] for row in CountedCheck.of(committed)}
     shared = [(latest[key], window) for key, window in windows.items() if key in latest]
     assert len(shared) > 400
     assert all((line.window_low, line.window_high) == pytest.approx(window) for line, window in shared)

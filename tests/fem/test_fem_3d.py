@@ -119,7 +119,7 @@ def test_samples_are_even_in_the_body_and_on_its_faces() -> None:
     [
         (lambda: face(Kind.LOADED, (0, 0, 0), (1, 0, 0), (1, 1, 0.1), (0, 1, 0)), "not flat"),
         (lambda: face(Kind.LOADED, (0, 0, 0), (2, 0, 0), (0.5, 0.5, 0), (0, 2, 0)), "not convex"),
-        (lambda: face(Kind.LOADED, (0, 0, 0), (1, 0, 0)), "make no part"),
+        (lambda: face(Kind.LOADED, (0, 0, 0), (1, 0, 0)), "cannot have corners of the shape"),
         (lambda: face(Kind.LOADED, (0, 0, 0), (1, 0, 0), (2, 0, 0)), "area 0"),
         (lambda: face(Kind.LOADED, (0, 0, 0), (0, 0, 0), (1, 0, 0)), "edge of length 0"),
         (lambda: face(Kind.LOADED, (0, 0, 0), (1, 0, 0), (0, np.nan, 0)), "not a finite number"),
@@ -128,7 +128,7 @@ def test_samples_are_even_in_the_body_and_on_its_faces() -> None:
         (lambda: Body(tuple(Part(p.kind, p.corners[:, ::-1]) for p in box().parts)), "counter-clockwise"),
         (lambda: Body((Part(Kind.LOADED, box().parts[0].corners + 0.1), *box().parts[1:])), "do not enclose"),
         (lambda: Body((*box().parts, *unit_square().parts)), "dimensions"),
-        (lambda: box(bottom=Kind.LOADED), "no part Γ3"),
+        (lambda: box(top=Kind.LOADED), "no part Γ1"),
         (lambda: Body(box().parts, refine=((0.5, 0.0, 0.0),)), "none of the vertices"),
         (lambda: Body(box().parts, interfaces=(Part(Kind.INTERFACE, box().parts[0].corners),)), "in a 2D body"),
         (lambda: Body((Part(Kind.INTERFACE, box().parts[0].corners), *box().parts[1:])), "lies inside"),

@@ -28,5 +28,5 @@ def test_ranges_and_lists_of_numbers_are_understood(text: str, numbers: set[str]
 
 
 def test_a_range_ends_in_its_section() -> None:
-    with pytest.raises(ValueError, match="write one for each"):
+    with pytest.raises(ValueError, match="write a range for each"):
         named("(4.28)–(5.3)")

@@ -19,8 +19,9 @@ BLOCK = re.compile(
 class Page:
     """A page in Markdown.
 
-    Its blocks with a caption are files to save, under that name; those in Python without one are run in one session,
-    from top to bottom; those of the shell are typed in the directory of the files. Blocks of text are printed by them.
+    Its blocks with a caption, or with a name after ``python``, are files to save under that name. Other Python blocks
+    are run in one session, from top to bottom. Blocks of the shell are typed in the directory of the files. Blocks of
+    text are printed by the block before them.
     """
 
     path: Path
@@ -41,7 +42,9 @@ class Page:
     @property
     def files(self) -> dict[str, str]:
         """Name ↦ content of what the page tells to save."""
-        return {block["name"]: block["text"] for block in BLOCK.finditer(self.text) if block["name"]}
+        named = {block["language"].partition(" ")[2]: block["text"] for block in BLOCK.finditer(self.text)}
+        python = {name: text for name, text in named.items() if name.endswith(".py")}
+        return python | {block["name"]: block["text"] for block in BLOCK.finditer(self.text) if block["name"]}
 
     @property
     def downloads(self) -> list[Path]:

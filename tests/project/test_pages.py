@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from pages import PAGES, README, ROOT, SITE, Page, words
+from pages import BLOCK, PAGES, README, ROOT, SITE, Page, words
 
 from study.cli.main import main, parser
 from study.fem.naming import resolve, resolve_data
@@ -24,6 +24,8 @@ from study.statements.enclosure import resolve_problem
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
 ELSEWHERE = {
     "python examples/errors.py": "project/test_habits.py::test_the_example_prints_the_table_beside_it",
+    "python examples/codes/my_code.py": "project/test_pages.py::test_the_commands_of_a_page_end_with_success",
+    "python examples/displacement.py": "project/test_pages.py::test_the_commands_of_a_page_end_with_success",
     "python frd.py": "project/test_pages.py::test_the_commands_of_a_page_end_with_success",
     "python checker.py": "certify/test_checker.py::test_a_copy_of_the_file_checks_a_certificate_without_any_package",
     "python -m pip install .": "project/test_packaging.py::test_the_wheel_works_with_numpy_and_sympy_alone",
@@ -88,6 +90,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Page, str], str]:
             (place / name).write_text(text, encoding="utf-8")
         for path in page.downloads:
             shutil.copy(path, place)
+        (place / "examples").symlink_to(ROOT / "examples")
         return place
 
     @cache
@@ -147,7 +150,13 @@ TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for l
 )
 def test_the_commands_of_a_page_end_with_success(page: Page, run: Callable[[Page, str], str]) -> None:
     programs = [f"python {name}" for name in page.files]
-    typed = [line for line in page.typed if (words(line)[0] == "study" and not is_one_of(line, CI)) or line in programs]
+    typed = [
+        line
+        for line in page.typed
+        if (words(line)[0] == "study" and not is_one_of(line, CI))
+        or line in programs
+        or line.startswith("python examples/")
+    ]
     expect(page.printed("sh"), "".join(run(page, line) for line in typed))
 
 
@@ -203,4 +212,5 @@ def test_files_that_a_page_names_are_there(page: Page) -> None:
 
 
 def test_the_readme_can_be_read_in_a_few_minutes() -> None:
-    assert len(README.text.splitlines()) <= 150
+    assert len(README.text.splitlines()) <= 180
+    assert len(BLOCK.sub("", README.text).splitlines()) <= 150

@@ -13,9 +13,8 @@ from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured import Kind, catalogue, polygon
 from study.fem.error_norm import ErrorNorm
-from study.fem.material import form
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.fem.space import Space
+from study.fem.space import Space, form
 from study.solve.evolution import SemiDiscrete
 from study.solve.multigrid import COARSEST, Multigrid, MultigridError, rigid_motions
 from study.solve.signorini import Signorini
@@ -265,7 +264,7 @@ def test_vertices_that_are_not_those_of_the_matrix_are_refused() -> None:
 
 def test_a_tolerance_below_rounding_is_refused(setting) -> None:
     S, N, x = setting
-    with pytest.raises(MultigridError, match="ask for less"):
+    with pytest.raises(MultigridError, match="so take a larger one"):
         Multigrid(S, N, x, 1e-20)(disturbed(S, N)[1])
 
 

@@ -91,7 +91,7 @@ def test_forces_too_large_by_a_factor_are_wrong_by_this_factor_in_the_dual_norm_
     setup: Experiment, factor: float
 ) -> None:
     """Right moments of the pressure leave an error in L² alone."""
-    forces, times = Forces.of(setup), np.array([0.3, 0.7])
+    forces, times = Forces(setup), np.array([0.3, 0.7])
     moments = np.concatenate([face.moments(face.pressure(times)) for face in forces.faces])
     squares, sizes = forces.squares(times, factor * moments.T)
     np.testing.assert_allclose(np.sqrt(squares / sizes)[1:], factor - 1, rtol=1e-10, atol=3e-13)
@@ -99,7 +99,7 @@ def test_forces_too_large_by_a_factor_are_wrong_by_this_factor_in_the_dual_norm_
 
 
 def test_the_dual_norm_is_a_supremum(setup: Experiment) -> None:
-    forces, rng = Forces.of(setup), np.random.default_rng(0)
+    forces, rng = Forces(setup), np.random.default_rng(0)
     y, M, N = rng.standard_normal(setup.space.N.shape[0]), setup.problem.M, setup.space.N
     norm = np.sqrt(y @ forces.W @ y)
     quotients = [abs(y @ (N @ v)) / np.sqrt(v @ M @ v) for v in rng.standard_normal((50, setup.space.dofs))]
@@ -116,7 +116,7 @@ def test_time_steps_hardly_change_the_contact_force(setup: Experiment) -> None:
 
 @pytest.mark.parametrize("peak", range(5))
 def test_the_penetration_is_the_largest_one_of_all_times(setup: Experiment, peak: int, monkeypatch) -> None:
-    forces, values = Forces.of(setup), np.where(np.arange(5) == peak, 3.0, 1.0)
+    forces, values = Forces(setup), np.where(np.arange(5) == peak, 3.0, 1.0)
     _, shallow, _ = with_penetrations(setup, forces, np.ones(5), monkeypatch)
     assert with_penetrations(setup, forces, values, monkeypatch)[1] == pytest.approx(3 * shallow)
     assert np.isnan(with_penetrations(setup, forces, np.where(values == 3, np.nan, 1.0), monkeypatch)[1])

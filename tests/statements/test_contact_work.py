@@ -155,7 +155,7 @@ def test_too_few_levels_decide_nothing() -> None:
 @pytest.fixture(scope="module")
 def coarse() -> Resolved:
     solution = resolve("trains").solution
-    return Resolved.of(solution, Space(family_named("shaken")(solution.body, 8), solution.body))
+    return Resolved(solution, Space(family_named("shaken")(solution.body, 8), solution.body))
 
 
 def test_functions_of_the_space_are_the_same_on_the_refined_mesh(coarse: Resolved) -> None:

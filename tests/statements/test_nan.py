@@ -195,8 +195,10 @@ def test_a_range_with_nan_in_one_family_does_not_hold() -> None:
 def test_a_share_of_the_work_of_contact_is_nan_if_it_is_on_one_level(column: str) -> None:
     group = pd.DataFrame({"work": [1.0, 2.0], "excess": [1.0, 2.0], "error": 1.0})
     group.loc[0, column] = NAN
-    measure_share = contact_work.share if column == "work" else contact_work.excess_share
-    assert math.isnan(measure_share(group)[0])
+    criterion = contact_work.WORK_SHARE if column == "work" else contact_work.EXCESS_SHARE
+    found = criterion.measure(group)
+    assert found is not None
+    assert math.isnan(found[0])
 
 
 def test_a_number_of_edges_is_nan_if_it_is_on_one_level() -> None:

@@ -237,7 +237,7 @@ def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str) ->
     ],
 )
 def test_the_order_of_traces_is_two_where_it_is_claimed(tau: float, order: float, verdict: str) -> None:
-    column = interpolation.trace_of(interpolation.at(interpolation.TIMES[0]), 1)
+    column = interpolation.TRACE.format(next(iter(interpolation.INSTANTS)), 1)
     rows = invented({interpolation.REGULARITY: tau, "size of Γ3,1": H, column: H**order})
     (found,) = InterpolationOnContact().judge(rows)
     assert found.verdict == verdict

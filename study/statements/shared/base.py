@@ -1,4 +1,4 @@
-"""Base classes of statements: where a statement is measured, what is measured, and when it holds."""
+"""Base classes of statements: settings, a measurement at each setting, and criteria for the measured numbers."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Setting:
 
 
 REPORTED = "_reported"
-"""Suffix of the columns of another data file after it is joined to the file of a statement."""
+"""Suffix of the columns that are added from ``Statement.joined_file``."""
 
 
 class Statement:
@@ -51,6 +51,8 @@ class Statement:
         of_every_case: whether the statement is measured on every case of a run, including the cases of users.
         initial_gap: whether the statement is also measured on cases with an initial gap; the paper has no such gap.
         of_own_cases: whether ``settings`` includes the cases of users although ``of_every_case`` is false.
+        outside_catalogue: whether the cases of ``quick`` and ``full`` are not in the catalogue. The statement is then
+            measured if the whole catalogue is studied.
     """
 
     label: str
@@ -63,6 +65,7 @@ class Statement:
     of_every_case: bool = False
     initial_gap: bool = False
     of_own_cases: bool = False
+    outside_catalogue: bool = False
 
     def planned(self, scope: Scope) -> Sequence[Any]:
         """Return the settings of a study, without cases with an initial gap unless ``initial_gap`` is set."""
@@ -74,6 +77,8 @@ class Statement:
 
     def settings(self, scope: Scope) -> Sequence[Any]:
         """Return the settings whose case belongs to the study."""
+        if self.outside_catalogue:
+            return self.places(scope.full) if scope.whole else []
         return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
     def measure(self, setting: Any) -> Mapping[str, Any]:
@@ -85,7 +90,11 @@ class Statement:
         yield self.file, found
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """Return rows of the ledger from rows of the data file, which contain the predictions for their cases."""
+        """Return the rows of the ledger.
+
+        Args:
+            rows: rows of the data file, with the predictions for their cases.
+        """
         cases = [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
         return [rule.verdict(self, case, groups) for case, groups in cases for rule in self.rules]
 
@@ -126,7 +135,7 @@ class ListedNumbers(Statement):
     """A statement whose numbers are listed one by one in ``statements.csv``.
 
     Attributes:
-        effort: run time of a measurement, relative to a typical statement at the same level.
+        effort: run time of a measurement divided by the run time of a typical statement at the same level.
     """
 
     file: DataFile = LISTED
@@ -147,7 +156,7 @@ class ListedNumbers(Statement):
         return self.effort * float(setting.level**2) * (230 if setting.dim == 2 else 30_000)
 
     def memory(self, setting: Setting) -> float:
-        """Return the estimated memory, which is the same for all statements of this class at one level."""
+        """Return the estimated memory in bytes, from the level and the dimension."""
         return estimates.statement(setting.dim, setting.level)
 
 

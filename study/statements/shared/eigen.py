@@ -1,4 +1,4 @@
-"""Matrices of forms on V^h, and the extreme eigenvalues of one form against another."""
+"""Matrices of bilinear forms on V^h, and the smallest and largest values of quotients of two forms."""
 
 from __future__ import annotations
 
@@ -47,12 +47,12 @@ def h1_product(space: Space) -> sps.csc_array:
 
 
 def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
-    """Return min a(v, v)/b(v, v) for positive definite forms a and b."""
+    """Return min a(v, v)/b(v, v) over v ∈ V^h for positive definite forms a (``form``) and b (``product``)."""
     return float(eigsh(form, 1, product, sigma=0.0, v0=_start(form), tol=SMALLEST, return_eigenvectors=False)[0])
 
 
 def largest(form: sps.csc_array, product: sps.csc_array) -> float:
-    """Return max a(v, v)/b(v, v) for a positive definite form b.
+    """Return max a(v, v)/b(v, v) over v ∈ V^h for a form a (``form``) and a positive definite form b (``product``).
 
     Lanczos' method has no shift, because a shift at a supposed bound would hide eigenvalues far beyond it.
     """

@@ -41,13 +41,8 @@ def unknowns(dim: int, n: int, family: str) -> int:
 
 
 def displacement(dim: int, n: int, family: str) -> float:
-    """Return the bytes for Problem 5.1 at a level."""
+    """Return the bytes for Problem 5.1 at a level, or for Problem 3.2 on the strains of V^h."""
     return BASE + PER_UNKNOWN[dim] * unknowns(dim, n, family)
-
-
-def equivalence(dim: int, n: int, family: str) -> float:
-    """Return the bytes for Problem 3.2 on the strains of V^h, solved by an interior-point method."""
-    return displacement(dim, n, family)
 
 
 def statement(dim: int, n: int) -> float:
@@ -67,7 +62,7 @@ def bound(n: int, refinements: int, family: str) -> float:
 
 
 def adapted(cells: int) -> float:
-    """Return the bytes for a bound from u_h alone on a mesh with the given number of cells."""
+    """Return the bytes for a bound from u_h alone on an adapted mesh with the given number of cells."""
     return BASE + PER_UNKNOWN[2] * STRESSES * cells
 
 

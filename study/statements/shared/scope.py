@@ -73,8 +73,8 @@ class Scope:
     Attributes:
         name: quick or full.
         cases: the cases, by their names in the catalogue or as FILE.py:NAME.
-        plane, rough, solid: levels for plane cases with (5.36), for plane cases without it, whose orders need more
-            levels, and in 3D.
+        plane, rough, solid: levels for plane cases with (5.36), for plane cases without (5.36), and in 3D. The orders
+            of cases without (5.36) need more levels.
         equivalence, solid_equivalence: levels of Theorem 4.2 on one mesh, in 2D and 3D.
         every_family: whether cases are measured on all mesh families that can mesh their bodies. Otherwise each case
             is measured on the families that it names.
@@ -111,8 +111,8 @@ class Scope:
 
     def of_the_paper(self) -> Self:
         """Return the scope without the cases that have an initial gap."""
-        kept = [reference for reference in self.cases if not resolve(reference).solution.has_initial_gap]
-        return replace(self, cases=tuple(kept))
+        without_gap = [reference for reference in self.cases if not resolve(reference).solution.has_initial_gap]
+        return replace(self, cases=tuple(without_gap))
 
     def resolved(self) -> list[Case]:
         """Return the cases as objects."""
@@ -137,22 +137,15 @@ class Scope:
         names = [case.name for case in self.resolved()]
         if len(set(names)) < len(names):
             raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
+        scheme = choose("scheme", self.scheme, SCHEMES)
         for case in self.resolved():
             self.families_of(case)
-            require_steps(self.steps(case, max(self.levels_of(case).on_regular)))
-            self._require_unique(case)
-
-    def _require_unique(self, case: Case) -> None:
-        """Refuse time steps so long that the problem of one step may have no or several solutions.
-
-        This is possible if the law softens.
-        """
-        solution = case.solution
-        steps = self.steps(case, min(self.levels_of(case).on_regular))
-        try:
-            choose("scheme", self.scheme, SCHEMES).require_unique(solution.body.T / steps, solution.law.growth)
-        except StepsError as error:
-            raise UsageError(f"{case.name}: {error}") from error
+            levels, T = self.levels_of(case).on_regular, case.solution.body.T
+            require_steps(self.steps(case, max(levels)))
+            try:  # If the law softens, the problem of a long time step may have no or several solutions.
+                scheme.require_unique(T / self.steps(case, min(levels)), case.solution.law.growth)
+            except StepsError as error:
+                raise UsageError(f"{case.name}: {error}") from error
 
     def steps(self, case: Case, level: int) -> int:
         """Return the number of time steps at a level, from the time step k or, if k is None, the pace of the case."""

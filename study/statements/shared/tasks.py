@@ -11,7 +11,7 @@ A task has two modes:
 * "march": the steps of the midpoint rule. Each step is the same problem with C = A/k + G/2 for G, and the caller
   computes s_0 = (G/2 − A/k) ε(u_{n−1}).
 
-All data except u and its reference values are scaled by a factor S; the problem is positively homogeneous.
+All data except u and its reference values are multiplied by a factor S, which does not change u.
 """
 
 from __future__ import annotations
@@ -27,13 +27,11 @@ from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
-from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
-from study.fem.initial_gap import gaps_at_vertices
-from study.fem.material import form
+from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices, rules, shared_lines
 from study.fem.mesh import MeshFamily
 from study.fem.moments import Amplitudes, QuadraturePoints, StrainSums, amplitudes_of
 from study.fem.quadrature import facet_rule
-from study.fem.space import Space
+from study.fem.space import Space, form
 from study.ledger.files import UsageError
 from study.solve.evolution import SemiDiscrete, State
 from study.solve.signorini import ContactSolver
@@ -49,6 +47,12 @@ times, and no front is then at a vertex of a grid with n = 2^j."""
 @dataclass(frozen=True, eq=False)
 class Task:
     """The frozen problems and the trajectory of one case on one mesh.
+
+    Attributes:
+        case, family, level: the case, and the mesh family and the level of the mesh.
+        solution: the exact solution of the case.
+        space: V^h on the mesh.
+        v_norm: computes the load and the errors in V.
 
     Raises:
         UsageError: the law is not linear, so that a matrix of constants does not describe it, or it softens, so that
