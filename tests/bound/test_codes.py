@@ -59,12 +59,13 @@ def test_the_page_shows_the_record() -> None:
     assert put(text, "bounds-of-codes", judge_codes.summary(BOUNDS)) == text, "run: make codes-bounds"
 
 
-def test_proved_intervals_of_codes_are_those_in_double_precision_and_are_on_the_page() -> None:
-    """The two are computed from the same ũ. Rounding of the stresses widens the proved one, by far less than 1 %."""
+def test_proved_intervals_of_codes_lie_in_those_in_double_precision_and_are_on_the_page() -> None:
+    """Both use the same ũ. The one in double precision is wider, as it bounds what samples of the moving load miss."""
     proved = pd.read_csv(certify_codes.TABLE, dtype={"version": str})
     assert len(proved) == len(proved.drop_duplicates(["code", "method", "level"])) >= 11
-    assert (abs(proved["proved_low"] / proved["lowest"] - 1) < 0.01).all()
-    assert (abs(proved["proved_high"] / proved["highest"] - 1) < 0.01).all()
+    assert (proved["lowest"] <= proved["proved_low"]).all()
+    assert (proved["proved_low"] < proved["proved_high"]).all()
+    assert (proved["proved_high"] <= proved["highest"]).all()
     text = certify_codes.PAGE.read_text(encoding="utf-8")
     assert put(text, "certificates-of-codes", certify_codes.summary(proved)) == text, "run: make codes-bounds"
 
