@@ -41,7 +41,7 @@ sys.path.insert(0, str(ROOT / "examples" / "certificates"))
 from problems import wedge
 
 BUILD, TABLE = ROOT / "build" / "certificates-of-codes", ROOT / "results" / "codes" / "certified.csv"
-LEVELS, BETTER = (4, 8), Refined(1, 1)
+LEVELS, BETTER = (4,), Refined(1, 1)
 """The levels, which are also the numbers of time steps, and how ũ is computed."""
 MOVED = 1e-9
 """Distance up to which vertices in a file count as those of the certificate, whose coordinates are fractions."""

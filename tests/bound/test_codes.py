@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -15,6 +16,7 @@ from study.run.tasks import march, plain
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "examples" / "bounds"))
+import certify_codes  # noqa: E402
 import judge_codes  # noqa: E402
 
 BOUNDS = pd.read_csv(judge_codes.TABLE)
@@ -55,6 +57,38 @@ def test_the_page_shows_the_record() -> None:
     text = judge_codes.PAGE.read_text(encoding="utf-8")
     assert "<!-- bounds-of-codes -->" in text
     assert put(text, "bounds-of-codes", judge_codes.summary(BOUNDS)) == text, "run: make codes-bounds"
+
+
+def test_proved_intervals_of_codes_lie_in_those_in_double_precision_and_are_on_the_page() -> None:
+    """Both use the same ũ. The one in double precision is wider, as it bounds what samples of the moving load miss."""
+    proved = pd.read_csv(certify_codes.TABLE, dtype={"version": str})
+    assert len(proved) == len(proved.drop_duplicates(["code", "method", "level"])) >= 11
+    assert (proved["lowest"] <= proved["proved_low"]).all()
+    assert (proved["proved_low"] < proved["proved_high"]).all()
+    assert (proved["proved_high"] <= proved["highest"]).all()
+    text = certify_codes.PAGE.read_text(encoding="utf-8")
+    assert put(text, "certificates-of-codes", certify_codes.summary(proved)) == text, "run: make codes-bounds"
+
+
+def test_a_certificate_of_a_code_needs_the_mesh_of_the_proof(tmp_path: Path) -> None:
+    proof = certify_codes.checker.load(ROOT / "examples" / "certificates" / "wedge-4.json.gz")
+    points = certify_codes.in_doubles(
+        certify_codes.checker.Mesh.of(proof["mesh"], certify_codes.checker.Problem(proof["problem"]))
+    )
+    u = np.array(proof["computed"]).reshape(len(proof["computed"]), -1, 2)
+    arrays = {"points": points.p.T, "triangles": points.t.T, "times": np.linspace(0, 1, len(u)), "u": 2 * u}
+    np.savez(tmp_path / "doubled.npz", **arrays)
+    found = certify_codes.in_place(proof, tmp_path / "doubled.npz")
+    assert np.array_equal(found["computed"], 2 * np.array(proof["computed"]))
+    assert found["stress"] is proof["stress"]
+    for name, changed in {
+        "vertices": {"points": points.p.T + 1e-3},
+        "triangles": {"triangles": points.t.T[:-1]},
+        "time steps": {"times": np.linspace(0, 1, len(u)) ** 2},
+    }.items():
+        np.savez(tmp_path / "wrong.npz", **arrays | changed)
+        with pytest.raises(certify_codes.BoundError, match=name):
+            certify_codes.in_place(proof, tmp_path / "wrong.npz")
 
 
 @pytest.mark.parametrize("level", [4])

@@ -488,7 +488,7 @@ def test_orders_are_enclosed_since_the_first_level_and_since_the_previous_one() 
     assert table.loc[1, ["order_low", "pair_low"]].isna().all()
     lines = _intervals(table.reset_index(), known=False)
     assert lines[0].split() == ["level", "max", "error", "in", "%", "of", "u", "from", "u_h", "alone"]
-    assert [line.count("[") for line in lines] == [0, 2, 2, 2, 0, 0, 1, 2, 0, 0]
+    assert [line.count("[") for line in lines] == [0, 2, 2, 2, 0, 0, 2, 2, 0, 0]
     assert lines[5].split() == ["level", "order", "since", "1", "since", "the", "mesh", "before"]
     assert max(map(len, lines)) <= 80
     assert lines[-1].endswith("with steps that follow the mesh")
