@@ -32,7 +32,8 @@ from study.present.notation import prose
 
 y = sp.Symbol("y")
 STANDARD = (
-    r"the polygon \((0,0), (1,0), (1,1), (0,1)\); \(\Gamma_1\): \((1,1)\)--\((0,1)\); \(\Gamma_3\): \((0,0)\)--\((1,0)\)"
+    r"the polygon \((0,0), (1,0), (1,1), (0,1)\); "
+    r"\(\Gamma_1\): \((1,1)\)--\((0,1)\); \(\Gamma_3\): \((0,0)\)--\((1,0)\)"
 )
 """The unit square, clamped on top, in contact at the bottom."""
 
@@ -88,7 +89,7 @@ def matrix(entries: np.ndarray) -> str:
     normal = np.zeros_like(entries)
     normal[:d, :d] = lam
     if np.allclose(entries, 2 * mu * np.eye(len(entries)) + normal, atol=1e-13):
-        tau, trace = sp.symbols(r"\\tau (\\operatorname{tr}\\tau)I")
+        tau, trace = sp.Symbol(r"\tau"), sp.Symbol(r"(\operatorname{tr}\tau)I")
         return r"\tau\mapsto " + " + ".join(
             formula(rational(sp.Float(factor)) * of) for factor, of in ((2 * mu, tau), (lam, trace)) if factor
         ).replace("+ - ", "- ")
@@ -123,8 +124,8 @@ def projected(operator: Yield) -> str:
     """Return the law (3.3) with its convex set."""
     deviatoric = not np.allclose(operator.convex.projector, np.eye(len(operator.convex.projector)))
     inside = r"|\operatorname{dev}\tau|" if deviatoric else r"|\tau|"
-    constant = formula(operator.beta)
-    return rf"{constant}\,(\varepsilon-P\varepsilon)\) with \(P\) onto \(\{{{inside}\le {formula(operator.convex.radius)}\}}"
+    constant, radius = formula(operator.beta), formula(operator.convex.radius)
+    return rf"{constant}\,(\varepsilon-P\varepsilon)\) with \(P\) onto \(\{{{inside}\le {radius}\}}"
 
 
 def piecewise(of: Piecewise) -> str:
@@ -133,10 +134,7 @@ def piecewise(of: Piecewise) -> str:
     if len(pieces) == 1:
         return f"{pieces[0]}"
     starts = (0.0, *of.ends)
-    shown = [
-        rf"{text}\ (y\in[{formula(a)},{formula(b)}])"
-        for text, a, b in zip(pieces, starts, of.ends, strict=False)
-    ]
+    shown = [rf"{text}\ (y\in[{formula(a)},{formula(b)}])" for text, a, b in zip(pieces, starts, of.ends, strict=False)]
     return r",\ ".join(shown)
 
 

@@ -66,7 +66,7 @@ GROUPS = {
 BEYOND = "beyond the source"
 ACCOUNTS = {
     "source": "statements of the source, compared with windows",
-    "own": "predictions and estimates of ours, compared with windows, judged like statements",
+    "own": "predictions of ours, compared with windows and judged like statements",
     "programs": PROGRAMS,
     "relations": "proved relations and identities, which fail only if the program is wrong",
     "met": "predictions of ours that no statement covers: met",
@@ -89,7 +89,20 @@ def article(directory: Path) -> dict[Path, str]:
     data = FullRun.read(directory)
     if data is None:
         return {}
-    tables = (accounts, verdicts, ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips, codes, sensitivity)
+    tables = (
+        accounts,
+        verdicts,
+        ledger,
+        catalogue,
+        smooth,
+        rough,
+        stresses,
+        enclosures,
+        discrete,
+        slips,
+        codes,
+        sensitivity,
+    )
     texts = {"numbers": macros(data)} | {make.__name__: make(data) for make in tables}
     return {directory / "article" / f"{name}.tex": text for name, text in texts.items()}
 
@@ -409,7 +422,7 @@ def accounts(data: FullRun) -> str:
         body.append([title, str(len(rows)), judged, other])
     total = count_verdicts(data.claims)
     body.append([r"\midrule all", str(len(data.claims)), str(total[HOLDS]), str(total[FAILS] + total[UNDECIDED])])
-    return tabular(["rows", "number", "hold", "fail or undecided"], folding(0.62) + "rrr", body)
+    return tabular(["rows", "number", "hold", "fail or undecided"], folding(0.66) + "rrr", body)
 
 
 def ledger(data: FullRun) -> str:
