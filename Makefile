@@ -138,6 +138,8 @@ LATEX := latexmk -cd -pdf -halt-on-error -interaction=nonstopmode -outdir=build
 # The study refers to tables of the supplement, and the supplement to the study: it is built before and after.
 paper: $(RUNTIME)  ## both papers and the supplement from results/, paper/build; needs latexmk
 	$(BIN)/study tables --out results
+	$(BIN)/python paper/formulas.py paper/build/formulas.tex
+	$(BIN)/python paper/certified.py paper/build/certified.tex
 	$(LATEX) paper/supplement.tex
 	$(LATEX) -Werror paper/theory.tex paper/study.tex
 	$(LATEX) -Werror -g paper/supplement.tex

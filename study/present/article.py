@@ -14,8 +14,11 @@ import pandas as pd
 
 from study.ledger.chance import PROMISE
 from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_kinds, count_verdicts
+from study.ledger.numbered import NO_ROW, NOT_TESTED
 from study.ledger.text import above, below, down, up
 from study.ledger.verdict import (
+    CAN_FAIL,
+    FAILS,
     HOLDS,
     IDENTITY,
     KINDS,
@@ -24,8 +27,10 @@ from study.ledger.verdict import (
     REPORTED,
     THEOREM,
     UNCLAIMED,
+    UNDECIDED,
     VERDICTS,
     agreement,
+    is_of_the_paper,
     kind,
     window_share,
     worst_value,
@@ -40,6 +45,8 @@ NEGLIGIBLE = 1e-6
 """A defect whose smallest noticed size is below this value is noticed at any size: the start must be Π^h u_0."""
 WIDE = 0.5
 """A window of an order that is wider is counted separately."""
+PROGRAMS = "the same numbers from other programs"
+"""The group of rows that compare two programs."""
 GROUPS = {
     "material, spaces and operators: (2.14)--(4.5)": ("(2", "(3", "(4", "Thm 2.2"),
     "well-posedness and the stress problem: Theorems 4.1--4.3, 5.2": ("Thm 4", "Prager"),
@@ -51,12 +58,24 @@ GROUPS = {
         "superclose",
         "contact force",
     ),
-    "the same numbers from other programs": ("computed again", "other codes", "axes"),
+    PROGRAMS: ("computed again", "other codes", "axes"),
     "error bounds and enclosures": ("bound", "enclosure"),
     "missing data, misprints, statements without a test": ("data", "slips", "not tested", "no row"),
 }
 """Group of statements ↦ how their labels begin; a label in none of them is beyond the source."""
 BEYOND = "beyond the source"
+ACCOUNTS = {
+    "source": "statements of the source, compared with windows",
+    "own": "predictions of ours, compared with windows and judged like statements",
+    "programs": PROGRAMS,
+    "relations": "proved relations and identities, which fail only if the program is wrong",
+    "met": "predictions of ours that no statement covers: met",
+    "undecided": "\\quad undecided",
+    "wrong": "\\quad wrong (called missed)",
+    "numbers": "numbers without a claim and without a prediction",
+    "lines": "lines without a number: misprints, and formulas that have no test",
+}
+"""What a row of the ledger contributes: every row belongs to exactly one account."""
 Named = Iterator[tuple[str, object]]
 
 
@@ -70,7 +89,20 @@ def article(directory: Path) -> dict[Path, str]:
     data = FullRun.read(directory)
     if data is None:
         return {}
-    tables = (verdicts, ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips, codes, sensitivity)
+    tables = (
+        accounts,
+        verdicts,
+        ledger,
+        catalogue,
+        smooth,
+        rough,
+        stresses,
+        enclosures,
+        discrete,
+        slips,
+        codes,
+        sensitivity,
+    )
     texts = {"numbers": macros(data)} | {make.__name__: make(data) for make in tables}
     return {directory / "article" / f"{name}.tex": text for name, text in texts.items()}
 
@@ -80,7 +112,7 @@ def article(directory: Path) -> dict[Path, str]:
 
 def macros(data: FullRun) -> str:
     r"""Return \\newcommand lines, grouped by subject."""
-    theory = _smooth, _rough, _equivalence, _bounds, _contact, _time, _front, _laws, _discrete
+    theory = _smooth, _pressure, _rough, _equivalence, _bounds, _contact, _time, _front, _laws, _discrete
     groups = _ledger, _plan, *theory, _packages
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
     return "\n".join(["% Written by `study tables` from the data files; \\input before use.", *lines, ""])
@@ -96,6 +128,9 @@ def _ledger(data: FullRun) -> Named:
     kinds = count_kinds(data.claims)
     for name, one in (("Orders", ORDER), ("Theorems", THEOREM), ("Identities", IDENTITY)):
         yield f"kind{name}", kinds[one]
+    names = data.claims.apply(account, axis=1)
+    for name in ACCOUNTS:
+        yield f"account{name.capitalize()}", (names == name).sum()
     orders = data.claims[(data.claims["verdict"] == HOLDS) & (data.claims.apply(kind, axis=1) == ORDER)]
     yield "ordersWide", (orders["window_high"] - orders["window_low"] > WIDE).sum()
     found, injected = count_caught(data.controls)
@@ -208,6 +243,9 @@ def _bounds(data: FullRun) -> Named:
     yield "checkLevel", finest["level"]
     yield "checkUpper", above(finest["upper"], 2)
     yield "checkLower", below(finest["lower"], 2)
+    yield "checkLowEnd", below(finest["lowest"], 4)
+    yield "checkError", f"{finest['error']:.4f}"
+    yield "checkHighEnd", above(finest["highest"], 4)
 
 
 def _contact(data: FullRun) -> Named:
@@ -294,6 +332,16 @@ def _discrete(data: FullRun) -> Named:
     yield "roomMost", above(1 / constant["low"].min(), 0)
 
 
+def _pressure(data: FullRun) -> Named:
+    """Yield the orders of the contact pressure in three norms, from the rows that hold."""
+    keys = {"Dual": "dual-superclose", "Other": "dual-other", "Mean": "pressure"}
+    for name, key in keys.items():
+        rows = data.rows("contact force", f"order-{key}")
+        yield from _extremes(f"pressure{name}", rows[rows["verdict"] == HOLDS])
+    rows = data.rows("contact force", "order-resultant")
+    yield "pressureResultantMin", below(rows.loc[rows["verdict"] == HOLDS, "low"].min(), 2)
+
+
 def _packages(data: FullRun) -> Named:
     """Yield the versions of the programs that computed the committed data."""
     yield "withPython", prose(data.provenance["python"])
@@ -347,6 +395,34 @@ def _counts(rows: pd.DataFrame) -> list[str]:
     holding, count = count_kinds(rows), count_verdicts(rows)
     failing = len(rows) - count[HOLDS] - count[MISSED] - count[REPORTED]
     return [*(str(holding[one]) for one in KINDS), str(failing), str(count[MISSED]), str(count[REPORTED])]
+
+
+def account(row: pd.Series) -> str:
+    """Return the account of ``ACCOUNTS`` that a row of the ledger belongs to."""
+    label, predicted = str(row["label"]), str(row["expected"]).startswith("predicted")
+    if label in (NO_ROW, NOT_TESTED, "slips"):
+        return "lines"
+    if row["verdict"] in UNCLAIMED:
+        return agreement(row) if predicted else "numbers"
+    if kind(row) not in CAN_FAIL:
+        return "relations"
+    if group_of(label) == PROGRAMS:
+        return "programs"
+    return "source" if is_of_the_paper(label) and "predicted" not in str(row["expected"]) else "own"
+
+
+def accounts(data: FullRun) -> str:
+    """Return one row per account: its rows, and those of them that hold, fail or are undecided."""
+    names, body = data.claims.apply(account, axis=1), []
+    for name, title in ACCOUNTS.items():
+        rows = data.claims[names == name]
+        count = count_verdicts(rows)
+        judged = "--" if name in ("met", "undecided", "wrong", "numbers", "lines") else str(count[HOLDS])
+        other = "--" if judged == "--" else str(count[FAILS] + count[UNDECIDED])
+        body.append([title, str(len(rows)), judged, other])
+    total = count_verdicts(data.claims)
+    body.append([r"\midrule all", str(len(data.claims)), str(total[HOLDS]), str(total[FAILS] + total[UNDECIDED])])
+    return tabular(["rows", "number", "hold", "fail or undecided"], folding(0.66) + "rrr", body)
 
 
 def ledger(data: FullRun) -> str:
