@@ -22,7 +22,7 @@ from manufactured.tensors import Array, Tensors
 from study.bound.problem import BoundError, Moduli, moduli, require_units
 from study.bound.remainders import Sampling
 from study.fem.quadratic import Quadratic
-from study.stresses.bernstein import interval_mass
+from study.stresses.composite import interval_mass
 from study.stresses.hybrid import EquilibratedStress, Equilibrium
 from study.stresses.loads import Loads, ProjectedLoads, Snapshot
 from study.stresses.oscillation import Oscillation

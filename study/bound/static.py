@@ -27,8 +27,7 @@ from study.bound.problem import SMALLEST, require_visible
 from study.bound.remainders import Evidence, proportional
 from study.bound.terms import Shares
 from study.bound.trajectory import Computed, DiscreteSolution, prolongation
-from study.fem.material import form
-from study.fem.space import Space
+from study.fem.space import Space, form
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import contact_solver
 from study.stresses.hybrid import Equilibrium

@@ -41,7 +41,7 @@ from manufactured.tensors import Array
 from study.bound.problem import BoundError
 from study.certify import checker
 from study.certify.checker import CENTRE, CORNERS, CUBIC, SQUARE, Poly, X, Y
-from study.stresses.bernstein import indices
+from study.stresses.composite import indices
 
 GIVEN, INNER = 36, 9
 """Numbers of inputs: tractions and forces, and inner numbers that stay free."""

@@ -20,8 +20,7 @@ from study.bound.discretisation import Discretisation
 from study.certify import checker
 from study.certify.constants import GIVEN, INNER, bernstein, columns
 from study.certify.statement import Twins
-from study.stresses.bernstein import indices
-from study.stresses.composite import SIDES
+from study.stresses.composite import SIDES, indices
 from study.stresses.loads import Loads
 
 FINE, COARSE = 38, 20

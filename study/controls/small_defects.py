@@ -15,7 +15,7 @@ from study.controls.control import Replacement, replaced
 from study.controls.replacements import forces_times, solving
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import work_on
-from study.fem.material import means
+from study.fem.space import means
 from study.statements.shared.experiment import Experiment
 
 

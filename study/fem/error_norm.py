@@ -1,11 +1,12 @@
-"""Error of a function of V^h in the energy norm, and the exact stress as a functional on V^h.
+"""The error ‖u(t) − v‖_V of a displacement v ∈ V^h, and the loads of an exact solution as vectors.
 
-The strain of a P1 function is constant on every cell, so with the cell means ε̄ of the exact strain
+The strain of v is constant on every cell T. Let ε̄ be the mean of the exact strain ε(u) on T. Then
 
-    ‖u(t) − v‖_V² = ∫ Aε(u)·ε(u) − Σ_T |T| Aε̄·ε̄ + Σ_T |T| A(ε̄ − ε(v))·(ε̄ − ε(v)).
+    ‖u(t) − v‖_V² = [∫ Aε(u)·ε(u) − Σ_T |T| Aε̄·ε̄] + Σ_T |T| A(ε̄ − ε(v))·(ε̄ − ε(v)).
 
-The difference of the first two terms, the oscillation, does not depend on v. It is evaluated once per time and is a
-lower bound for every v ∈ V^h. Cancellation makes its relative accuracy ε_machine/h², which is 1e-10 at h = 1e-3.
+The bracket is called the oscillation. It does not depend on v, so it is computed once for each time, and its square
+root is a lower bound of the error for all v ∈ V^h. It is a difference of nearly equal numbers, which limits its
+relative accuracy to about (machine precision)/h², that is 1e-10 at h = 1e-3.
 """
 
 from __future__ import annotations
@@ -26,13 +27,14 @@ from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
 DEGREE, SOLID_DEGREE = 4, 2
-"""Degrees of the standard cell rule in 2D and in 3D. In 2D the degree is two more than the square of a linear strain
-error needs, because kinks may cross cells and points that share coordinates lower the degree. In 3D the evaluation of
-exact fields dominates the cost. Every row of a rate table records the effect of raising the degree by two."""
+"""Degrees of the quadrature rule on cells in 2D and in 3D. The square of a linear strain error needs degree 2. In 2D
+two more are used, because kinks of the strain may cross cells and because moved quadrature points (``along`` of
+``ErrorNorm``) lower the degree. In 3D the evaluation of exact fields dominates the cost. Every row of a rate table
+records by how much the error changes if the degree is raised by two."""
 FACET_POINTS, SOLID_FACET_POINTS = 8, 4
-"""Gauss points on a contact facet: in 2D on each side of a point of low regularity, in 3D per direction."""
+"""Gauss points on a contact facet, per direction; in 2D a facet is first divided where the strain is not smooth."""
 PARALLEL = 0.1
-"""Sine of the angle below which two lines are too close to parallel for points to share coordinates along both."""
+"""Sine of the angle between two contact faces below which quadrature points are aligned with one of them only."""
 
 
 class NormError(ArithmeticError):
@@ -41,13 +43,13 @@ class NormError(ArithmeticError):
 
 @dataclass(frozen=True, eq=False)
 class ExactAtTime:
-    """Data of the exact solution at one time from which distances to functions of V^h are computed.
+    """The data of the exact solution at one time that ``ErrorNorm.distance`` needs.
 
     Attributes:
         time: t.
         means: cell means of ε(u(t)), (D, cells).
-        oscillation: Σ_T ∫_T A(ε(u) − ε̄)·(ε(u) − ε̄).
-        interpolant: Π^h u(t), (n_dofs,).
+        oscillation: the energy of ε(u) minus its cell means, Σ_T ∫_T A(ε(u) − ε̄)·(ε(u) − ε̄).
+        interpolant: Π^h u(t), (dofs,).
     """
 
     time: float
@@ -57,14 +59,17 @@ class ExactAtTime:
 
 
 class ErrorNorm:
-    """Computes the error of functions of V^h with respect to an exact solution.
+    """Computes the error ‖u(t) − v‖_V of displacements v ∈ V^h and the load vectors of an exact solution.
 
-    If A varies within a cell, ε̄ is the mean of the exact strain weighted by the factor of A.
+    If A varies within a cell, the mean ε̄ is weighted by the factor of A.
 
     Args:
-        raised: added to the degree of the cell rules and to the number of points of the facet rules.
-        along: lines to which many quadrature points have the same distance (``study.fem.quadrature``), which makes
-            formulas cheap but lowers the degree of rules; by default ``shared_lines``, () for the standard rules.
+        solution: the exact solution u.
+        space: V^h.
+        raised: a number added to the degree of the cell rules and to the number of points of the facet rules.
+        along: contact faces, as lines. The quadrature points are moved so that many of them have the same coordinate
+            along these lines; the formulas of u are then evaluated less often, but the degree of the rule is lower
+            (``study.fem.quadrature.shared``). Default: ``shared_lines(solution)``; () keeps the standard points.
     """
 
     def __init__(
@@ -97,7 +102,7 @@ class ErrorNorm:
         return self._cells.strains(self._amplitudes(time, False)) / self._cells.viscous
 
     def sample(self, time: float) -> ExactAtTime:
-        """Return the cell means, oscillation and interpolant of u(t)."""
+        """Return the cell means of ε(u(t)), the oscillation and the interpolant, as needed by ``distance``."""
         means = self.means(time)
         # For a strain that is constant on every cell the oscillation is round-off, which may be negative.
         oscillation = max(self._energy(self._amplitudes(time, False)) - self._constant_energy(means), 0.0)
@@ -109,7 +114,11 @@ class ErrorNorm:
         return float(self._cells.viscous @ np.einsum("Ic,Ic->c", mapped(self.A.matrix, strain), strain))
 
     def distance(self, sample: ExactAtTime, v: Array) -> float:
-        """Return the distance ‖u(t) − v‖_V for v ∈ V^h.
+        """Return the error ‖u(t) − v‖_V.
+
+        Args:
+            sample: the result of ``sample`` for the time t.
+            v: free coefficients of a displacement in V^h, (dofs,).
 
         Raises:
             NormError: the norm is not a finite number; a later maximum over time could hide this.
@@ -123,27 +132,38 @@ class ErrorNorm:
         return found
 
     def load(self, time: float) -> Array:
-        """Return the load (f(t), v)_V = (σ(t), ε(v))_Q − ∫_{Γ3} σ_ν v_ν for v ∈ V^h, (n_dofs,).
+        """Return the load vector of v ↦ (f(t), v)_V, (dofs,), computed from the exact stress.
 
-        This is Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0. It needs no derivative of σ, so it also holds for
-        solutions whose f_0 is not in L².
+        Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0 gives (f, v)_V = (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν. No
+        derivative of σ is needed, so the formula also holds for solutions whose f_0 is not in L².
         """
         strains, rates = self._amplitudes(time, False), self._amplitudes(time, True)
         return self.space.tested(self._cells(strains, rates)) + self._contact_work(strains, rates)
 
     def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
-        """Return ∫_{Γ3} p v_ν with p = −σ_ν for v ∈ V^h, (n_dofs,)."""
+        """Return the vector of the work of the contact pressure, v ↦ ∫_{Γ3} p v_ν with p = −σ_ν, (dofs,)."""
         pressure = [-dyad(normal, normal) @ sums(strains, rates) for normal, sums in self._faces]
         return np.asarray(self._normal.T @ np.concatenate(pressure))
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:
-    """Return cell rules that are cut and graded where the strain of a solution is not smooth for all times."""
+    """Return quadrature rules for all cells, adapted to where the strain of a solution is never smooth.
+
+    Args:
+        solution: gives the lines (``rough``) at which cells are cut and the points (``singular``) to which rules are
+            graded.
+        mesh: the mesh.
+        degree: degree of the rule on ordinary cells.
+        shared: lines as in ``along`` of ``ErrorNorm``.
+    """
     return cell_rules(mesh, degree, [Line(*line) for line in solution.rough], solution.singular, shared)
 
 
 def shared_lines(solution: ExactSolution) -> list[Line]:
-    """Return the lines of at most two plane contact faces, along which quadrature points can share coordinates."""
+    """Return the lines through at most two contact faces in 2D, with which quadrature points are aligned.
+
+    In 3D, and for singular faces, the list is empty.
+    """
     found: list[Line] = []
     contact = [face for face in solution.faces if isinstance(face, ContactFace)] if solution.body.dim == 2 else []
     for line in (Line(*face.part.line(0.0)) for face in contact):
@@ -151,3 +171,17 @@ def shared_lines(solution: ExactSolution) -> list[Line]:
         if not parallel and len(found) < 2:
             found.append(line)
     return found
+
+
+def gaps_at_vertices(solution: ExactSolution, space: Space) -> Array | float:
+    """Return the initial gap g at the contact vertices, (m,), in the order of the rows of ``space.N``.
+
+    If no contact face has an initial gap, as in the paper, the number 0.0 is returned.
+    """
+    if not solution.has_initial_gap:
+        return 0.0
+    gaps = []
+    for face, (part, vertices) in zip(solution.faces, space.contact, strict=True):
+        s = part.coordinates(space.mesh.p[:, vertices])[0]
+        gaps.append(solution.on(face, s).initial_gap() * np.ones(s.shape[1]))
+    return np.concatenate(gaps)

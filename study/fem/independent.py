@@ -1,6 +1,6 @@
-"""The load and the interpolation error computed in other ways, to check ``study.fem.error_norm.ErrorNorm``.
+"""Load vectors and the interpolation error by independent formulas, to check ``study.fem.error_norm.ErrorNorm``.
 
-This module does not use the quadrature of strains or the norm with which errors are measured.
+Neither the integrals of strains nor the norm of ``ErrorNorm`` are used here.
 """
 
 from __future__ import annotations
@@ -18,20 +18,27 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 
 INSTANTS = 32
-"""Steps of the time grid for the maximum of the leading term. In the case of a travelling patch the term falls most
-steeply near a maximum, by 15 % over T/16; for a parabola this is 1 % over half a step."""
+"""Number of steps of the time grid on which the maximum of the leading term is searched. The steepest known maximum is
+in the case travelling-patch: the term falls by 15 % within T/16. For a parabola this is 1 % within half a step."""
 
 
 def load_from_forces(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
-    """Return the load from the forces, (f(t), v)_V = (f_0, v)_H + (f_2, v)_{L²(Γ2)}, (3.7), (n_dofs,).
+    """Return the load vector of (f(t), v)_V from the forces by (3.7), (dofs,).
 
-    By (2.14) it differs from ``ErrorNorm.load`` only by the error of quadrature.
+    It is (f_0, v)_H + (f_2, v)_{L²(Γ2)}. By (2.14) it differs from ``ErrorNorm.load``, which is computed from the
+    stress, only by quadrature errors.
+
+    Args:
+        solution: the exact solution, which gives f_0 and f_2.
+        space: V^h.
+        time: t.
+        degree: degree of the quadrature rule for f_0.
     """
     return work_of_body_force(solution, space, time, degree) + work_on(Kind.LOADED, solution, space, time)
 
 
 def work_of_body_force(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
-    """Return the work of the body force f_0 = −Div σ, that is (f_0, v)_H, (n_dofs,)."""
+    """Return the vector of v ↦ (f_0, v)_H, the work of the body force, (dofs,); see ``load_from_forces``."""
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
     for rule in rules(solution, mesh, degree):
@@ -42,9 +49,9 @@ def work_of_body_force(solution: ExactSolution, space: Space, time: float, degre
 
 
 def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> Array:
-    """Return the work ∫ σν·v of the traction on all parts of one kind, (n_dofs,).
+    """Return the vector of the work of the traction on all parts of one kind, v ↦ ∫ σν·v, (dofs,).
 
-    On Γ2 this is (f_2, v)_{L²(Γ2)}, on Γ3 it is ∫ σ_ν v_ν.
+    On Γ2 this is (f_2, v)_{L²(Γ2)}; on Γ3 it is ∫ σ_ν v_ν.
     """
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
@@ -56,12 +63,13 @@ def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> A
 
 
 class LeadingTerm:
-    """Computes ‖u − Π^h u‖_V to leading order at a time, from second derivatives of u at the centres of the cells.
+    """Computes the leading term of the interpolation error ‖u − Π^h u‖_V at a time.
 
-    On a cell the interpolation error of a quadratic function with Hessian H is −½ Σ_{i<j} λ_i λ_j l_ijᵀ H l_ij, where
-    l_ij is the edge from vertex i to j. Its gradient is −Σ_i λ_i V_i with V_i = ½ Σ_{j≠i} (l_ijᵀ H l_ij) ⊗ ∇λ_j. With
-    ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d + 1)(d + 2)) its energy is |T|/((d + 1)(d + 2)) (Σ_i A V_i·V_i + A V·V) for V = Σ_i
-    V_i. The factor of A is also taken at the centres.
+    The term is the interpolation error of the quadratic function with the second derivatives of u at the centres of the
+    cells. On a cell, the interpolation error of a quadratic function with Hessian H is −½ Σ_{i<j} λ_i λ_j l_ijᵀ H l_ij,
+    where l_ij is the edge from vertex i to vertex j. Its gradient is −Σ_i λ_i V_i with
+    V_i = ½ Σ_{j≠i} (l_ijᵀ H l_ij) ⊗ ∇λ_j. Since ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d + 1)(d + 2)), its energy is
+    |T|/((d + 1)(d + 2)) (Σ_i A V_i·V_i + A V·V) for V = Σ_i V_i. The factor of A is also evaluated at the centres.
 
     Source: J. R. Shewchuk, What is a good linear finite element?, 2002, for the error function.
     """
@@ -76,12 +84,14 @@ class LeadingTerm:
         self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))
 
     def largest(self) -> float:
-        """Return the maximum over [0, T], sampled at times that do not depend on the times of the error measurement."""
+        """Return the maximum of the leading term over ``INSTANTS`` + 1 equidistant times in [0, T]."""
         return float(np.max([self(time) for time in np.linspace(0.0, self.T, INSTANTS + 1).tolist()]))
 
     def __call__(self, time: float) -> float:
+        """Return the leading term at a time."""
         strains = self.fields.strain_gradient(time)
-        # ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, (i, j) as a Mandel vector; both arrays are (D, d, ...).
+        # The Hessian of u_k is ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij. Both arrays have the shape (D, d, ...);
+        # the pair (i, j) is a Mandel vector.
         gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
         hessian = 2 * mandel(gradient) - strains
         V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))

@@ -1,13 +1,12 @@
-"""Triangulations of a body in 2D or 3D: their geometry, mesh families, and the check that a mesh fits the body.
+"""Meshes of triangles or tetrahedra: geometry, mesh families, and the check that a mesh fits a body.
 
-A family makes a mesh of a body for a level n, with about n cells along a side. No family knows where the contact zone
-is. Every point at which the boundary condition changes must be a vertex (paper, before (5.23)), and every interface a
-union of facets; a mesh that violates this is refused.
+A mesh family makes a mesh of a body for a level n, with about n cells along a side. The families do not use the
+position of the contact zone. Every point at which the boundary condition changes must be a vertex (paper, before
+(5.23)), and every interface between materials must be a union of facets; other meshes are refused.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise, permutations
@@ -24,7 +23,7 @@ from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points
 
 TOLERANCE = 1e-8
-"""Distance, relative to |Ω|^{1/d}, above which a vertex is not on a part; also for areas and lengths."""
+"""Tolerance for vertices on a boundary part, relative to |Ω|^{1/d}; areas and lengths have the same relative one."""
 
 
 class MeshError(ValueError):
@@ -32,21 +31,28 @@ class MeshError(ValueError):
 
 
 class MeshFamily(Protocol):
-    """A regular family {T_h} of triangulations.
-
-    ``serves`` returns whether the family can mesh a body. The call returns the mesh of level n or raises MeshError.
-    """
+    """The interface of mesh families, the regular families {T_h} of triangulations of the paper."""
 
     @property
-    def name(self) -> str: ...
-    def serves(self, body: Body) -> bool: ...
-    def __call__(self, body: Body, n: int) -> Mesh: ...
+    def name(self) -> str:
+        """The name in commands and tables."""
+        ...
+
+    def serves(self, body: Body) -> bool:
+        """Return whether the family can mesh the body."""
+        ...
+
+    def __call__(self, body: Body, n: int) -> Mesh:
+        """Return the mesh of level n; MeshError if the family cannot mesh the body at this level."""
+        ...
 
 
 def require_plane(family: MeshFamily, body: Body) -> None:
     """Raise MeshError unless the body is two-dimensional."""
     if body.dim != 2:
-        raise MeshError(f"the family {family.name} meshes 2D bodies, got dimension {body.dim}; use one-diagonal")
+        raise MeshError(
+            f"the mesh family {family.name} is for 2D bodies, got a body of dimension {body.dim}; use one-diagonal"
+        )
 
 
 def simplicial_mesh(points: Points, cells: Array) -> Mesh:
@@ -55,14 +61,15 @@ def simplicial_mesh(points: Points, cells: Array) -> Mesh:
     return kind(np.ascontiguousarray(points), np.ascontiguousarray(cells))
 
 
-# ``mesh.mapping()`` is avoided: scikit-fem would store it in the mesh, and such a cycle is released from memory late.
+# ``mesh.mapping()`` is avoided: scikit-fem would store the mapping in the mesh. The two objects would then refer to
+# each other, and Python would free their memory late.
 
 
 def size(mesh: Mesh) -> float:
     """Return the mesh size h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit cube.
 
-    In a quasi-uniform family h is equivalent to the largest diameter. The diameter has a random part on shaken meshes,
-    which would disturb every observed order.
+    In a quasi-uniform family this is the largest diameter up to a constant factor. The largest diameter itself is not
+    used, because it varies at random on shaken meshes, which would disturb the observed orders.
     """
     return float((factorial(mesh.dim()) * cell_volumes(mesh).sum() / mesh.t.shape[1]) ** (1 / mesh.dim()))
 
@@ -80,7 +87,7 @@ def facet_measures(mesh: Mesh, facets: Array) -> Array:
 
 
 def barycentric_gradients(mesh: Mesh) -> Array:
-    """Return the gradients ∇λ_i on every cell, (cells, d+1, d)."""
+    """Return the gradients of the P1 basis functions λ_i on every cell, (cells, d+1, d)."""
     inner = MappingAffine(mesh).invA
     return np.ascontiguousarray(np.moveaxis(np.concatenate([-inner.sum(axis=0, keepdims=True), inner]), 2, 0))
 
@@ -92,15 +99,15 @@ def barycentric(mesh: Mesh, cells: Array, points: Points) -> Array:
 
 
 def determinants(points: Points, cells: Array) -> Array:
-    """Return d! times the signed volume of cells, (cells,)."""
+    """Return d! times the signed volumes of cells: vertices (d, n) and cells (d+1, cells) → (cells,)."""
     corners = points[:, cells]
     return np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0))
 
 
 def with_midpoints(mesh: Mesh) -> sps.csr_array:
-    """Return the matrix from vertex values of a P1 function to its values on ``mesh.refined()``.
+    """Return the matrix from the vertex values of a P1 function to its vertex values on ``mesh.refined()``.
 
-    The vertices of the refined mesh are the old vertices, then the midpoints of edges.
+    The uniformly refined mesh has the old vertices first, then the midpoints of the edges.
     """
     edges, count = (mesh.facets if mesh.dim() == 2 else mesh.edges), mesh.p.shape[1]
     rows = np.repeat(np.arange(edges.shape[1]), 2)
@@ -109,7 +116,7 @@ def with_midpoints(mesh: Mesh) -> sps.csr_array:
 
 
 def nearest(points: Points, segment: Array) -> Array:
-    """Return the parameters in [0, 1] of the points of a segment (d, 2) nearest to given points (d, n), (n,)."""
+    """Return where on a segment (d, 2) the nearest points to given points (d, n) lie: 0 start, 1 end, (n,)."""
     along = segment[:, 1] - segment[:, 0]
     return np.clip(along @ (points - segment[:, :1]) / (along @ along), 0, 1)
 
@@ -125,12 +132,13 @@ def on_segment(points: Points, segment: Array) -> Array:
     return distance(points, segment) <= 1e-9 * np.linalg.norm(segment[:, 1] - segment[:, 0])
 
 
-# Structured meshes: a grid of n^d cubes, divided into simplices and mapped onto the body, linearly in every coordinate.
+# Structured meshes: the unit cube is divided into a grid of n^d cubes and these into simplices. The mesh is then mapped
+# onto the body by a map that is linear in every coordinate.
 
 
 @dataclass(frozen=True)
 class OneDiagonal:
-    """The mesh family of n^d parallelepipeds, each divided into d! simplices along the same diagonal (``kuhn``)."""
+    """Structured meshes of n^d parallelepipeds, each divided into d! simplices that share one diagonal (``kuhn``)."""
 
     name: str = "one-diagonal"
 
@@ -143,7 +151,7 @@ class OneDiagonal:
 
 @dataclass(frozen=True)
 class CrissCross:
-    """The mesh family of n × n quadrilaterals, each divided by both diagonals."""
+    """Structured meshes of n × n quadrilaterals, each divided by both diagonals."""
 
     name: str = "criss-cross"
 
@@ -161,9 +169,9 @@ class CrissCross:
 
 @dataclass(frozen=True)
 class Alternating:
-    """The mesh family of n × n quadrilaterals, each divided by one diagonal, in alternating directions.
+    """Structured meshes of n × n quadrilaterals, each divided by one diagonal whose direction alternates.
 
-    So the vertices have either four or eight cells.
+    Every inner vertex belongs to four or to eight cells.
     """
 
     name: str = "alternating"
@@ -183,11 +191,12 @@ class Alternating:
 
 @dataclass(frozen=True)
 class Shaken:
-    """One-diagonal meshes with every vertex moved at random by up to 2/d ``amplitude`` cells in each direction.
+    """One-diagonal meshes whose vertices are moved at random.
 
-    Vertices move only within the faces, edges between parts and interfaces on which they lie; corners of parts do not
-    move. Levels are independent of each other, so the meshes are neither nested nor symmetric. A simplex of the grid on
-    the unit cube keeps at least 1 − 4 ``amplitude`` of its volume, in every dimension.
+    Every coordinate of a vertex of the grid changes by up to 2/d ``amplitude`` cell widths. Vertices on faces, on edges
+    between parts and on interfaces stay on them; corners of parts do not move. The random numbers of two levels are
+    independent, so the meshes are neither nested nor symmetric. Every simplex of the grid on the unit cube keeps at
+    least the fraction 1 − 4 ``amplitude`` of its volume, in every dimension.
     """
 
     seed: int = 2002
@@ -198,14 +207,16 @@ class Shaken:
         return has_grids(body)
 
     def __call__(self, body: Body, n: int) -> Mesh:
-        # The grid is shaken before the mapping, so that displacements of vertices are in proportion to stretched cells.
+        # The grid is shaken before it is mapped onto the body, so that vertices of stretched cells move in proportion.
         plain = grid_vertices(n, body.dim)
         amplitude = self.amplitude * 2 / body.dim
         shift = np.random.default_rng([self.seed, n]).uniform(-1, 1, plain.shape) * amplitude / n
         shift[(plain == 0) | (plain == 1)] = 0
         resting = mapped(body, plain)
         ends = [*body.vertices.T]
-        for line in _kept_lines(body):
+        # Meshes must contain the edges of parts in 3D and the interfaces in 2D.
+        sides = [part.corners[:, [i - 1, i]] for part in body.parts for i in range(part.corners.shape[1])]
+        for line in [*(sides if body.dim == 3 else []), *(interface.corners for interface in body.interfaces)]:
             ends += [*line.T]
             on = np.flatnonzero(on_segment(resting, line))
             if on.size > 1:
@@ -218,27 +229,22 @@ class Shaken:
         return simplicial_mesh(points, kuhn(n, body.dim))
 
 
-def _kept_lines(body: Body) -> Iterator[Array]:
-    """Yield the segments (d, 2) that meshes must contain: edges of parts in 3D, interfaces in 2D."""
-    if body.dim == 3:
-        for part in body.parts:
-            yield from (part.corners[:, [i - 1, i]] for i in range(part.corners.shape[1]))
-    yield from (interface.corners for interface in body.interfaces)
-
-
 def grid_vertices(n: int, dim: int) -> Points:
-    """Return the vertices of the grid, the first axis fastest, (d, (n+1)^d)."""
+    """Return the vertices of the grid on the unit cube, the first coordinate varying fastest, (d, (n+1)^d)."""
     return np.array([x.ravel("F") for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * dim, indexing="ij")])
 
 
 def lowest_corners(n: int, dim: int) -> Array:
-    """Return the numbers of the vertices at the lowest corners of the cubes, the first axis fastest, (n^d,)."""
+    """Return for every cube of the grid the number of the vertex with the smallest coordinates, (n^d,)."""
     steps = (n + 1) ** np.arange(dim)
     return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
 
 
 def kuhn(n: int, dim: int) -> Array:
-    """Return the positively oriented simplices of the grid, (d+1, d! n^d): paths from corner to corner along the axes.
+    """Return the simplices of the grid as numbers of vertices, positively oriented, (d+1, d! n^d).
+
+    The vertices of a simplex are those of a path along the axes from the lowest to the highest corner of a cube; each
+    order of the axes gives one simplex.
 
     Source: H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4 (1960) 518–524.
     """
@@ -254,13 +260,13 @@ def kuhn(n: int, dim: int) -> Array:
 
 @lru_cache
 def has_grids(body: Body) -> bool:
-    """Return whether the grid can be mapped onto the body so that its lines follow the interfaces."""
+    """Return whether structured meshes exist: the grid can be mapped onto the body, with lines along the interfaces."""
     images = _images(body)
     return images is not None and all(_is_grid_line(images, interface) for interface in body.interfaces)
 
 
 def mapped(body: Body, reference: Points) -> Points:
-    """Return the images of points of the unit cube, (d, ...) → (d, ...).
+    """Map points of the unit cube to the body: (d, ...) → (d, ...).
 
     Raises:
         MeshError: the body is neither a convex quadrilateral nor a parallelepiped.
@@ -269,7 +275,7 @@ def mapped(body: Body, reference: Points) -> Points:
     if images is None:
         wanted = "convex quadrilateral" if body.dim == 2 else "parallelepiped"
         mend = "use the unstructured family" if body.dim == 2 else "no family meshes other polyhedra"
-        raise MeshError(f"a structured mesh needs a {wanted}, this body has {body.corners.shape[1]} corners; {mend}")
+        raise MeshError(f"a structured mesh needs a {wanted}, got a body with {body.corners.shape[1]} corners; {mend}")
     shapes = np.ones((1, *reference.shape[1:]))
     for x in reference:
         shapes = np.concatenate([shapes * (1 - x), shapes * x])
@@ -277,7 +283,10 @@ def mapped(body: Body, reference: Points) -> Points:
 
 
 def _images(body: Body) -> Points | None:
-    """Return the images (d, 2^d) of the corners of the unit cube, the first axis fastest; None without such a map."""
+    """Return the images of the corners of the unit cube, the first coordinate varying fastest, (d, 2^d).
+
+    The result is None if the body is neither a convex quadrilateral nor a parallelepiped.
+    """
     corners = body.corners
     if corners.shape[1] != 2**body.dim:
         return None
@@ -290,6 +299,7 @@ def _images(body: Body) -> Points | None:
 
 
 def _parallelepiped(body: Body) -> Points | None:
+    """Return the result of ``_images`` for a body in 3D."""
     corners, tolerance = body.corners, 1e-9 * float(np.ptp(body.vertices, axis=1).max())
     first = corners[:, :1]
     normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
@@ -312,7 +322,7 @@ def _parallelepiped(body: Body) -> Points | None:
 
 
 def _is_grid_line(images: Points, interface: Part) -> bool:
-    """Return whether an interface joins two opposite sides of a quadrilateral and divides both in the same ratio."""
+    """Return whether an interface joins opposite sides of the quadrilateral ``images`` and divides both equally."""
     for sides in ((images[:, :2], images[:, 2:]), (images[:, ::2], images[:, 1::2])):
         for ends in (interface.corners, interface.corners[:, ::-1]):
             pairs = [(ends[:, [i]], side) for i, side in enumerate(sides)]
@@ -329,9 +339,9 @@ def _is_grid_line(images: Points, interface: Part) -> bool:
 class Unstructured:
     """Delaunay triangulations of random, evenly distributed points, for any polygon.
 
-    Points start on a jittered triangular lattice and are moved to the area-weighted mean of the centroids of the cells
-    around them, ``sweeps`` times (Lloyd's iteration in the form of Du, Faber, Gunzburger, SIAM Review 41 (1999)
-    637–676, with centroids of the star). Points on the boundary and on interfaces are evenly spaced and do not move.
+    Points in the interior start on a triangular lattice, each moved at random. Then ``sweeps`` times, every point moves
+    to the area-weighted mean of the centroids of the cells around it (Lloyd's iteration in the form of Du, Faber,
+    Gunzburger, SIAM Review 41 (1999) 637–676). Points on the boundary and on interfaces are evenly spaced and fixed.
     """
 
     seed: int = 2002
@@ -351,13 +361,12 @@ class Unstructured:
         return simplicial_mesh(points, _delaunay(body, points))
 
     def points(self, body: Body, n: int) -> tuple[Array, Array, Array]:
-        """Return points on the boundary, on interfaces inside, and in the interior before the first sweep, (2, n)
-        each."""
+        """Return the points before the first sweep: on the boundary, on interfaces, in the interior, (2, n) each."""
         require_plane(self, body)
         spacing = 1.15 * np.sqrt(body.measure) / n
-        boundary = [_divide(part, spacing, _stops(part, body)) for part in body.parts]
+        boundary = [_divide(part, body, spacing) for part in body.parts]
         # The start of an interface lies on the boundary and is already among the boundary points.
-        inside = [_divide(interface, spacing, _stops(interface, body))[:, 1:] for interface in body.interfaces]
+        inside = [_divide(interface, body, spacing)[:, 1:] for interface in body.interfaces]
         free = _lattice(body, spacing, np.random.default_rng([self.seed, n]))
         return np.hstack(boundary), np.hstack([np.empty((2, 0)), *inside]), free
 
@@ -366,9 +375,15 @@ class Unstructured:
 class Graded:
     """Unstructured meshes that are refined towards the points c of ``body.refine``.
 
-    The map x ↦ c + (x − c)(|x − c|/R)^{e−1} for |x − c| < R makes cells of the size h ϱ^{1−1/e} at the distance ϱ from
-    c and h^e at c. P1 functions then approximate |x − c|^λ in H¹ with the order 1 if 1/e < λ. The exponent e = 5/2 is
-    sufficient for λ ≥ 1/2, which covers re-entrant corners and changes of the boundary condition.
+    An unstructured mesh is made first. Then its vertices with |x − c| < R are moved by the map
+    x ↦ c + (x − c)(|x − c|/R)^{e−1}. Cells at the distance ϱ from c get the size h ϱ^{1−1/e}, cells at c the size h^e.
+    P1 functions then approximate |x − c|^λ in H¹ with order 1 if 1/e < λ. The exponent e = 5/2 is sufficient for
+    λ ≥ 1/2, which covers re-entrant corners and changes of the boundary condition.
+
+    Attributes:
+        exponent: e.
+        reach: R divided by the distance from c to the nearest other part, interface or point of ``body.refine``.
+        name: the name in commands and tables.
 
     Sources: I. Babuška, R. B. Kellogg, J. Pitkäranta, Direct and inverse error estimates for finite elements with mesh
     refinements, Numer. Math. 33 (1979) 447–471; T. Apel, Anisotropic finite elements: local estimates and applications,
@@ -385,8 +400,8 @@ class Graded:
     def __call__(self, body: Body, n: int) -> Mesh:
         if not self.serves(body):
             raise MeshError(
-                "a graded mesh needs a 2D body with points to refine towards; list them in `refine`, "
-                "or use the unstructured family"
+                f"a graded mesh needs a 2D body with points to refine towards, got dimension {body.dim} and "
+                f"{len(body.refine)} points; list points in `refine`, or use the unstructured family"
             )
         mesh = Unstructured()(body, n)
         points = mesh.p.copy()
@@ -396,13 +411,14 @@ class Graded:
             inside = share < 1
             points[:, inside] = centre + (mesh.p - centre)[:, inside] * share[inside] ** (self.exponent - 1)
         if (determinants(points, mesh.t) * determinants(mesh.p, mesh.t) <= 0).any():
-            raise MeshError(f"grading turns cells over at the level {n}; take a finer one")
+            raise MeshError(f"grading inverts cells of the mesh of level {n}; take a finer level")
         return simplicial_mesh(points, mesh.t)
 
     def radius(self, body: Body, point: tuple[float, ...]) -> float:
-        """Return ``reach`` times the distance from a point to the nearest part, interface or other point of ``refine``.
+        """Return the radius R around a point of ``body.refine`` within which vertices are moved.
 
-        Parts and interfaces that contain the point are left out.
+        It is ``reach`` times the distance to the nearest part, interface or other point of ``body.refine``. Parts and
+        interfaces that contain the point are ignored.
         """
         centre = np.array(point)
         tolerance = 1e-8 * np.sqrt(body.measure)
@@ -413,7 +429,7 @@ class Graded:
 
 
 def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
-    """Return the points of a jittered triangular lattice in Ω, away from the boundary and from interfaces, (2, n)."""
+    """Return randomly moved points of a triangular lattice, inside Ω and not near boundary or interfaces, (2, n)."""
     low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
     rows = np.arange(low[1], high[1], spacing * np.sqrt(0.75))
     columns = np.arange(low[0] - spacing, high[0] + spacing, spacing)
@@ -429,17 +445,16 @@ def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
     return points[:, keep]
 
 
-def _stops(part: Part, body: Body) -> list[float]:
-    """Return the coordinates along a part, without its ends, at which an interface ends."""
+def _divide(part: Part, body: Body, spacing: float) -> Array:
+    """Return points on a part or interface, (2, n); the end of the part is left out.
+
+    The points are evenly spaced between the ends of the part and the places where interfaces end on it.
+    """
     ends = [end for interface in body.interfaces if interface is not part for end in interface.corners.T]
     tolerance = 1e-9 * part.measure
     found = sorted(float(part.coordinates(end)[0][0]) for end in ends if part.contains(end, tolerance))
     inner = [s for s in found if tolerance < s < part.measure - tolerance]
-    return [s for i, s in enumerate(inner) if i == 0 or s - inner[i - 1] > tolerance]
-
-
-def _divide(part: Part, spacing: float, stops: list[float]) -> Array:
-    """Return points on a part, evenly spaced between its ends and the stops; the end of the part is left out."""
+    stops = [s for i, s in enumerate(inner) if i == 0 or s - inner[i - 1] > tolerance]
     pieces = []
     for low, high in pairwise([0.0, *stops, part.measure]):
         count = max(1, round((high - low) / spacing))
@@ -451,7 +466,7 @@ def _delaunay(body: Body, points: Array) -> Array:
     """Return the cells of the Delaunay triangulation that lie in Ω, (3, cells)."""
     cells = Delaunay(points.T).simplices.T
     area = abs(determinants(points, cells)) / 2
-    # Round-off may leave slivers between points of one straight part; they are not cells of Ω.
+    # Round-off may leave very thin cells between points of one straight part; they are removed.
     keep = (area > 1e-6 * area.mean()) & body.contains(points[:, cells].mean(axis=1))
     return cells[:, keep]
 
@@ -471,7 +486,7 @@ FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstr
 
 
 def cell_count(family: MeshFamily, body: Body, n: int) -> int:
-    """Return the number of cells of the mesh of a level, without making the mesh if possible."""
+    """Return the number of cells of the mesh of level n; the mesh itself is made only if there is no formula."""
     if isinstance(family, OneDiagonal | Shaken):
         return factorial(body.dim) * n**body.dim
     if isinstance(family, CrissCross):
@@ -483,7 +498,7 @@ def cell_count(family: MeshFamily, body: Body, n: int) -> int:
 
 
 def size_of(family: MeshFamily, body: Body, n: int) -> float:
-    """Return the mesh size h of a level."""
+    """Return the mesh size h of level n, as ``size`` of the mesh would."""
     return float((factorial(body.dim) * body.measure / cell_count(family, body, n)) ** (1 / body.dim))
 
 
@@ -492,25 +507,27 @@ def size_of(family: MeshFamily, body: Body, n: int) -> float:
 
 @dataclass(frozen=True, eq=False)
 class MeshedBody:
-    """A body with a mesh."""
+    """A body with a mesh, and the facets of the mesh on the boundary parts."""
 
     mesh: Mesh
     body: Body
 
     @cached_property
     def parts(self) -> list[Array]:
-        """The facets of each part of the body; MeshError if the mesh does not fit it."""
+        """The numbers of the facets on each of ``body.parts``; MeshError if the mesh does not fit."""
         return boundary_parts(self.mesh, self.body)
 
     def facets(self, part: Part) -> Array:
+        """Return the numbers of the facets on a part, (n,)."""
         return self.parts[self.body.parts.index(part)]
 
     def on(self, kind: Kind) -> list[tuple[Part, Array]]:
-        """Return the parts of one kind with their facets."""
+        """Return the parts of one kind, each with the numbers of its facets, (n,)."""
         return [(part, facets) for part, facets in zip(self.body.parts, self.parts, strict=True) if part.kind is kind]
 
     @property
     def cells(self) -> int:
+        """The number of cells."""
         return int(self.mesh.t.shape[1])
 
     @cached_property
@@ -520,11 +537,11 @@ class MeshedBody:
 
 
 def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
-    """Return the facets of the mesh on each part of the body, in the order of ``body.parts``.
+    """Return the numbers of the boundary facets on each part of the body, in the order of ``body.parts``.
 
     Raises:
-        MeshError: a corner of a part is not a vertex, the facets do not cover a part exactly, or an interface is not a
-            union of facets.
+        MeshError: the mesh does not fit the body. Its dimension or its area is wrong, a corner of a part is not a
+            vertex, facets do not cover a part exactly, or an interface is not a union of facets.
     """
     if mesh.dim() != body.dim:
         raise MeshError(f"a mesh of dimension {mesh.dim()} was given for a body of dimension {body.dim}")
@@ -532,7 +549,8 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     if abs(total - body.measure) > TOLERANCE * body.measure:
         what = "area" if body.dim == 2 else "volume"
         raise MeshError(
-            f"the cells cover {total:.9g}, the body has the {what} {body.measure:.9g}: cells overlap or are missing"
+            f"the cells cover {total:.9g}, but the body has the {what} {body.measure:.9g}: cells overlap or are "
+            "missing, or the mesh belongs to another body"
         )
     length = body.measure ** (1 / body.dim)
     facets = mesh.boundary_facets()
@@ -547,14 +565,17 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
             )
     found = [_covering(mesh, facets, part, length) for part in body.parts]
     if sum(map(len, found)) != len(facets):
-        raise MeshError(f"{len(facets) - sum(map(len, found))} boundary facets lie on no part of the body")
+        raise MeshError(
+            f"{len(facets) - sum(map(len, found))} boundary facets of the mesh lie on no part of the body, or on two: "
+            "the mesh belongs to another body, or parts overlap"
+        )
     for interface in body.interfaces:
         _covering(mesh, np.arange(mesh.facets.shape[1]), interface, length)
     return found
 
 
 def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
-    """Return the given facets that lie on a part; raise MeshError if they do not cover it."""
+    """Return those of the given facets that lie on a part; MeshError if they do not cover it."""
     on = part.contains(mesh.p, TOLERANCE * length)
     mine = facets[on[mesh.facets[:, facets]].all(axis=0)]
     covered = facet_measures(mesh, mine).sum()
@@ -574,7 +595,7 @@ def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """The visible surface of a mesh, for pictures: all cells in 2D, the boundary facets in 3D.
+    """The triangles of a mesh that a picture shows: all cells in 2D, the boundary facets in 3D.
 
     Attributes:
         vertices: numbers of the vertices on the surface, (v,).
@@ -594,7 +615,7 @@ class Skin:
         cells, corners = mesh.f2t[0, facets], mesh.facets[:, facets]
         fourth = mesh.t[:, cells].sum(axis=0) - corners.sum(axis=0)
         a, b, c, d = (mesh.p[:, vertex].T for vertex in (*corners, fourth))
-        # A facet is counter-clockwise from outside if the fourth vertex of its cell is behind it.
+        # Seen from outside, the fourth vertex of the cell lies behind the facet; this determines the orientation.
         seen_from_inside = np.linalg.det(np.stack([b - a, c - a, d - a], axis=1)) > 0
         outer = np.where(seen_from_inside, corners[[0, 2, 1]], corners)
         vertices, triangles = np.unique(outer, return_inverse=True)

@@ -1,11 +1,17 @@
-"""Integrals of an exact strain, of its stress and of its energy, as matrices that act on its amplitudes.
+"""Integrals of an exact strain, of its stress and of its energy over the cells, for many times.
 
-With ε(x, t) = Σ_k E_k φ_k(x) T_k(s_j, t) (``manufactured.modes``) and a quadrature with points x_p and weights w_p,
+An exact strain is a sum of products of a function φ_k of the point and a function T_k of the coordinate s along a
+contact face and of time (``manufactured.modes``):
+
+    ε(x, t) = Σ_k E_k φ_k(x) T_k(s_j, t).
+
+Only the T_k, called amplitudes here, change with time. So the integral over a cell T, by a quadrature rule with points
+x_p and weights w_p, is a fixed sparse matrix B_k times the amplitudes:
 
     ∫_T ε dx = Σ_k E_k Σ_j B_k[T, j] T_k(s_j, t),      B_k[T, j] = Σ {w_p φ_k(x_p) : x_p ∈ T, j(p) = j}.
 
-So formulas are evaluated once for each coordinate s_j along a face, not once for each point of a cell. On facets there
-is one sum for each vertex, with the weights of the rule times the shape function of the vertex.
+Many points have the same coordinate s_j, so few formulas are evaluated at each time. On facets there is one sum for
+each vertex instead of each cell, and the weights contain the shape function of the vertex.
 """
 
 from __future__ import annotations
@@ -24,16 +30,13 @@ from manufactured.tensors import Array, Tensors
 from study.fem.quadrature import CellRule, FacetRule
 
 Amplitudes = Array
-"""The values T_k(s_j, t) for all terms of ε at one time, one term after the other, (Σ K J,)."""
+"""The amplitudes T_k(s_j, t) of all terms of ε at one time, one term after the other, (Σ K J,)."""
 MANY = 4
-"""The matrix of the energy may take at most this many times the memory of the modes."""
+"""Largest memory of the matrix of the energy, relative to the memory of the modes."""
 
 
 def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]:
-    """Return a function that computes the amplitudes of all modes.
-
-    Its arguments are a time and whether to return the amplitudes of the strain rate.
-    """
+    """Return the function (time, rate) ↦ amplitudes of ε, or of its time derivative ε̇ if ``rate`` is true."""
     # The function must not refer to other data of the modes, which are large and would then stay in memory.
     each = [part.amplitudes for part in modes]
     return lambda time, rate: np.concatenate([of(time, rate).ravel() for of in each])
@@ -41,10 +44,13 @@ def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]
 
 @dataclass(frozen=True, eq=False)
 class QuadraturePoints:
-    """The points x of a quadrature, (d, n), with their weights (n,).
+    """Quadrature points, each of which contributes to one sum: the sum of its cell, or of a vertex of its facet.
 
-    Each point contributes to the sum of a cell or a vertex. ``sums`` has the numbers of these sums, (n,), and ``count``
-    is how many sums there are.
+    Attributes:
+        x: the points, (d, n).
+        sums: the number of the sum to which each point contributes, (n,).
+        weights: the quadrature weights, (n,).
+        count: the number of sums.
     """
 
     x: Array
@@ -54,7 +60,7 @@ class QuadraturePoints:
 
     @classmethod
     def on_cells(cls, rules: Sequence[CellRule]) -> QuadraturePoints:
-        """Return the points of rules that cover every cell once, with one sum for each cell."""
+        """Return the points of quadrature rules that cover every cell once; there is one sum for each cell."""
         return cls(
             np.concatenate([rule.points.reshape(len(rule.points), -1) for rule in rules], axis=1),
             np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in rules]),
@@ -64,7 +70,11 @@ class QuadraturePoints:
 
     @classmethod
     def on_facets(cls, rule: FacetRule, part: Part, mesh: Mesh) -> tuple[QuadraturePoints, Array]:
-        """Return the points, with one sum per vertex of the facets weighted by its shape function, and the vertices."""
+        """Return the points of a facet rule, with one sum for each vertex of the facets, and these vertices.
+
+        The weights contain the shape function of the vertex, so a point of a facet occurs once for each of its d
+        vertices.
+        """
         vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
         x, weights = part.point(rule.s), rule.shapes * rule.weights
         copies = np.repeat(x[:, None], len(weights), axis=1).reshape(len(x), -1)
@@ -73,7 +83,7 @@ class QuadraturePoints:
 
 
 def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_array]:
-    """Yield for each mode the matrix T_k(s_j, t) ↦ φ_k(x_p) T_k(s_{j(p)}, t) at ``count`` points, (count, J)."""
+    """Yield for each term k the matrix from T_k(s_j, t), (J,), to φ_k(x_p) T_k(s_{j(p)}, t), (count,)."""
     for part in modes:
         # Each point has one entry in its row, so the CSR arrays can be filled without sorting.
         rows = np.searchsorted(part.points, np.arange(count + 1)).astype(np.int32)
@@ -83,7 +93,7 @@ def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_arr
 
 
 def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
-    """Return the matrix from amplitudes to the strain at ``count`` points, by components, (D · count, Σ K J)."""
+    """Return the matrix from amplitudes to the strain at ``count`` points, (D · count, Σ K J), by components."""
     tensors = np.concatenate([part.tensors for part in modes])
     shapes = shapes_at_points(modes, count)
     columns = [sps.kron(sps.csr_array(E[:, None]), shape) for E, shape in zip(tensors, shapes, strict=True)]
@@ -91,12 +101,12 @@ def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
 
 
 class StrainSums:
-    """Computes the sums Σ w_p ε(x_p, t), (D, sums), from the amplitudes.
+    """Computes the sums Σ w_p ε(x_p, t), (D, sums), from the amplitudes at the time t.
 
     Args:
         modes: the terms of ε at the points.
         points: the points, with the sums to which they contribute.
-        weights: w_p, the weights of the points times further factors, (n,).
+        weights: w_p, (n,); the quadrature weights, possibly times material factors.
     """
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
@@ -114,7 +124,7 @@ class StrainSums:
 
     @classmethod
     def at_points(cls, modes: Sequence[Modes], count: int) -> StrainSums:
-        """Return an instance for ε at ``count`` points: every point has a separate sum with the weight 1."""
+        """Return an instance that computes ε at ``count`` points: each point is a separate sum with the weight 1."""
         ones = np.ones(count)
         return cls(modes, QuadraturePoints(np.empty((0, count)), np.arange(count), ones, count), ones)
 
@@ -125,12 +135,13 @@ class StrainSums:
 
 
 class PointwiseSums:
-    """Computes the sums Σ w_p S(ε(x_p, t)), (m, sums), for a function S from strains (D, p) to (m, p).
+    """Computes the sums Σ w_p S(ε(x_p, t)), (m, sums), for a nonlinear function S from strains (D, n) to (m, n).
 
     Args:
         modes: the terms of ε at the points.
-        sums: to which of ``count`` sums a point contributes, (p,).
-        weights: w_p, (p,).
+        sums: the number of the sum to which each point contributes, (n,).
+        weights: w_p, (n,).
+        count: the number of sums.
     """
 
     def __init__(self, modes: Sequence[Modes], sums: Array, weights: Array, count: int) -> None:
@@ -143,11 +154,13 @@ class PointwiseSums:
 
 
 class StressSums:
-    """Computes the sums Σ w_p σ(x_p, t), (D, sums), for σ = A ε(u̇) + G ε(u), (2.1), from the amplitudes of ε and ε̇.
+    """Computes the sums Σ w_p σ(x_p, t), (D, sums), of the stress σ = A ε(u̇) + G ε(u) of (2.1).
+
+    A call needs the amplitudes of ε and of ε̇ at the time t.
 
     Attributes:
-        viscous: Σ w_p α for A = α C.
-        strains: Σ w_p α ε.
+        viscous: the sums Σ w_p α of the factor α of A, (sums,).
+        strains: computes Σ w_p α ε from amplitudes.
     """
 
     def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: QuadraturePoints) -> None:
@@ -170,14 +183,14 @@ class StressSums:
 class StrainEnergy:
     """Computes the energy ∫_Ω α C ε·ε dx from the amplitudes.
 
-    If many points share a coordinate along the face, the energy is stored as a quadratic form of the amplitudes. If
-    hardly any do, the matrix of this form would be many times larger than the modes, and the strain at the points is
+    If many points have the same coordinate along the face, the energy is stored as a quadratic form of the amplitudes.
+    Otherwise the matrix of this form would need many times the memory of the modes, and the strain at the points is
     computed first.
 
     Args:
         modes: the terms of ε at the points.
         weights: quadrature weights times α, (n,).
-        C: symmetric, Mandel (D, D).
+        C: a symmetric tensor in Mandel form, (D, D).
     """
 
     def __init__(self, modes: Sequence[Modes], weights: Array, C: Array) -> None:
@@ -194,7 +207,10 @@ class StrainEnergy:
 
 
 def _quadratic_form(modes: Sequence[Modes], weights: Array, C: Array) -> sps.csr_array:
-    """Return the matrix of the energy in the amplitudes, (Σ K J, Σ K J); only upper blocks, doubled by symmetry."""
+    """Return the matrix of the energy in the amplitudes, (Σ K J, Σ K J).
+
+    The matrix is symmetric, so only blocks on and above the diagonal are computed; the latter are doubled.
+    """
     tensors = np.concatenate([part.tensors for part in modes])
     products, shapes = tensors @ C @ tensors.T, [*shapes_at_points(modes, len(weights))]
     blocks: list[list[sps.csr_array | None]] = [[None] * len(shapes) for _ in shapes]

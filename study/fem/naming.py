@@ -1,4 +1,4 @@
-"""Names of cases, problems and mesh families in commands and data files, and the objects that they denote."""
+"""Finds cases, problems and mesh families by the names that commands and data files use."""
 
 from __future__ import annotations
 
@@ -25,13 +25,18 @@ from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.files import UsageError
 
 SEED_DIGITS = 20
-"""Largest number of digits of a seed (64 bits); the seed is part of file names."""
+"""Largest number of digits of a seed: enough for 64 bits. The seed is part of file names, so its length is limited."""
 LONGEST_SHOWN = 120
-"""Largest number of characters of a name that a message shows."""
+"""Longest name, in characters, that a message shows in full."""
 
 
 def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
     """Return the object with the given name.
+
+    Args:
+        kind: what the objects are, for the message, such as "mesh family".
+        name: the name to look for.
+        known: objects with an attribute ``name``.
 
     Raises:
         UsageError: no object has this name; the message lists the known names.
@@ -50,10 +55,10 @@ def unknown(kind: str, name: str, names: Sequence[str]) -> UsageError:
 
 
 def family_named(name: str) -> MeshFamily:
-    """Return the mesh family with a name; shaken-7 means shaken meshes with the seed 7.
+    """Return the mesh family with a name; "shaken-7" means shaken meshes with the random seed 7.
 
     Raises:
-        UsageError: there is no such family.
+        UsageError: no mesh family has this name, or the seed has too many digits.
     """
     if seeded := re.fullmatch(r"shaken-(\d+)", name):
         if len(seeded[1]) > SEED_DIGITS:
@@ -66,29 +71,34 @@ def family_named(name: str) -> MeshFamily:
 
 @lru_cache
 def resolve(reference: str) -> Case:
-    """Return the case for a catalogue name or FILE.py:NAME, where NAME is a Case or a function that returns one.
+    """Return the case that a reference names.
+
+    Args:
+        reference: a name from the catalogue, or FILE.py:NAME, where NAME is a Case or a function that returns one.
 
     Raises:
-        UsageError: the reference does not denote a case.
+        UsageError: there is no such case, or the file cannot be run.
     """
     found = _from_file(reference) if _is_file(reference) else _case(reference)
     if found is None:
         raise unknown("case", reference, _case_names())
     if not isinstance(found, Case):
-        raise UsageError(f"{reference} is a {type(found).__name__}, expected a manufactured.Case")
+        raise UsageError(
+            f"{reference} is a {type(found).__name__}, expected a manufactured.Case or a function that returns one"
+        )
     return found
 
 
 @lru_cache
 def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
-    """Return the name, the data and, if the exact solution is known, the case of a problem.
+    """Return the name and the data of a problem, and its case if the exact solution is known, otherwise None.
 
     Args:
         reference: a name from the catalogue or from ``manufactured.problems``; or FILE.py:NAME, where NAME is a
             ``manufactured.Data``, a Case, or a function that returns one.
 
     Raises:
-        UsageError: the reference does not denote a problem.
+        UsageError: there is no such problem, the file cannot be run, or the name cannot be part of a file name.
     """
     found = _from_file(reference) if _is_file(reference) else _case(reference)
     if found is None:
@@ -108,36 +118,36 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
 
 
 def _case(name: str) -> Case | None:
-    """Return the case with this name, in the catalogue or outside it; None if there is none."""
+    """Return the case with a name, in the catalogue or outside it; None if no case has this name."""
     if name in NAMES:
         return named(name)
     return next((case for case in _outside_the_catalogue(name) if case.name == name), None)
 
 
 def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
-    """Return the cases outside the catalogue. A roller case belongs to one level, which is part of its name."""
+    """Return the cases outside the catalogue, including the roller cases of the level that ``name`` ends with."""
     rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
     level = int(rolling[1]) if rolling else 0
     return (*multiscale(), natural_motion(), no_potential(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
 
 
 def _case_names() -> list[str]:
-    """Return the names of all cases except roller cases, which exist for every level."""
+    """Return the names of all cases except roller cases, of which there are some for every level."""
     return [*NAMES, *(case.name for case in _outside_the_catalogue(""))]
 
 
 def is_own(reference: str) -> bool:
-    """Return whether a reference is FILE.py:NAME, a user's own case, and not a name of the catalogue."""
+    """Return whether a reference is FILE.py:NAME, a case of the user, and not a name of the catalogue."""
     return ":" in reference
 
 
 def name_of(reference: str) -> str:
-    """Return the name of a reference in data files: for FILE.py:NAME the name of the case, otherwise the reference."""
+    """Return the name that data files use: for FILE.py:NAME the name of the case, otherwise the reference itself."""
     return resolve(reference).name if is_own(reference) else reference
 
 
 def absolute(reference: str) -> str:
-    """Return FILE.py:NAME with the full path, which is valid in every directory; return other names unchanged."""
+    """Return FILE.py:NAME with the absolute path of the file; other references are returned unchanged."""
     file, colon, name = reference.rpartition(":")
     return f"{Path(file).resolve()}:{name}" if colon else reference
 
@@ -147,7 +157,7 @@ def _is_file(reference: str) -> bool:
 
 
 def _from_file(reference: str) -> Any:
-    """Return the object that FILE.py:NAME denotes; if it is a function, return its result."""
+    """Run a file and return its object NAME, or the result of NAME if it is a function."""
     file, _, name = reference.rpartition(":") if ":" in reference else (reference, "", "")
     path = Path(file).resolve()
     if not path.is_file():
@@ -166,13 +176,13 @@ def _from_file(reference: str) -> Any:
     except UsageError:
         raise
     except (Exception, SystemExit) as error:
-        raise UsageError(f"{reference} cannot be made: {type(error).__name__}: {error}") from error
+        raise UsageError(f"{reference} cannot be made: running it gives {type(error).__name__}: {error}") from error
 
 
 def _none_named(file: str, name: str, module: ModuleType) -> str:
-    """Return a message that suggests the cases, data and functions that the file defines."""
+    """Return a message for a name that a file does not define; it lists the cases, data and functions of the file."""
     own = {key: value for key, value in vars(module).items() if not key.startswith("_")}
     made = [key for key, value in own.items() if isinstance(value, Case | Data)]
     made += [key for key, value in own.items() if isfunction(value) and value.__module__ == module.__name__]
-    lacks = f"{file} defines no {name!r}" if name else f"{file} stands for no case without a name"
+    lacks = f"{file} defines no {name!r}" if name else f"{file} is a file without the name of a case in it"
     return f"{lacks}; give {' or '.join(f'{file}:{key}' for key in made) or 'a file that defines a Case or Data'}"

@@ -1,9 +1,9 @@
-"""Continuous piecewise quadratic displacements in Bernstein form, and a sufficient condition for being admissible.
+"""Continuous piecewise quadratic displacements on triangles, with a linear condition that implies v ∈ K.
 
-On a cell v = Σ_α c_α B_α, with a coefficient for every vertex, where B_α = λ_i², and for every edge, B_α = 2 λ_a λ_b.
-On Γ3 the trace v_ν is a polynomial in Bernstein form, so ν·c ≤ 0 for its coefficients implies v_ν ≤ 0: functions with
-N v ≤ 0 lie in K. (Values ≤ 0 at vertices and midpoints would not suffice.) The converse is false: K contains more
-quadratic functions.
+On a cell, v = Σ_α c_α B_α with the Bernstein polynomials B_α of degree 2: λ_i² for every vertex i and 2 λ_a λ_b for
+every edge (a, b). On Γ3 the normal component v_ν is then a polynomial in Bernstein form with the coefficients ν·c. It
+is ≤ 0 if all its coefficients are, so every v with N v ≤ 0 lies in K. (Values ≤ 0 at vertices and midpoints would not
+suffice.) The converse is false: K contains other quadratic displacements, too.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ EDGES = ((0, 1), (1, 2), (0, 2))
 
 
 class Quadratic(Displacements):
-    """Displacements of degree 2 on a triangular mesh; coefficients of vertices come first, then of edges."""
+    """Displacements of degree 2 on a triangular mesh; the coefficients of vertices come first, then those of edges."""
 
     @cached_property
     def numbers(self) -> Array:
-        """The numbers of three vertices and three edges of each cell, (6, cells)."""
+        """The numbers of the basis functions of the 3 vertices and 3 edges of every cell, (6, cells)."""
         return np.vstack([self.mesh.t, self.mesh.p.shape[1] + self.mesh.t2f])
 
     @property
@@ -37,7 +37,7 @@ class Quadratic(Displacements):
         return np.hstack([self.mesh.p, self.mesh.p[:, self.mesh.facets].mean(axis=1)])
 
     def on_edges(self, edges: Array) -> Array:
-        """Return the numbers of the scalar coefficients on edges in the order of B_α, from the first vertex, (3, n)."""
+        """Return the numbers of the three basis functions on each edge, (3, n): first vertex, edge, second vertex."""
         ends = self.mesh.facets[:, edges]
         return np.vstack([ends[0], self.mesh.p.shape[1] + edges, ends[1]])
 
@@ -46,7 +46,7 @@ class Quadratic(Displacements):
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
-        """Barycentric points (3, 3), at which strains are stored, and weights (3,) with sum 1."""
+        """The points at which strains are stored, in barycentric coordinates, (3, 3), and weights (3,) with sum 1."""
         return simplex_rule(2, 2)
 
     @cached_property
@@ -64,11 +64,11 @@ class Quadratic(Displacements):
         return self.strains(self.rule[0])
 
     def shapes(self, barycentric: Array) -> Array:
-        """Return the basis functions B_α at barycentric points (3, q), (6, q)."""
+        """Return the basis functions B_α at points in barycentric coordinates: (3, q) → (6, q)."""
         return np.array([*(x * x for x in barycentric), *(2 * barycentric[a] * barycentric[b] for a, b in EDGES)])
 
     def strains(self, barycentric: Array) -> sps.csr_array:
-        """Return the matrix from v to ε(v) in Mandel form at points (3, q) of every cell, (3 · cells · q, dofs)."""
+        """Return the matrix from v to ε(v) at points of every cell, (3, q) barycentric: (3 · cells · q, dofs)."""
         slopes, outer = barycentric_gradients(self.mesh), np.multiply.outer
         gradients = np.stack(
             [
@@ -81,7 +81,16 @@ class Quadratic(Displacements):
         return self._matrix(values, self.numbers.T[:, None])
 
     def strain_at(self, v: Array, cells: Array, points: Points) -> Tensors:
-        """Return ε(v) at points of given cells, (2, n, q) → (3, n, q)."""
+        """Return ε(v) at q points of each of the given cells.
+
+        Args:
+            v: free coefficients, (dofs,).
+            cells: numbers of cells, (n,).
+            points: points in these cells, (2, n, q).
+
+        Returns:
+            Strains in Mandel form, (3, n, q).
+        """
         slopes, at = barycentric_gradients(self.mesh)[cells], barycentric(self.mesh, cells, points)
         local = self.coefficients(v)[self.numbers[:, cells]]
         gradient = np.einsum("inj,nik,inq->jknq", 2 * local[:3], slopes, at, optimize=True)

@@ -1,9 +1,10 @@
-"""Quadrature on the cells and facets of a mesh, adapted to where the solution is not smooth.
+"""Quadrature rules on the cells and facets of a mesh, adapted to where the solution is not smooth.
 
-Cells on a line along which the exact strain is singular or kinked for all times are cut along it, and the rule is
-graded towards the line. Cells with a vertex at a singular point have Duffy's rule, graded towards the point. All other
-cells have a standard rule. Cells that are met by the contact fronts of one time can be cut along these fronts
-(``sliced_rules``).
+* Where the exact strain is singular or has a kink along a line at all times, cells are cut along the line, and the
+  points are concentrated (graded) towards it.
+* Cells with a vertex at a singular point have Duffy's rule, graded towards the point.
+* Where the contact fronts of one time cross cells, the cells can be cut along the fronts (``sliced_rules``).
+* All other cells have a standard rule.
 """
 
 from __future__ import annotations
@@ -26,29 +27,39 @@ from study.fem.mesh import MeshError, barycentric_gradients, cell_volumes, facet
 TOUCHING = 1e-9
 """Relative distance up to which a vertex counts as lying on a line."""
 GRADING = 8
-"""The substitution s = c + L ξ^8 turns (s − c)^{2(α−2)}, α > 3/2, into a nonnegative power of ξ."""
+"""Exponent of the grading s = c + L ξ^8. It turns (s − c)^{2(α−2)}, the square of a singular second derivative, into a
+nonnegative power of ξ for every α > 3/2."""
 
 
 @dataclass(frozen=True, eq=False)
 class CellRule:
-    """Quadrature on cells (n,) with equally many points (d, n, q) in each; the weights (n, q) sum to |T| over q."""
+    """A quadrature rule on several cells, with equally many points in each.
+
+    Attributes:
+        cells: the numbers of the cells, (n,).
+        points: (d, n, q).
+        weights: (n, q); the sum over q is the volume |T| of the cell.
+    """
 
     cells: Array
     points: Points
     weights: Array
 
     def parts(self, most: int) -> Iterator[CellRule]:
-        """Yield the same rule for at most ``most`` cells at a time."""
+        """Divide the rule into rules on at most ``most`` cells each."""
         for here in (slice(first, first + most) for first in range(0, len(self.cells), most)):
             yield CellRule(self.cells[here], self.points[:, here], self.weights[here])
 
 
 @dataclass(frozen=True, eq=False)
 class FacetRule:
-    """Quadrature on the facets (n,) of one part, with weights (n, q).
+    """A quadrature rule on several facets of one boundary part.
 
-    Points are given by their local coordinates s along the part, (d−1, n, q), and by the values of the P1 functions of
-    the facet's vertices, ``shapes``, (d, n, q).
+    Attributes:
+        facets: the numbers of the facets, (n,).
+        s: the local coordinates of the points along the part, (d−1, n, q).
+        shapes: the P1 basis functions of the d vertices of the facet at the points, (d, n, q).
+        weights: (n, q).
     """
 
     facets: Array
@@ -59,7 +70,7 @@ class FacetRule:
 
 @lru_cache
 def gauss(count: int) -> tuple[Array, Array]:
-    """Return Gauss–Legendre nodes and weights on (0, 1)."""
+    """Return nodes and weights of the Gauss–Legendre rule with ``count`` points on (0, 1)."""
     x, w = np.polynomial.legendre.leggauss(count)
     found = (x + 1) / 2, w / 2
     for part in found:
@@ -68,7 +79,7 @@ def gauss(count: int) -> tuple[Array, Array]:
 
 
 def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
-    """Return barycentric points (d+1, q) and weights (q,) with sum 1 of a rule of the given degree with few points.
+    """Return a rule of the given degree on a simplex: barycentric points (d+1, q) and weights (q,) with sum 1.
 
     Triangles have rules up to degree 19, tetrahedra up to 8. From degree 5 on the rules of scikit-fem 12 on tetrahedra
     are exact to one degree less than requested (a test verifies this), and its rule of degree 4 has negative weights.
@@ -78,11 +89,18 @@ def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
 
 
 def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
-    """Return barycentric points (3, q) and weights (q,) with sum 1 of Duffy's rule on a triangle, graded to its first
-    vertex.
+    """Return Duffy's rule on a triangle, graded towards its first vertex v_0.
 
-    The map is x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η (v_2 − v_0)), dx = 2|T| g ξ^{2g−1} dξ dη, with Gauss rules in ξ and
-    η.
+    The rule consists of Gauss rules in ξ and η on the unit square, which is mapped to the triangle by
+    x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η (v_2 − v_0)), with dx = 2|T| g ξ^{2g−1} dξ dη.
+
+    Args:
+        along: number of points in ξ, the direction away from v_0.
+        across: number of points in η.
+        grading: g.
+
+    Returns:
+        Barycentric points, (3, q), and weights with sum 1, (q,).
 
     Source: M. G. Duffy, Quadrature over a pyramid or cube of integrands with a singularity at a vertex, SIAM J. Numer.
     Anal. 19 (1982) 1260–1262.
@@ -95,21 +113,30 @@ def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
 
 
 def placed(vertices: Points, simplices: Array, barycentric: Array) -> Points:
-    """Return points with the barycentric coordinates (k+1, q) in each of the simplices (k+1, n), (d, n, q)."""
+    """Return the points with given barycentric coordinates (k+1, q) in each of the simplices (k+1, n): (d, n, q)."""
     return np.einsum("dvn,vq->dnq", vertices[:, simplices], barycentric)
 
 
 def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
-    """Return a rule on each facet, exact to degree 2 points − 2 or more.
+    """Return a quadrature rule on facets of one part, exact for polynomials of degree 2 · points − 2.
 
-    In 2D, facets are divided at the coordinates ``rough``, and Gauss's rule is graded towards these.
+    Args:
+        mesh: the mesh.
+        facets: the numbers of the facets, (n,).
+        part: the part on which the facets lie.
+        rough: coordinates along the part at which the integrand is not smooth, in 2D only. Facets are divided there,
+            and the rule is graded towards these coordinates.
+        points: Gauss points per direction, in 2D on each piece of a facet.
 
     Raises:
-        MeshError: rough coordinates are given in 3D.
+        MeshError: ``rough`` is given in 3D.
     """
     if mesh.dim() == 3:
         if rough:
-            raise MeshError(f"facets are cut in 2D only, got the rough coordinates {rough} on a face of a 3D body")
+            raise MeshError(
+                f"the rough coordinates {rough} were given on a face of a 3D body, but facets are divided in 2D only; "
+                "use a contact face without `rough`"
+            )
         barycentric, weights = duffy(points, points)
         s, _ = part.coordinates(placed(mesh.p, mesh.facets[:, facets], barycentric))
         shapes = np.repeat(barycentric[:, None], len(facets), axis=1)
@@ -137,7 +164,7 @@ def _close(s: Array, rough: tuple[float, ...], length: Array) -> Array:
     return np.any([abs(s - c) <= TOUCHING * length for c in rough] or [np.zeros(s.shape, dtype=bool)], axis=0)
 
 
-# Cells in 2D in which the integrand is not smooth: how they are selected, and rules graded to a vertex or to a line.
+# Cells in 2D in which the integrand is not smooth: their selection, and rules graded towards a vertex or a line.
 
 Point = tuple[float, ...]
 
@@ -168,16 +195,17 @@ class Line:
 
 
 def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> list[Array]:
-    """Return the cells at each line and then at each point, which need special rules.
+    """Return the numbers of the cells that need special rules, (n,) for each line and then for each point.
 
     Raises:
-        MeshError: two lines or points meet one cell, a point is not a vertex, or lines or points are given in 3D.
+        MeshError: two lines or points meet the same cell, a point is not a vertex of the mesh, or lines or points are
+            given in 3D.
     """
     names = [*map(str, lines), *(f"the point {tuple(point)}" for point in points)]
     if mesh.dim() != 2 and names:
         raise MeshError(
-            f"cells are cut and graded in 2D only, this 3D solution is rough at {', '.join(names)}; take a contact "
-            "face without `rough`, a material without `steps` and a solution without `singular`"
+            f"this 3D solution is not smooth at {', '.join(names)}, but cells are cut and graded in 2D only; use a "
+            "contact face without `rough`, a material without `steps` and a solution without `singular`"
         )
     found = [_touching(mesh, line) for line in lines] + [_around(mesh, point) for point in points]
     owner = np.full(mesh.t.shape[1], -1)
@@ -186,16 +214,16 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
         if taken.size:
             place = ", ".join(f"{x:.3g}" for x in mesh.p[:, mesh.t[:, taken[0]]].mean(axis=1))
             raise MeshError(
-                f"the cell around ({place}) meets two lines or points at which the solution is rough, "
-                f"{names[owner[taken[0]]]} and {names[i]}, and cells are cut for one only; take a finer level, or "
-                "move them apart where they cross"
+                f"the cell around ({place}) meets two lines or points at which the solution is not smooth, "
+                f"{names[owner[taken[0]]]} and {names[i]}, but a cell is cut for one of them only; take a finer level, "
+                "or change the solution if they cross"
             )
         owner[cells] = i
     return found
 
 
 def _touching(mesh: Mesh, line: Line) -> Array:
-    """Return the cells that a line crosses or touches at an edge or a vertex; the integrand is singular in both."""
+    """Return the numbers of the cells that a line crosses or touches at an edge or a vertex."""
     distance = (np.array(line.direction) @ mesh.p - line.offset)[mesh.t]
     near = TOUCHING * (distance.max(axis=0) - distance.min(axis=0))
     return np.flatnonzero((distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near))
@@ -209,13 +237,16 @@ def _around(mesh: Mesh, point: Point) -> Array:
     if apart[vertex] > TOUCHING * np.sqrt(cell_volumes(mesh).sum()):
         raise MeshError(
             f"the solution is singular at {tuple(point)}, which is not a vertex of the mesh (the nearest is "
-            f"{apart[vertex]:.3g} away); list it as a vertex of the body"
+            f"{apart[vertex]:.3g} away); make it a vertex of the body"
         )
     return here
 
 
 def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
-    """Return Duffy's rule on cells with a vertex at a point, exact to the degree; r^{-1} is smooth along the rays."""
+    """Return Duffy's rule on cells that have a vertex at a singular point, exact to the given degree.
+
+    Powers of the distance to the point are smooth along the rays of the rule.
+    """
     simplices = mesh.t[:, cells]
     vertex = np.linalg.norm(mesh.p[:, simplices] - np.array(point)[:, None, None], axis=0).argmin(axis=0)
     simplices = np.take_along_axis(simplices, (vertex + np.arange(3)[:, None]) % 3, axis=0)
@@ -224,22 +255,34 @@ def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
 
 
 def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
-    """Return a rule on cells cut into slabs between the line and its parallels through the vertices.
+    """Return a rule on cells that a line meets, graded towards the line.
 
-    Let s be the signed distance from the line and r the coordinate along it. With vertices sorted by s, a triangle lies
-    between its longest edge in s and the two others. The rule is Gauss in r, and Gauss in s after the substitution
-    s = c + L ξ^8, where c is the end of the slab that is nearer to the line.
+    The cells are cut by the line and by its parallels through the vertices. Let s be the signed distance from the line
+    and r the coordinate along it. In each slab the rule is a Gauss rule in r, and a Gauss rule in s after the
+    substitution s = c + L ξ^8, where c is the end of the slab that is nearer to the line.
     """
     frame = _Frame.of(mesh, cells, line)
-    slabs = [frame.slab(*_graded(left, right, degree), degree) for left, right in pairwise(frame.ends([0.0]))]
+    xi, wx = gauss(degree + GRADING)
+    slabs = []
+    for left, right in pairwise(frame.ends([0.0])):
+        near_left = abs(left) <= abs(right)
+        near, far = np.where(near_left, left, right)[:, None], np.where(near_left, right, left)[:, None]
+        weights = abs(far - near) * GRADING * xi ** (GRADING - 1) * wx
+        slabs.append(frame.slab(near + (far - near) * xi**GRADING, weights, degree))
     return frame.rule(cells, slabs)
 
 
 def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) -> Iterator[CellRule]:
-    """Yield rules for the cells that fronts meet, cut along the fronts; the cells ``but`` (n,) are left out.
+    """Yield rules for the cells that the contact fronts of one time cross, cut along the fronts.
 
-    A cell that meets two fronts of one direction is cut along both. If it meets fronts of two faces, it is cut along
-    the front of the first face.
+    A cell that meets two parallel fronts is cut along both. A cell that meets fronts of different directions is cut
+    along those of the first direction only.
+
+    Args:
+        mesh: a mesh in 2D.
+        fronts: lines through the fronts.
+        but: numbers of cells that are left out, (n,).
+        degree: degree of the rules.
     """
     left = np.ones(mesh.t.shape[1], dtype=bool)
     left[but] = False
@@ -257,7 +300,7 @@ def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) ->
 
 
 def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) -> CellRule:
-    """Return a rule on cells cut along parallel lines as in ``cut_rule``, for integrands smooth up to each line."""
+    """Return a rule on cells cut along parallel lines, for integrands that are smooth on both sides of each line."""
     frame = _Frame.of(mesh, cells, lines[0])
     ends = frame.ends([line.offset - lines[0].offset for line in lines])
     x, w = gauss(degree // 2 + 2)
@@ -270,7 +313,12 @@ def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) ->
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """Triangles in coordinates (s, r) across and along a line, with vertices sorted by s: (3, n) each."""
+    """Triangles in coordinates across (s) and along (r) a line.
+
+    Attributes:
+        line: the line s = 0.
+        s, r: the coordinates of the vertices, sorted by s, (3, n) each.
+    """
 
     line: Line
     s: Array
@@ -285,13 +333,17 @@ class _Frame:
         return cls(line, np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0))
 
     def ends(self, parallels: Sequence[float]) -> Array:
-        """Return the ends of slabs, sorted: vertices, and parallels to the line at given distances, (3 + parallels,
-        n)."""
+        """Return the sorted ends of slabs: s of the vertices and of the given parallels, (3 + parallels, n)."""
         low, high = self.s[0], self.s[2]
         return np.sort(np.vstack([self.s, *(np.clip(np.full_like(low, s), low, high) for s in parallels)]), axis=0)
 
     def slab(self, x: Array, weights: Array, degree: int) -> tuple[Array, ...]:
-        """Return points s, r and weights, (n, q) each, on the part of the triangles covered by a rule (n, p) in s."""
+        """Return the points s, r and the weights of a rule on slabs of the triangles, (n, q) each.
+
+        Args:
+            x, weights: a rule in s on one slab of every triangle, (n, p) each.
+            degree: degree of the Gauss rule in r.
+        """
         s, (eta, we) = self.s, gauss(degree // 2 + 2)
         long = self._chord(x, 0, 2)
         # The last point decides, because rounding can put the first point of a graded rule outside the slab.
@@ -314,37 +366,29 @@ class _Frame:
         return r[low][:, None] + slope[:, None] * (x - s[low][:, None])
 
 
-def _graded(left: Array, right: Array, degree: int) -> tuple[Array, Array]:
-    """Return a rule (n, q) on left < s < right, graded to the end that is nearer to s = 0."""
-    xi, wx = gauss(degree + GRADING)
-    near_left = abs(left) <= abs(right)
-    near, far = np.where(near_left, left, right)[:, None], np.where(near_left, right, left)[:, None]
-    return near + (far - near) * xi**GRADING, abs(far - near) * GRADING * xi ** (GRADING - 1) * wx
-
-
-# Rules that cover every cell of a mesh once, with points that share coordinates along a contact face.
+# Rules that cover every cell of a mesh once. Many of their points can have the same coordinate along a contact face.
 
 BLOCK = 4096
 """Largest number of ordinary cells in one rule, so that its points fit into the processor's cache."""
 SHIFT = 1 / 32
-"""Largest change of a barycentric coordinate of a point."""
+"""Largest change of a barycentric coordinate when a quadrature point is moved."""
 TIE = 1e-9
-"""Added to a binary logarithm before it is rounded down, so that equal cells get equal spacings despite round-off."""
+"""Added to a logarithm before it is rounded down, so that congruent cells get equal spacings despite round-off."""
 
 
 def cell_rules(
     mesh: Mesh, degree: int, lines: Sequence[Line], points: Sequence[Point] = (), along: Sequence[Line] = ()
 ) -> list[CellRule]:
-    """Return rules that cover every cell once.
+    """Return quadrature rules that together cover every cell once.
 
     Args:
-        mesh: in 2D or, without lines and points, in 3D.
-        degree: degree of the rule on ordinary cells, up to 19 in 2D and 8 in 3D; cells at a line or at a point have
-            enough points for the same accuracy away from it.
+        mesh: a mesh in 2D or, without lines and points, in 3D.
+        degree: degree of the rule on ordinary cells, up to 19 in 2D and 8 in 3D. Cells at a line or point get enough
+            points for the same accuracy.
         lines: lines at which the integrand is not smooth.
         points: vertices of the mesh at which the integrand is singular.
-        along: at most two lines, not parallel; points of ordinary cells are moved so that many have equal distances to
-            them.
+        along: at most two lines, not parallel. The points of ordinary cells are moved so that many of them have the
+            same distance to these lines (``shared``).
 
     Raises:
         MeshError: as in ``rough_cells``.
@@ -370,19 +414,22 @@ def cell_rules(
 def shared(
     corners: Array, gradients: Array, barycentric: Array, weights: Array, lines: Sequence[Line]
 ) -> tuple[Array, Array]:
-    """Return a rule on triangles whose points have few different distances to given lines: (2, n, q), (n, q) with sum
-    1.
+    """Move the points of a rule on triangles so that they have few different distances s to given lines.
 
-    The evaluation of an exact solution is dominated by its formulas in (s, t), and on an unstructured mesh no two
-    quadrature points have the same s. So the points are moved to the lines s = jδ, where δ is a power of two and 16 to
-    32 times smaller than the cell (half of that with two faces). The weights are changed as little as possible so that
-    the rule stays exact for polynomials of the highest degree that this number of weights permits, 2 for six points.
+    Most of the time for an exact solution is spent on its formulas in (s, t), and on an unstructured mesh all
+    quadrature points have different s. So each point is moved to the nearest of the lines s = jδ, where δ is a power of
+    two and 16 to 32 times smaller than the cell (twice that ratio with two lines). The weights are then changed as
+    little as possible so that the rule is exact for polynomials of the highest degree that this number of weights
+    permits, which is 2 for six points.
 
     Args:
-        corners: (2, 3, n).
+        corners: the vertices of the triangles, (2, 3, n).
         gradients: ∇λ_i, (n, 3, 2).
         barycentric, weights: the original rule, (3, q) and (q,) with sum 1.
-        lines: one or two, not parallel.
+        lines: one or two lines, not parallel.
+
+    Returns:
+        The moved points, (2, n, q), and their weights, (n, q), with sum 1 on every triangle.
     """
     points = np.einsum("dvn,vq->dnq", corners, barycentric)
     moves = np.linalg.pinv(np.array([line.direction for line in lines])).T
@@ -400,7 +447,10 @@ def shared(
 
 
 def _correction(barycentric: Array, weights: Array) -> Array:
-    """Return the least change of weights, relative to them, that restores exactness at points (3, n, q), (n, q)."""
+    """Return the change of the weights (q,) that makes the rule with moved points (3, n, q) exact again, (n, q).
+
+    Of all such changes it is the smallest relative to the weights.
+    """
     degree = (math.isqrt(8 * len(weights) + 1) - 3) // 2
     monomials, integrals = _monomials(degree)
     products = np.ones((barycentric.shape[1], len(monomials), len(weights)))
@@ -414,9 +464,9 @@ def _correction(barycentric: Array, weights: Array) -> Array:
 
 @lru_cache
 def _monomials(degree: int) -> tuple[Array, Array]:
-    """Return the exponents α of the monomials λ^α with |α| = degree and their means on T.
+    """Return the exponents α of the monomials λ^α with |α| = degree, (k, 3), and their mean values on a triangle, (k,).
 
-    These monomials span the polynomials of the degree, and ∫_T λ^α dx = 2|T| α!/(|α| + 2)!.
+    These monomials span the polynomials of the degree. Their integrals are ∫_T λ^α dx = 2|T| α!/(|α| + 2)!.
     """
     exponents = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
     means = [2 * math.prod(map(math.factorial, each)) / math.factorial(degree + 2) for each in exponents]

@@ -1,8 +1,8 @@
-"""Meshes that are refined where a field has small details, and the inclusion of V^h in the P1 functions on them.
+"""Locally refined meshes for quadrature, and the inclusion of V^h in the P1 functions on them.
 
-A solution with details of many sizes needs fine quadrature in a few places. Cells are divided there (red, green and
-blue refinement, in which every cell is a union of finer cells), so that V^h is contained in the P1 functions on the
-finer mesh. Loads and errors of V^h are computed on the finer mesh without approximation except for the quadrature.
+A solution with details of many sizes needs fine quadrature in a few places. Cells are divided there by red, green and
+blue refinement. Every cell is then a union of finer cells, so V^h is contained in the P1 functions on the finer mesh.
+Loads and errors of functions in V^h can thus be computed on the finer mesh, where only the quadrature is approximate.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ from manufactured.tensors import Array, Points
 from study.fem.space import Space
 
 MOST = 40
-"""Largest number of refinements before the wanted size is refused."""
+"""Largest number of successive refinements."""
 
 
 def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.csr_array]:
-    """Return a mesh with cells at most as long as wanted, and the matrix from P1 nodal values on the given mesh to the
-    new one.
+    """Return a refined mesh, and the matrix from P1 nodal values on the given mesh to nodal values on the refined one.
 
     Args:
+        mesh: a mesh of triangles.
         wanted: function from corners of cells (2, 3, cells) to the largest permitted length of a side, (cells,).
 
     Raises:
-        ValueError: the wanted size is not reached.
+        ValueError: cells are still too large after ``MOST`` refinements.
     """
     inclusion = sps.csr_array(sps.eye_array(mesh.p.shape[1]))
     for _ in range(MOST):
@@ -41,16 +41,18 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
         finer = mesh.refined(large)
         inclusion = sps.csr_array(midpoint_values(mesh, finer) @ inclusion)
         mesh = finer
-    raise ValueError(f"{MOST} refinements leave {large.size} cells larger than wanted; ask for sizes above 0")
+    raise ValueError(
+        f"{large.size} cells are still larger than wanted after {MOST} refinements; ask for a positive, larger size"
+    )
 
 
 def midpoint_values(mesh: Mesh, finer: Mesh) -> sps.csr_array:
-    """Return the matrix of P1 nodal values after one refinement: a new vertex has the mean of the ends of its edge."""
+    """Return the matrix from P1 nodal values on a mesh to those on its refinement, whose new vertices halve edges."""
     old, new = mesh.p.shape[1], finer.p.shape[1]
     middles = mesh.p[:, mesh.facets].mean(axis=1)
     distance, edge = cKDTree(middles.T).query(finer.p[:, old:].T)
     if not (np.array_equal(finer.p[:, :old], mesh.p) and np.all(distance < 1e-12)):
-        raise ValueError("the finer mesh is not a refinement whose new vertices are midpoints of edges")
+        raise ValueError("the finer mesh must have the old vertices first, then midpoints of old edges, but has not")
     ends = mesh.facets[:, edge]
     rows = np.concatenate([np.arange(old), np.tile(np.arange(old, new), 2)])
     columns = np.concatenate([np.arange(old), ends.ravel()])
@@ -59,5 +61,11 @@ def midpoint_values(mesh: Mesh, finer: Mesh) -> sps.csr_array:
 
 
 def inclusion_of(space: Space, finer: Space, nodal: sps.csr_array) -> sps.csr_array:
-    """Return the inclusion matrix of V^h on a mesh into V^h on a finer mesh, for free values, from nodal values."""
+    """Return the inclusion matrix of V^h into V^h on a finer mesh, (finer dofs, dofs), for displacements.
+
+    Args:
+        space: V^h.
+        finer: the space on the finer mesh.
+        nodal: the matrix of scalar nodal values that ``refined`` returns.
+    """
     return sps.csr_array(sps.kron(nodal, sps.eye_array(space.dim), format="csr")[finer.free][:, space.free])

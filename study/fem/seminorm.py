@@ -1,4 +1,7 @@
-"""The Sobolev–Slobodeckij seminorm on intervals, |v|_ϱ² = ∬ |v(x) − v(y)|² |x − y|^{−1−2ϱ} dx dy, 0 < ϱ < 1."""
+"""The Sobolev–Slobodeckij seminorm of functions on an interval, for 0 < ϱ < 1:
+
+|v|_ϱ² = ∬ |v(x) − v(y)|² |x − y|^{−1−2ϱ} dx dy.
+"""
 
 from __future__ import annotations
 
@@ -10,24 +13,30 @@ from manufactured.tensors import Array
 from study.fem.quadrature import gauss
 
 PANELS, POINTS = 64, 3
-"""Equal panels of (0, 1), and Gauss points in each; the second variable has one more, so that no points coincide."""
+"""Number of equal panels of (0, 1) and of Gauss points in each. The rule in y has one more point in each panel, so that
+x = y does not occur."""
 
 
-def composite(panels: int, points: int) -> tuple[Array, Array]:
-    """Return Gauss's rule on equal panels of (0, 1): nodes and weights, (panels · points,)."""
+def composite_gauss(panels: int, points: int) -> tuple[Array, Array]:
+    """Return nodes and weights of the Gauss rule repeated on equal panels of (0, 1), (panels · points,) each."""
     x, w = gauss(points)
     return ((np.arange(panels)[:, None] + x) / panels).ravel(), np.tile(w / panels, panels)
 
 
-FIRST, SECOND = composite(PANELS, POINTS), composite(PANELS, POINTS + 1)
-"""The rules for both variables."""
+FIRST, SECOND = composite_gauss(PANELS, POINTS), composite_gauss(PANELS, POINTS + 1)
+"""The quadrature rules in x and in y."""
 
 
 def seminorm(first: Array, second: Array, rho: float) -> Array:
-    """Return the seminorm |v|_ϱ on (0, 1) for values at the nodes of ``FIRST`` (..., n) and of ``SECOND`` (..., m) →
-    (...).
+    """Return the seminorm |v|_ϱ on (0, 1), (...).
 
-    For a Lipschitz v and ϱ ≤ 1/2 the integrand is bounded, and the error is a few per mille if v has ten details.
+    For a Lipschitz v and ϱ ≤ 1/2 the integrand is bounded. The relative error is a few per mille if v has about ten
+    oscillations.
+
+    Args:
+        first: the values of v at the nodes of ``FIRST``, (..., n).
+        second: the values of v at the nodes of ``SECOND``, (..., m).
+        rho: ϱ.
     """
     (x, wx), (y, wy) = FIRST, SECOND
     kernel = np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho)
@@ -37,9 +46,9 @@ def seminorm(first: Array, second: Array, rho: float) -> Array:
 
 @lru_cache
 def gram(panels: int, rho: float) -> Array:
-    """Return the matrix of |v|_ϱ² for the hat functions of equal panels of (0, 1), (panels + 1, panels + 1)."""
+    """Return the Gram matrix of |v|_ϱ² for the hat functions on equal panels of (0, 1), (panels + 1, panels + 1)."""
     nodes = np.linspace(0, 1, panels + 1)
-    (x, wx), (y, wy) = composite(panels, POINTS), composite(panels, POINTS + 1)
+    (x, wx), (y, wy) = composite_gauss(panels, POINTS), composite_gauss(panels, POINTS + 1)
     hats = [np.maximum(0, 1 - panels * abs(nodes[:, None] - z)) for z in (x, y)]
     kernel = np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho)
     mixed = hats[0] @ kernel @ hats[1].T

@@ -1,8 +1,11 @@
-"""Displacements on a mesh that vanish on Γ1: the common base of degrees 1 and 2, and V^h, K^h, Π^h of degree 1.
+"""Finite element displacements that vanish on Γ1, and the bilinear forms of the law on them.
 
-A function is the vector of its free coefficients (dofs,): d for every scalar basis function that vanishes on Γ1. Its
-strains are stored at the points of a quadrature rule that integrates products of two strains exactly. So one sparse
-matrix E of Mandel strains is the whole discretisation: with the weights w of the points
+``Displacements`` is the common base of degree 1 (``Space``, the V^h of the paper) and degree 2 (``Quadratic``).
+
+A displacement v is stored as the vector of its free coefficients, (dofs,): d numbers for every scalar basis function
+that does not belong to Γ1. Its strains are stored at the points of a quadrature rule that integrates products of two
+strains exactly. All integrals therefore follow from one sparse matrix E, which maps coefficients to strains in Mandel
+form, and from the weights w of the points:
 
     ε(v) = E v,   (C ε(u), ε(v))_Q = uᵀ Eᵀ diag(w C) E v,   (σ, ε(v))_Q = Eᵀ(w σ)·v.
 """
@@ -19,32 +22,42 @@ import scipy.sparse as sps
 from skfem import Mesh
 
 from manufactured.body import Body, Kind, Part
+from manufactured.factor import UNIFORM, Factor
+from manufactured.law import Elasticity, KelvinVoigt, PointLaw
 from manufactured.tensors import Array, Points, Tensors, Vectors, basis
 from study.fem.mesh import MeshedBody, barycentric_gradients
 from study.fem.mesh import size as mesh_size
+from study.fem.quadrature import Line, cell_rules
+
+FACTOR_DEGREE = 6
+"""Degree of the quadrature rule for the cell mean of a material factor α; cells are cut where α jumps."""
 
 
 class Displacements(MeshedBody, ABC):
-    """Base class of displacements of degree 1 (``Space``) and degree 2 (``Quadratic``)."""
+    """Base class of finite element displacements that vanish on Γ1.
+
+    Subclasses define the numbering of the scalar basis functions (``numbers``, ``numbers_on``), the quadrature weights
+    (``weights``) and the strain matrix (``E``).
+    """
 
     @property
     @abstractmethod
     def numbers(self) -> Array:
-        """The numbers of the scalar basis functions of the cells, (k, cells)."""
+        """The numbers of the k scalar basis functions of every cell, (k, cells)."""
 
     @abstractmethod
     def numbers_on(self, part: Part) -> Array:
-        """Return the numbers of the scalar basis functions that do not vanish on a closed part, (n,)."""
+        """Return the numbers of the scalar basis functions that do not vanish on a part with its ends, (n,)."""
 
     @property
     @abstractmethod
     def weights(self) -> Array:
-        """The quadrature weights w, (cells,) or (cells, points)."""
+        """The quadrature weights w, (cells,) for one point in a cell or (cells, points)."""
 
     @property
     @abstractmethod
     def E(self) -> sps.csr_array:
-        """The strains of the basis functions, component by component, (D · cells · points, dofs)."""
+        """The matrix from coefficients to strains, (D · cells · points, dofs): first all 11 components, then 22, …."""
 
     @property
     def dim(self) -> int:
@@ -52,12 +65,12 @@ class Displacements(MeshedBody, ABC):
 
     @cached_property
     def count(self) -> int:
-        """The number of scalar basis functions."""
+        """The number of scalar basis functions, including those on Γ1."""
         return int(self.numbers.max()) + 1
 
     @cached_property
     def free(self) -> Array:
-        """Positions of the free coefficients in the vector of all coefficients, d for each basis function."""
+        """Positions of the free coefficients among all d · ``count`` coefficients, (dofs,)."""
         fixed = np.zeros(self.count, dtype=bool)
         for part in self.body.of(Kind.CLAMPED):
             fixed[self.numbers_on(part)] = True
@@ -65,11 +78,12 @@ class Displacements(MeshedBody, ABC):
 
     @property
     def dofs(self) -> int:
+        """The number of free coefficients, which is the number of unknowns."""
         return len(self.free)
 
     @property
     def nodes(self) -> Points:
-        """The nodes of the scalar basis functions, (d, count)."""
+        """The nodes of all scalar basis functions, (d, count)."""
         return self.mesh.p
 
     @property
@@ -78,25 +92,41 @@ class Displacements(MeshedBody, ABC):
         return self.nodes[:, self.free[:: self.dim] // self.dim]
 
     def coefficients(self, v: Array) -> Array:
-        """Return all coefficients of a function, including the zeros on Γ1: (dofs,) → (count, d)."""
+        """Return all coefficients of a displacement, including the zeros on Γ1: (dofs,) → (count, d)."""
         full = np.zeros(self.dim * self.count)
         full[self.free] = v
         return full.reshape(-1, self.dim)
 
     def strain(self, v: Array) -> Tensors:
-        """Return ε(v), (D, cells) or (D, cells, points); several functions (dofs, n) give n as last axis."""
+        """Return the strain ε(v) at the quadrature points.
+
+        Args:
+            v: free coefficients, (dofs,), or of n displacements, (dofs, n).
+
+        Returns:
+            (D, cells) or (D, cells, points); for n displacements with n as an additional last axis.
+        """
         return (self.E @ v).reshape(-1, *self.weights.shape, *v.shape[1:])
 
     def functional(self, stress: Tensors) -> Array:
-        """Return the functional (σ, ε(·))_Q for the cell means of a stress, or its values at the points, → (dofs,).
+        """Return the vector of the functional v ↦ (σ, ε(v))_Q, which is the virtual work of a stress.
 
-        Stresses (D, cells, n), or (D, cells, points, n), give (dofs, n).
+        Args:
+            stress: σ at the quadrature points, or its cell means for one point in a cell, (D, cells) or
+                (D, cells, points); n stresses have n as an additional last axis.
+
+        Returns:
+            (dofs,), or (dofs, n) for n stresses.
         """
         inner = self.weights.ndim
         return self.tested(self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress)
 
     def tested(self, integrals: Tensors) -> Array:
-        """Return (σ, ε(·))_Q from the integrals of a stress over the cells, or from its values times w."""
+        """Return the vector of v ↦ (σ, ε(v))_Q, (dofs,), from values of σ that already contain the weights w.
+
+        Args:
+            integrals: integrals of σ over the cells, (D, cells), or w σ at the points, (D, cells, points).
+        """
         return self._transposed @ integrals.reshape(self.E.shape[0], *integrals.shape[self.weights.ndim + 1 :])
 
     @cached_property
@@ -105,16 +135,22 @@ class Displacements(MeshedBody, ABC):
         return sps.csr_array(self.E.T)
 
     def form(self, C: Array, factor: Array | float = 1.0) -> sps.csc_array:
-        """Return the matrix of (α C ε(u), ε(v))_Q for a tensor C, Mandel (D, D), and α as in ``weights``."""
+        """Return the matrix of the bilinear form (α C ε(u), ε(v))_Q, (dofs, dofs).
+
+        Args:
+            C: a constant tensor in Mandel form, (D, D).
+            factor: α at the quadrature points, shaped like ``weights``, or a number.
+        """
         weighted = sps.kron(C, sps.diags_array((self.weights * factor).ravel()), format="csr")
         matrix = sps.csc_array(self._transposed @ (weighted @ self.E))
         return sps.csc_array((matrix + matrix.T) / 2)
 
     @cached_property
     def contact(self) -> list[tuple[Part, Array]]:
-        """Each part Γ3,i with its basis functions outside Γ1, in the order of the rows of ``N``.
+        """Every part Γ3,i with the numbers of its free basis functions, in the order of the rows of ``N``.
 
-        A function on two parts with the same normal belongs to the first part, so that ``N`` has no equal rows.
+        A function on two parts with the same normal is listed with the first part only, so that ``N`` has no equal
+        rows.
         """
         fixed = np.setdiff1d(np.arange(self.count), self.free[:: self.dim] // self.dim)
         found: list[tuple[Part, Array]] = []
@@ -125,26 +161,36 @@ class Displacements(MeshedBody, ABC):
 
     @cached_property
     def N(self) -> sps.csr_array:
-        """The matrix from v to ν·c for the coefficients on Γ3, (m, dofs); functions with N v ≤ 0 are admissible.
+        """The constraint matrix, (m, dofs): N v contains the normal components of the coefficients on Γ3.
 
-        There is one row for each part and function: a function on two parts has both constraints.
+        Displacements with N v ≤ 0 are admissible. There is one row for each part and basis function, so a function on
+        two parts with different normals has two constraints.
         """
         return self.normal_components(self.contact)
 
     def normal_components(self, on: Sequence[tuple[Part, Array]]) -> sps.csr_array:
-        """Return the matrix from v to ν·c for coefficients of functions (n,) on given parts, (Σ n, dofs)."""
+        """Return the matrix from v to the normal components ν·c of chosen coefficients c, (Σ n, dofs).
+
+        Args:
+            on: pairs of a part, which gives ν, and the numbers of basis functions, (n,).
+        """
         normals = np.concatenate([np.tile(part.normal, (len(numbers), 1)) for part, numbers in on])
         numbers = np.concatenate([numbers for _, numbers in on])
         return sps.csr_array(self._rows(normals[:, None], numbers[:, None])[:, self.free])
 
     def _matrix(self, values: Array, numbers: Array) -> sps.csr_array:
-        """Return the matrix of ``_rows``, restricted to the free coefficients."""
+        """Return the matrix of ``_rows`` without its zeros and without the columns of Γ1."""
         full = self._rows(values, numbers)
         full.eliminate_zeros()
         return sps.csr_array(full[:, self.free])
 
     def _rows(self, values: Array, numbers: Array) -> sps.csr_array:
-        """Return the matrix on all coefficients whose rows have the values (..., k, d) at k functions (..., k)."""
+        """Return a matrix on all coefficients with one row for each entry of the leading axes ``...``.
+
+        Args:
+            values: the entries of a row, d for each of its k basis functions, (..., k, d).
+            numbers: the numbers of these basis functions, (..., k).
+        """
         # Matrix products read as many indices as values, so 32-bit indices are used if they suffice.
         index = sps.get_index_dtype(maxval=max(values.size, self.dim * self.count))
         columns = np.broadcast_to(self.dim * numbers[..., None] + np.arange(self.dim), values.shape).astype(index)
@@ -155,11 +201,10 @@ class Displacements(MeshedBody, ABC):
 
 @dataclass(frozen=True, eq=False)
 class Space(Displacements):
-    """The space V^h of Problem 5.1: continuous P1 displacements, given by d values at every vertex; K^h = {v : N v ≤
-    0}.
+    """The space V^h of Problem 5.1: continuous, piecewise linear displacements, given by their values at the vertices.
 
-    Strains are constant on every cell, so (σ, ε(v))_Q needs only cell means of σ, and (α C ε(u), ε(v))_Q cell means of
-    α.
+    The admissible set is K^h = {v : N v ≤ 0}. Strains are constant on every cell, so the integrals need only the cell
+    means of stresses and of material factors.
 
     Raises:
         MeshError: the mesh does not fit the parts of the body (from ``boundary_parts``).
@@ -183,7 +228,7 @@ class Space(Displacements):
         return self.vertices(part)
 
     def vertices(self, part: Part) -> Array:
-        """Return the vertices on a closed part."""
+        """Return the numbers of the vertices on a part, including its ends, (n,)."""
         return np.unique(self.mesh.facets[:, self.facets(part)])
 
     @property
@@ -192,18 +237,49 @@ class Space(Displacements):
 
     @cached_property
     def E(self) -> sps.csr_array:
-        """The Mandel strains of the nodal basis, (D·cells, n_dofs): ε(φ e_j)_I = E_I : sym(e_j ⊗ ∇φ)."""
+        """The strains of the basis functions, (D · cells, dofs): for φ e_j, component I is E_I : sym(e_j ⊗ ∇φ)."""
         gradients = barycentric_gradients(self.mesh)
         return self._matrix(np.einsum("Ijk,cik->Icij", basis(self.dim), gradients, optimize=True), self.numbers.T)
 
     def scatter(self, vertices: Array, values: Vectors) -> Vectors:
-        """Sum local vectors into nodal vectors: indices (k, n) and values (d, k, n) → (d, vertices)."""
+        """Add local vectors up at the vertices: numbers (k, n) and vectors (d, k, n) → (d, vertices)."""
         return np.array([np.bincount(vertices.ravel(), component.ravel(), self.count) for component in values])
 
     def interpolate(self, values: Vectors) -> Array:
-        """Return Π^h: nodal values (d, vertices) → free values (n_dofs,), or (d, vertices, n) → (n_dofs, n)."""
+        """Return the interpolant Π^h u as free coefficients, from values of u at the vertices.
+
+        Args:
+            values: (d, vertices), or (d, vertices, n) for n functions.
+
+        Returns:
+            (dofs,) or (dofs, n).
+        """
         return np.moveaxis(values, 0, 1).reshape(-1, *values.shape[2:])[self.free]
 
     def nodal(self, v: Array) -> Vectors:
-        """Return nodal values (d, vertices), zero on Γ1, for free values."""
+        """Return the values of a displacement at all vertices, zero on Γ1: (dofs,) → (d, vertices)."""
         return self.coefficients(v).T
+
+
+def means(space: Space, factor: Factor) -> Array:
+    """Return the mean of a material factor α on every cell, (cells,).
+
+    Strains of V^h are constant on cells, so with these means (α C ε(u), ε(v))_Q is exact.
+    """
+    if factor is UNIFORM:
+        return np.ones(len(space.volumes))
+    found = np.empty(len(space.volumes))
+    steps = tuple(Line(direction, offset) for direction, offset in factor.steps)
+    for rule in cell_rules(space.mesh, FACTOR_DEGREE, steps):
+        found[rule.cells] = np.sum(factor(rule.points) * rule.weights, axis=1) / space.volumes[rule.cells]
+    return found
+
+
+def form(space: Space, tensor: Elasticity) -> sps.csc_array:
+    """Return the matrix of (α C ε(u), ε(v))_Q for the constant reference tensor C of a law, (dofs, dofs)."""
+    return space.form(tensor.reference, means(space, tensor.factor))
+
+
+def on_cells(space: Space, law: KelvinVoigt) -> PointLaw:
+    """Return the law between strains and stresses that are constant on the cells, (D, cells) each."""
+    return law.scaled(means(space, law.A.factor), means(space, law.G.factor))

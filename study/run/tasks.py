@@ -15,7 +15,7 @@ import numpy as np
 
 from manufactured.body import Kind
 from manufactured.tensors import Array
-from study.fem.material import means
+from study.fem.space import means
 from study.ledger.files import StoreError, UsageError, write_text, write_whole
 from study.run.store import Store
 from study.statements.shared.tasks import Task

@@ -19,8 +19,8 @@ class Power:
         stored: the energy ∫ W(ε(u)) with W' = G.
         elastic: the rate of the stored energy, (G ε(u), ε(δu))_Q.
         viscous: the dissipation (A ε(δu), ε(δu))_Q.
-        contact: λ·N δu; nonzero only if a vertex comes into contact or loses it.
-        load: F·δu, the sum of the last three.
+        contact: the power of the contact forces, λ·N δu; nonzero only if a vertex comes into contact or loses it.
+        load: the power of the loads, F·δu, which is the sum of ``elastic``, ``viscous`` and ``contact``.
     """
 
     stored: float
@@ -31,16 +31,21 @@ class Power:
 
 
 def density(G: Elasticity, strain: Tensors, stress: Tensors) -> Array:
-    """Return the energy density W(ε), (...), from ε and G(ε), (D, ...) each.
+    """Return the density W(ε) of the stored energy, (...).
 
     For a linear law W = ½ G ε·ε. For law (3.3) W = β/2 dist(ε, K)² = |G(ε)|²/(2β), because ½ dist² has the gradient
-    ε − P_K ε. A combined G has the sum of both plus S·ε.
+    ε − P_K ε. For a ``Combined`` G, W is the sum of both and of S·ε with the stress at rest S.
+
+    Args:
+        G: the elasticity operator.
+        strain: ε, (D, ...).
+        stress: G(ε), (D, ...).
 
     Raises:
         LawError: G has no potential, so there is no stored energy.
     """
     if isinstance(G, NonSymmetric):
-        raise LawError("G is not symmetric and has no potential W; an energy balance needs a symmetric G")
+        raise LawError("G is not symmetric, so it has no stored energy; an energy balance needs a symmetric G")
     if isinstance(G, Combined):
         return G.energy(strain)
     if isinstance(G, Linear):
@@ -49,12 +54,16 @@ def density(G: Elasticity, strain: Tensors, stress: Tensors) -> Array:
 
 
 def balance(times: Array, powers: Sequence[Power]) -> dict[str, Array]:
-    """Return energies at the ``times``, (times,) each, as a dict.
+    """Return the energy balance as a dict of arrays over time, (times,) each.
 
-    Keys: ``stored``; the energy changes since the first time due to dissipation, contact and load, ``dissipated``,
-    ``contact`` and ``work``; and ``defect`` = stored − stored(0) + dissipated + contact − work. Powers are integrated
-    by the trapezoidal rule, so the defect is of second order in the time step and nonzero; the time scheme does not
-    conserve energy exactly.
+    Keys: ``times``; ``stored``, the stored energy; ``dissipated``, ``contact`` and ``work``, the integrals since the
+    first time of dissipation, power of contact and power of loads; and ``defect`` = stored − stored(0) + dissipated +
+    contact − work. The defect is not zero: the time scheme does not conserve energy exactly, and powers are integrated
+    by the trapezoidal rule. It is of second order in the time step.
+
+    Args:
+        times: the times, (times,).
+        powers: energy and powers at these times.
     """
 
     def since_start(name: str) -> Array:

@@ -1,4 +1,4 @@
-"""Error bounds for backward Euler with steps of variable size, if Problem 5.1 need not be a gradient flow.
+"""Error bounds for backward Euler with steps of variable size; Problem 5.1 need not be a gradient flow.
 
 Problem 5.1 is u̇ + Bu + N_K(u) ∋ f in V^h with ‖Bv − Bw‖ ≤ κ ‖v − w‖ and (Bv − Bw, v − w) ≥ −γ ‖v − w‖², 0 ≤ γ ≤ κ,
 in the norm and inner product of V. Backward Euler on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and
@@ -29,10 +29,17 @@ from study.solve.tableau import BACKWARD_EULER
 
 
 def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
-    """Return U_0, …, U_N of backward Euler at t_0 = 0, …, t_N for steps of variable size, (N + 1, n).
+    """Solve Problem 5.1 by backward Euler with steps of variable size.
+
+    Args:
+        problem: Problem 5.1 on a mesh, with n unknowns.
+        times: t_0 = 0, …, t_N.
+
+    Returns:
+        The displacements U_0, …, U_N, (N + 1, n).
 
     Raises:
-        StepsError: a step of this length may have several solutions.
+        StepsError: a step is so long that it may have several solutions.
     """
     end = times[0]
     held = replace(problem, load=lambda _: problem.load(end))
@@ -48,12 +55,12 @@ def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class EulerBounds:
-    """Both error bounds for Problem 5.1 on one mesh.
+    """Computes both error bounds of the module for Problem 5.1 on one mesh.
 
     Attributes:
-        flow: the problem with its load on a fine grid in time; gives ‖z‖ and Var f.
+        flow: the problem with its load on a fine grid in time, which gives ‖z‖ and Var f.
         kappa: κ, a Lipschitz constant of B, such as L_G/m_A.
-        growth: γ, 0 if G is monotone, at most κ.
+        growth: γ, at most κ; 0 if G is monotone.
     """
 
     flow: GradientFlow
@@ -61,19 +68,24 @@ class EulerBounds:
     growth: float
 
     def a_priori(self, longest: float, product: float) -> float:
-        """Return the bound from the data, for the longest step k and the product P."""
+        """Return the second bound, from the data alone, for the longest step k and the product P = Π_n (1 − γk_n)⁻¹."""
         T, z, variation = self.flow.problem.T, self.flow.first, self.flow.variation
         half = self.kappa * T / 2
         terms = (1 / math.sqrt(2) + half) * z + (2 + half) * variation
         return longest * product / (1 - self.growth * longest) * terms
 
     def by_data(self, nodes: Array) -> float:
-        """Return the bound from the data for steps that end at the given nodes of the grid, indices (N + 1,)."""
+        """Return the second bound, from the data alone, for steps between given nodes of the grid, indices (N + 1,)."""
         steps = self._steps(nodes)
         return self.a_priori(float(steps.max()), float(np.prod(1 / (1 - self.growth * steps))))
 
     def by_solution(self, nodes: Array, states: Array) -> float:
-        """Return the bound from U_0, …, U_N, (N + 1, n), at the given nodes of the grid, indices (N + 1,)."""
+        """Return the first bound, from a computed solution.
+
+        Args:
+            nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
+            states: U_0, …, U_N, (N + 1, n).
+        """
         problem, steps = self.flow.problem, self._steps(nodes)
         rates = np.diff(states, axis=0) / steps[:, None]
         viscous = (problem.M @ rates.T).T
@@ -93,6 +105,6 @@ class EulerBounds:
         return np.diff(self._time(nodes))
 
     def _delay(self, begin: int, end: int) -> float:
-        """Return an upper bound of F_n: on each interval of the grid the larger value at its ends is used."""
+        """Return an upper bound of F_n: on each interval of the grid, the larger of the values at its ends is used."""
         away = self.flow.distance(np.arange(begin, end + 1), np.full(end + 1 - begin, end))
         return float(np.maximum(away[1:], away[:-1]).sum()) * self.flow.problem.T / (len(self.flow.loads) - 1)

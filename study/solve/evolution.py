@@ -1,13 +1,15 @@
-"""Problem 5.1, continuous in time on one mesh: M u̇ + G(u) + N_{K^h}(u) ∋ F.
+"""Problem 5.1 on one mesh, and its time steps.
 
-K^h = {v : N v ≤ g} has the initial gap g at the vertices of Γ3, which is 0 in the paper. G is bounded relative to M
-uniformly in h, (5.5), so the system is not stiff, and the step k need not be small relative to h.
+Problem 5.1 is the differential inclusion M u̇ + G(u) + N_{K^h}(u) ∋ F, where N_{K^h} is the normal cone of
+K^h = {v : N v ≤ g}. g is the initial gap at the vertices of Γ3, 0 in the paper. G is bounded relative to M uniformly in
+h, (5.5), so the system is not stiff, and the step k need not be small relative to h.
 
-One time step of Problem 5.1 is (w/k) M u + G(θu + (1 − θ)u_{n−1}) + N_{K^h}(u) ∋ b for u = u_n.
+A time step solves (w/k) M u + G(θu + (1 − θ)u_{n−1}) + N_{K^h}(u) ∋ b for u = u_n, with w and θ of the time scheme
+(``study.solve.tableau``).
 
-S = (w/k) M + θ G_ref is factorised once for all steps with the same w/k. G_ref is the constant reference tensor of the
-law. The difference between G and G_ref is treated by a fixed-point iteration, which contracts like k ‖G − G_ref‖/m_A. A
-linear law needs no iteration.
+The matrix S = (w/k) M + θ G_ref is factorised once for all steps with the same w/k, where G_ref belongs to the constant
+reference tensor of the law. For a nonlinear law, G − G_ref is treated by a fixed-point iteration, whose contraction
+number is about k ‖G − G_ref‖/m_A. A linear law needs no iteration.
 """
 
 from __future__ import annotations
@@ -24,8 +26,7 @@ import scipy.sparse as sps
 
 from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array, mapped
-from study.fem.material import form, means
-from study.fem.space import Displacements, Space
+from study.fem.space import Displacements, Space, form, means
 from study.solve.fixed_point import FixedPointError, fixed_point
 from study.solve.signorini import ContactSolver, Signorini
 from study.solve.solver_choice import ROUNDING, contact_solver
@@ -35,18 +36,20 @@ from study.solve.tableau import Tableau
 
 @dataclass(frozen=True, eq=False)
 class SemiDiscrete:
-    """Problem 5.1 on one mesh: M, G, N, F and u_0^h.
+    """Problem 5.1 on one mesh, with n unknowns and m constraints.
 
     Attributes:
-        M: matrix of (·,·)_V on V^h, (n, n).
-        reference: matrix of G_ref, (n, n).
-        remainder: v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,); None for a linear law.
-        N: K^h = {v : Nv ≤ g}, (m, n).
-        load: t ↦ F(t), (n,).
-        u0: u_0^h ∈ K^h, (n,).
-        T: final time.
-        solver: function from S and N to the contact solver of one step; an initial gap is passed as ``gap=g``.
-        growth: max(−m, 0)/m_A of the law, 0 for a monotone G; it limits the length of steps.
+        M: the matrix of the viscosity A, which is the inner product (·,·)_V on V^h, (n, n).
+        reference: the matrix of G_ref, (n, n).
+        remainder: the function v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,) → (n,); None for a linear law.
+        N: the matrix of K^h = {v : N v ≤ g}, (m, n).
+        load: the function t ↦ F(t), (n,).
+        u0: the initial value u_0^h ∈ K^h, (n,).
+        T: the final time.
+        solver: a function that makes the contact solver of one step from S and N; an initial gap is passed as
+            ``gap=g``.
+        growth: max(−m, 0)/m_A of the law, where m is its constant of monotonicity; 0 for a monotone G. It limits the
+            length of steps.
         gap: the initial gap g ≥ 0 at the contact vertices, (m,), or the number 0 as in the paper.
     """
 
@@ -70,7 +73,7 @@ class SemiDiscrete:
         u0: Array,
         gap: Array | float = 0.0,
     ) -> SemiDiscrete:
-        """Return the problem on a space for a law, a load, an initial value and an initial gap."""
+        """Return Problem 5.1 on a space; the arguments are described in ``SemiDiscrete``."""
         factor = means(space, law.G.factor)
         return cls(
             M=form(space, law.A),
@@ -86,25 +89,25 @@ class SemiDiscrete:
         )
 
     def contact(self, S: sps.csc_array) -> ContactSolver:
-        """Return the contact solver in K^h for a matrix."""
+        """Return the solver of minimise ½ vᵀSv − bᵀv over K^h, as a function of b."""
         return self.solver(S, self.N, gap=self.gap) if np.any(self.gap) else self.solver(S, self.N)
 
     def initial(self) -> State:
-        """Return the initial state u_0^h with zero contact forces, which are unknown at t_0."""
+        """Return the state at t_0: u_0^h, with zeros as contact forces, because the scheme gives none at t_0."""
         return State(0.0, self.u0, np.zeros(self.N.shape[0]), 0, lambda: 0.0)
 
     def elastic(self, v: Array) -> Array:
-        """Return the functional (G ε(v), ε(·))_Q, (n,)."""
+        """Return the vector of the elastic forces, (G ε(v), ε(·))_Q, (n,) → (n,)."""
         linear: Array = self.reference @ v
         return linear if self.remainder is None else linear + self.remainder(v)
 
     def stepper(self, scheme: Tableau, k: float) -> ContactStep:
-        """Return the function (n, previous states) ↦ state at t_n."""
+        """Return the function that computes the state at t_n from n and the previous states."""
         return ContactStep(self, scheme, k)
 
 
 def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[Array], Array] | None:
-    """Return the function ``SemiDiscrete.remainder`` for G with the factor at the points where strains are stored."""
+    """Return the function ``SemiDiscrete.remainder``; ``factor`` is α of G at the quadrature points of the space."""
     if isinstance(G, Linear):
         return None
     at_points = G.scaled(factor)
@@ -117,8 +120,10 @@ def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[A
 
 
 def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[tuple[State, Array]]:
-    """Yield the states at t_0, …, t_steps with velocities δu_n; δu_0, which the scheme does not define, is set to
-    δu_1."""
+    """Yield pairs of the state at t_n and the velocity δu_n, n = 0, …, steps.
+
+    δu_n is the difference quotient of the scheme. The scheme does not define δu_0, so δu_1 is used for it.
+    """
     k = step_size(problem.T, steps)
     states = scheme.march(problem, steps)
     first = next(states)
@@ -145,9 +150,10 @@ class Scheme(Protocol):
 
 
 FIXED_POINT = ROUNDING / 10
-"""Relative distance in ‖·‖_M to the fixed point of a nonlinear law at which its iteration stops. The residual is
-measured in another norm and was up to five times as large in the parameter sweeps, half of the permitted residual."""
+"""Relative distance to the fixed point, in ‖·‖_M, at which the iteration for a nonlinear law stops. The residual of a
+state is measured in another norm; it was at most five times this value in all runs, half of what is permitted."""
 ITERATIONS = 60
+"""Largest number of iterations for a nonlinear law."""
 TINY = 1e-150
 """Replaces zero in denominators; its square is still positive."""
 
@@ -163,13 +169,11 @@ class State:
     Attributes:
         time: t_n.
         u: u_n ∈ K^h, (n,).
-        multipliers: λ_n ≥ 0, nodal contact forces, (m,).
-        iterations: number of contact solves.
-        residual: function that returns the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u − g)_+, |λ·(N u − g)| and λ_−, relative
-            to
-            the size of u and λ: zero for an exact contact solve. It is a function because computing it takes as long as
-            a
-            step on a coarse mesh.
+        multipliers: λ_n ≥ 0, the nodal contact forces, (m,).
+        iterations: the number of contact solves in this step.
+        residual: a function that returns the residual of the step, which is 0 for an exact solution: the largest of
+            ‖S u + Nᵀλ − b‖/‖b‖, (N u − g)_+, |λ·(N u − g)| and λ_−, the last three relative to the size of u and λ. It
+            is computed only on request, because that takes as long as a step on a coarse mesh.
     """
 
     time: float
@@ -180,15 +184,15 @@ class State:
 
 
 class ContactStep:
-    """The time steps of one scheme with one step size k.
+    """Computes the time steps of one scheme with one step size k.
 
     Attributes:
         S: the matrix that is factorised.
-        known: the matrices w_j M/k that multiply u_{n−1}, u_{n−2}, … on the right-hand side; (1 − θ) G_ref is
+        known: the matrices that multiply u_{n−1}, u_{n−2}, … on the right-hand side, w_j M/k; (1 − θ) G_ref is
             subtracted from the first.
 
     Raises:
-        StepsError: a step of this length may have several solutions, because G is not monotone.
+        StepsError: G is not monotone, and a step of this length may have several solutions.
     """
 
     def __init__(self, problem: SemiDiscrete, scheme: Tableau, k: float) -> None:
@@ -203,8 +207,12 @@ class ContactStep:
     def __call__(self, n: int, past: Sequence[State]) -> State:
         """Return the state at t_n.
 
+        Args:
+            n: the number of the step.
+            past: the previous states, the last one at t_{n−1}.
+
         Raises:
-            EvolutionError: the iteration of a nonlinear law did not converge, or values are not finite.
+            EvolutionError: the iteration for a nonlinear law did not converge, or values are not finite.
         """
         before = [state.u for state in past]
         load = self.problem.load(self.scheme.balanced(n, self.k))
@@ -216,7 +224,10 @@ class ContactStep:
     def _nonlinear(
         self, time: float, constant: Array, before: Sequence[Array], remainder: Callable[[Array], Array]
     ) -> State:
-        """Return the fixed point of v ↦ u with S u + Nᵀλ = constant − remainder(θv + (1 − θ) u_{n−1})."""
+        """Return the state of a nonlinear law: the fixed point of the map v ↦ u that solves the contact problem
+
+        S u + Nᵀλ = constant − remainder(θv + (1 − θ) u_{n−1}).
+        """
         problem, theta = self.problem, self.scheme.theta
         base = (1 - theta) * before[-1]
         multipliers = np.zeros(problem.N.shape[0])
@@ -226,22 +237,28 @@ class ContactStep:
             u, multipliers = self.solve(constant - remainder(theta * v + base))
             return u
 
+        # The first guess is extrapolated by the polynomial through the last states, at most three.
+        weights = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(before)]
+        guess = sum((weight * u for weight, u in zip(weights, before, strict=True)), np.zeros_like(base))
         try:
-            u, taken = fixed_point(image, _extrapolated(before), lambda w: problem.M @ w, FIXED_POINT, ITERATIONS)
+            u, taken = fixed_point(image, guess, lambda w: problem.M @ w, FIXED_POINT, ITERATIONS)
         except FixedPointError as error:
             raise EvolutionError(
-                f"step to t = {time:.6g}: {error}; it contracts like k L_G/m_A, so take more steps"
+                f"step to t = {time:.6g}: {error}; the contraction number is about k L_G/m_A, so take more steps"
             ) from error
         return self._state(time, u, multipliers, constant - remainder(theta * u + base), taken)
 
     def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
         # A sum is finite only if all of its terms are, so one test suffices.
         if not math.isfinite(u.sum() + multipliers.sum()):
-            raise EvolutionError(f"the step to t = {time:.6g} produced values that are not finite")
+            raise EvolutionError(
+                f"the step to t = {time:.6g} gave values that are not finite; check the loads, and use units in which "
+                "displacements and forces have moderate size"
+            )
         return State(time, u, multipliers, iterations, partial(self._residual, u, multipliers, b))
 
     def _residual(self, u: Array, multipliers: Array, b: Array) -> float:
-        """Return the residual that ``State`` describes."""
+        """Return the residual that is described in ``State``."""
         defect = self.S @ u + self.forces @ multipliers - b
         normal = self.problem.N @ u - self.problem.gap
         size, force = _largest(u), _largest(multipliers)
@@ -258,9 +275,3 @@ class ContactStep:
 def _largest(v: Array) -> float:
     """Return the largest absolute value, or TINY for a zero vector."""
     return max(float(v.max(initial=0.0)), -float(v.min(initial=0.0)), TINY)
-
-
-def _extrapolated(before: Sequence[Array]) -> Array:
-    """Return the next value of the polynomial through the last states at equal steps, at most three."""
-    weights = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(before)]
-    return sum((weight * u for weight, u in zip(weights, before, strict=True)), np.zeros_like(before[0]))

@@ -1,14 +1,16 @@
 """Fixed-point iteration u = g(v) for a contraction g, with Anderson acceleration.
 
-The next v is the image of the combination of the last inputs for which the residual f(v) = g(v) − v would be smallest
-if g were affine (D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965) 547–560).
+**Acceleration.** The next input v is the image of a combination of the last inputs. The combination is chosen so that
+the residual f(v) = g(v) − v would be smallest if g were affine (D. G. Anderson, Iterative procedures for nonlinear
+integral equations, J. ACM 12 (1965) 547–560).
 
-Two inputs and their images give a lower bound of the contraction number ρ of g. The distance from u to the fixed point
-is at most ρ/(1 − ρ) ‖u − v‖. The largest quotient so far is used as ρ; for ρ > 1/2 the residual itself is compared with
-the tolerance. Both are estimates, so a caller that needs a bound has to measure the remaining error.
+**When to stop.** For a contraction number ρ of g, the distance from u to the fixed point is at most ρ/(1 − ρ) ‖u − v‖.
+Two inputs and their images give a lower bound of ρ; the largest of these bounds so far is used as ρ. For ρ > 1/2 the
+residual itself is compared with the tolerance. These are estimates: a caller that needs a guaranteed accuracy has to
+measure the remaining error.
 
-Vectors w are stored with their duals M w, (2, n). Sums and multiples of pairs are pairs, so that each image needs only
-one product with M.
+**Norm.** The norm is ‖w‖² = w·M w. Every vector w is stored together with M w, as an array (2, n). Sums and multiples
+of such pairs are pairs, so each image needs one product with M only.
 """
 
 from __future__ import annotations
@@ -21,9 +23,9 @@ import numpy as np
 from manufactured.tensors import Array
 
 SEEN = 3
-"""Least number of images before an iteration may stop: they give two quotients."""
+"""Least number of images before the iteration may stop; they give two estimates of ρ."""
 MEMORY = 3
-"""Number of differences of residuals that determine an input."""
+"""Number of previous differences that the acceleration combines."""
 CUTOFF = 1e-12
 """Eigenvalues of a Gram matrix below this value, relative to the largest, count as zero."""
 TINY = 1e-300
@@ -31,20 +33,20 @@ TINY = 1e-300
 
 
 class FixedPointError(RuntimeError):
-    """Raised if the iteration did not converge."""
+    """Raised if the fixed-point iteration did not converge."""
 
 
 def fixed_point(
     image: Callable[[Array], Array], v: Array, dual: Callable[[Array], Array], tolerance: float, most: int
 ) -> tuple[Array, int]:
-    """Return u = image(v) at an estimated distance of tolerance · ‖u‖ from the fixed point, and the number of images.
+    """Return the fixed point of a contraction, and the number of evaluations.
 
     Args:
-        image: a contraction.
-        v: the first input.
-        dual: w ↦ M w with the matrix of the norm, ‖w‖² = w·M w.
-        tolerance: relative tolerance.
-        most: largest number of images.
+        image: the contraction g, (n,) → (n,).
+        v: the first input, (n,).
+        dual: the function w ↦ M w with the matrix of the norm, ‖w‖² = w·M w.
+        tolerance: the estimated distance from the fixed point, relative to ‖u‖, at which the iteration stops.
+        most: largest number of evaluations of g.
 
     Raises:
         FixedPointError: the iteration did not converge, or values are not finite.
@@ -70,10 +72,13 @@ def fixed_point(
         whole += moved
         left = _finite(_norm(residual), taken)
         contraction = max(contraction, _norm(moved) / max(_norm(step), TINY))
-        if left == 0 or (taken >= SEEN and left <= tolerance * _per_residual(contraction) * _norm(whole)):
+        # The residual may exceed the tolerance by (1 − ρ)/ρ, but is not required to be smaller than the tolerance:
+        # quotients of round-off are arbitrary.
+        excess = max(1.0, (1 - contraction) / max(contraction, TINY))
+        if left == 0 or (taken >= SEEN and left <= tolerance * excess * _norm(whole)):
             return u, taken
         memory.append((change, moved))
-    raise FixedPointError(f"the iteration did not settle in {most} steps")
+    raise FixedPointError(f"the fixed-point iteration did not converge in {most} steps")
 
 
 def _norm(w: Array) -> float:
@@ -83,21 +88,17 @@ def _norm(w: Array) -> float:
 
 def _finite(size: float, taken: int) -> float:
     if not np.isfinite(size):
-        raise FixedPointError(f"the iteration did not settle: image {taken} is not finite")
+        raise FixedPointError(f"the fixed-point iteration did not converge: image {taken} is not finite")
     return size
 
 
-def _per_residual(contraction: float) -> float:
-    """Return the factor by which a residual may exceed the required error.
-
-    The factor is at least 1: quotients of round-off are arbitrary, and a residual of the size of the tolerance is
-    enough.
-    """
-    return max(1.0, (1 - contraction) / max(contraction, TINY))
-
-
 def _accelerated(residual: Array, memory: Sequence[tuple[Array, Array]]) -> Array:
-    """Return residual − Σ γ_i Δu_i with the least ‖residual − Σ γ_i Δf_i‖; ``memory`` has pairs (Δf_i, Δu_i)."""
+    """Return the accelerated step, residual − Σ γ_i Δu_i, where the γ_i minimise ‖residual − Σ γ_i Δf_i‖.
+
+    Args:
+        residual: the last residual with its dual, (2, n).
+        memory: pairs of the differences Δf_i of residuals and Δu_i of images, with their duals, (2, n) each.
+    """
     if not memory:
         return residual
     changes, of_images = (np.array(parts) for parts in zip(*memory, strict=True))

@@ -1,4 +1,4 @@
-"""Error bounds for backward Euler if Problem 5.1 is a gradient flow, independent of the mesh.
+"""Error bounds for backward Euler, independent of the mesh, if Problem 5.1 is a gradient flow.
 
 If (B^h ·, ·)_V has a convex potential, Problem 5.1 is u̇ + ∂φ(u) ∋ f in V^h with φ convex, infinite outside K^h. Let
 U_n be the solution of backward Euler with N steps of size k, δU_n = (U_n − U_{n−1})/k, ξ_n = f(t_n) − δU_n ∈ ∂φ(U_n),
@@ -15,8 +15,8 @@ nodes follows from the interpolation error of u^h: if û is linear between its v
 
 where osc_n is the largest difference of velocities within a step.
 
-The proofs are in paper/time.tex. The first bound needs the computed solution,
-the second only the data; both are independent of h. z is u̇^h(0+), the projection of f(0) − B^h u_0 onto the cone of
+The proofs are in paper/time.tex. The first bound needs the computed solution, the second only the data; both are
+independent of h. z is u̇^h(0+), the projection of f(0) − B^h u_0 onto the cone of
 directions that K^h permits at u_0, and ‖z‖_V ≤ ‖f(0)‖_V + ‖B^h u_0‖_V.
 """
 
@@ -39,11 +39,11 @@ TOUCHING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class GradientFlow:
-    """Problem 5.1 with its load on a grid in time.
+    """Problem 5.1 with its load on a grid in time, and the quantities of the bounds of the module.
 
     Attributes:
-        problem: Problem 5.1 on a mesh.
-        loads: F(t_0), …, F(t_m) at equal steps up to T, (m + 1, n).
+        problem: Problem 5.1 on a mesh, with n unknowns.
+        loads: the loads F(t_0), …, F(t_m) at equidistant times from 0 to T, (m + 1, n).
     """
 
     problem: SemiDiscrete
@@ -51,7 +51,7 @@ class GradientFlow:
 
     @cached_property
     def riesz(self) -> Cholesky:
-        """The factorisation of M, which maps b to M⁻¹b."""
+        """The Cholesky factorisation of M; a call maps b to M⁻¹b."""
         return Cholesky(self.problem.M)
 
     @cached_property
@@ -60,7 +60,7 @@ class GradientFlow:
         return np.array([self.riesz(load) for load in self.loads])
 
     def distance(self, i: Array, j: Array) -> Array:
-        """Return ‖f(t_i) − f(t_j)‖_V for indices of the grid."""
+        """Return ‖f(t_i) − f(t_j)‖_V for arrays of indices of the grid, (k,) → (k,)."""
         squares = np.sum((self.loads[i] - self.loads[j]) * (self.representers[i] - self.representers[j]), axis=-1)
         root: Array = np.sqrt(np.maximum(squares, 0))
         return root
@@ -79,10 +79,10 @@ class GradientFlow:
         return Signorini(problem.M, problem.N[np.flatnonzero(touching)])(self.loads[0] - problem.elastic(u0))[0]
 
     def delay(self, steps: int) -> float:
-        """Return an upper bound of F for a number of steps that divides m, from the larger end of every interval of the
-        grid.
+        """Return an upper bound of F for a number of steps that divides m.
 
-        If a step has j intervals and the load is linear there, the bound is 1 + 1/j times F.
+        On every interval of the grid, the larger of the values of ‖f(t_n) − f(t)‖ at its ends is used. If a step has j
+        intervals and the load is linear in it, the bound is 1 + 1/j times F.
         """
         nodes = np.arange(len(self.loads))
         inner = (len(self.loads) - 1) // steps
@@ -97,19 +97,26 @@ class GradientFlow:
 
     @property
     def fastest(self) -> float:
-        """The bound ‖z‖_V + Var f of ‖u̇^h(t)‖_V and ‖δU_n‖_V."""
+        """The bound ‖z‖_V + Var f of the speeds ‖u̇^h(t)‖_V and ‖δU_n‖_V."""
         return self.first + self.variation
 
     def a_priori(self, steps: int) -> float:
-        """Return the bound from the data, k (‖z‖_V/√2 + 2 Var f)."""
+        """Return the second bound, k (‖z‖_V/√2 + 2 Var f), which needs only the data, for k = T/steps."""
         return self.problem.T / steps * (self.first / math.sqrt(2) + 2 * self.variation)
 
     def piecewise_constant(self, steps: int) -> float:
-        """Return the bound for U_n on (t_{n−1}, t_n] instead of û: k (‖z‖_V/√2 + 2 Var f) + k (‖z‖_V + Var f)."""
+        """Return the bound if û is replaced by the function that is U_n on (t_{n−1}, t_n].
+
+        It is k (‖z‖_V/√2 + 2 Var f) + k (‖z‖_V + Var f).
+        """
         return self.a_priori(steps) + self.problem.T / steps * self.fastest
 
     def a_posteriori(self, states: Array) -> float:
-        """Return the bound F + k (Σ (ξ_n − ξ_{n−1}, δU_n)_V)^½ from U_0, …, U_N, (N + 1, n), N a divisor of m."""
+        """Return the first bound, F + k (Σ (ξ_n − ξ_{n−1}, δU_n)_V)^½, from a computed solution.
+
+        Args:
+            states: U_0, …, U_N, (N + 1, n), where N divides m.
+        """
         steps, M = len(states) - 1, self.problem.M
         k, every = self.problem.T / steps, (len(self.loads) - 1) // steps
         rates = np.vstack([self.start, np.diff(states, axis=0) / k])

@@ -11,22 +11,27 @@ from typing import NamedTuple
 import clarabel
 
 REFINEMENT = 1e-16
-"""Unreachable tolerance of linear systems in the solver, so that they are refined as far as rounding permits."""
+"""Tolerance for linear systems in the solver; it is too small to be reached, so they are refined down to rounding."""
 SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
 
 
 class Accuracy(NamedTuple):
-    """Tolerances of a programme: the duality gap, absolute or relative, and the relative residuals of feasibility."""
+    """Tolerances of the solver: for the duality gap (absolute or relative) and for the residuals of the constraints."""
 
     gap: float
     feasibility: float
 
 
 def settings(aim: Accuracy, enough: Accuracy) -> clarabel.DefaultSettings:
-    """Return settings with a tolerance to aim at, and one that is accepted if rounding stops the solver before it."""
+    """Return settings of the solver.
+
+    Args:
+        aim: the accuracy at which the solver stops.
+        enough: the accuracy that is accepted if rounding stops the solver before ``aim``.
+    """
     found = clarabel.DefaultSettings()
     found.verbose = False
-    # Presolve and chordal decomposition would not permit new data for the next step.
+    # With presolve or chordal decomposition the solver would not accept new data for the next time step.
     found.presolve_enable = False
     found.chordal_decomposition_enable = False
     found.tol_gap_abs = found.tol_gap_rel = aim.gap

@@ -1,11 +1,11 @@
-"""The solution of one problem in time: velocity, stress, contact and energy at every time node of BDF2.
+"""The solution of one problem by BDF2: displacement, velocity, stress, contact and energy at every time node.
 
-The scheme replaces u̇(t_n) by a difference quotient δu_n, so the balanced stress at t_n is
+The scheme replaces u̇(t_n) by a difference quotient δu_n. The stress in equilibrium at t_n is therefore
 
     σ_n = A ε(δu_n) + G ε(u_n),   (σ_n, ε(v))_Q + λ_n·Nv = F(t_n)·v  for all v ∈ V^h,
 
-which is constant on every cell. With v = δu_n the power of the load is divided into stored energy, dissipation and
-contact.
+and it is constant on every cell. With v = δu_n, this equation divides the power of the load into the rate of stored
+energy, dissipation and the power of contact.
 """
 
 from __future__ import annotations
@@ -18,11 +18,9 @@ import numpy as np
 from manufactured.exact import ExactSolution
 from manufactured.law import Elasticity, PointLaw
 from manufactured.tensors import Array, Tensors, identity
-from study.fem.error_norm import ErrorNorm
-from study.fem.initial_gap import gaps_at_vertices
-from study.fem.material import on_cells
+from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
-from study.fem.space import Space
+from study.fem.space import Space, on_cells
 from study.solve.energy_balance import Power, balance, density
 from study.solve.evolution import SemiDiscrete, State, velocities
 from study.solve.tableau import BDF2
@@ -34,11 +32,11 @@ class Frame:
 
     Attributes:
         time: t_n.
-        u, velocity: u_n and δu_n, (n_dofs,).
+        u, velocity: u_n and δu_n, (dofs,).
         stress: σ_n on the cells, (D, cells).
-        normal: N u_n, minus the gap at the contact vertices, (m,).
-        multipliers: λ_n, (m,).
-        power: energy and powers at t_n.
+        normal: N u_n − g at the contact vertices, ≤ 0, (m,).
+        multipliers: λ_n, the nodal contact forces, (m,).
+        power: the stored energy and the powers at t_n.
     """
 
     time: float
@@ -52,7 +50,14 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """The problem of an exact solution, solved on one mesh: all frames from t_0 to t_steps; λ is 0 at t_0."""
+    """The numerical solution of the problem of an exact solution on one mesh.
+
+    Attributes:
+        solution: the exact solution.
+        family, level: the mesh family, by name, and the level of the mesh.
+        space: V^h.
+        frames: the solution at t_0, …, t_steps; λ is set to 0 at t_0.
+    """
 
     solution: ExactSolution
     family: str
@@ -69,7 +74,14 @@ class Motion:
         steps: int,
         notify: Callable[[], object] = lambda: None,
     ) -> Motion:
-        """Solve the problem; ``notify`` is called after each of the steps + 1 frames.
+        """Solve the problem and return its solution.
+
+        Args:
+            solution: the exact solution, which gives the data.
+            family: the mesh family.
+            level: the level of the mesh.
+            steps: the number of time steps.
+            notify: a function that is called after each of the steps + 1 frames, to show progress.
 
         Raises:
             MeshError: the mesh does not fit the body at this level.
@@ -107,8 +119,8 @@ def _frame(space: Space, G: Elasticity, cells: PointLaw, problem: SemiDiscrete, 
 def von_mises(stress: Tensors) -> Array:
     """Return the von Mises stress √(3/2) |dev σ| with dev σ = σ − (tr σ/d) I, (D, ...) → (...).
 
-    The plane problem has no σ_33. Here σ_33 = (σ_11 + σ_22)/2, so that the deviator is the deviator of S² in the sets K
-    of (3.3). The value is (√3/2) ((σ_11 − σ_22)² + 4 σ_12²)^½, the smallest for any σ_33.
+    The plane problem has no σ_33. Here σ_33 = (σ_11 + σ_22)/2 is taken, so that the deviator is the one of plane
+    tensors that the sets K of (3.3) use. The value is (√3/2) ((σ_11 − σ_22)² + 4 σ_12²)^½, the smallest for any σ_33.
     """
     dim = {3: 2, 6: 3}[len(stress)]
     unit = identity(dim)

@@ -1,28 +1,30 @@
-"""One contact solve: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ g}, by multigrid with memory and time linear in n.
+"""A multigrid solver for one contact problem: minimise ½ vᵀSv − bᵀv over K^h = {v : N v ≤ g}.
 
-Coordinates. At a vertex with rows n_1, …, n_r of N its d unknowns are replaced by the values of these rows and of an
-orthonormal basis of the orthogonal complement, all scaled so that the matrix A of the quadratic form has a diagonal of
-ones. Then K^h is {w : w_i ≤ g_i for the bounded i}, whatever the normals are. The initial gap g, 0 in the paper, is
-scaled like the rows.
+Memory and time are proportional to the number n of unknowns.
 
-As in ``signorini``, a primal–dual active set contains the unknowns that are held at their bound. A correction, with f
-for b in the new coordinates,
+**Coordinates.** At a contact vertex, the d displacement components are replaced by the values of the r rows of N at
+this vertex and by d − r components along an orthonormal basis of the orthogonal complement. All new unknowns w are
+scaled so that the matrix A of the quadratic form has ones on its diagonal. The constraints are then bounds of single
+unknowns, w_i ≤ g_i, whatever the normals are. The initial gap g, 0 in the paper, is scaled like the rows of N.
 
-1. solves A z ≈ f − A w for z on the unknowns that are not held, z = 0 on the others, by conjugate gradients;
-2. selects the held unknowns without contact pressure, (f − A(w + z))_i ≤ 0, and the other unknowns that exceed their
-   bound, w_i + z_i > 0;
-3. projects w + z on K^h, releases the former unknowns and holds the latter.
+**Active set method.** As in ``signorini``, the active set contains the unknowns that are held at their bound. With f
+for b in the new coordinates, one iteration, called a correction,
 
-Active sets may repeat in a cycle. If this is suspected, z is computed accurately and the set is changed by one unknown
-at a time, the last selected one. This ends after finitely many corrections (J. J. Júdice, F. M. Pires, A block
-principal pivoting algorithm for large-scale strictly monotone linear complementarity problems, Comput. Oper. Res. 21
-(1994) 587–596).
+1. solves A z ≈ f − A w approximately by conjugate gradients, with z = 0 on the held unknowns;
+2. finds the held unknowns without contact pressure, (f − A(w + z))_i ≤ 0, and the other unknowns that would exceed
+   their bound, w_i + z_i > g_i;
+3. projects w + z on K^h, releases the unknowns of the first kind and holds those of the second kind.
 
-The preconditioner is a V-cycle of smoothed aggregation, with the rigid motions as near kernel (P. Vaněk, J. Mandel, M.
-Brezina, Algebraic multigrid by smoothed aggregation for second and fourth order elliptic problems, Computing 56 (1996)
-179–196), by pyamg. It is constructed once: held unknowns are removed from the finest matrix and from the results of the
-coarse levels. Coarse matrices for every active set would halve the number of iterations, but constructing them takes
-the time that they save.
+Active sets may repeat in a cycle. If this is suspected, z is computed accurately and only one unknown changes in each
+correction, the last one found. This ends after finitely many corrections (J. J. Júdice, F. M. Pires, A block principal
+pivoting algorithm for large-scale strictly monotone linear complementarity problems, Comput. Oper. Res. 21 (1994)
+587–596).
+
+**Preconditioner.** The conjugate gradients are preconditioned by a V-cycle of smoothed aggregation by pyamg, with the
+rigid motions as near kernel (P. Vaněk, J. Mandel, M. Brezina, Algebraic multigrid by smoothed aggregation for second
+and fourth order elliptic problems, Computing 56 (1996) 179–196). The coarse levels are constructed once. Held unknowns
+are removed from the finest matrix and from the corrections that the coarse levels return. New coarse matrices for every
+active set would halve the number of iterations, but their construction would take the time that they save.
 """
 
 from __future__ import annotations
@@ -40,33 +42,35 @@ from scipy.sparse.linalg import LinearOperator, cg
 from manufactured.tensors import Array, Points
 
 REDUCTION = 0.02
-"""Reduction of the residual in a correction. More accuracy would be wasted, because the active set may change."""
+"""Factor by which one correction reduces the residual. More accuracy would be wasted while the active set changes."""
 CORRECTIONS, ITERATIONS = 200, 300
 """Largest number of corrections in a solve and of conjugate gradient iterations in a correction."""
 PATIENCE = 5
-"""Corrections without a new minimum of unknowns to change, after which a cycle of sets is suspected."""
+"""A cycle of active sets is suspected if, for this many corrections, the number of unknowns to change has not reached a
+new minimum."""
 SMOOTHER = ("chebyshev", {"degree": 2, "lower_bound": 1 / 20})
-"""The Chebyshev smoother for the spectrum above λ_max/20; a higher degree costs more time than it saves."""
+"""The smoother: Chebyshev polynomials for eigenvalues above λ_max/20. Higher degrees cost more time than they save."""
 COARSEST = 100
-"""Number of aggregates up to which a level is the coarsest; its inverse is dense."""
+"""Largest number of aggregates on the coarsest level, whose matrix is inverted as a dense matrix."""
 INDEPENDENT = 1e-8
 """Sine of the angle between normals at a vertex below which they are refused as linearly dependent."""
 
 
 class MultigridError(RuntimeError):
-    """Raised if the iteration did not reach its tolerance."""
+    """Raised if the solver did not reach its tolerance."""
 
 
 class Multigrid:
-    """The contact solver for a fixed S and N; it starts from its last solution and active set.
+    """The contact solver for a fixed S and N. Each solve starts from the last solution and active set.
 
-    N u ≤ g, λ ≥ 0 and λ·(N u − g) = 0 hold to rounding, S u + Nᵀλ = b up to the tolerance.
+    The solution satisfies N u ≤ g, λ ≥ 0 and λ·(N u − g) = 0 up to rounding, and S u + Nᵀλ = b up to the tolerance.
 
     Args:
-        S: symmetric positive definite, d unknowns for each vertex, vertex by vertex, (n, n).
-        N: every row has its entries at one vertex; the rows of a vertex are linearly independent, (m, n).
-        x: the vertices, (d, n/d), for the rigid motions.
-        tolerance: bound for ‖S u + Nᵀλ − b‖/‖b‖.
+        S: a symmetric positive definite matrix, with the d unknowns of each vertex in sequence, (n, n).
+        N: the constraints, (m, n). All entries of a row belong to one vertex, and the rows of a vertex are linearly
+            independent.
+        x: the vertices to which the unknowns belong, (d, n/d).
+        tolerance: the largest accepted ‖S u + Nᵀλ − b‖/‖b‖.
         gap: the initial gap g ≥ 0, (m,) or a number.
 
     Raises:
@@ -79,7 +83,7 @@ class Multigrid:
         if x.size != S.shape[0]:
             raise ValueError(
                 f"S has {S.shape[0]} unknowns, but {x.shape[1]} vertices in dimension {len(x)} have {x.size}: "
-                "give the vertices that are free to move"
+                "give exactly the vertices that are free to move"
             )
         self.tolerance = tolerance
         blocks, self.bounded = local_bases(N, len(x))
@@ -120,18 +124,24 @@ class Multigrid:
                 self.hold(self.held ^ wrong)
             w, wrong = self._corrected(w, r, max(REDUCTION if patience > 0 else 0, aim / defect / 2))
         raise MultigridError(
-            f"a contact solve has a relative residual of {defect / aim * self.tolerance:.2g} after {CORRECTIONS} "
-            f"corrections, {self.tolerance:g} was asked for: rounding may allow no less, so ask for less"
+            f"the contact solver has a relative residual of {defect / aim * self.tolerance:.2g} after {CORRECTIONS} "
+            f"corrections, more than the tolerance {self.tolerance:g}: rounding may allow no less, so take a larger one"
         )
 
     def hold(self, held: NDArray[np.bool_]) -> None:
-        """Fix the held unknowns at their bounds in the following corrections; one flag for each row of N, (m,)."""
+        """Set the active set: one flag for each row of N says whether its unknown is held at its bound, (m,)."""
         self.held, self.free = held, np.ones(self.A.shape[0])
         self.free[self.bounded[held]] = 0
         self.cut = without(self.A, self.free)
 
     def _corrected(self, w: Array, r: Array, reduction: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Return w after a correction, and which unknowns must be held or released, (n,) and (m,)."""
+        """Return w after one correction, (n,), and for each row of N whether to hold or release its unknown, (m,).
+
+        Args:
+            w: the present iterate, (n,).
+            r: its residual f − A w, (n,).
+            reduction: the factor by which conjugate gradients reduce the residual.
+        """
         preconditioner = LinearOperator(self.A.shape, matvec=self.cycle, dtype=float)
         z, _ = cg(self.cut, self.free * r, rtol=reduction, maxiter=ITERATIONS, M=preconditioner)
         w = w + z
@@ -140,7 +150,7 @@ class Multigrid:
         return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > self.highest)
 
     def cycle(self, r: Array) -> Array:
-        """Apply a symmetric V-cycle B ≈ A⁻¹ to an r that vanishes on the held unknowns."""
+        """Apply the preconditioner, a symmetric V-cycle, to a residual that vanishes on the held unknowns."""
         if self.coarse is None:
             return r
         x = np.zeros_like(r)
@@ -151,14 +161,17 @@ class Multigrid:
 
 
 def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Callable[[Array], Array] | None]:
-    """Return the finest level of smoothed aggregation, and a V-cycle on the other levels, or None if there are none.
+    """Construct the levels of smoothed aggregation.
 
     Args:
-        A: symmetric positive definite, in blocks of the unknowns of a vertex, with a diagonal of ones, (n, n).
-        modes: near kernel, (n, count).
+        A: a symmetric positive definite matrix with ones on the diagonal, in blocks for the vertices, (n, n).
+        modes: the near kernel, (n, count).
+
+    Returns:
+        The finest level, and a function that applies a V-cycle on the other levels, or None if there are none.
     """
     state = np.random.get_state()
-    # pyamg estimates λ_max with numpy's global generator; the fixed seed makes the levels reproducible.
+    # pyamg estimates λ_max with NumPy's global random generator; a fixed seed makes the levels reproducible.
     np.random.seed(0)
     smoothers = {"presmoother": SMOOTHER, "postsmoother": SMOOTHER}
     made = smoothed_aggregation_solver(A, modes, max_coarse=COARSEST, improve_candidates=None, **smoothers).levels
@@ -168,7 +181,7 @@ def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Call
 
 
 def without(A: sps.bsr_array, free: Array) -> sps.bsr_array:
-    """Return A with zeros in the rows and columns for which ``free`` is 0; its entries are 0 or 1."""
+    """Return A with zeros in the rows and columns for which ``free``, (n,), is 0; elsewhere ``free`` is 1."""
     free = free.reshape(-1, A.blocksize[0])
     row = np.repeat(np.arange(len(free)), np.diff(A.indptr))
     met = free.min(axis=1) == 0
@@ -179,7 +192,7 @@ def without(A: sps.bsr_array, free: Array) -> sps.bsr_array:
 
 
 def rigid_motions(x: Points) -> Array:
-    """Return translations and infinitesimal rotations at points x, (d, vertices) → (d·vertices, d(d + 1)/2)."""
+    """Return the translations and infinitesimal rotations at points: (d, vertices) → (d·vertices, d(d + 1)/2)."""
     d, count = x.shape
     motions = [np.tile(unit[:, None], count) for unit in np.eye(d)]
     centred = x - x.mean(axis=1, keepdims=True)
@@ -191,13 +204,17 @@ def rigid_motions(x: Points) -> Array:
 
 
 def local_bases(N: sps.csr_array, d: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return for each vertex a regular matrix that begins with its rows of N, and the new unknown for each row of N.
+    """Return the change of coordinates at every vertex, and which new unknown each row of N bounds.
+
+    The matrix of a vertex consists of its rows of N, followed by an orthonormal basis of their orthogonal complement.
 
     Returns:
-        (n/d, d, d) and (m,): row i of N is row ``unknown[i] % d`` of the matrix of vertex ``unknown[i] // d``.
+        The matrices of the vertices, (n/d, d, d), and the new unknown of each row of N, (m,). Row i of N is row
+        ``unknown[i] % d`` of the matrix of the vertex ``unknown[i] // d``.
 
     Raises:
-        ValueError: a row has entries at several vertices or none, or the rows of a vertex are not linearly independent.
+        ValueError: a row of N has entries at several vertices or at none, or the rows of a vertex are linearly
+            dependent.
     """
     N = sps.csr_array(N)
     vertices = np.full(N.shape[0], -1)
@@ -205,7 +222,7 @@ def local_bases(N: sps.csr_array, d: int) -> tuple[Array, NDArray[np.int64]]:
         at = np.unique(N.indices[start:end][N.data[start:end] != 0] // d)
         if len(at) != 1:
             raise ValueError(
-                f"row {i} of N has entries at {len(at)} vertices: give one normal at one vertex in each row"
+                f"row {i} of N has entries at {len(at)} vertices, expected 1: give one normal at one vertex in each row"
             )
         vertices[i] = at[0]
     blocks = np.tile(np.eye(d), (N.shape[1] // d, 1, 1))
@@ -213,19 +230,15 @@ def local_bases(N: sps.csr_array, d: int) -> tuple[Array, NDArray[np.int64]]:
     for vertex in np.unique(vertices):
         rows = np.flatnonzero(vertices == vertex)
         normals = N[rows][:, d * vertex : d * (vertex + 1)].toarray()
-        blocks[vertex] = _completed(normals)
+        units = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+        _, sizes, orthonormal = np.linalg.svd(units)
+        if len(rows) > d or sizes.min() < INDEPENDENT:
+            raise ValueError(
+                f"the rows {units.tolist()} of N at one vertex are linearly dependent: keep linearly independent ones"
+            )
+        blocks[vertex] = np.vstack([normals, orthonormal[len(rows) :]])
         unknowns[rows] = d * vertex + np.arange(len(rows))
     return blocks, unknowns
-
-
-def _completed(normals: Array) -> Array:
-    """Return the normals, followed by an orthonormal basis of their orthogonal complement, (r, d) → (d, d)."""
-    count = len(normals)
-    units = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    _, sizes, orthonormal = np.linalg.svd(units)
-    if count > normals.shape[1] or sizes.min() < INDEPENDENT:
-        raise ValueError(f"the normals {units.tolist()} at a vertex are linearly dependent: keep one row for each")
-    return np.vstack([normals, orthonormal[count:]])
 
 
 def block_diagonal(blocks: Array) -> sps.bsr_array:

@@ -1,4 +1,4 @@
-"""Trajectories of Problem 5.1 as arrays, and distances between them."""
+"""Solutions of Problem 5.1 as arrays of displacements at equidistant times, and distances between such solutions."""
 
 from __future__ import annotations
 
@@ -12,15 +12,16 @@ from study.solve.evolution import Scheme, SemiDiscrete
 
 
 def path(problem: SemiDiscrete, scheme: Scheme, steps: int) -> Array:
-    """Return the displacements u_0, …, u_steps, (steps + 1, n)."""
+    """Solve Problem 5.1 and return the displacements u_0, …, u_steps, (steps + 1, n)."""
     return np.array([state.u for state in scheme.march(problem, steps)])
 
 
 def interpolated(states: Array, steps: int) -> Array:
-    """Return the piecewise linear interpolant at the nodes of a finer grid, (steps + 1, n).
+    """Return the piecewise linear interpolant of displacements at the nodes of a finer time grid, (steps + 1, n).
 
     Args:
-        steps: number of steps of the finer grid, a multiple of the number of steps of ``states``.
+        states: displacements at the nodes of the coarse grid, (N + 1, n).
+        steps: number of steps of the finer grid, a multiple of N.
     """
     inner = steps // (len(states) - 1)
     part = np.arange(inner)[:, None] / inner
@@ -29,19 +30,26 @@ def interpolated(states: Array, steps: int) -> Array:
 
 
 def last(states: Array, steps: int) -> tuple[Array, Array]:
-    """Return the function with value U_n on (t_{n−1}, t_n] at the nodes of a finer grid, as left and right limits.
+    """Return the piecewise constant function that is U_n on (t_{n−1}, t_n] at the nodes of a finer time grid.
 
-    Both arrays are (steps + 1, n).
+    Args:
+        states: U_0, …, U_N, (N + 1, n).
+        steps: number of steps of the finer grid, a multiple of N.
+
+    Returns:
+        The left and the right limits at the nodes of the finer grid, (steps + 1, n) each.
     """
     ahead = np.repeat(states[1:], steps // (len(states) - 1), axis=0)
     return np.vstack([states[:1], ahead]), np.vstack([ahead, states[-1:]])
 
 
 def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
-    """Return the largest difference of velocities max_n sup ‖v̇(r) − v̇(s)‖_V, r and s in the same one of ``steps``
-    steps.
+    """Return the largest difference ‖v̇(r) − v̇(s)‖_V of two velocities at times r and s within the same step.
 
-    v is piecewise linear through the states.
+    Args:
+        problem: gives the norm of V and T.
+        states: v at equidistant times, (N + 1, n); v is linear between them.
+        steps: number of steps, a divisor of N.
     """
     inner = (len(states) - 1) // steps
     rates = np.diff(states, axis=0) * ((len(states) - 1) / problem.T)
@@ -53,6 +61,6 @@ def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
 
 
 def furthest(problem: SemiDiscrete, one: Array, other: Array) -> float:
-    """Return the largest distance max_n ‖v_n − w_n‖_V."""
+    """Return the largest distance max_n ‖v_n − w_n‖_V of two solutions, (steps + 1, n) each."""
     away = one - other
     return math.sqrt(np.sum(away * (problem.M @ away.T).T, axis=1).max())

@@ -1,18 +1,18 @@
-"""One contact solve: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ g}, by condensation on the contact unknowns.
+"""A direct solver for one contact problem: minimise ½ vᵀSv − bᵀv over K^h = {v : N v ≤ g}.
 
 g ≥ 0 is the initial gap at the contact vertices, 0 in the paper. The optimality conditions are S u + Nᵀλ = b, N u ≤ g,
-λ ≥ 0 and λ·(N u − g) = 0. Only the m rows of N are constrained. With the compliance W = N S⁻¹ Nᵀ, computed once, the
-multipliers therefore solve the small complementarity problem
+λ ≥ 0 and λ·(N u − g) = 0. Since u = S⁻¹(b − Nᵀλ), the multipliers λ solve a small complementarity problem with the
+compliance matrix W = N S⁻¹ Nᵀ, (m, m), which is computed once:
 
-    d = N S⁻¹ b − g − W λ ≤ 0,   λ ≥ 0,   λ·d = 0,
+    d = N S⁻¹ b − g − W λ ≤ 0,   λ ≥ 0,   λ·d = 0.
 
-by a primal–dual active set method (M. Hintermüller, K. Ito, K. Kunisch, The primal-dual active set strategy as a
-semismooth Newton method, SIAM J. Optim. 13 (2003) 865–888). Then u = S⁻¹(b − Nᵀλ).
+It is solved by a primal–dual active set method (M. Hintermüller, K. Ito, K. Kunisch, The primal-dual active set
+strategy as a semismooth Newton method, SIAM J. Optim. 13 (2003) 865–888).
 
-The contact unknowns, which have entries in N, are eliminated last. With S = LLᵀ in this order, Y = L⁻¹Nᵀ has nonzero
-rows only for the contact unknowns, and there Y solves a system with the trailing block of L, the Cholesky factor of the
-Schur complement. A step computes y = L⁻¹b, N S⁻¹ b = Yᵀy, the multipliers, and u = L⁻ᵀ(y − Yλ): one forward and one
-backward substitution. W = YᵀY.
+The contact unknowns, that is the unknowns with entries in N, are eliminated last. With S = LLᵀ in this order, Y = L⁻¹Nᵀ
+has nonzero rows only for the contact unknowns, and there Y solves a system with the trailing block of L, the Cholesky
+factor of the Schur complement. A step computes y = L⁻¹b, N S⁻¹ b = Yᵀy, the multipliers, and u = L⁻ᵀ(y − Yλ): one
+forward and one backward substitution. W = YᵀY.
 
 Large problems in 3D are solved by multigrid instead (``study.solve.solver_choice``).
 """
@@ -32,18 +32,18 @@ from study.solve.factorisation import Cholesky
 
 
 class ContactSolver(Protocol):
-    """A function from b to u and λ."""
+    """The interface of contact solvers: a function from b, (n,), to u, (n,), and λ, (m,)."""
 
     def __call__(self, b: Array) -> tuple[Array, Array]: ...
 
 
 class Signorini:
-    """The contact solver for a fixed S and N; the last active set is the first guess of the next solve.
+    """The contact solver for a fixed S and N. Each solve starts from the last active set.
 
     Args:
-        S: symmetric positive definite, (n, n).
-        N: the constraints N v ≤ g, linearly independent rows, (m, n).
-        x: points of the unknowns, for the order of elimination (see ``Cholesky``), (d, p).
+        S: a symmetric positive definite matrix, (n, n).
+        N: the constraints N v ≤ g, with linearly independent rows, (m, n).
+        x: the points of the unknowns, which give the order of elimination (see ``Cholesky``), (d, p).
         gap: the initial gap g, (m,) or a number.
 
     Raises:
@@ -62,7 +62,10 @@ class Signorini:
         self._factored: tuple[bytes, Array, Array] | None = None
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
-        """Return u ∈ K^h and the nodal contact forces λ ≥ 0, (n,) and (m,); for several b, (k, n) and (k, m)."""
+        """Return the minimiser u ∈ K^h, (n,), and the nodal contact forces λ ≥ 0, (m,).
+
+        For several right-hand sides b, (k, n), the results are (k, n) and (k, m).
+        """
         y = self.factor.forward(b)
         gaps = y[..., self.contact] @ self.Y - self.initial_gap
         single = b.ndim == 1
@@ -71,11 +74,11 @@ class Signorini:
         return self.factor.backward(y), multipliers
 
     def gap(self, b: Array) -> Array:
-        """Return N S⁻¹ b, (m,); for several b, (k, m)."""
+        """Return the normal displacements without contact forces, N S⁻¹ b, (m,); for several b, (k, m)."""
         return self.factor.forward(b)[..., self.contact] @ self.Y
 
     def complementarity(self, gap: Array) -> Array:
-        """Return λ ≥ 0 with gap − Wλ ≤ 0 and λ·(gap − Wλ) = 0, (m,)."""
+        """Return the solution λ ≥ 0 of gap − Wλ ≤ 0, λ·(gap − Wλ) = 0, (m,), for gap = N S⁻¹ b − g."""
         active = self.active
         visited: set[bytes] = set()
         while (key := active.tobytes()) not in visited:
@@ -86,15 +89,17 @@ class Signorini:
                 self.active = active
                 return multipliers
             active = following
-        # The active sets repeat in a cycle; the method of Lawson and Hanson for least squares is always finite.
+        # The active sets repeat in a cycle. The method of Lawson and Hanson for least squares always terminates.
         L = cholesky(self.W, lower=True)
         multipliers, _ = nnls(L.T, solve_triangular(L, gap, lower=True))
         self.active = multipliers > 0
         return self.multipliers_on(self.active, gap)
 
     def multipliers_on(self, active: Array, gap: Array) -> Array:
-        """Return λ, (m,), with gap − Wλ = 0 on the active set and λ = 0 elsewhere; W is factorised only for a new
-        set."""
+        """Return λ with gap − Wλ = 0 on the active set and λ = 0 elsewhere, (m,).
+
+        W is factorised only if the active set, given by flags (m,), differs from the last one.
+        """
         if self._factored is None or self._factored[0] != active.tobytes():
             where = np.flatnonzero(active)
             self._factored = active.tobytes(), where, cholesky(self.W[np.ix_(where, where)], lower=True)

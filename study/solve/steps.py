@@ -1,6 +1,7 @@
-"""Time steps: their size, and how many are taken on a mesh of level n, h ~ 1/n.
+"""Size and number of time steps.
 
-Both rules give pace · T · n^e steps, just enough for the time error to be negligible relative to the error in space.
+Two rules (``rate_steps``, ``stress_steps``) give the number of steps on a mesh of level n, where h ~ 1/n. Both give
+about pace · T · n^e steps, just enough for the time error to be negligible relative to the error in space.
 """
 
 from __future__ import annotations
@@ -10,9 +11,7 @@ import math
 from study.ledger.files import UsageError
 
 PACE = 8.0
-"""Steps per n^{2/3} and unit of time, unless a case requires more."""
-
-
+"""Number of steps per unit of time divided by n^{2/3}, unless a case requires more."""
 MOST = 1_000_000
 """Largest number of steps of one trajectory; more would take days."""
 
@@ -28,29 +27,38 @@ def step_size(T: float, steps: int) -> float:
         StepsError: fewer than one step.
     """
     if steps < 1:
-        raise StepsError(f"{steps} steps cannot reach T = {T:g}; take one step or more")
+        raise StepsError(f"the number of steps up to T = {T:g} is {steps}; take one step or more")
     return T / steps
 
 
 def longest_step(growth: float, newest: float = 1.0, theta: float = 1.0) -> float:
-    """Return the k below which a step has a unique solution; ∞ if ``growth`` is 0.
+    """Return the step size k below which a step has a unique solution; infinity if G is monotone.
 
-    Differences of solutions may grow at the rate ω = ``growth`` ≤ L_G/m_A. (w/k) A + θ G is strongly monotone for θ k ω
-    < w, in particular for k L_G < m_A; w = θ = 1 is backward Euler.
+    A step has a unique solution if (w/k) A + θ G is strongly monotone, which holds for θ k ω < w.
+
+    Args:
+        growth: ω ≤ L_G/m_A, the largest rate at which differences of solutions can grow; 0 for a monotone G.
+        newest, theta: w and θ of the time scheme (``Tableau``); the defaults are those of backward Euler.
     """
     return newest / (theta * growth) if growth else math.inf
 
 
 def require_unique(scheme: str, k: float, growth: float, longest: float) -> None:
-    """Refuse a step that may have several solutions, because differences may grow at a rate ω ≤ L_G/m_A.
+    """Refuse a time step that may have several solutions.
+
+    Args:
+        scheme: the name of the time scheme, for the message.
+        k: the step size.
+        growth: the rate ω as in ``longest_step``, for the message.
+        longest: the step size that must not be reached.
 
     Raises:
-        StepsError: k is ``longest`` or more; the message gives the permitted length.
+        StepsError: k is ``longest`` or more.
     """
     if k >= longest:
         raise StepsError(
             f"steps of {scheme} of size k = {k:.6g} need not have one solution: G is not monotone, so that "
-            f"differences may grow at the rate {growth:.6g}; take k < {longest:.6g} (k < m_A/L_G always serves)"
+            f"differences may grow at the rate {growth:.6g}; take k < {longest:.6g} (k < m_A/L_G always suffices)"
         )
 
 
@@ -58,24 +66,27 @@ def require_steps(steps: int) -> None:
     """Refuse a number of steps that would take days, before time is spent.
 
     Raises:
-        UsageError: the message gives the number of steps and the largest permitted number.
+        UsageError: there are more than ``MOST`` steps.
     """
     if steps > MOST:
-        raise UsageError(f"{steps:.3g} time steps are asked for, at most {MOST:.0e} are taken; make them longer")
+        raise UsageError(
+            f"{steps:.3g} time steps were asked for, but at most {MOST:.0e} are allowed; take longer steps"
+        )
 
 
 def rate_steps(T: float, level: int, pace: float = PACE) -> int:
-    """Return the number of steps ⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}, for errors of order h.
+    """Return the number of steps for errors of order h in space: ⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}.
 
-    A scheme of order 3/2 (midpoint if u̇ jumps) then has a time error of order h, and a scheme of order 2 one of order
-    h^{4/3}.
+    The time error is then of order h for a scheme of order 3/2 (midpoint if u̇ jumps), and of order h^{4/3} for a scheme
+    of order 2.
     """
     return math.ceil(pace * T * level ** (2 / 3))
 
 
 def stress_steps(T: float, level: int, pace: float = PACE) -> int:
-    """Return about pace/2 · T · n steps, at least T · n and at most 4 T · n, so that k ~ h, for errors of order h².
+    """Return the number of steps for errors of order h² in space: about pace/2 · T · n, so that k ~ h.
 
-    The number is even, because a solution with half as many steps shows the time share of the error.
+    It is at least T · n, at most 4 T · n, and even, because a solution with half as many steps is computed, too. Their
+    difference shows which share of the error is due to time.
     """
     return 2 * round(min(max(1.0, pace / 2), 4.0) * T * level / 2)

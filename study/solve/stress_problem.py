@@ -1,19 +1,19 @@
-"""Problem 3.2 on the strains of V^h: at every time a stress, computed as the solution of a convex programme.
+"""Problem 3.2 (unknown: the stress) on the strains of V^h, solved at every time step by an interior-point method.
 
-Stresses are constant on cells. The admissible stresses, (3.9) with V^h for V, are
+Stresses are constant on cells. The admissible stresses are (3.9) with V^h in place of V,
 
-    Σ^h(t) = {τ : (τ, ε(v))_Q ≥ (f(t), v)_V for all v ∈ K^h},      K^h = {v : N v ≤ 0},
+    Σ^h(t) = {τ : (τ, ε(v))_Q ≥ (f(t), v)_V for all v ∈ K^h},      K^h = {v : N v ≤ 0}.
 
-and by Farkas' lemma τ ∈ Σ^h(t) if and only if Eᵀ W τ + Nᵀ λ = F(t) for some λ ≥ 0, where E takes nodal values to
-strains and W contains the volumes |T|. A step of backward Euler minimises a convex potential over Σ^h(t_n).
+By Farkas' lemma, τ ∈ Σ^h(t) if and only if Eᵀ W τ + Nᵀ λ = F(t) for some λ ≥ 0, where E maps nodal values to strains
+and W contains the volumes |T|. A step of backward Euler minimises a convex potential over Σ^h(t_n).
 
-The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is u_n: stationarity in τ is ε_n = ε(u_n), stationarity in λ
-is N u_n ≤ 0, λ·N u_n = 0. Neither is imposed here: the history ε_{n−1} is computed from the stresses, and Theorem 4.2
-states that u_n ∈ K^h solves Problem 3.1. This module shares no code with the contact solver or time schemes of Problem
-3.1.
+The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is the displacement u_n. At the minimum ε_n = ε(u_n),
+N u_n ≤ 0 and λ·N u_n = 0. None of this is imposed: the previous strain ε_{n−1} is computed from the stresses, and it is
+Theorem 4.2 that states that u_n ∈ K^h solves Problem 3.1. The theorem can therefore be tested with this module, which
+shares no code with the contact solver or the time schemes of Problem 3.1.
 
-The potential of a step. By (3.12) and (3.15), σ_n minimises over Σ^h(t_n) the potential Φ whose derivative is the
-inverse of the law of the step, ε_n ↦ σ_n = A (ε_n − ε_{n−1})/k + G ε_n, so that DΦ(σ_n) = ε_n:
+The potential of a step. A step maps the strain ε_n to the stress σ_n = A (ε_n − ε_{n−1})/k + G ε_n. By (3.12) and
+(3.15), σ_n minimises over Σ^h(t_n) the potential Φ with the inverse of this map as its derivative, DΦ(σ_n) = ε_n:
 
 * for linear G, with C = A/k + G:
 
@@ -29,8 +29,8 @@ inverse of the law of the step, ε_n ↦ σ_n = A (ε_n − ε_{n−1})/k + G ε
 * for a sum of both, G ε = S + C ε + β (ε − P_K ε), with Ĉ = A/k + C positive and the strain
   r = Ĉ⁻¹((A/k) ε_{n−1} − S): as for (3.3), with Ĉ⁻¹ for k A⁻¹ and r for ε_{n−1}.
 
-All are integrals of densities ½ Q y·y + g(ε_{n−1})·y, where y is an unknown on every cell that determines τ there. For
-(3.3) a part (ρ, z) of y lies in the second-order cone ρ ≥ |z|.
+Every Φ is the integral of a density ½ Q y·y + g(ε_{n−1})·y, where y is an unknown on every cell that determines τ
+there. For (3.3), a part (ρ, z) of y lies in the second-order cone ρ ≥ |z|.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ import scipy.sparse as sps
 
 from manufactured.law import Combined, KelvinVoigt, Linear, Yield
 from manufactured.tensors import Array, Tensors
-from study.fem.material import means
-from study.fem.space import Space
+from study.fem.space import Space, means
 from study.solve.interior_point import SOLVED, Accuracy, settings
 from study.solve.steps import longest_step, require_unique, step_size
 
 AIM = Accuracy(gap=1e-15, feasibility=1e-11)
-"""As accurate as rounding permits: where a vertex touches with almost no force the error is the root of the gap."""
+"""As accurate as rounding permits. This is needed where a vertex touches with almost no force: there the error is the
+square root of the duality gap."""
 ENOUGH = Accuracy(gap=1e-12, feasibility=1e-9)
 """Accepted if rounding stops the solver before AIM; the verdict does not depend on this value."""
 
@@ -60,109 +60,86 @@ class StressError(RuntimeError):
     """Raised if Problem 3.2 could not be solved."""
 
 
-class LinearPotential:
-    """The potential ½ C⁻¹τ·τ + C⁻¹(A/k) ε_{n−1}·τ in the unknown y = τ, C = A/k + G with cell means of A and G.
+@dataclass(frozen=True, eq=False)
+class Potential:
+    """The potential of one backward Euler step, written on every cell as ½ Q y·y + g·y with an unknown y.
+
+    For linear G the unknown is the stress, y = τ. For the laws with (3.3) it is y = (s₁, ρ, z) with ρ ≥ |z|, where z
+    are the coordinates of s₂ in an orthonormal basis R of the range of P. Then |s₂| = |z| and τ = s₁ + R z, and ρ = |z|
+    at the minimum.
 
     Attributes:
-        quadratic: Q of every cell, (cells, p, p).
-        stress: y ↦ τ, (D, p).
-        cone: number of entries of (ρ, z), the last entries of y.
+        compliance: the matrix from a stress to the strain that it adds in a step: C⁻¹, k A⁻¹ or Ĉ⁻¹, (cells, D, D).
+        quadratic: Q, (cells, p, p).
+        stress: the matrix from y to τ, (D, p).
+        released: function from ε_{n−1} to the strain at which a stress-free step would end, (D, cells) → (D, cells).
+        cone: the number of entries of (ρ, z), which are the last entries of y; 0 for linear G.
+        radius: the radius r of K; 0 for linear G.
     """
 
-    cone = 0
-
-    def __init__(self, space: Space, A: Linear, G: Linear, k: float) -> None:
-        self.viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
-        self.quadratic = np.linalg.inv(self.viscosity + np.multiply.outer(means(space, G.factor), G.matrix))
-        self.quadratic = (self.quadratic + self.quadratic.swapaxes(1, 2)) / 2
-        self.stress = np.eye(len(A.matrix))
-
-    def linear(self, strain: Tensors) -> Array:
-        """Return the linear term g(ε_{n−1}), (p, cells)."""
-        return _act(self.quadratic, _act(self.viscosity, strain))
-
-    def strain(self, y: Array, old: Tensors) -> Tensors:
-        """Return the new strain ε_n = C⁻¹ (σ_n + (A/k) ε_{n−1}), (D, cells)."""
-        return _act(self.quadratic, y + _act(self.viscosity, old))
-
-
-def _act(blocks: Array, values: Array) -> Array:
-    """Multiply a vector for every cell by a matrix for every cell: (cells, p, r), (r, cells) → (p, cells)."""
-    return np.einsum("cpr,rc->pc", blocks, values)
-
-
-class YieldPotential:
-    """The potential ½ k A⁻¹s₁·s₁ + s₁·ε_{n−1} + |z|²/(2β) + r ρ in the unknown y = (s₁, ρ, z), ρ ≥ |z|.
-
-    z are the coordinates of s₂ in an orthonormal basis R of the range of P, so that |s₂| = |z|. The attributes are
-    those of ``LinearPotential``.
-    """
-
-    def __init__(self, space: Space, A: Linear, G: Yield, k: float) -> None:
-        compliance = k * np.linalg.inv(A.matrix)
-        self._with(np.multiply.outer(1 / means(space, A.factor), (compliance + compliance.T) / 2), G)
-
-    def _with(self, compliance: Array, G: Yield) -> None:
-        """Set the attributes, with k A⁻¹ or its replacement Ĉ⁻¹ on every cell as ``compliance``, (cells, D, D)."""
-        values, vectors = np.linalg.eigh(G.convex.projector)
-        R = vectors[:, values > 0.5]
-        D, rank = R.shape
-        self.compliance = compliance
-        self.cone = 1 + rank
-        self.quadratic = np.zeros((len(compliance), D + 1 + rank, D + 1 + rank))
-        self.quadratic[:, :D, :D] = self.compliance
-        self.quadratic[:, D + 1 :, D + 1 :] = np.eye(rank) / G.beta
-        self.stress = np.hstack([np.eye(D), np.zeros((D, 1)), R])
-        self.radius = G.convex.radius
-
-    def released(self, strain: Tensors) -> Tensors:
-        """Return the strain without stress, which is ε_{n−1} because G vanishes inside K, (D, cells)."""
-        return strain
+    compliance: Array
+    quadratic: Array
+    stress: Array
+    released: Callable[[Tensors], Tensors]
+    cone: int = 0
+    radius: float = 0.0
 
     def linear(self, strain: Tensors) -> Array:
-        """Return the linear term g(ε_{n−1}) = (ε_{n−1}, r, 0), (p, cells)."""
+        """Return the linear term g for the previous strain ε_{n−1}, (p, cells): the released strain, then (r, 0)."""
         rest = np.zeros((self.cone, strain.shape[1]))
-        rest[0] = self.radius
+        rest[:1] = self.radius
         return np.vstack([self.released(strain), rest])
 
     def strain(self, y: Array, old: Tensors) -> Tensors:
-        """Return the new strain ε_n = ε_{n−1} + k A⁻¹ s₁, (D, cells)."""
+        """Return the new strain ε_n from y, (p, cells), and ε_{n−1}, (D, cells)."""
         return self.released(old) + _act(self.compliance, y[: len(old)])
 
 
-class CombinedPotential(YieldPotential):
-    """The potential ½ Ĉ⁻¹s₁·s₁ + s₁·r + |z|²/(2β) + r_K ρ, with Ĉ = A/k + C and the radius r_K of K.
-
-    The strain without stress is r = Ĉ⁻¹((A/k) ε_{n−1} − S).
-    """
-
-    def __init__(self, space: Space, A: Linear, G: Combined, k: float) -> None:
-        self.viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
-        compliance = np.linalg.inv(self.viscosity + G.linear.matrix)
-        self.rest = G.at_rest[:, None]
-        self._with((compliance + compliance.swapaxes(1, 2)) / 2, G.yielding)
-
-    def released(self, strain: Tensors) -> Tensors:
-        """Return the strain r without stress, (D, cells)."""
-        return _act(self.compliance, _act(self.viscosity, strain) - self.rest)
+def _act(blocks: Array, values: Array) -> Array:
+    """Multiply a vector by a matrix on every cell: (cells, p, r), (r, cells) → (p, cells)."""
+    return np.einsum("cpr,rc->pc", blocks, values)
 
 
-def potential(space: Space, law: KelvinVoigt, k: float) -> LinearPotential | YieldPotential:
-    """Return the potential of one backward Euler step of a law.
+def potential(space: Space, law: KelvinVoigt, k: float) -> Potential:
+    """Return the potential of one backward Euler step of length k.
 
     Raises:
-        StressError: the elasticity operator is neither linear, nor (3.3), nor a sum of both: its potential is unknown.
+        StressError: G is neither linear, nor (3.3), nor a sum of both, so its potential is not known.
     """
-    if isinstance(law.G, Linear):
-        return LinearPotential(space, law.A, law.G, k)
-    if isinstance(law.G, Yield):
-        return YieldPotential(space, law.A, law.G, k)
-    if isinstance(law.G, Combined):
-        return CombinedPotential(space, law.A, law.G, k)
+    A, G = law.A, law.G
+    viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
+    if isinstance(G, Linear):
+        compliance = np.linalg.inv(viscosity + np.multiply.outer(means(space, G.factor), G.matrix))
+        compliance = (compliance + compliance.swapaxes(1, 2)) / 2
+        return Potential(
+            compliance, compliance, np.eye(len(A.matrix)), lambda strain: _act(compliance, _act(viscosity, strain))
+        )
+    if isinstance(G, Yield):
+        inverse = k * np.linalg.inv(A.matrix)
+        compliance = np.multiply.outer(1 / means(space, A.factor), (inverse + inverse.T) / 2)
+        # G vanishes inside K, so a step without stress keeps the strain.
+        return _with_cone(compliance, G, lambda strain: strain)
+    if isinstance(G, Combined):
+        compliance = np.linalg.inv(viscosity + G.linear.matrix)
+        compliance = (compliance + compliance.swapaxes(1, 2)) / 2
+        rest = G.at_rest[:, None]
+        return _with_cone(compliance, G.yielding, lambda strain: _act(compliance, _act(viscosity, strain) - rest))
     raise StressError(
-        "Problem 3.2 needs a complementary potential, known for Linear, Yield and Combined, not for "
-        f"{type(law.G).__name__}"
+        "Problem 3.2 on the strains of V^h needs a law whose complementary potential is known: Linear, Yield or "
+        f"Combined, got {type(G).__name__}; take one of these, or solve Problem 3.1 only"
     )
+
+
+def _with_cone(compliance: Array, G: Yield, released: Callable[[Tensors], Tensors]) -> Potential:
+    """Return the potential in the unknown (s₁, ρ, z) for the part (3.3) of a law."""
+    values, vectors = np.linalg.eigh(G.convex.projector)
+    R = vectors[:, values > 0.5]
+    D, rank = R.shape
+    quadratic = np.zeros((len(compliance), D + 1 + rank, D + 1 + rank))
+    quadratic[:, :D, :D] = compliance
+    quadratic[:, D + 1 :, D + 1 :] = np.eye(rank) / G.beta
+    stress = np.hstack([np.eye(D), np.zeros((D, 1)), R])
+    return Potential(compliance, quadratic, stress, released, 1 + rank, G.convex.radius)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,12 +149,13 @@ class StressState:
     Attributes:
         time: t_n.
         stress: σ_n ∈ Σ^h(t_n), (D, cells); NaN at t_0, where backward Euler has no rate.
-        strain: ε_n, from the law for σ_n and ε_{n−1}, (D, cells).
-        u: u_n, the multiplier of σ_n ∈ Σ^h(t_n), (n_dofs,).
+        strain: ε_n, computed by the law from σ_n and ε_{n−1}, (D, cells).
+        u: u_n, the Lagrange multiplier of the equation of equilibrium, (dofs,).
         multipliers: λ_n ≥ 0, nodal contact forces, (m,); NaN at t_0.
-        gap: the duality gap at which the solver stopped, 0 at t_0. If ε_n and u_n have the same ε_{n−1}, it bounds
-            ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the norm of C, where σ* and ε* are exact: for two points
-            of the optimality conditions (P(x − x*), x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
+        gap: the duality gap at which the solver stopped, 0 at t_0. It bounds the error of this step: for the same
+            ε_{n−1} and the exact σ* and ε*, it is at least ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the norm
+            of C, because two points of the optimality conditions satisfy (P(x − x*), x − x*) = −(λ − λ*)·N(u − u*) ≤
+            −λ·Nu.
     """
 
     time: float
@@ -189,23 +167,23 @@ class StressState:
 
 
 class Programme:
-    """The programme min Φ over Σ^h(t), for several t.
+    """Minimises the potential Φ over Σ^h(t) with the solver Clarabel; the solver is made once for all times.
 
-    The unknown of a cell is scaled by √|T|, so that norms of Q are Euclidean norms on any mesh: with x_T = √|T| y_T and
-    q_T = √|T| g_T,
+    The unknown of a cell is scaled by √|T|, so that norms of Q are Euclidean norms on any mesh. With x_T = √|T| y_T and
+    q_T = √|T| g_T the problem is
 
         min Σ_T ½ Q x_T·x_T + q_T·x_T   subject to   Bᵀ x + Nᵀλ = F,   λ ≥ 0,   x_T in its cone,
 
-    B = (√|T| stressᵀ E)_T. Stresses are measured in units in which the data of the step are of order one, strains in
-    these units times the norm of the compliance (C⁻¹, or k A⁻¹ for law (3.3)), so that tolerances are relative.
+    with B = (√|T| stressᵀ E)_T. Stresses are measured in units in which the data of the step are of order one, and
+    strains in these units times the norm of the compliance, so that the tolerances of the solver are relative.
     """
 
-    def __init__(self, space: Space, N: sps.csr_array, potential: LinearPotential | YieldPotential) -> None:
+    def __init__(self, space: Space, N: sps.csr_array, potential: Potential) -> None:
         cells, m = len(space.volumes), N.shape[0]
         D, p = potential.stress.shape
         self.dofs, self.potential = space.dofs, potential
         self.root = np.sqrt(space.volumes)
-        self.compliance = float(np.linalg.norm(potential.quadratic[:, :D, :D], 2, axis=(1, 2)).max())
+        self.compliance = float(np.linalg.norm(potential.compliance, 2, axis=(1, 2)).max())
 
         def every_cell(matrix: Array) -> sps.csr_array:
             return sps.csr_array(sps.kron(sps.eye_array(cells), matrix))
@@ -235,13 +213,20 @@ class Programme:
         self.retry = partial(solver, ENOUGH)
 
     def __call__(self, time: float, load: Array, old: Tensors) -> StressState:
-        """Return σ_n, λ_n, u_n and ε_n at t_n from F(t_n) and ε_{n−1}.
+        """Return the state at a time.
+
+        Args:
+            time: t_n.
+            load: F(t_n), (dofs,).
+            old: ε_{n−1}, (D, cells).
 
         Raises:
             StressError: the solver failed.
         """
         cells, dofs = len(self.root), self.dofs
-        unit = self.unit(load, old)
+        # A typical stress of the step, from its load and from C times the previous strain.
+        size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.compliance
+        unit = size or 1.0
         slope = self.root * self.potential.linear(old)
         self.q[: slope.size] = slope.T.ravel() / (unit * self.compliance)
         self.b[:dofs] = load / unit
@@ -252,7 +237,8 @@ class Programme:
         if solution.status not in SOLVED:
             raise StressError(
                 f"the stress problem at t = {time:.6g} was not solved: {solution.status} after "
-                f"{solution.iterations} iterations, residuals {solution.r_prim:.2g} and {solution.r_dual:.2g}"
+                f"{solution.iterations} iterations, with the residuals {solution.r_prim:.2g} and "
+                f"{solution.r_dual:.2g}; use units in which displacements and loads have moderate size"
             )
         x, multipliers = np.split(unit * np.array(solution.x), [slope.size])
         u = -unit * self.compliance * np.array(solution.z[:dofs])
@@ -261,15 +247,18 @@ class Programme:
         gap = unit**2 * self.compliance * float(np.dot(solution.s, solution.z))
         return StressState(time, self.potential.stress @ y, self.potential.strain(y, old), u, multipliers, gap)
 
-    def unit(self, load: Array, old: Tensors) -> float:
-        """Return a typical stress of a step, from its load and from C times the previous strain."""
-        size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.compliance
-        return size or 1.0
-
 
 @dataclass(frozen=True, eq=False)
 class StressProblem:
-    """Problem 3.2 on the strains of one V^h: A and G, N (m, n_dofs) of K^h, t ↦ F(t) and u_0^h, (n_dofs,)."""
+    """Problem 3.2 on the strains of one V^h.
+
+    Attributes:
+        space: V^h.
+        law: A and G.
+        N: the matrix of K^h = {v : N v ≤ 0}, (m, dofs).
+        load: function from a time to F(t), (dofs,).
+        u0: the initial displacement u_0^h, (dofs,).
+    """
 
     space: Space
     law: KelvinVoigt
@@ -286,8 +275,8 @@ class StressProblem:
         """Yield the states of backward Euler at t_0, t_1, …, t_steps.
 
         Raises:
-            StepsError: fewer than one step, or steps so long that they may have several solutions.
-            StressError: the law has no known potential, or the solver failed.
+            StepsError: there is less than one step, or a step is so long that it may have several solutions.
+            StressError: the potential of the law is not known, or the solver failed.
         """
         k = step_size(self.space.body.T, steps)
         require_unique("backward Euler", k, self.law.growth, longest_step(self.law.growth))

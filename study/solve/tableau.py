@@ -1,11 +1,11 @@
-"""Time schemes for M u̇ + G(u) + N_{K^h}(u) ∋ F with the constraint at the new time, given by their weights.
+"""Time schemes for M u̇ + G(u) + N_{K^h}(u) ∋ F, given by their weights.
 
-A step of size k computes u_n from
+The constraint is imposed at the new time. A step of size k computes u_n from
 
     M δu_n + G(θ u_n + (1 − θ) u_{n−1}) + N_{K^h}(u_n) ∋ F(t_{n−1+θ}),     δu_n = (w u_n − Σ_{j≥1} w_j u_{n−j})/k.
 
-Multistep schemes have too few earlier values at first and start with a one-step scheme. The problem defines how a step
-is solved: ``study.solve.evolution`` for Problem 5.1, ``study.stresses.dual`` for Problem 3.2.
+A multistep scheme has too few earlier values at first, so its first steps use a one-step scheme. How a step is solved
+is defined by the problem: ``study.solve.evolution`` for Problem 5.1, ``study.stresses.hybrid`` for Problem 3.2.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ S = TypeVar("S")
 
 
 class TimeProblem(Protocol[S]):
-    """A problem in time on [0, T] whose states at the time nodes have the type S."""
+    """The interface of problems on [0, T] that ``Tableau.march`` solves; S is the type of a state at a time node."""
 
     @property
     def T(self) -> float: ...
@@ -33,7 +33,7 @@ class TimeProblem(Protocol[S]):
         ...
 
     def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[S]], S]:
-        """Return the function (n, previous states) ↦ state at t_n = n k."""
+        """Return the function that computes the state at t_n = n k from n and the previous states."""
         ...
 
 
@@ -42,13 +42,14 @@ class Tableau:
     """A time scheme, given by its weights.
 
     Attributes:
-        name: for tables and the command line.
+        name: the name in tables and on the command line.
         order: the order in k for solutions that are smooth in time.
-        newest: w, the weight of u_n in δu_n.
-        past: (w_1, w_2, …).
-        theta: θ, the relative time in the step at which G and F are evaluated.
-        starting: the scheme of the first steps, None for a one-step scheme.
-        kept: number of earlier states that a step gets; a nonlinear law extrapolates its first guess from all of them.
+        newest: w, the weight of u_n in the difference quotient δu_n.
+        past: the weights (w_1, w_2, …) of u_{n−1}, u_{n−2}, ….
+        theta: θ; G and F are evaluated at t_{n−1+θ}.
+        starting: the scheme of the first steps of a multistep scheme, None for a one-step scheme.
+        kept: the number of earlier states that a step gets. The first guess for a nonlinear law is extrapolated from
+            all of them.
     """
 
     name: str
@@ -60,7 +61,7 @@ class Tableau:
     kept: int = 3
 
     def known(self, before: Sequence[Array]) -> Array:
-        """Return the sum Σ_{j≥1} w_j u_{n−j} from (…, u_{n−2}, u_{n−1})."""
+        """Return the known part of the difference quotient, Σ_{j≥1} w_j u_{n−j}, from (…, u_{n−2}, u_{n−1})."""
         return reduce(add, (w * u for w, u in zip(self.past, reversed(before), strict=False)))
 
     def rate(self, u: Array, before: Sequence[Array], k: float) -> Array:
@@ -68,32 +69,32 @@ class Tableau:
         return reduce(sub, (w * v for w, v in zip(self.past, reversed(before), strict=False)), self.newest * u) / k
 
     def of_step(self, n: int) -> Tableau:
-        """Return the scheme for the step to t_n: this scheme, or the starting scheme as long as values are missing."""
+        """Return the scheme for the step to t_n: this one, or the starting scheme while earlier values are missing."""
         return self.starting if self.starting and n < len(self.past) else self
 
     def balanced(self, n: int, k: float) -> float:
-        """Return the time t_{n−1+θ} at which forces are in balance in the step to t_n."""
-        # For θ = ½ this equals the knots of a spline through the nodes to the last bit.
+        """Return t_{n−1+θ}, the time at which the forces are in equilibrium in the step to t_n."""
+        # This formula, for θ = ½, gives exactly the same numbers as the knots of the splines in ``study.bound``.
         return (1 - self.theta) * ((n - 1) * k) + self.theta * (n * k)
 
     def longest(self, growth: float) -> float:
-        """Return ``longest_step`` of all steps, including the first ones."""
+        """Return the step size below which all steps, also the first, have a unique solution (``longest_step``)."""
         mine = longest_step(growth, self.newest, self.theta)
         return min(mine, self.starting.longest(growth)) if self.starting else mine
 
     def require_unique(self, k: float, growth: float) -> None:
-        """Refuse a step that may have several solutions.
+        """Refuse a step size k for which a step may have several solutions.
 
         Raises:
-            StepsError: the message gives the permitted length of steps.
+            StepsError: k is too large; the message gives the permitted size.
         """
         require_unique(self.name, k, growth, self.longest(growth))
 
     def march(self, problem: TimeProblem[S], steps: int) -> Iterator[S]:
-        """Yield the states at t_0, t_1, …, t_steps = T.
+        """Solve a problem and yield its states at t_0, t_1, …, t_steps = T.
 
         Raises:
-            StepsError: fewer than one step.
+            StepsError: there is less than one step.
         """
         k = step_size(problem.T, steps)
         before = [problem.initial()]

@@ -15,8 +15,7 @@ from scipy.optimize import nnls
 
 from manufactured.law import AtPoints
 from manufactured.tensors import Array, Tensors
-from study.fem.material import on_cells
-from study.fem.space import Space
+from study.fem.space import Space, on_cells
 from study.ledger.criterion import largest
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete

@@ -30,8 +30,8 @@ from manufactured.body import Body, Kind, Part
 from manufactured.exact.solution import Fields
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, traction
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules
-from study.fem.material import on_cells
 from study.fem.quadrature import facet_rule
+from study.fem.space import on_cells
 from study.ledger.criterion import Observation, order, weighted
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT

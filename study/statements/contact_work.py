@@ -51,7 +51,7 @@ from study.fem.mesh import Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.refining import inclusion_of, refined
-from study.fem.seminorm import composite
+from study.fem.seminorm import composite_gauss
 from study.fem.space import Space
 from study.ledger.criterion import ENOUGH, Criterion, Measured, Observation, by_case, consecutive, exactly
 from study.ledger.verdict import Verdict
@@ -147,7 +147,7 @@ def error_and_excess(at: Resolved, steps: int) -> dict[str, float]:
     return {"error": error, "excess": excess}
 
 
-FACE_RULE = composite(512, 4)
+FACE_RULE = composite_gauss(512, 4)
 """Quadrature rule on a piece of Γ3, with at least 8 intervals on the width ℓ, which is at least 1/64 of the piece."""
 TIME_NODES = 8
 """Nodes of the midpoint rule in time."""

@@ -45,7 +45,7 @@ from study.ledger.criterion import Observation, every
 from study.ledger.window import Window, around
 from study.solve.signorini import Signorini
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.stresses.bernstein import interval_mass
+from study.stresses.composite import interval_mass
 from study.stresses.hybrid import Equilibrium
 from study.stresses.loads import ProjectedLoads
 from study.stresses.oscillation import Oscillation

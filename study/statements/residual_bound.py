@@ -21,9 +21,8 @@ import numpy as np
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Tensors
 from study.fem.error_norm import ErrorNorm
-from study.fem.material import on_cells
 from study.fem.naming import resolve
-from study.fem.space import Space
+from study.fem.space import Space, on_cells
 from study.ledger.criterion import ROUNDING, every, largest
 from study.ledger.window import Window, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete

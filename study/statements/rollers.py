@@ -72,11 +72,10 @@ from manufactured.multiscale import ROLLERS, FadingFace
 from manufactured.multiscale.roller import START
 from manufactured.tensors import Array
 from study.fem.error_norm import FACET_POINTS
-from study.fem.material import form
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.seminorm import gram
-from study.fem.space import Space
+from study.fem.space import Space, form
 from study.ledger.criterion import (
     ENOUGH,
     Criterion,

@@ -29,9 +29,8 @@ import numpy as np
 from manufactured.law import AtPoints
 from manufactured.tensors import Array, Tensors
 from study.fem.error_norm import ErrorNorm
-from study.fem.material import on_cells
 from study.fem.naming import resolve
-from study.fem.space import Space
+from study.fem.space import Space, on_cells
 from study.ledger.criterion import every, largest
 from study.ledger.window import around, positive_at_most
 from study.solve.evolution import SemiDiscrete

@@ -33,9 +33,8 @@ from scipy.linalg import eigh, null_space
 
 from manufactured.law import Combined, Elasticity, Indefinite, KelvinVoigt, Linear, Yield, isotropic, isotropic_matrix
 from manufactured.tensors import Array, size
-from study.fem.material import form
 from study.fem.naming import resolve
-from study.fem.space import Space
+from study.fem.space import Space, form
 from study.ledger.criterion import every, largest
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import SemiDiscrete

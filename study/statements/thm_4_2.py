@@ -49,10 +49,9 @@ from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
-from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
-from study.fem.space import Space
+from study.fem.space import Space, on_cells
 from study.ledger.criterion import Criterion, Measured, every, greatest, largest, largest_quotient
 from study.ledger.datafiles import CsvFile
 from study.ledger.text import power_of_ten

@@ -1,6 +1,6 @@
 """Theorem 4.2, on a conforming stress space: solutions of Problem 3.2 without displacements converge to Problem 3.1.
 
-**Measured.** Problem 3.2 is solved by BDF2 on equilibrated composite stresses (``study.stresses.dual``) from f_0, f_2
+**Measured.** Problem 3.2 is solved by BDF2 on equilibrated composite stresses (``study.stresses.hybrid``) from f_0, f_2
 and ε(u_0) alone: no displacement, no V^h. A row of ``stresses.csv`` is one mesh, with k ~ h. σ^h is compared with the
 exact σ and with the stress of Problem 5.1 for the same time steps, its multipliers with displacements.
 
@@ -59,10 +59,8 @@ from study.solve.tableau import BDF2, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement, grid
 from study.statements.shared.meshes import ALONG, CELLS, is_random
-from study.stresses.bernstein import bernstein
-from study.stresses.composite import alfeld_split, barycentric
-from study.stresses.dual import DualState, StressEvolution, tensor_at
-from study.stresses.hybrid import act
+from study.stresses.composite import alfeld_split, barycentric, bernstein
+from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
 from study.stresses.stress_space import StressSpace
 
 # Cases and meshes. Plane cases with linear laws, f_0 ∈ L² and stresses that are continuous in time: where the face

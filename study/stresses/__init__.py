@@ -1,7 +1,6 @@
-"""Equilibrated stresses, computed without displacements.
+"""Stresses in equilibrium with the loads, computed without displacements.
 
-From bottom to top: ``bernstein`` polynomials; the ``composite`` element on the Alfeld split of a triangle; the
-``stress_space`` Σ^h on a mesh; the ``loads`` that its stresses balance; the ``hybrid`` solver for the stress of least
-complementary energy, and with it Problem 3.2 in time (``dual``). ``oscillation`` bounds the difference between the
-loads and their projections.
+``composite`` defines the stress element on a triangle and ``stress_space`` the space Σ^h of such stresses on a mesh.
+``loads`` projects the loads onto those that these stresses can balance, and ``oscillation`` bounds the effect of this
+projection. ``hybrid`` computes the stress of least complementary energy and, with it, Problem 3.2 in time.
 """

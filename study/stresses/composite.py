@@ -1,15 +1,16 @@
-"""The composite equilibrium element: symmetric piecewise polynomial stresses with continuous tractions.
+"""The composite equilibrium element: symmetric piecewise polynomial stresses with continuous tractions on a triangle.
 
-A triangle is divided from its barycentre into three thirds (Alfeld split). The element of degree k consists of the
-symmetric stresses that are polynomials of degree k on every third and whose tractions σν are continuous across the
-three inner edges. Div maps it onto all vector fields that are polynomials of degree k − 1 on every third. The tractions
-on the three sides are any polynomials of degree k in equilibrium with the divergence, so that elements can be joined
-with continuous tractions. k = 1 gives the element of Johnson and Mercier with 15 degrees of freedom, k ≥ 2 the elements
-of Arnold, Douglas and Gupta.
+The barycentre divides a triangle into three smaller triangles, here called thirds (Alfeld split). The element of degree
+k consists of the symmetric stresses that are polynomials of degree k on every third and whose tractions σν are
+continuous across the three inner edges. Two properties make it useful. Div maps it onto all vector fields that are
+polynomials of degree k − 1 on every third. And the tractions on the three sides can be any polynomials of degree k in
+equilibrium with the divergence, so elements can be joined with continuous tractions. k = 1 gives the element of Johnson
+and Mercier with 15 degrees of freedom, k ≥ 2 the elements of Arnold, Douglas and Gupta.
 
-All polynomials are in Bernstein form on the thirds. Restriction to an edge then selects coefficients, and a polynomial
-with coefficients ≤ 0 is ≤ 0. On another triangle x = F x̂ + b the stresses are the Piola transforms of the stresses on
-the reference triangle,
+Polynomials are written in Bernstein form, Σ c_α B_α with B_α(λ) = |α|!/α! λ^α in the barycentric coordinates λ of a
+third. The restriction to an edge then needs only the coefficients of the edge, and a polynomial with coefficients ≤ 0
+is ≤ 0. On another triangle x = F x̂ + b the stresses are the Piola transforms of the stresses σ̂ on the reference
+triangle,
 
     σ = F σ̂ Fᵀ / det F,     Div σ = F Div σ̂ / det F,     |e| σν = |ê| F σ̂ν̂     (outward normals, ê ↦ e).
 
@@ -24,25 +25,71 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from math import factorial, prod
 
 import numpy as np
 from scipy.linalg import null_space
 from skfem import Mesh, MeshTri
 
 from manufactured.tensors import Array, Points, basis
-from study.stresses.bernstein import indices
+from study.fem.quadrature import simplex_rule
 
 CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 """Vertices of the reference triangle, (2, 3)."""
 SIDES = ((1, 2), (2, 0), (0, 1))
-"""The vertices of side i, opposite to vertex i; third i has these two vertices and the barycentre."""
+"""The two vertices of side i, which is opposite to vertex i. Third i has these two vertices and the barycentre."""
+
+
+def indices(degree: int, variables: int = 3) -> list[tuple[int, ...]]:
+    """Return the multi-indices α ≥ 0 with |α| = degree, in descending lexicographic order, as tuples of integers."""
+    if variables == 1:
+        return [(degree,)]
+    return [(first, *rest) for first in range(degree, -1, -1) for rest in indices(degree - first, variables - 1)]
+
+
+def bernstein(degree: int, barycentric: Array) -> Array:
+    """Return the Bernstein polynomials B_α at barycentric coordinates, in the order of ``indices``.
+
+    Args:
+        degree: the degree of the polynomials.
+        barycentric: v barycentric coordinates of every point, (v, ...); v = 2 on an edge, 3 on a triangle.
+
+    Returns:
+        (polynomials, ...).
+    """
+    return np.array(
+        [
+            factorial(degree)
+            / prod(map(factorial, alpha))
+            * prod(x**a for x, a in zip(barycentric, alpha, strict=True))
+            for alpha in indices(degree, len(barycentric))
+        ]
+    )
+
+
+def interval_mass(degree: int, other: int) -> Array:
+    """Return the integrals ∫_0^1 B_i B_j of Bernstein polynomials of degrees ``degree`` and ``other``.
+
+    The shape is (degree + 1, other + 1).
+    """
+    x, w = np.polynomial.legendre.leggauss((degree + other) // 2 + 1)
+    first, second = (bernstein(k, np.array([1 - x, 1 + x]) / 2) for k in (degree, other))
+    return (first * w / 2) @ second.T
+
+
+def triangle_mass(degree: int) -> Array:
+    """Return the mean values of the products B_α B_β on a triangle, (polynomials, polynomials)."""
+    barycentric, weights = simplex_rule(2, 2 * degree)
+    at = bernstein(degree, barycentric)
+    return (at * weights) @ at.T
 
 
 @dataclass(frozen=True)
 class CompositeElement:
     """The element of degree k ≥ 1 on the reference triangle.
 
-    A stress is the array of its Bernstein coefficients, Mandel components last: (3 thirds, polynomials, 3).
+    A stress is stored as the array of its Bernstein coefficients, (3 thirds, polynomials, 3 Mandel components). A
+    semicolon in a shape separates the axes of the result from the axes of the argument of a linear map.
     """
 
     degree: int
@@ -54,10 +101,10 @@ class CompositeElement:
 
     @cached_property
     def divergence(self) -> Array:
-        """The matrix of Div on piecewise polynomials, to Bernstein form of degree k − 1: (3, lower, 2; 3, polynomials,
-        3).
+        """The matrix of Div, from stresses to vector fields in Bernstein form of degree k − 1.
 
-        ∂_j of Σ c_α B_α has the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
+        The shape is (3 thirds, lower, 2; 3 thirds, polynomials, 3). It follows from the fact that ∂_j of Σ c_α B_α has
+        the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
         """
         k, lower = self.degree, indices(self.degree - 1)
         place = {alpha: row for row, alpha in enumerate(indices(k))}
@@ -71,9 +118,15 @@ class CompositeElement:
         return found
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
-        """Return the traction |e| σν on the edge e between two vertices of a third, in Bernstein form.
+        """Return the matrix from stresses to the traction |e| σν on an edge e of a third, in Bernstein form.
 
-        The shape is (k + 1, 2; 3, polynomials, 3).
+        Args:
+            third: the number of the third.
+            first, second: the numbers of the vertices of the edge within the third.
+            along: the vector from the first to the second vertex, (2,).
+
+        Returns:
+            (k + 1, 2; 3 thirds, polynomials, 3).
         """
         place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
         found, normal = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3)), np.array([along[1], -along[0]])
@@ -85,7 +138,7 @@ class CompositeElement:
 
     @cached_property
     def jumps(self) -> Array:
-        """The jumps of tractions across the inner edges, (equations; 3, polynomials, 3)."""
+        """The matrix from stresses to the jumps of tractions across the inner edges, (equations; 3, polynomials, 3)."""
         rows = []
         for vertex in range(3):
             along = CORNERS[:, vertex] - CORNERS.mean(axis=1)
@@ -95,54 +148,59 @@ class CompositeElement:
 
     @cached_property
     def tractions(self) -> Array:
-        """Tractions |ê| σ̂ν̂ on the sides in Bernstein form, from a to b of SIDES, (3 sides, k + 1, 2; 3, polynomials,
-        3)."""
+        """The matrix from stresses to the tractions |ê| σ̂ν̂ on the sides, in Bernstein form along ``SIDES``.
+
+        The shape is (3 sides, k + 1, 2; 3 thirds, polynomials, 3).
+        """
         return np.array([self._on_edge(i, 0, 1, CORNERS[:, b] - CORNERS[:, a]) for i, (a, b) in enumerate(SIDES)])
 
     @cached_property
     def space(self) -> Array:
-        """A basis of the element with orthonormal coefficients, (3, polynomials, 3; dimension)."""
+        """A basis of the element, orthonormal in its coefficients, (3 thirds, polynomials, 3; dimension)."""
         equations = self.jumps.reshape(len(self.jumps), -1)
         return null_space(equations).reshape(3, self.polynomials, 3, -1)
 
     @cached_property
     def divergence_free(self) -> Array:
-        """A basis of the stresses with Div σ̂ = 0 with orthonormal coefficients, (3, polynomials, 3; dimension)."""
-        equations = np.vstack([self.jumps.reshape(len(self.jumps), -1), self._flat_divergence])
+        """A basis of the stresses with Div σ̂ = 0, orthonormal in its coefficients, (3, polynomials, 3; dimension)."""
+        jumps = self.jumps.reshape(len(self.jumps), -1)
+        equations = np.vstack([jumps, self.divergence.reshape(-1, jumps.shape[1])])
         return null_space(equations).reshape(3, self.polynomials, 3, -1)
 
     @cached_property
     def lift(self) -> Array:
-        """Stresses of least coefficient norm with a given divergence, (3, polynomials, 3; 3 thirds, lower, 2)."""
-        space = self.space.reshape(-1, self.space.shape[-1])
-        inverse = space @ np.linalg.pinv(self._flat_divergence @ space)
-        return inverse.reshape(*self.space.shape[:-1], *self.divergence.shape[:3])
+        """The matrix from a divergence to the stress with this divergence and the smallest coefficients.
 
-    @property
-    def _flat_divergence(self) -> Array:
-        return self.divergence.reshape(-1, 9 * self.polynomials)
+        The shape is (3 thirds, polynomials, 3; 3 thirds, lower, 2).
+        """
+        space = self.space.reshape(-1, self.space.shape[-1])
+        inverse = space @ np.linalg.pinv(self.divergence.reshape(-1, len(space)) @ space)
+        return inverse.reshape(*self.space.shape[:-1], *self.divergence.shape[:3])
 
 
 @lru_cache
 def composite(degree: int) -> CompositeElement:
-    """Return the element of a degree; it is cached.
+    """Return the composite element of a degree. It is made once.
 
     Raises:
         ValueError: degree < 1.
     """
     if degree < 1:
-        raise ValueError(f"composite elements start with degree 1, got {degree}")
+        raise ValueError(f"a composite element needs a degree of 1 or more, got {degree}")
     return CompositeElement(degree)
 
 
 def thirds(corners: Points) -> Points:
-    """Return the vertices of the thirds of triangles: (2, 3, ...) → (2, 3 vertices, 3 thirds, ...)."""
+    """Return the vertices of the thirds of triangles, from the vertices of the triangles.
+
+    (2, 3 vertices, ...) → (2, 3 vertices, 3 thirds, ...).
+    """
     centre = corners.mean(axis=1)
     return np.stack([np.stack([corners[:, a], corners[:, b], centre], axis=1) for a, b in SIDES], axis=2)
 
 
 def alfeld_split(mesh: Mesh) -> tuple[Mesh, Points]:
-    """Return the mesh of the thirds, three consecutive ones for each cell, and their vertices, (2, 3, thirds)."""
+    """Return the mesh of all thirds, three consecutive ones for each cell, and their vertices, (2, 3, thirds)."""
     vertices = np.vstack([mesh.t, mesh.p.shape[1] + np.arange(mesh.t.shape[1])])
     cells = np.stack([vertices[[a, b, 3]] for a, b in SIDES], axis=2).reshape(3, -1)
     points = np.hstack([mesh.p, mesh.p[:, mesh.t].mean(axis=1)])
@@ -150,7 +208,15 @@ def alfeld_split(mesh: Mesh) -> tuple[Mesh, Points]:
 
 
 def barycentric(corners: Points, x: Points) -> Array:
-    """Return the barycentric coordinates of points (2, n, q) in triangles with the vertices (2, 3, n), (3, n, q)."""
+    """Return the barycentric coordinates of q points in each of n triangles.
+
+    Args:
+        corners: the vertices of the triangles, (2, 3, n).
+        x: the points, (2, n, q).
+
+    Returns:
+        (3, n, q).
+    """
     edges = np.moveaxis(corners[:, :2] - corners[:, 2:], 2, 0)
     found = np.einsum("nvd,dnq->vnq", np.linalg.inv(edges), x - corners[:, 2][..., None])
     return np.concatenate([found, 1 - found.sum(axis=0, keepdims=True)])

@@ -1,19 +1,28 @@
-"""The equilibrated stress of least complementary energy in Σ^h(t), by hybridisation.
+"""Stresses in equilibrium computed without displacements: one minimiser of the complementary energy, and Problem 3.2.
 
-The minimiser of ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q over the composite stresses with
+**One stress** (``Equilibrium``). Among all composite stresses τ with
 
     Div τ + P f_0 = 0 in Ω,     τν = P f_2 on Γ2,     τ_τ = 0 and τ_ν ≤ 0 on Γ3
 
-is computed. This is the strong form of (3.9), with the projection P of ``study.stresses.loads``. P f_2 and τ_ν are
-polynomials of degree k on edges; τ_ν ≤ 0 is required of the Bernstein coefficients (for k = 1 the values at the ends).
-Multipliers make the tractions continuous: the moments m_{e,i} = ∫_e u B_i of a displacement u of the edges, zero on Γ1.
-Elimination of the stresses on each cell leaves the problem
+the minimiser of ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q is computed. The conditions are the strong form of (3.9), with the projection
+P of ``study.stresses.loads``. On edges P f_2 and τ_ν are polynomials of degree k. τ_ν ≤ 0 is required of their
+Bernstein coefficients (for k = 1: of the values at the ends).
+
+The method is hybridisation. Stresses are discontinuous first, and Lagrange multipliers make the tractions continuous:
+the moments m_{e,i} = ∫_e u B_i of a displacement u of the edges, which vanish on Γ1. The stresses are eliminated on
+every cell. This leaves
 
     minimise ½ mᵀ S m − gᵀ m   with m_ν ≤ 0 on Γ3,      S = Σ_T R (C⁻¹ on Div τ = 0)⁻¹ Rᵀ,
 
-where R gives the tractions of the stresses with Div τ = 0. S is symmetric positive definite if meas Γ1 > 0. The problem
-has the form of one step of Problem 5.1 and is solved by the same contact solver, whose multipliers are the coefficients
-of the pressure −τ_ν.
+where R maps the stresses with Div τ = 0 to their tractions. S is symmetric, and positive definite if meas Γ1 > 0. This
+is the form of one step of Problem 5.1, so the same contact solver is used; its multipliers are the Bernstein
+coefficients of the pressure −τ_ν.
+
+**In time** (``StressEvolution``). Backward Euler and BDF2 (``study.solve.tableau``) replace ε̇ by (w ε_n − η_n)/k with
+η_n = Σ_{j≥1} w_j ε_{n−j}. The law (2.1) then reads σ_n = C ε_n − (A/k) η_n with C = (w/k) A + G. By (3.12) and (3.15),
+σ_n minimises the energy above over Σ^h(t_n) for ε* = C⁻¹ (A/k) η_n. The new strain ε_n = C⁻¹ (σ_n + (A/k) η_n) is
+stored at the quadrature points. It need not be the strain of a displacement; by Theorem 4.2 it becomes one in the
+limit.
 
 Source of hybridisation: D. N. Arnold, F. Brezzi, Mixed and nonconforming finite element methods: implementation,
 postprocessing and error estimates, RAIRO Modél. Math. Anal. Numér. 19 (1985) 7–32.
@@ -21,26 +30,33 @@ postprocessing and error estimates, RAIRO Modél. Math. Anal. Numér. 19 (1985) 
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sps
 
 from manufactured.body import Kind
+from manufactured.data import Data
+from manufactured.factor import UNIFORM
+from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors, mapped
 from study.solve.signorini import Signorini
-from study.stresses.loads import Loads
+from study.solve.tableau import Tableau
+from study.stresses.loads import Loads, ProjectedLoads
 from study.stresses.stress_space import StressSpace
 
 
 @dataclass(frozen=True, eq=False)
 class EquilibratedStress:
-    """One element of Σ^h, or several with one more axis.
+    """One stress in Σ^h; several stresses have one more axis, written ``...`` in the shapes.
 
     Attributes:
-        values: at the quadrature points of the space, (3, ..., cells, Q).
-        tractions: σν of the cells on their edges in Bernstein form, in the axes of the edges, (..., cells, 3, n, 2).
-        moments: the multipliers m = ∫_e u B_i, (..., edges, n, 2).
+        values: the stress at the quadrature points of the space, (3, ..., cells, Q).
+        tractions: the traction σν on the three edges of every cell, as Bernstein coefficients in the axes of the edge
+            (``StressSpace.frames``), (..., cells, 3, n, 2).
+        moments: the Lagrange multipliers m = ∫_e u B_i, (..., edges, n, 2).
     """
 
     values: Tensors
@@ -49,14 +65,14 @@ class EquilibratedStress:
 
 
 class Equilibrium:
-    """Minimises ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q over Σ^h, for one pair or several pairs of ε* and loads.
+    """Computes the minimiser of ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q over Σ^h, for given strains ε* and loads.
 
-    Several pairs have one axis ``...``; matrices that depend on the mesh are then read only once.
+    Several pairs of ε* and loads can be given at once. They then have one more axis, written ``...`` in the shapes.
 
     Args:
-        space: the stresses.
-        compliance: C⁻¹ in Mandel form, (3, 3), or at the points, (cells, Q, 3, 3).
-        solver: function from S, N and the points of the unknowns to the contact solver.
+        space: the composite stresses.
+        compliance: C⁻¹ in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3, 3).
+        solver: a function that makes the contact solver from S, N and the points of the unknowns.
     """
 
     def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
@@ -64,27 +80,13 @@ class Equilibrium:
         stiffness = np.linalg.inv(space.gram(compliance))
         # shape (cells, 3 sides · n · 2, p)
         R = space.tractions.reshape(space.cells, -1, stiffness.shape[-1])
-        # Coefficients c and tractions R c of stresses with Div τ = 0, from the right-hand side and from moments m
-        # (Rᵀm).
+        # Let c be the coefficients of a stress with Div τ = 0. Both matrices give c, followed by its tractions R c:
+        # the first from a functional on these stresses, the second from the functional Rᵀm of moments m.
         self._of_strains = np.concatenate([stiffness, stiffness @ R.swapaxes(1, 2)], axis=2)
         self._of_moments = R @ self._of_strains
         self._tractions = slice(stiffness.shape[-1], None)
-        self._number()
-        local = self._of_moments[..., self._tractions]
-        rows = np.broadcast_to(self.numbers[:, :, None], local.shape)
-        places = rows.ravel(), rows.swapaxes(1, 2).ravel()
-        full = sps.coo_array((local.ravel(), places), shape=(self.total, self.total)).tocsc()
-        S = sps.csc_array(full[self.free][:, self.free])
-        self.S = sps.csc_array((S + S.T) / 2)
-        self._at_contact = sps.csr_array(self.S)[self._normal]
-        each = 2 * (space.degree + 1)
-        midpoints = space.mesh.p[:, space.mesh.facets].mean(axis=1)
-        self.solve = solver(self.S, self.N, midpoints[:, self.free[::each] // each])
-
-    def _number(self) -> None:
-        """Number the unknown moments: edge by edge, polynomial by polynomial, two components."""
-        space = self.space
         n, edges = space.degree + 1, space.mesh.facets.shape[1]
+        # The moments are numbered edge by edge, then by Bernstein polynomial, then by component.
         self.total = 2 * n * edges
         self.numbers = (2 * n * space.edges[:, :, None] + np.arange(2 * n)).reshape(space.cells, -1)
         free = np.ones((edges, 2 * n), dtype=bool)
@@ -92,33 +94,50 @@ class Equilibrium:
             free[clamped] = False
         self.free = np.flatnonzero(free.ravel())
         self.contact = np.concatenate([mine for _, mine in space.on(Kind.CONTACT)])
-        normal = (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel()
         # Positions of the normal moments on Γ3 among the unknown moments.
-        self._normal = np.searchsorted(self.free, normal)
-        places = np.arange(len(normal)), self._normal
-        self.N = sps.csr_array((np.ones(len(normal)), places), shape=(len(normal), len(self.free)))
+        self._normal = np.searchsorted(self.free, (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel())
+        count = len(self._normal)
+        self.N = sps.csr_array((np.ones(count), (np.arange(count), self._normal)), shape=(count, len(self.free)))
+        local = self._of_moments[..., self._tractions]
+        rows = np.broadcast_to(self.numbers[:, :, None], local.shape)
+        places = rows.ravel(), rows.swapaxes(1, 2).ravel()
+        full = sps.coo_array((local.ravel(), places), shape=(self.total, self.total)).tocsc()
+        S = sps.csc_array(full[self.free][:, self.free])
+        self.S = sps.csc_array((S + S.T) / 2)
+        self._at_contact = sps.csr_array(self.S)[self._normal]
+        midpoints = space.mesh.p[:, space.mesh.facets].mean(axis=1)
+        self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 2 * n] // (2 * n)])
 
     def __call__(self, loads: Loads, strain: Tensors, normal: Array | None = None) -> EquilibratedStress:
-        """Return the minimiser.
+        """Return the minimiser of ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q.
 
         Args:
             loads: P f_0 and P f_2.
-            strain: ε* at the points, (3, ..., cells, Q).
-            normal: the moments ∫_e v B_i ≤ 0 on the edges ``contact`` of a function v, (..., edges of Γ3, n); ∫_{Γ3}
-                τ_ν v is then added to the functional.
+            strain: ε* at the quadrature points, (3, ..., cells, Q).
+            normal: if given, ∫_{Γ3} τ_ν v is added to the functional. The function v on Γ3 is given by its moments
+                ∫_e v B_i ≤ 0 on the edges ``contact``, (..., edges of Γ3, n).
         """
         values, tractions = self.space.lift(loads.force)
         known = self._released(values) + self.space.tested(strain)
         return self._corrected(loads, values, tractions, known, normal)
 
     def nearest(self, loads: Loads, target: Tensors, normal: Array) -> EquilibratedStress:
-        """Return the minimiser for ε* = −C⁻¹ target, (3, ..., cells, Q); its ``values`` are τ − target."""
+        """Return the stress τ in Σ^h that is nearest to a given stress in the norm of C⁻¹.
+
+        This is the minimiser for ε* = −C⁻¹ target; ``normal`` and ``loads`` as in ``__call__``.
+
+        Args:
+            target: the given stress at the quadrature points, (3, ..., cells, Q).
+
+        Returns:
+            The stress τ, except that its ``values`` are the difference τ − target.
+        """
         values, tractions = self.space.lift(loads.force)
         values -= target
         return self._corrected(loads, values, tractions, self._released(values), normal)
 
     def balance(self, loads: Loads) -> EquilibratedStress:
-        """Return the stress of least (C⁻¹τ, τ)_Q that balances loads without contact, τν = 0 on Γ3."""
+        """Return the stress of least (C⁻¹τ, τ)_Q that balances loads with traction-free Γ3, τν = 0."""
         values, tractions = self.space.lift(loads.force)
         known, g = self._condensed(loads, tractions, self._released(values))
         v = self.solve.factor(g)
@@ -127,7 +146,10 @@ class Equilibrium:
     def _corrected(
         self, loads: Loads, values: Tensors, tractions: Array, known: Array, normal: Array | None
     ) -> EquilibratedStress:
-        """Return the stress that balances all loads, from a stress that is in equilibrium inside each cell only."""
+        """Return the minimiser, from a stress that is in equilibrium inside each cell only (``values``, ``tractions``).
+
+        ``known`` is the functional (C⁻¹τ + ε*, ·)_Q of this stress on the stresses with Div σ = 0, (..., cells, p).
+        """
         known, g = self._condensed(loads, tractions, known)
         shift = np.zeros_like(g)
         if normal is not None:
@@ -138,13 +160,18 @@ class Equilibrium:
         return self._joined(values, tractions, known, v, v - shift)
 
     def _released(self, values: Tensors) -> Array:
-        """Return the functional (C⁻¹τ, ·)_Q on the stresses with Div σ = 0, (3, ..., cells, Q) → (..., cells, p)."""
+        """Return the functional (C⁻¹τ, ·)_Q on the stresses with Div σ = 0: (3, ..., cells, Q) → (..., cells, p)."""
         if self.compliance.ndim == 2:
             return self.space.tested(values, self.compliance)
         return self.space.tested(act(self.compliance, values))
 
     def _condensed(self, loads: Loads, tractions: Array, known: Array) -> tuple[Array, Array]:
-        """Return, by static condensation, the parts of c and R c due to a functional (..., cells, p), and g."""
+        """Eliminate the stresses (static condensation).
+
+        Returns:
+            The coefficients and tractions due to the functional ``known``, (..., cells, p + 6 n), and the right-hand
+            side g of the problem for the moments, (..., unknown moments).
+        """
         joined = _times(known, self._of_strains)
         of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
         numbers, several = self.numbers.ravel(), of_cells.shape[:-2]
@@ -153,7 +180,7 @@ class Equilibrium:
         return joined, g[..., self.free]
 
     def _joined(self, values: Tensors, tractions: Array, known: Array, v: Array, shifted: Array) -> EquilibratedStress:
-        """Return the stress with the multipliers v; ``shifted`` is v minus the given moments."""
+        """Return the stress that belongs to the multipliers v; ``shifted`` is v minus the moments ``normal``."""
         found = _times(self._everywhere(shifted)[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(
             values + self.space.combined(found[..., : self._tractions.start]),
@@ -162,18 +189,18 @@ class Equilibrium:
         )
 
     def _everywhere(self, v: Array) -> Array:
-        """Return the moments of all edges, zero on Γ1, from the unknown moments, (..., total)."""
+        """Return the moments of all edges, (..., total), from the unknown moments; they are zero on Γ1."""
         m = np.zeros((*v.shape[:-1], self.total))
         m[..., self.free] = v
         return m
 
     def pressure(self, stress: EquilibratedStress) -> Array:
-        """Return the Bernstein coefficients of −τ_ν ≥ 0 on the edges ``contact``, (..., edges of Γ3, n)."""
+        """Return the contact pressure −τ_ν ≥ 0 as Bernstein coefficients on the edges ``contact``, (..., edges, n)."""
         return -self.space.boundary_tractions(self.contact, stress.tractions)[..., 0]
 
 
 def act(C: Array, strain: Tensors) -> Tensors:
-    """Return C ε at points in Mandel form: C is (..., 3, 3), or (3, 3) for all points; (3, ...) → (3, ...)."""
+    """Return C ε at points: C in Mandel form, (..., 3, 3), or (3, 3) for all points; ε and the result (3, ...)."""
     if C.ndim == 2:
         return mapped(C, strain)
     found: Tensors = np.einsum("...IJ,J...->I...", C, strain)
@@ -184,3 +211,95 @@ def _times(vectors: Array, matrices: Array) -> Array:
     """Multiply a row vector by a matrix for every cell: (..., cells, p), (cells, p, r) → (..., cells, r)."""
     rows = np.moveaxis(vectors.reshape(-1, *vectors.shape[-2:]), 0, 1)
     return np.moveaxis(rows @ matrices, 1, 0).reshape(*vectors.shape[:-1], -1)
+
+
+class EquilibriumError(ValueError):
+    """Raised if Problem 3.2 cannot be solved on composite stresses for a law or a time scheme."""
+
+
+@dataclass(frozen=True, eq=False)
+class DualState:
+    """The solution of Problem 3.2 at one time node.
+
+    Attributes:
+        time: t_n.
+        stress: σ^h_n; NaN at t_0, where the schemes define no strain rate.
+        strain: ε_n at the quadrature points, (3, cells, Q).
+        loads: P f_0 and P f_2 at t_n.
+    """
+
+    time: float
+    stress: EquilibratedStress
+    strain: Tensors
+    loads: Loads
+
+
+def tensor_at(C: Linear, x: Array) -> Array:
+    """Return a linear tensor at points (2, ...) in Mandel form, (..., 3, 3); (3, 3) for a homogeneous material."""
+    return C.matrix if C.factor is UNIFORM else np.multiply.outer(C.factor(x), C.matrix)
+
+
+@dataclass(frozen=True, eq=False)
+class StressEvolution:
+    """Problem 3.2 in time on composite stresses, to be solved with ``Tableau.march``.
+
+    Attributes:
+        data: body, law, loads and initial displacement.
+        space: the composite stresses.
+        solver: the class of the contact solver of one step.
+        raised: a number added to the degree of the quadrature rule for f_0.
+    """
+
+    data: Data
+    space: StressSpace
+    solver: type[Signorini] = Signorini
+    raised: int = 0
+
+    @property
+    def T(self) -> float:
+        return self.data.body.T
+
+    @cached_property
+    def loads(self) -> ProjectedLoads:
+        return ProjectedLoads(self.data, self.space, self.raised)
+
+    def initial(self) -> DualState:
+        """Return the state at t_0 with the strain ε(u_0); its stress is NaN."""
+        space = self.space
+        strain, edges = self.data.initial(space.points), np.full((len(space.lengths), space.degree + 1, 2), np.nan)
+        stress = EquilibratedStress(np.full_like(strain, np.nan), edges[space.edges], edges)
+        return DualState(0.0, stress, strain, self.loads(0.0))
+
+    def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[DualState]], DualState]:
+        """Return the function that computes the state at t_n from n and the previous states.
+
+        Raises:
+            EquilibriumError: the scheme evaluates G at another time than t_n, or G is not linear.
+            StepsError: G is not monotone, and a step of this length may have several solutions.
+        """
+        law, points = self.data.law, self.space.points
+        if scheme.theta != 1:
+            raise EquilibriumError(
+                f"{scheme.name} balances forces between time nodes, but Problem 3.2 needs the balance at t_n; take "
+                "backward-euler or bdf2"
+            )
+        if not isinstance(law.G, Linear):
+            raise EquilibriumError(
+                f"Problem 3.2 on composite stresses needs a linear G, got the law {law.name}; take a linear law, or "
+                "the stresses of V^h (study.solve.stress_problem)"
+            )
+        scheme.require_unique(k, law.growth)
+        viscous = tensor_at(law.A, points) / k
+        compliance = np.linalg.inv(scheme.newest * viscous + tensor_at(law.G, points))
+        memory = compliance @ viscous
+        equilibrium = Equilibrium(self.space, compliance, self.solver)
+
+        def step(n: int, past: Sequence[DualState]) -> DualState:
+            known = scheme.known([state.strain for state in past])
+            released = act(memory, known)
+            loads = self.loads(n * k)
+            stress = equilibrium(loads, released)
+            strain = released + act(compliance, stress.values)
+            return DualState(n * k, stress, strain, loads)
+
+        return step

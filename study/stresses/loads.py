@@ -1,11 +1,12 @@
-"""The loads P f_0 and P f_2 that a stress of Σ^h balances, at any time, and the norms of their difference from the
-data.
+"""The projected loads P f_0 and P f_2, which composite stresses can balance exactly, and their distance from f_0, f_2.
 
-P is the L² projection: of f_0 onto polynomials of degree k − 1 on the thirds of cells, of f_2 onto polynomials of
-degree k on the edges of Γ2, for stresses of degree k. Thirds and edges are cut along the lines at which the data are
-not smooth (``study.fem.quadrature``), and thirds also along the contact fronts of the time. f_0 jumps at moving fronts.
-Rules that are not cut there make an error of order h on whole columns of cells: with them ‖σ − σ^h‖_Q on one-diagonal
-meshes was 2.4 times as large at n = 64, and the error of the pressure 19 times.
+P is the L² projection for stresses of degree k: of f_0 onto polynomials of degree k − 1 on the thirds of cells, and of
+f_2 onto polynomials of degree k on the edges of Γ2.
+
+Quadrature rules on thirds and edges are cut along the lines at which the data are not smooth
+(``study.fem.quadrature``). On thirds they are also cut along the contact fronts of the time, because f_0 jumps at
+moving fronts. This matters: without these cuts, ‖σ − σ^h‖_Q on one-diagonal meshes was 2.4 times as large at n = 64,
+and the error of the pressure 19 times.
 """
 
 from __future__ import annotations
@@ -21,25 +22,25 @@ from manufactured.data import Data, ForceInTime
 from manufactured.tensors import Array, Points, Vectors
 from study.fem.moments import StrainSums, amplitudes_of
 from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
-from study.stresses.bernstein import bernstein, triangle_mass
-from study.stresses.composite import alfeld_split, barycentric
+from study.stresses.composite import alfeld_split, barycentric, bernstein, triangle_mass
 from study.stresses.stress_space import StressSpace
 
 DEGREE = 4
 """Least degree of the quadrature rule for f_0 on a third; 2k is used if it is larger."""
 EDGE_POINTS, EDGE_PARTS = 6, 4
-"""Gauss points for f_2 on each part of an edge, and the number of parts; kinks of f_2 then affect small parts only."""
+"""Gauss points on each part of an edge, and number of equal parts of an edge, so that a kink of f_2 affects one
+part."""
 GRADED_POINTS = 28
-"""Gauss points on cut edges, whose rules are graded by the power 8: exact to degree 6, for products of cubics."""
+"""Gauss points on edges that are cut. The grading by the power 8 leaves degree 6, enough for products of cubics."""
 TOGETHER = 512
-"""Thirds in a block, so that f_0 at the points of their rules stays in the processor's cache for many times."""
+"""Number of thirds that are treated together, so that their data stay in the processor's cache."""
 PARALLEL = 1e-9
-"""Sine of an angle below which a line counts as parallel to a part."""
+"""Sine of the angle below which a line counts as parallel to a boundary part."""
 
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """Projected loads at one time in Bernstein form, or at several times with one more axis, the first.
+    """Projected loads at one time, as Bernstein coefficients. Loads at several times have one more axis, the first.
 
     Attributes:
         force: P f_0, (cells, 3 thirds, lower, 2).
@@ -57,15 +58,15 @@ class Loads:
 
 
 def together(loads: Sequence[Loads]) -> Loads:
-    """Join loads of single times into loads of several times."""
+    """Return loads at several times, from loads at single times."""
     return Loads(np.array([each.force for each in loads]), np.array([each.surface for each in loads]))
 
 
 @dataclass(frozen=True, eq=False)
 class LeftOut:
-    """Norms of the difference between data and projections at one time.
+    """Norms of the part of the loads that the projection P leaves out, at one time.
 
-    With g = f_0 − P f_0 and the L² projection Π onto P_k(T)²:
+    Let g = f_0 − P f_0, and let Π be the L² projection onto the polynomials of degree k on a cell T.
 
     Attributes:
         low_order: ‖Π g‖_T, (cells,).
@@ -80,16 +81,19 @@ class LeftOut:
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The data at one time: the projected loads, and the norms of their difference from the data."""
+    """The projected loads at one time, and the norms of the part that is left out."""
 
     loads: Loads
     left_out: LeftOut
 
 
 class ProjectedLoads:
-    """Computes P f_0 and P f_2 at a time for a space of stresses; the result of the last time is cached.
+    """Computes the projected loads P f_0 and P f_2 at any time; the result for the last time is cached.
 
-    ``raised`` is added to the degree of the rule for f_0.
+    Args:
+        data: the problem.
+        space: the composite stresses.
+        raised: a number added to the degree of the quadrature rule for f_0.
     """
 
     def __init__(self, data: Data, space: StressSpace, raised: int = 0) -> None:
@@ -115,13 +119,16 @@ class ProjectedLoads:
 
     @cached_property
     def _blocks(self) -> list[tuple[_Block, ForceInTime]]:
-        """All thirds in blocks, each with the function t ↦ f_0 at its points, (2, thirds, q)."""
+        """All thirds in blocks, each with the function from a time to f_0 at its points, (2, thirds, q)."""
         rules = cell_rules(self._thirds, self._degree, self._lines, self.data.points)
         blocks = [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
         return [(block, _force_at(self.data, block.rule.points)) for block in blocks]
 
     def _evaluated(self, time: float) -> Iterator[tuple[_Block, Vectors]]:
-        """Yield f_0 on all thirds, then again on thirds at the fronts of this time, by rules that are cut there."""
+        """Yield blocks of thirds with f_0 at their points: all thirds, then again those that fronts of this time cross.
+
+        The rules of the latter are cut along the fronts; their results replace the first ones.
+        """
         for block, force in self._blocks:
             yield block, force(time)
         fronts = [Line(*line) for line in self.data.fronts(time)]
@@ -139,7 +146,7 @@ class ProjectedLoads:
         return Loads(force.reshape(space.cells, 3, -1, 2), surface)
 
     def at(self, time: float) -> Snapshot:
-        """Return P f_0, P f_2 and the norms of their difference from the data."""
+        """Return P f_0, P f_2 and the norms of f_0 − P f_0 and f_2 − P f_2 at a time."""
         space, thirds = self.space, 3 * self.space.cells
         lower, more = (degree * (degree + 1) // 2 for degree in (space.degree, space.degree + 1))
         force, squares, moments = np.empty((thirds, lower, 2)), np.empty(thirds), np.empty((thirds, more, 2))
@@ -161,8 +168,11 @@ class ProjectedLoads:
 class _Block:
     """Several thirds with one quadrature rule.
 
-    ``shapes`` are the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q). ``whole``
-    returns the Bernstein polynomials of degree k of their cells, (more, n, q).
+    Args:
+        rule: the quadrature rule on the n thirds.
+        shapes: the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q).
+        whole: a function that returns the Bernstein polynomials of degree k of their cells, (more, n, q); it is called
+            only if ``split`` is.
     """
 
     def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
@@ -173,19 +183,19 @@ class _Block:
 
     @cached_property
     def _whole(self) -> Array:
-        """The result of ``whole`` as matrices, (n, more, q)."""
+        """The Bernstein polynomials of degree k of the cells, as matrices, (n, more, q)."""
         return np.ascontiguousarray(np.moveaxis(self._make_whole(), 0, 1))
 
     def projected(self, force: Vectors) -> Array:
-        """Return P f_0, (n, lower, 2), from f_0 at the points, (2, n, q)."""
+        """Return P f_0 from f_0 at the points: (2, n, q) → (n, lower, 2)."""
         return self.projection @ force.transpose(1, 2, 0)
 
     def split(self, force: Vectors) -> tuple[Array, Array, Array]:
         """Split f_0, given at the points, (2, n, q), into P f_0 and g = f_0 − P f_0.
 
         Returns:
-            P f_0, (n, lower, 2); ‖g‖² on the thirds, (n,); and ∫ g B_α for the Bernstein polynomials B_α of degree k of
-            the cells, (n, more, 2).
+            P f_0, (n, lower, 2); the squares ‖g‖² on the thirds, (n,); and the integrals ∫ g B_α over the thirds with
+            the Bernstein polynomials B_α of degree k of the cells, (n, more, 2).
         """
         values = force.transpose(1, 2, 0)
         coefficients = self.projection @ values
@@ -195,7 +205,7 @@ class _Block:
 
 
 def _force_at(data: Data, x: Points) -> ForceInTime:
-    """Return the function t ↦ f_0 at points (2, ...)."""
+    """Return the function from a time to f_0 at points (2, ...), as a sum of products (``Modes``) if one is known."""
     if data.force_modes is None:
         return data.body_force(x)
     modes = data.force_modes(x.reshape(len(x), -1))
@@ -207,7 +217,7 @@ def _force_at(data: Data, x: Points) -> ForceInTime:
 
 
 class _Edges:
-    """The edges of one part of Γ2 with their quadrature and f_2 at its points."""
+    """The edges of one part of Γ2, with a quadrature rule and the values of f_2 at its points."""
 
     def __init__(self, data: Data, space: StressSpace, part: Part, edges: Array) -> None:
         crossings = _crossings(data, part)
@@ -220,11 +230,11 @@ class _Edges:
         self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), self.shapes, rule.weights)
 
     def projected(self, load: Vectors) -> Array:
-        """Return P f_2, (n, k + 1, 2), from f_2 at the points, (2, n, q)."""
+        """Return P f_2 from f_2 at the points: (2, n, q) → (n, k + 1, 2)."""
         return np.einsum("naq,dnq->nad", self.projection, load)
 
     def split(self, time: float) -> tuple[Array, Array]:
-        """Return P f_2, (n, k + 1, 2), and ‖f_2 − P f_2‖_e, (n,)."""
+        """Return P f_2, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e, (n,), at a time."""
         values = self.load(time)
         coefficients = self.projected(values)
         rest = values - np.einsum("nad,anq->dnq", coefficients, self.shapes)
@@ -232,7 +242,7 @@ class _Edges:
 
 
 def _divided(rule: FacetRule) -> FacetRule:
-    """Return the rule applied to each of ``EDGE_PARTS`` equal parts of its facets."""
+    """Return the rule that applies the given rule to each of ``EDGE_PARTS`` equal parts of every facet."""
     first, s = rule.shapes[0], rule.s[0]
     slope = (s[:, 1] - s[:, 0]) / (first[:, 1] - first[:, 0])
     places = np.concatenate([(first + part) / EDGE_PARTS for part in range(EDGE_PARTS)], axis=1)
@@ -242,7 +252,7 @@ def _divided(rule: FacetRule) -> FacetRule:
 
 
 def _crossings(data: Data, part: Part) -> tuple[float, ...]:
-    """Return the coordinates along a part at which lines of the data cross it."""
+    """Return the sorted coordinates along a part at which the lines ``data.lines`` cross it."""
     found = []
     for direction, offset in data.lines:
         slope, start = np.dot(direction, part.tangent), np.dot(direction, part.start)

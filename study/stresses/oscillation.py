@@ -39,8 +39,7 @@ from scipy.linalg import null_space
 from manufactured.body import Kind
 from manufactured.tensors import Array, basis
 from study.fem.quadrature import simplex_rule
-from study.stresses.bernstein import bernstein, indices, triangle_mass
-from study.stresses.composite import CORNERS, SIDES, composite, thirds
+from study.stresses.composite import CORNERS, SIDES, bernstein, composite, indices, thirds, triangle_mass
 from study.stresses.loads import LeftOut
 from study.stresses.stress_space import StressSpace
 

@@ -1,8 +1,9 @@
-"""The space Σ^h of composite equilibrium stresses on a mesh, with continuous tractions.
+"""The composite equilibrium stresses on the cells of a mesh, from which Σ^h is built.
 
-On every cell a stress is a lifting of its divergence plus a stress with Div σ = 0. It is stored by its values at the
-points of a quadrature rule on the thirds, which integrates products of two stresses exactly, and by the Bernstein
-coefficients of its tractions on the edges, in axes (ν, τ) on Γ3 and Cartesian elsewhere.
+On every cell, a stress is the sum of a stress with the required divergence (``lift``) and a stress with Div σ = 0
+(``combined``). A stress is stored in two ways: by its values at the points of a quadrature rule, which integrates
+products of two stresses exactly, and by the Bernstein coefficients of its tractions on the edges. On Γ3 the components
+of tractions are normal and tangential (ν, τ), elsewhere Cartesian.
 """
 
 from __future__ import annotations
@@ -17,21 +18,20 @@ from manufactured.body import Body, Kind
 from manufactured.tensors import Array, Points, Tensors, basis
 from study.fem.mesh import MeshedBody, MeshError
 from study.fem.quadrature import simplex_rule
-from study.stresses.bernstein import bernstein
-from study.stresses.composite import SIDES, CompositeElement, composite, thirds
+from study.stresses.composite import SIDES, CompositeElement, bernstein, composite, thirds
 
 LEAST_DEGREE = 4
-"""Least degree of the rule on the thirds, because errors of linear stresses are quadratic."""
+"""Least degree of the quadrature rule on the thirds: errors of linear stresses are quadratic, their squares quartic."""
 FACETS = (1, 2, 0)
 """Facet i of a cell in the mesh joins its vertices i and i + 1 modulo 3; side i is opposite to vertex i."""
 
 
 @dataclass(frozen=True, eq=False)
 class StressSpace(MeshedBody):
-    """Composite stresses of degree k on a triangulation of a body, with cells x = F x̂ + b.
+    """Composite stresses of degree k on the cells x = F x̂ + b of a triangular mesh of a body.
 
-    Letters in shapes: Q points in a cell (all thirds together), p basis functions with Div σ = 0 in a cell, n = k + 1
-    Bernstein polynomials on an edge.
+    Letters in shapes: Q is the number of quadrature points in a cell (all thirds together), p the number of basis
+    functions with Div σ = 0 in a cell, n = k + 1 the number of Bernstein polynomials on an edge.
 
     Raises:
         MeshError: the mesh does not consist of triangles, or does not fit the parts of the body.
@@ -43,7 +43,9 @@ class StressSpace(MeshedBody):
 
     def __post_init__(self) -> None:
         if self.mesh.dim() != 2:
-            raise MeshError(f"composite stresses are made for triangles, got a mesh of dimension {self.mesh.dim()}")
+            raise MeshError(
+                f"composite stresses are made for triangles, got a mesh of dimension {self.mesh.dim()}; take a 2D body"
+            )
         self.parts  # refuse a mesh that does not fit before it is used  # noqa: B018
 
     @cached_property
@@ -59,7 +61,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def edges(self) -> Array:
-        """The edge on each side of the cells, (cells, 3)."""
+        """The number of the edge on each side of every cell, (cells, 3)."""
         return self.mesh.t2f[list(FACETS)].T
 
     @cached_property
@@ -70,14 +72,22 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def frames(self) -> Array:
-        """The axes of tractions as rows: (ν, τ) on Γ3, Cartesian elsewhere, (edges, 2, 2)."""
+        """The axes of tractions on every edge, as rows: (ν, τ) on Γ3, Cartesian elsewhere, (edges, 2, 2)."""
         found = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
         for part, edges in self.on(Kind.CONTACT):
             found[edges] = np.array([part.normal, part.tangent])
         return found
 
     def boundary_tractions(self, edges: Array, tractions: Array) -> Array:
-        """Return tractions on boundary edges, with the outward normal: (..., cells, 3, n, 2) → (..., edges, n, 2)."""
+        """Return the tractions on given boundary edges, for the outward normal.
+
+        Args:
+            edges: numbers of boundary edges, (e,).
+            tractions: tractions on the three sides of every cell, (..., cells, 3, n, 2).
+
+        Returns:
+            (..., e, n, 2).
+        """
         found = np.empty((*tractions.shape[:-4], len(self.lengths), *tractions.shape[-2:]))
         found[..., self.edges, :, :] = tractions
         return found[..., edges, :, :]
@@ -95,46 +105,44 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _rule(self) -> tuple[Array, Array]:
-        """Barycentric points (3, q) and weights (q,) with sum 1 on a third."""
+        """The quadrature rule on a third: barycentric points (3, q) and weights (q,) with sum 1."""
         return simplex_rule(2, max(LEAST_DEGREE, 2 * self.degree))
 
     @cached_property
     def _values(self) -> Array:
-        """The matrix from coefficients to values at the points of the reference triangle, (Q, 3 thirds,
-        polynomials)."""
+        """The matrix from Bernstein coefficients to values at the points, (Q, 3 thirds, polynomials)."""
         at = bernstein(self.degree, self._rule[0]).T
         return np.kron(np.eye(3), at).reshape(-1, 3, at.shape[1])
 
     @cached_property
     def points(self) -> Points:
-        """Quadrature points, (2, cells, Q)."""
+        """The quadrature points, (2, cells, Q)."""
         vertices = thirds(self.mesh.p[:, self.mesh.t])
         return np.einsum("dvtc,vq->dctq", vertices, self._rule[0]).reshape(2, self.cells, -1)
 
     @cached_property
     def barycentric(self) -> Array:
-        """The barycentric coordinates of the points in the cell, (3, Q)."""
+        """The barycentric coordinates of the quadrature points with respect to their cell, (3, Q)."""
         return np.einsum("ivt,vq->itq", thirds(np.eye(3)), self._rule[0]).reshape(3, -1)
 
     @cached_property
     def weights(self) -> Array:
-        """Quadrature weights, (cells, Q)."""
+        """The quadrature weights, (cells, Q)."""
         return np.multiply.outer(self.volumes / 3, np.tile(self._rule[1], 3))
 
     @cached_property
     def _reference(self) -> Array:
-        """The stresses with Div σ̂ = 0 at the points of the reference triangle, (3 · Q, p)."""
+        """The basis of stresses with Div σ̂ = 0 at the points of the reference triangle, (3 · Q, p)."""
         found = np.einsum("qta,taJp->Jqp", self._values, self.element.divergence_free)
         return found.reshape(-1, found.shape[-1])
 
     def gram(self, compliance: Array) -> Array:
-        """Return the integrals ∫_T C⁻¹σ·τ for the stresses with Div σ = 0 of every cell, (cells, p, p).
-
-        All cells have the same stresses up to the Piola transformation, so one product of two matrices suffices.
+        """Return the integrals ∫_T C⁻¹σ·τ for all pairs of basis functions with Div σ = 0 of every cell, (cells, p, p).
 
         Args:
-            compliance: C⁻¹ in Mandel form, (3, 3), or at the points, (cells, Q, 3, 3).
+            compliance: C⁻¹ in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3, 3).
         """
+        # All cells have the same basis up to the Piola transformation, so one product of two matrices suffices.
         piola, reference = self._piola[:, None], self._reference.reshape(3, self.weights.shape[1], -1)
         pulled = self.weights[..., None, None] * (piola.swapaxes(2, 3) @ compliance @ piola)
         products = np.einsum("Iqa,Jqb->qIJab", reference, reference)
@@ -143,38 +151,45 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def shares(self) -> Array:
-        """The quadrature weights relative to the volumes of cells, (Q,)."""
+        """The quadrature weights divided by the area of the cell, the same for all cells, (Q,)."""
         return self.weights[0] / self.volumes[0]
 
     def tested(self, values: Tensors, C: Array | None = None) -> Array:
-        """Return ∫_T σ·ε, or ∫_T σ·Cε, C (3, 3), for stresses σ with Div σ = 0: (3, ..., cells, Q) → (..., cells,
-        p)."""
+        """Return the integrals ∫_T σ·ε, or ∫_T σ·Cε, for the basis of stresses σ with Div σ = 0 of every cell.
+
+        Args:
+            values: ε at the quadrature points, (3, ..., cells, Q).
+            C: a constant tensor in Mandel form, (3, 3).
+
+        Returns:
+            (..., cells, p).
+        """
         back = self.volumes[:, None, None] * self._piola.swapaxes(1, 2)
         pulled = (back if C is None else back @ C) @ np.moveaxis(values, 0, -2)
         return pulled.reshape(*pulled.shape[:-2], -1) @ (np.tile(self.shares, 3)[:, None] * self._reference)
 
     def combined(self, coefficients: Array) -> Tensors:
-        """Return the values of combinations of the stresses with Div σ = 0, (..., cells, p) → (3, ..., cells, Q)."""
+        """Return values of stresses with Div σ = 0 from their coefficients: (..., cells, p) → (3, ..., cells, Q)."""
         return self._pushed(coefficients @ self._reference.T)
 
     def _pushed(self, reference: Array) -> Tensors:
-        """Return values on the cells from values on the reference triangle, (..., cells, 3 · Q) → (3, ..., cells,
-        Q)."""
+        """Apply the Piola transformation to reference values: (..., cells, 3 · Q) → (3, ..., cells, Q)."""
         return np.moveaxis(self._piola @ reference.reshape(*reference.shape[:-1], 3, -1), -2, 0)
 
     @cached_property
     def tractions(self) -> Array:
-        """The tractions of the stresses with Div σ = 0 on the three sides, (cells, 3, n, 2, p)."""
+        """The tractions of the basis of stresses with Div σ = 0 on the three sides, (cells, 3, n, 2, p)."""
         reference = np.moveaxis(np.tensordot(self.element.tractions, self.element.divergence_free, axes=3), -1, 0)
         found = self._to_edges(np.broadcast_to(reference[:, None], (len(reference), self.cells, *reference.shape[1:])))
         return np.ascontiguousarray(np.moveaxis(found, 0, -1))
 
     @cached_property
     def _onto_edges(self) -> tuple[Array, Array]:
-        """The matrices |ê| σ̂ν̂ ↦ σν in the axes of the edges, transposed, (cells, 3, 2, 2), and which edges are
-        reversed.
+        """How tractions on the sides of the reference triangle become tractions on the edges of the mesh.
 
-        An edge is reversed if it runs against the side of the cell.
+        Returns:
+            The transposed matrices of |ê| σ̂ν̂ ↦ σν in the axes of the edges, (cells, 3, 2, 2); and whether the edge
+            runs against the side of the cell, (cells, 3).
         """
         a, b = (self.mesh.t[[side[end] for side in SIDES]].T for end in (0, 1))
         turned = (self.mesh.facets[0, self.edges] == b) & (self.mesh.facets[1, self.edges] == a)
@@ -183,21 +198,23 @@ class StressSpace(MeshedBody):
         return (self.frames[self.edges] @ self.map[:, None] / length[..., None, None]).swapaxes(2, 3), turned
 
     def _to_edges(self, reference: Array) -> Array:
-        """Return σν on the edges from |ê| σ̂ν̂ on the sides of the reference triangle, (..., cells, 3, n, 2) both."""
+        """Return σν on the edges from |ê| σ̂ν̂ on the sides of the reference triangle, both (..., cells, 3, n, 2)."""
         onto, turned = self._onto_edges
         pushed: Array = reference @ onto
         pushed[..., turned, :, :] = pushed[..., turned, ::-1, :]
         return pushed
 
     def coefficients(self, values: Tensors) -> Array:
-        """Return Bernstein coefficients of polynomials of degree k from values at the points, (3, thirds,
-        polynomials)."""
+        """Return the Bernstein coefficients of stresses of degree k from values at the points, (3, cells, Q).
+
+        The shape is (3 components, thirds of all cells, polynomials).
+        """
         inverse = np.linalg.pinv(bernstein(self.degree, self._rule[0]))
         return values.reshape(3, 3 * self.cells, -1) @ inverse
 
     @cached_property
     def force_shapes(self) -> Array:
-        """The Bernstein polynomials of P f_0 on a third at its points, (lower, q)."""
+        """The Bernstein polynomials of degree k − 1 at the quadrature points of a third, (lower, q)."""
         return bernstein(self.degree - 1, self._rule[0])
 
     def lift(self, coefficients: Array) -> tuple[Tensors, Array]:
@@ -207,7 +224,8 @@ class StressSpace(MeshedBody):
             coefficients: Bernstein coefficients of P f_0, (..., cells, 3 thirds, lower, 2).
 
         Returns:
-            Values (3, ..., cells, Q), and tractions (..., cells, 3, n, 2), which need not be continuous across edges.
+            The values, (3, ..., cells, Q), and the tractions, (..., cells, 3, n, 2). The tractions need not be
+            continuous across edges.
         """
         values, tractions = self._lifting
         several = coefficients.shape[:-3]
@@ -217,14 +235,16 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _pulled(self) -> Array:
-        """Matrices from P f_0 to the divergence on the reference triangle: −det F F⁻¹, transposed, (cells, 2, 2)."""
+        """The transposed matrices −det F F⁻¹ from P f_0 to the divergence on the reference triangle, (cells, 2, 2)."""
         return -self.determinant[:, None, None] * np.linalg.inv(self.map).swapaxes(1, 2)
 
     @cached_property
     def _lifting(self) -> tuple[Array, Array]:
-        """The matrix ``element.lift`` at the points and on the sides of the reference triangle.
+        """The stresses of ``element.lift`` on the reference triangle, for every coefficient of the divergence.
 
-        The shapes are (3 thirds · lower · 2, 3 · Q) and (3 thirds · lower · 2, 3 sides · n · 2).
+        Returns:
+            The values at the quadrature points, (3 thirds · lower · 2, 3 · Q), and the tractions on the sides,
+            (3 thirds · lower · 2, 3 sides · n · 2).
         """
         lift, tractions = self.element.lift, self.element.tractions
         rows = int(np.prod(lift.shape[3:]))

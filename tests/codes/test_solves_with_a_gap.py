@@ -16,10 +16,9 @@ from manufactured.data import Data
 from study.bound.bounded import check_problem
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
-from study.fem.initial_gap import gaps_at_vertices
-from study.fem.material import form
+from study.fem.error_norm import gaps_at_vertices
 from study.fem.mesh import OneDiagonal, Shaken, Unstructured
-from study.fem.space import Space
+from study.fem.space import Space, form
 from study.run.plan import Plan, full, quick
 from study.run.tasks import frozen, plain
 from study.solve.multigrid import Multigrid

@@ -17,11 +17,10 @@ from manufactured.tensors import Array, Points, Tensors, mandel
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import prolongation
-from study.fem.material import form
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured, boundary_parts
 from study.fem.quadratic import Quadratic
-from study.fem.space import Space
-from study.stresses.bernstein import bernstein
+from study.fem.space import Space, form
+from study.stresses.composite import bernstein
 
 CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 BODIES = {

@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 from scipy.sparse.linalg import splu
 
 from manufactured import Kind, catalogue, polygon
-from study.fem.material import form
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.fem.space import Space
+from study.fem.space import Space, form
 from study.solve.factorisation import Cholesky, nested_dissection
 from study.solve.signorini import Signorini
 

@@ -64,7 +64,7 @@ def test_a_start_at_the_fixed_point_takes_one_image() -> None:
 
 
 def test_a_map_that_does_not_settle_says_so() -> None:
-    with pytest.raises(FixedPointError, match="did not settle in 7 steps"):
+    with pytest.raises(FixedPointError, match="did not converge in 7 steps"):
         fixed_point(lambda v: np.cos(3 * v) * 5 + v[::-1], np.array([0.1, 0.7]), euclidean, 1e-12, 7)
 
 

@@ -13,9 +13,8 @@ from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured import Kind, catalogue, polygon
 from study.fem.error_norm import ErrorNorm
-from study.fem.material import form
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.fem.space import Space
+from study.fem.space import Space, form
 from study.solve.evolution import SemiDiscrete
 from study.solve.multigrid import COARSEST, Multigrid, MultigridError, rigid_motions
 from study.solve.signorini import Signorini

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from manufactured.exact import ExactSolution
-from study.fem.error_norm import ErrorNorm
-from study.fem.initial_gap import gaps_at_vertices
+from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space

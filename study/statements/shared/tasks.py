@@ -27,13 +27,11 @@ from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
-from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
-from study.fem.initial_gap import gaps_at_vertices
-from study.fem.material import form
+from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, gaps_at_vertices, rules, shared_lines
 from study.fem.mesh import MeshFamily
 from study.fem.moments import Amplitudes, QuadraturePoints, StrainSums, amplitudes_of
 from study.fem.quadrature import facet_rule
-from study.fem.space import Space
+from study.fem.space import Space, form
 from study.ledger.files import UsageError
 from study.solve.evolution import SemiDiscrete, State
 from study.solve.signorini import ContactSolver
