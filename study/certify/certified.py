@@ -1,4 +1,4 @@
-"""The command ``study certify``: the certificate of one level, with u_h and ũ as ``study bound`` computes them."""
+"""Makes the certificate of one level, from the solution u_h and the better displacement ũ that ``study bound`` uses."""
 
 from __future__ import annotations
 
@@ -29,12 +29,20 @@ from study.solve.evolution import Scheme
 CONSTANTS_LEVEL = 12
 """Level of the mesh on which the constants of the body are proved."""
 BELOW, DAMPING = 1e-9, 32
-"""The proved m is smaller than the computed eigenvalue by this relative distance, and has this many binary digits."""
+"""The constant m that a certificate states is smaller than its computed value by this relative distance, and is rounded
+to this many binary digits."""
 
 
 @dataclass(frozen=True, eq=False)
 class Making:
-    """The problem, mesh family, time scheme and way to compute ũ, which the certificates of all levels share."""
+    """Makes the certificates of all levels of one problem.
+
+    Attributes:
+        data: the problem.
+        family: the mesh family.
+        scheme: the time scheme of u_h.
+        refined: how the better displacement ũ is computed.
+    """
 
     data: Data
     family: MeshFamily
@@ -45,7 +53,7 @@ class Making:
         """Refuse a problem that the checker would refuse, before time is spent.
 
         Raises:
-            BoundError: repeats the reason of the checker.
+            BoundError: the checker refuses the problem; the message gives its reason.
         """
         stated = statement(self.data)
         try:
@@ -57,7 +65,13 @@ class Making:
     def certificate(
         self, level: int, steps: int, progress: Callable[[float], object] = lambda time: None
     ) -> dict[str, Any]:
-        """Return the certificate of one level; ``progress`` is called with each finished time."""
+        """Return the certificate of one level, as data that JSON can write.
+
+        Args:
+            level: the level of the mesh of u_h.
+            steps: the number of time steps of u_h.
+            progress: a function that is called with each time for which the stress is finished.
+        """
         stated = statement(self.data)
         problem = checker.Problem(stated)
         mesh = rational_mesh(self.family(self.data.body, level), self.data.body)
@@ -92,7 +106,7 @@ class Making:
 def _rounded_stresses(
     encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
 ) -> dict[str, Any]:
-    """Return the integers of σ̃ at the knots and of its control points between them, in alternation."""
+    """Return the stress σ̃ as integers: at the first knot, then a control point and the next knot in turn."""
     # The unit depends on the largest stress, so all stresses are computed before any is rounded.
     stresses = list(_stresses(encoder, fine, nodes, progress))
     bits = bits_below(max(float(abs(encoder.tractions(stress)).max()) for stress, _ in stresses), FINE)
@@ -104,7 +118,7 @@ def _rounded_stresses(
 def _stresses(
     encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
 ) -> Iterator[tuple[Array, Load]]:
-    """Yield pairs (σ̃ on cells, f̃) at knots and control points."""
+    """Yield pairs of the stress σ̃ on the cells and the load f̃: at the first knot, then control point and next knot."""
     T = encoder.problem.T
     k = T / (len(nodes) - 1)
     knots = [Fraction(0), *(k * Fraction(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
@@ -126,7 +140,7 @@ def _stresses(
 
 
 def differences(rows: Sequence[list[int]]) -> list[list[int]]:
-    """Return second differences in time, which have fewer digits and make the file smaller."""
+    """Return the second differences in time of rows of integers, which have fewer digits and make the file smaller."""
     for _ in range(2):
         rows = [rows[0], *([y - x for x, y in zip(p, q, strict=True)] for p, q in pairwise(rows))]
     return list(rows)

@@ -1,12 +1,12 @@
-"""Numbers that every certificate of a body states and the checker verifies: the stress element, and constants of loads.
+"""The stress element and the constants of the loads, which certificates state and the checker verifies.
 
-**The reference element** is the composite element of degree 3 on the reference triangle with exact coefficients. The
-unknowns are 90 Bernstein coefficients of a stress and three of a rigid motion q̂. The equations are: tractions are
-continuous inside and prescribed on the boundary, and Div σ̂ − q̂ = −f̂. Row reduction over the rationals solves them
-for all inputs at once.
+**The reference element** is the composite element of degree 3 on the reference triangle, with exact coefficients. The
+unknowns are 90 Bernstein coefficients of a stress σ̂ and three coefficients of a rigid motion q̂. The equations say that
+tractions are continuous inside and prescribed on the boundary, and that Div σ̂ − q̂ = −f̂. They are solved for all
+prescribed data at once, by row reduction over the rational numbers.
 
-**Constants of loads.** A tensor field Φ proves ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V. For a totally
-symmetric Φ, continuous and linear on cells, and v = 0 on Γ1,
+**The constants of the loads** are C_Ω and C_Γ with ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V. A tensor field
+Φ proves them as follows. For a totally symmetric Φ, continuous and linear on cells, and v = 0 on Γ1,
 
     ∫ (div Φ)(v, v) + 2 (Φv)·ε(v) = ∫_{Γ2 ∪ Γ3} Φ(ν, v, v),
 
@@ -14,9 +14,9 @@ since (Φv)·∇v = (Φv)·ε(v). With −2 (Φv)·ε(v) ≤ Aε(v)·ε(v) + A�
 
     ‖v‖_V² ≥ ∫ div Φ(v, v) − A⁻¹(Φv)·(Φv) − ∫_{Γ2 ∪ Γ3} Φ(ν, v, v) ≥ μ ‖v‖² + κ ‖v‖²_{L²(Γ2)}
 
-if the integrands are large enough. It suffices to check 2 × 2 matrices at vertices, because the square is convex on a
-cell. No Korn inequality is needed. The largest min(μ, κ) is the solution of a semidefinite programme, with the Schur
-complement
+if the integrands are large enough. It suffices to check 2 × 2 matrices at vertices, because the quadratic term is
+convex on a cell. Korn's inequality is not needed. The largest κ, with a fixed ratio μ/κ, is the solution of a
+semidefinite programme. Its conditions are written with a Schur complement:
 
     ( div Φ − μ 1   Φᵀ )
     ( Φ             A  )  ⪰ 0     at every vertex of every cell.
@@ -44,27 +44,28 @@ from study.certify.checker import CENTRE, CORNERS, CUBIC, SQUARE, Poly, X, Y
 from study.stresses.composite import indices
 
 GIVEN, INNER = 36, 9
-"""Numbers of inputs: tractions and forces, and inner numbers that stay free."""
+"""Number of prescribed data of the element (24 of tractions, 12 of forces), and number of coefficients that stay
+free."""
 RIGID = ((checker.ONE, Poly()), (Poly(), checker.ONE), (Y * -1, X))
 BITS = 28
 """Φ is rounded to multiples of 2^−BITS."""
 MARGIN = 1e-6
 """Margin for round-off in every semidefinite condition."""
 WITH_FORCE, WITHOUT_FORCE = Fraction(1), Fraction(1, 100)
-"""The ratio μ/κ with and without f_0; without f_0, C_Ω is used for rounding errors only."""
+"""The ratio μ/κ for problems with and without a body force f_0. Without f_0, C_Ω is needed for rounding errors only."""
 SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
-"""Fractions by which κ is reduced until the rounded field proves the result."""
+"""Fractions by which κ is reduced, tried in turn, until the rounded field Φ proves it."""
 ENTRIES = ((0, 0), (0, 1), (1, 1))
-"""Entries of a symmetric 2 × 2 matrix; to the k-th entry Φ contributes its components k and k + 1."""
+"""Entries of a symmetric 2 × 2 matrix. The k-th entry contains the components k and k + 1 of Φ."""
 Field = list[list[Poly]]
-"""Three components on three thirds."""
+"""A stress as polynomials: its three components on each of three thirds, [third][component]."""
 
 
 # ---- the reference element
 
 
 def bernstein(third: int) -> list[Poly]:
-    """Return the cubic Bernstein polynomials of a third in X and Y, in the order of ``indices``."""
+    """Return the cubic Bernstein polynomials of a third, as polynomials in X and Y, in the order of ``indices``."""
     (p, q), (r, s), (m, n) = CORNERS[(third + 1) % 3], CORNERS[(third + 2) % 3], CENTRE
     rows = checker.inverse([[p, r, m], [q, s, n], [Fraction(1)] * 3])
     factors = [X * a + Y * b + checker.ONE * c for a, b, c in rows]
@@ -77,7 +78,10 @@ def bernstein(third: int) -> list[Poly]:
 
 
 def _conditions(field: Field) -> list[Fraction]:
-    """Return the coefficients of tractions on the boundary, jumps inside and divergences of a field."""
+    """Return the left-hand sides of all equations for a stress, as coefficients of polynomials.
+
+    They are the tractions on the boundary, the jumps of tractions inside, and the divergences on the thirds.
+    """
     outside, jumps, divergences = [], [], []
     stress = [[[p.get(key, Fraction(0)) for key in CUBIC] for p in third] for third in field]
     for i, (x, y, z) in enumerate(field):
@@ -90,11 +94,12 @@ def _conditions(field: Field) -> list[Fraction]:
 
 
 def _at(divergences: list[Poly]) -> list[Fraction]:
+    """Return the six coefficients of every polynomial of degree 2."""
     return [p.get(key, Fraction(0)) for p in divergences for key in SQUARE]
 
 
 def _right_sides() -> list[list[Fraction]]:
-    """Return the right-hand sides of the conditions for all inputs."""
+    """Return the right-hand sides of all equations, one column for each prescribed traction or force."""
     found = []
     for i, p, d in product(range(3), checker.bernstein(3, X), (0, 1)):
         column = [Fraction(0)] * 84
@@ -109,9 +114,10 @@ def _right_sides() -> list[list[Fraction]]:
 
 @cache
 def columns() -> dict[str, Any]:
-    """Return the element as a certificate states it: for each of 45 inputs the monomials of a stress.
+    """Return the reference element as a certificate states it.
 
-    All numbers are integers over one denominator.
+    For each of the 36 prescribed data and the 9 free coefficients, this is the stress that belongs to it, given by the
+    coefficients of its monomials. All numbers are integers over one denominator, ``over``.
     """
     # Basis fields: one Bernstein coefficient is 1, the others are 0.
     fields: list[Field] = [
@@ -126,7 +132,7 @@ def columns() -> dict[str, Any]:
     solved, unknowns = reduced.to_list(), len(fields) + len(motions)
     free = [n for n in range(len(fields)) if n not in pivots]
     if len(free) != INNER or max(pivots) >= unknowns:
-        raise ArithmeticError("the reference element has the wrong dimension")
+        raise ArithmeticError(f"the reference element has {len(free)} free coefficients, expected {INNER}")
     found = []
     for column in [*range(unknowns, unknowns + GIVEN), *free]:
         sign = 1 if column >= unknowns else -1
@@ -137,7 +143,12 @@ def columns() -> dict[str, Any]:
 
 
 def _monomials(fields: list[Field], weights: dict[int, Any]) -> list[Fraction]:
-    """Return a combination of fields as three components of ten monomials on three thirds."""
+    """Return a linear combination of stresses as coefficients: 3 components, each on 3 thirds with 10 monomials.
+
+    Args:
+        fields: the stresses.
+        weights: the number of a stress ↦ its factor.
+    """
     total = [[Poly() for _ in range(3)] for _ in range(3)]
     for n, weight in weights.items():
         factor = Fraction(int(weight.numerator), int(weight.denominator))
@@ -149,10 +160,14 @@ def _monomials(fields: list[Field], weights: dict[int, Any]) -> list[Fraction]:
 
 
 def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
-    """Return the constants as a certificate states them: a mesh, the values of Φ at its vertices, μ and κ.
+    """Return the constants of the loads as a certificate states them: a mesh, Φ at its vertices, μ and κ.
+
+    Args:
+        mesh: a mesh as a certificate states it.
+        problem: the problem.
 
     Raises:
-        BoundError: no tensor field that proves a constant was found.
+        BoundError: no tensor field was found that proves a constant.
     """
     exact = checker.Mesh.of(mesh, problem)
     inside = WITH_FORCE if any(problem.force) else WITHOUT_FORCE
@@ -166,11 +181,17 @@ def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
         except checker.RefusedError:
             continue
         return found
-    raise BoundError("no constant of the loads could be proved for this body: its mesh may have very flat cells")
+    raise BoundError(
+        "no constant of the loads could be proved for this body: the checker refused every rounded field Φ; the mesh "
+        "of the body may have very flat cells, so avoid small angles and very short sides"
+    )
 
 
 def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple[Array, float]:
-    """Return Φ at the vertices, (vertices, 4), and the largest κ with μ = inside · κ."""
+    """Solve the semidefinite programme: return Φ at the vertices, (vertices, 4), and the largest κ.
+
+    ``inside`` is the ratio μ/κ.
+    """
     blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
     unknowns = 4 * len(mesh.points) + 1
     rows, right = zip(*(_triangle(linear, constant) for linear, constant in blocks), strict=True)
@@ -186,7 +207,10 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
 
 
 def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iterator[tuple[Array, Array]]:
-    """Yield the Schur complement at the vertices of the cells: coefficients (5, 5, unknowns) and constants (5, 5)."""
+    """Yield the conditions at the vertices of the cells as linear functions of the unknowns (the values of Φ, then κ).
+
+    Each is a pair of coefficients, (5, 5, unknowns), and constants, (5, 5), of the matrix of the Schur complement.
+    """
     constant = -MARGIN * np.eye(5)
     constant[2:, 2:] = [[float(c) for c in row] for row in problem.A]
     for cell in mesh.cells:
@@ -204,7 +228,7 @@ def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iter
 
 
 def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
-    """Yield −Φ(ν) at the ends of edges outside Γ1, minus κ if there is a load."""
+    """Yield the conditions at the ends of edges outside Γ1, as ``_inside`` does: −Φ(ν), minus κ on loaded edges."""
     for edge, side in mesh.boundary.items():
         normal = np.array([float(c) for c in side.normal])
         normal /= np.linalg.norm(normal)
@@ -218,7 +242,7 @@ def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
 
 
 def _triangle(linear: Array, constant: Array) -> tuple[sps.csr_matrix, Array]:
-    """Return the condition constant + linear · x ⪰ 0 in the format of clarabel.
+    """Return the condition constant + linear · x ⪰ 0 in the format of Clarabel, as a matrix and a right-hand side.
 
     The format is the upper triangle by columns, with off-diagonal entries multiplied by √2.
     """

@@ -1,11 +1,11 @@
-"""The problem and its meshes in rational numbers, as a certificate states them.
+"""Writes the problem and its meshes in rational numbers, as a certificate states them.
 
 **Numbers.** A double is read as the simplest fraction that rounds to it (0.8 is read as 4/5) if the denominator is at
 most ``SIMPLE``, otherwise as its exact value. The certificate proves a bound for the problem with these fractions.
 
-**Meshes.** The vertices are rational and the cells tile the polygon exactly. An inner vertex moves to the nearest point
-of a lattice of width 2^{−b}, with b from the size of cells. A vertex on a part of the boundary moves to the nearest
-point that divides the part in a ratio with denominator 2^b.
+**Meshes.** Vertices are moved to rational points such that the cells cover the polygon exactly. An inner vertex moves
+to the nearest point of a lattice of width 2^{−b}, with b from the size of the cells. A vertex on a part of the boundary
+moves along the part, to a fraction of its length with denominator 2^b.
 """
 
 from __future__ import annotations
@@ -34,22 +34,24 @@ from study.fem.mesh import determinants, simplicial_mesh, size
 SIMPLE = 10**6
 """The largest denominator of a simple fraction that replaces a double."""
 FINENESS = 64
-"""Cell size divided by lattice width, at least."""
+"""Least ratio of the cell size to the lattice width."""
+ROUNDED_TWICE = 4e-16
+"""Relative error of a product with √2 that is rounded twice."""
 NAMES = {Kind.CLAMPED: "clamped", Kind.LOADED: "loaded", Kind.CONTACT: "contact"}
 SERVED = "certificates support polynomials in x1, x2 and t with rational coefficients, times pos(polynomial, q) in f_2"
 
 
-def rational(x: float) -> Fraction:
-    """Return the fraction as which a double is read."""
+def rational(x: float, tolerance: float = 0.0) -> Fraction:
+    """Return the fraction that stands for a double: a simple one within a relative tolerance, or its exact value."""
     simple = Fraction(x).limit_denominator(SIMPLE)
-    return simple if float(simple) == x else Fraction(x)
+    return simple if abs(float(simple) - x) <= tolerance * abs(x) else Fraction(x)
 
 
 def statement(data: Data) -> dict[str, Any]:
-    """Return the problem as a certificate states it.
+    """Return the problem as a certificate states it, as data that JSON can write.
 
     Raises:
-        BoundError: body, law or data are not supported; the message gives the reason.
+        BoundError: certificates do not support the body, the law or the data; the message gives the reason.
     """
     if data.body.dim != 2 or data.body.interfaces:
         raise BoundError("certificates support plane bodies without interfaces")
@@ -75,7 +77,7 @@ def statement(data: Data) -> dict[str, Any]:
 
 
 def corners(body: Body) -> list[tuple[Fraction, Fraction]]:
-    """Return the corners of a polygon."""
+    """Return the corners of a polygon as fractions, in the order of its parts."""
     return [(rational(float(part.start[0])), rational(float(part.start[1]))) for part in body.parts]
 
 
@@ -83,29 +85,32 @@ def _law(law: KelvinVoigt) -> dict[str, list[list[str]]]:
     found = {}
     for name, operator in (("A", law.A), ("G", law.G)):
         if not isinstance(operator, Linear) or operator.factor is not UNIFORM:
-            raise BoundError(f"{name} is not linear and uniform; certificates need this, `study bound` does not")
+            raise BoundError(
+                f"{name} is not linear and uniform, which certificates need; use `study bound`, which does not need it"
+            )
         if isinstance(operator, Indefinite):
-            raise BoundError(f"{name} need not be positive; certificates need positive ones, `study bound` does not")
+            raise BoundError(
+                f"{name} need not be positive, which certificates need; use `study bound`, which does not need it"
+            )
         found[name] = [[str(c) for c in row] for row in voigt(operator.matrix)]
     return found
 
 
 def voigt(matrix: Array) -> list[list[Fraction]]:
-    """Convert a tensor from Mandel's to Voigt's components, stresses (11, 22, 12) and strains (11, 22, 2·12)."""
+    """Convert a tensor from Mandel's to Voigt's components: strains (11, 22, 2·12) to stresses (11, 22, 12).
+
+    Args:
+        matrix: the tensor in Mandel form, (3, 3).
+    """
     scale = np.sqrt([1.0, 1.0, 0.5])
     # The factors √2 are rounded twice, so a simple fraction within this error is taken as the exact value.
     values = scale[:, None] * ((matrix + matrix.T) / 2) * scale
-    found = [[_simplest(float(c)) for c in row] for row in values]
+    found = [[rational(float(c), ROUNDED_TWICE) for c in row] for row in values]
     return [[found[min(i, j)][max(i, j)] for j in range(3)] for i in range(3)]
 
 
-def _simplest(x: float) -> Fraction:
-    simple = Fraction(x).limit_denominator(SIMPLE)
-    return simple if abs(float(simple) - x) <= 4e-16 * abs(x) else Fraction(x)
-
-
 def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
-    """Return the data [[p, g, q], …] of a sum of p · pos(g, q); a term without pos has q = 0 and g = []."""
+    """Write a formula as a sum of terms p · pos(g, q), as [[p, g, q], …]; terms without pos have g = [], q = 0."""
     grouped: dict[tuple[sp.Expr, int], sp.Expr] = {}
     for summand in sp.Add.make_args(sp.expand(sp.nsimplify(formula, rational=True))):
         factor, truncated = _split(name, summand)
@@ -118,7 +123,7 @@ def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
 
 
 def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
-    """Return p and (g, q) of a summand p · g_+^q."""
+    """Split a summand p · pos(g, q) of a formula into p and (g, q)."""
     plain, truncated = sp.Integer(1), []
     for factor in sp.Mul.make_args(summand):
         if not factor.has(pos):
@@ -136,7 +141,7 @@ def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
 
 
 def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> list[list[Any]]:
-    """Return the data [[coefficient, exponents …], …] of a polynomial."""
+    """Return the terms [[coefficient, exponent, …], …] of a polynomial; ``name`` is for messages."""
     try:
         p = sp.Poly(sp.nsimplify(formula, rational=True), *symbols, domain="QQ")
     except sp.PolynomialError as error:
@@ -147,7 +152,10 @@ def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> 
 
 
 def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
-    """Return the mesh as a certificate states it: integers over one denominator, cells counter-clockwise."""
+    """Return a mesh as a certificate states it: vertices as integers over one denominator, cells counter-clockwise.
+
+    ``sides`` lists the vertices on every part of the body in the order in which they follow each other.
+    """
     bits = math.ceil(math.log2(FINENESS / size(mesh)))
     unit, sides = 1 << bits, corners(body)
     points = [(Fraction(round(x * unit), unit), Fraction(round(y * unit), unit)) for x, y in mesh.p.T.tolist()]
@@ -173,16 +181,18 @@ def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
 
 
 def in_doubles(mesh: checker.Mesh) -> Mesh:
-    """Return a mesh of the checker as a mesh of scikit-fem, in double precision."""
+    """Return a mesh of the checker as a mesh of scikit-fem, with coordinates in double precision."""
     points = np.array([[float(c) for c in mesh.place(v)] for v in range(len(mesh.points))]).T
     return simplicial_mesh(points, np.array([cell.v for cell in mesh.cells]).T)
 
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """One mesh in scikit-fem and in the checker, which number vertices, edges and cells differently.
+    """Translates the numbers of vertices, edges and cells of one mesh between the checker and scikit-fem.
 
-    Below, "exact" refers to the mesh of the checker.
+    Attributes:
+        skfem: the mesh in scikit-fem.
+        exact: the same mesh in the checker, with rational vertices; its vertices, edges and cells are called exact.
     """
 
     skfem: Mesh
@@ -190,37 +200,37 @@ class Twins:
 
     @property
     def triangles(self) -> Array:
-        """The vertices of the exact cells, (cells, 3)."""
+        """The exact vertices of the exact cells, (cells, 3)."""
         return np.array([cell.v for cell in self.exact.cells])
 
     @cached_property
     def vertices(self) -> Array:
-        """The scikit-fem number of each exact vertex."""
+        """The scikit-fem number of each exact vertex, (vertices,)."""
         points = np.array(self.exact.points, dtype=float) / self.exact.h
         return cKDTree(self.skfem.p.T).query(points)[1]
 
     @cached_property
     def edges(self) -> Array:
-        """The scikit-fem number of each exact edge."""
+        """The scikit-fem number of each exact edge, (edges,)."""
         known = {frozenset(ends): n for n, ends in enumerate(self.skfem.facets.T.tolist())}
         return np.array([known[frozenset(ends)] for ends in self.vertices[np.array(self.exact.edges)].tolist()])
 
     @cached_property
     def cells(self) -> Array:
-        """The scikit-fem number of each exact cell."""
+        """The scikit-fem number of each exact cell, (cells,)."""
         known = {frozenset(corners): n for n, corners in enumerate(self.skfem.t.T.tolist())}
         mine = self.vertices[self.triangles].tolist()
         return np.array([known[frozenset(corners)] for corners in mine])
 
     @cached_property
     def corners(self) -> Array:
-        """The local scikit-fem number of each corner of the exact cells, (cells, 3)."""
+        """For each corner of an exact cell, its position 0, 1 or 2 in the scikit-fem cell, (cells, 3)."""
         theirs = self.skfem.t.T[self.cells]
         mine = self.vertices[self.triangles]
         return (theirs[:, None, :] == mine[:, :, None]).argmax(axis=2)
 
     @cached_property
     def turned(self) -> Array:
-        """Whether the lower vertex of each exact edge is its second vertex in scikit-fem."""
+        """Whether the exact vertex of lower number of each exact edge is its second vertex in scikit-fem, (edges,)."""
         first = self.vertices[np.array(self.exact.edges)[:, 0]]
         return self.skfem.facets[0, self.edges] != first

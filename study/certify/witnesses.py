@@ -1,9 +1,11 @@
-"""The witnesses of a certificate: ũ and σ̃ as ``study.bound`` computes them, rounded so that signs hold exactly.
+"""The witnesses of a certificate: the displacement ũ and the stress σ̃ of ``study.bound``, rounded to integers.
 
-The stress differs from the stress of the bound in two ways. It balances the loads f̃ of the checker, not projections.
-And it is given by its tractions on edges and nine inner numbers for each cell, from which the checker makes a stress
-with exactly continuous tractions. Rounding must preserve signs only, because the checker adds the unbalanced loads to
-the bound.
+ũ and σ̃ are the two fields from which the checker computes an error bound. Rounding must preserve the signs on Γ3
+exactly. The balance of forces need not be exact, because the checker adds the effect of unbalanced loads to the bound.
+
+σ̃ differs from the stress that ``study.bound`` uses in two ways. It balances the loads f̃ of the checker, not projected
+loads. And it is given by its tractions on the edges and by nine numbers for each cell, called inner numbers, from which
+the checker makes a stress with exactly continuous tractions.
 """
 
 from __future__ import annotations
@@ -24,33 +26,37 @@ from study.stresses.composite import SIDES, indices
 from study.stresses.loads import Loads
 
 FINE, COARSE = 38, 20
-"""Binary digits of the numbers that decide the balance, and of the others, relative to the largest traction."""
+"""Binary digits, relative to the largest traction, of the numbers that determine the balance, and of all others."""
 DISPLACEMENT = 38
 """Binary digits of ũ, relative to its largest value."""
 EDGE_PLACES = np.array([[math.comb(3, i) * (n / 3) ** i * (1 - n / 3) ** (3 - i) for i in range(4)] for n in range(4)])
 """Matrix from Bernstein coefficients of degree 3 to values at 0, 1/3, 2/3, 1."""
-
-
 CUBICS = indices(3)
+"""The multi-indices of the cubic Bernstein polynomials of a third."""
 LOAD_BITS = 60
 """The loads f̃_0 agree with those of the checker up to 2^−LOAD_BITS."""
 Edge = tuple[int, int]
 
 
 def bits_below(size: float, digits: int) -> int:
-    """Return b such that 2^{−b} is about 2^{−digits} times a size."""
+    """Return b such that the unit 2^{−b} is about 2^{−digits} times a size."""
     return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
 
 
 @dataclass(frozen=True, eq=False)
 class AdmissibleRounding:
-    """Rounds displacements to integers such that the signs on Γ1 and Γ3 hold exactly."""
+    """Rounds displacements to integers over 2^bits such that v = 0 on Γ1 and v·ν ≤ 0 on Γ3 hold exactly.
+
+    Attributes:
+        mesh: the mesh of the checker.
+        bits: binary digits behind the point.
+    """
 
     mesh: checker.Mesh
     bits: int
 
     def __call__(self, values: Array) -> list[int]:
-        """Return integers over 2^bits for values at vertices and edges, (vertices and edges, 2)."""
+        """Return the integers, x and y in turn, for coefficients at vertices, then at edges, (vertices + edges, 2)."""
         found = np.round(values * 2.0**self.bits).astype(object)
         rounded = [[int(c) for c in row] for row in found]
         for n, normals in self._normals.items():
@@ -59,7 +65,7 @@ class AdmissibleRounding:
 
     @cached_property
     def _normals(self) -> dict[int, list[tuple[int, int]]]:
-        """Integer normals at the nodes on Γ3, and an empty list at nodes on Γ1."""
+        """The integer normal vectors at the nodes on Γ3 and on Γ1, by node; the list is empty at nodes on Γ1."""
         found: dict[int, list[tuple[int, int]]] = {}
         clamped = set()
         for edge, side in self.mesh.boundary.items():
@@ -75,7 +81,7 @@ class AdmissibleRounding:
 
     @staticmethod
     def _admissible(value: list[int], normals: list[tuple[int, int]]) -> list[int]:
-        """Return a nearby integer vector with value·N ≤ 0 for one or two normals N; 0 without normals."""
+        """Return an integer vector near ``value`` with value·N ≤ 0 for one or two normals N; 0 without normals."""
         if not normals:
             return [0, 0]
         x, y = normals[0]
@@ -103,10 +109,11 @@ def element() -> checker.Element:
 
 @dataclass(frozen=True)
 class Load:
-    """The loads f̃ at one time: twice the area times f̃_0, and |e| f̃_2 on the loaded edges.
+    """The loads f̃ of the checker at one time.
 
-    ``force`` has six monomials for each cell, (cells, 6, 2); ``surface`` has four Bernstein coefficients of a cubic,
-    (loaded edges, 4, 2).
+    Attributes:
+        force: twice the area of the cell times f̃_0, as coefficients of six monomials, (cells, 6, 2).
+        surface: |e| f̃_2 on the loaded edges, as four Bernstein coefficients of a cubic, (loaded edges, 4, 2).
     """
 
     force: Array
@@ -114,7 +121,13 @@ class Load:
 
 
 class StressEncoder:
-    """Converts stresses of the study to tractions and inner numbers of the checker, and loads of the checker back."""
+    """Converts stresses of the study to numbers of the checker, and loads of the checker to loads of the study.
+
+    Args:
+        problem: the problem, as the checker reads it.
+        twins: the mesh, in the checker and in scikit-fem.
+        fine: the discretisation of ``study.bound`` on this mesh.
+    """
 
     def __init__(self, problem: checker.Problem, twins: Twins, fine: Discretisation) -> None:
         self.problem, self.twins, self.fine = problem, twins, fine
@@ -142,7 +155,7 @@ class StressEncoder:
         )
 
     def loads(self, a: Fraction, b: Fraction) -> list[Load]:
-        """Return f̃ at the ends of a piece and its control point between them."""
+        """Return the loads f̃ for a piece [a, b] in time: at a, the control point between, and at b."""
         inside = [self._force(control) for control in self._exact.controls(a, b)]
         first, middle, last = (self._surface(t) for t in (a, (a + b) / 2, b))
         outside = [first, 2 * middle - (first + last) / 2, last]
@@ -153,11 +166,12 @@ class StressEncoder:
         return checker.Loads(self.problem, self.exact, LOAD_BITS)
 
     def _force(self, control: list[checker.Poly]) -> Array:
+        """Return ``Load.force`` for a control polynomial of f_0."""
         found = np.array(self._exact.on_cells(control), dtype=float) / 2.0**LOAD_BITS
         return found.reshape(-1, 6, 2) if found.size else np.zeros((len(self.J), 6, 2))
 
     def _surface(self, time: Fraction) -> Array:
-        """Return the cubics through |e| f_2 at 0, 1/3, 2/3 and 1 on the loaded edges."""
+        """Return ``Load.surface`` at a time: cubics that interpolate |e| f_2 at 0, 1/3, 2/3 and 1 on loaded edges."""
         found = np.zeros((len(self.layout.loaded), 4, 2))
         for n, edge in enumerate(self.layout.loaded):
             p, q = (self.exact.place(v) for v in edge)
@@ -168,7 +182,7 @@ class StressEncoder:
         return np.linalg.solve(EDGE_PLACES, found)
 
     def study_loads(self, load: Load) -> Loads:
-        """Return the loads f̃ as an instance of ``Loads`` of the study."""
+        """Return the loads f̃ as ``study.stresses.loads.Loads``."""
         space = self.fine.stresses
         nodal = np.einsum("nm,cmd->cnd", [_square(place) for place in PLACES], load.force) / self.J[:, None, None]
         theirs, force = np.empty_like(nodal), np.zeros((space.cells, 3, 6, 2))
@@ -184,7 +198,14 @@ class StressEncoder:
         return Loads(force, surface)
 
     def numbers(self, stress: Array, load: Load, bits: int, coarse: int) -> tuple[list[int], list[int]]:
-        """Return the integers of the certificate: tractions, with σ̃_ν ≤ 0 on Γ3, and inner numbers."""
+        """Return the integers of a stress in the certificate: tractions, with σ̃_ν ≤ 0 on Γ3, and inner numbers.
+
+        Args:
+            stress: the stress in Bernstein form, as ``bernstein`` returns it.
+            load: the load that it balances.
+            bits: binary digits of the unit of tractions.
+            coarse: by how many binary digits the unit of the other numbers is larger.
+        """
         layout, T, unit = self.layout, self.tractions(stress), 2.0**bits
         n = np.array([self.exact.along(edge) for edge in layout.contact])[:, None, ::-1] * [1, -1] / self.exact.h
         tau = np.round(np.minimum((self._turned(T, layout.contact) * n).sum(axis=2) / (n * n).sum(axis=2), 0) * unit)
@@ -199,21 +220,24 @@ class StressEncoder:
         return [int(c) for part in (tau, loaded, free) for c in part.ravel()], [int(c) for c in inner.ravel()]
 
     def _numbers(self, edges: list[Edge]) -> list[int]:
+        """Return the numbers of edges that are given by their end vertices, in any order."""
         return [self.number[min(edge), max(edge)] for edge in edges]
 
     def _turned(self, T: Array, edges: list[Edge]) -> Array:
-        """Return σN of the given edges, seen from their first vertex, from σN of all edges seen from the lower
-        vertex."""
+        """Return the tractions σN of given edges from their first vertex on, from ``tractions`` of all edges."""
         return self._flipped(T[self._numbers(edges)], edges)
 
     @staticmethod
     def _flipped(values: Array, edges: list[Edge]) -> Array:
-        """Change σN between the directions "from the first vertex" and "from the lower vertex" of each edge."""
+        """Convert σN of edges between the directions "from the first vertex" and "from the vertex of lower number"."""
         flip = np.array([a > b for a, b in edges], dtype=bool)[:, None, None]
         return np.where(flip, -values[:, ::-1], values)
 
     def bernstein(self, values: Tensors) -> Array:
-        """Return Voigt's components in Bernstein form, (cells, 3 thirds, 10, 3), from values at quadrature points."""
+        """Return a stress in Bernstein form with Voigt's components, from its values at the quadrature points.
+
+        (3, cells, Q) → (exact cells, 3 thirds, 10 polynomials, 3 components).
+        """
         coefficients = np.moveaxis(self.fine.stresses.coefficients(values).reshape(3, -1, 3, 10), 0, 3)
         coefficients = coefficients / np.array([1, 1, np.sqrt(2)])
         of_cells = coefficients[self.twins.cells]
@@ -230,7 +254,10 @@ class StressEncoder:
         return found
 
     def tractions(self, stress: Array) -> Array:
-        """Return σN of the edges in Bernstein form from the lower vertex, (edges, 4, 2), as means of both sides."""
+        """Return the tractions σN of all edges in Bernstein form, from the vertex of lower number on, (edges, 4, 2).
+
+        On an inner edge it is the mean of the tractions of both cells. ``stress`` is a result of ``bernstein``.
+        """
         places = [CUBICS.index((3 - i, i, 0)) for i in range(4)]
         found, count = np.zeros((len(self.normals), 4, 2)), np.zeros(len(self.normals))
         for side in range(3):
@@ -246,12 +273,15 @@ class StressEncoder:
         return found / count[:, None, None]
 
     def inner(self, stress: Array, T: Array, force: Array) -> Array:
-        """Return the nine inner numbers of each cell: coordinates of the stress minus the part due to tractions and
-        loads.
+        """Return the nine inner numbers of every cell, (cells, 9).
+
+        They are the coordinates of the stress after subtracting the part that tractions and loads determine; the best
+        approximation in L² is taken.
 
         Args:
+            stress: a result of ``bernstein``.
             T: σN of the edges in Bernstein form, (edges, 4, 2).
-            force: twice the area times f̃_0 by monomials, (cells, 6, 2).
+            force: ``Load.force``, (cells, 6, 2).
         """
         given = [
             np.where(self.forward[:, i, None, None], T[self.sides[:, i]], -T[self.sides[:, i]][:, ::-1])
@@ -275,22 +305,25 @@ class StressEncoder:
 
 
 def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
-    """Return the value of a formula at a point in space and time."""
+    """Return the value of a formula of the checker at a point in space and time, (x, y, t)."""
     terms = [term(*map(checker.constant, place)).plain() for term in formula]
     return float(sum((p.get((0, 0, 0), Fraction(0)) for p in terms if p is not None), Fraction(0)))
 
 
 PLACES = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0)]
-"""Vertices of the reference triangle, and midpoints of the opposite sides in the same order."""
+"""The vertices of the reference triangle, then the midpoints of the opposite sides in the same order."""
 
 
 def _square(place: tuple[float, float]) -> Array:
-    """Return the monomials of degree 2 at a point."""
+    """Return the six monomials of degree 2 or less at a point."""
     return np.array([place[0] ** i * place[1] ** j for i, j, _ in checker.SQUARE])
 
 
 def _polar_forms() -> Array:
-    """Return the matrices from six nodal values to Bernstein coefficients of degree 2 on the thirds, (3, 6, 6)."""
+    """Return the matrices from six nodal values of a quadratic function to its Bernstein coefficients on the thirds.
+
+    The shape is (3 thirds, 6, 6). The coefficients are values of the polar form of the function.
+    """
     found, to_monomials = np.zeros((3, 6, 6)), np.linalg.inv([_square(place) for place in PLACES])
     corners, centre = np.array(PLACES[:3]), np.array([1 / 3, 1 / 3])
     for third in range(3):

@@ -1,31 +1,30 @@
-"""Data oscillation: a bound of f_0 − P f_0 and f_2 − P f_2 in the dual norm, P the projections.
+"""Data oscillation: a bound of the loads that the projection P leaves out, f_0 − P f_0 and f_2 − P f_2.
 
-Let g ∈ L²(T)² be orthogonal to P_q(T)², the polynomials of degree q ≥ 1 on a triangle, which include the rigid motions.
-By Korn's inequality there is a smallest C_{T,q} with
+**The inequality.** Let g ∈ L²(T)² be orthogonal to P_q(T)², the polynomials of degree q ≥ 1 on a triangle T, which
+include the rigid motions. By Korn's inequality there is a smallest constant C_{T,q} with
 
-    ∫_T g·v ≤ C_{T,q} ‖g‖_T ‖ε(v)‖_{A,T}   for all v ∈ H¹(T)²,
+    ∫_T g·v ≤ C_{T,q} ‖g‖_T ‖ε(v)‖_{A,T}   for all v ∈ H¹(T)².
 
-which is proportional to the size of T for fixed shape and A. Divide T into four similar triangles T' of half the size
-and let P' be the projection onto P_q(T')² on each of them. P'g is still orthogonal to the rigid motions of T, so it is
-balanced by stresses τ with τν = 0 on ∂T, and ∫ P'g·v = (τ, ε(v)). The least ‖τ‖_{A⁻¹} over composite stresses is at
-most √λ ‖P'g‖ with an eigenvalue λ of a small matrix. The rest g − P'g is orthogonal to every P_q(T')², and its constant
-is C_{T,q}/2. Hence
+For fixed shape and A the constant is proportional to the size of T.
+
+**How the constant is bounded.** Divide T into four similar triangles T' of half the size, and let P' be the projection
+onto P_q(T')² on each of them. P'g is still orthogonal to the rigid motions of T. So it is balanced by stresses τ with
+τν = 0 on ∂T, and ∫ P'g·v = (τ, ε(v)). The smallest ‖τ‖_{A⁻¹} over composite stresses is at most √λ ‖P'g‖, where λ is an
+eigenvalue of a small matrix. The rest g − P'g is orthogonal to every P_q(T')², and its constant is C_{T,q}/2. Hence
 
     C_{T,q}² ≤ λ + C_{T,q}²/4,   that is   C_{T,q}² ≤ 4λ/3.
 
 The same argument holds for a load on one side e of T that is orthogonal to P1(e)². There T' are the halves of e, and
 the constant grows like the square root of the size:  C_e² ≤ λ_e + C_e²/2,  that is  C_e² ≤ 2 λ_e.
 
-No constant from the literature is used. λ is computed by dense eigenvalue solvers in floating point, without an
-interval enclosure.
+**The eigenvalue.** λ is the smallest number with min ‖τ‖²_{A⁻¹} ≤ λ ‖load‖² for all loads. The loads are piecewise
+polynomials on the divided triangle that are orthogonal to the polynomials of the whole triangle. τ are composite
+stresses on the divided triangle with no other tractions on its boundary. λ is computed in floating point, without an
+interval enclosure. No constant from the literature is used.
 
-λ is the least number with min ‖τ‖²_{A⁻¹} ≤ λ ‖load‖² for all loads. The loads are piecewise polynomials on a triangle
-divided into four similar ones, orthogonal to the polynomials of the whole triangle. τ are composite stresses on the
-division, with no other tractions on its boundary.
-
-The midpoints of its sides divide the reference triangle into four children: child i < 3 is x = (x̂ + v_i)/2, the middle
-child is x = (v_0 + v_1 + v_2 − x̂)/2. With F = ±1/2 the Piola transformation keeps coefficients, turns Div into ±2 Div
-and |ê| σν into ±1/2 |ê| σν.
+**The divided triangle.** The midpoints of its sides divide the reference triangle into four triangles, here called
+children: child i < 3 is x = (x̂ + v_i)/2, the middle child is x = (v_0 + v_1 + v_2 − x̂)/2. With F = ±1/2 the Piola
+transformation keeps coefficients, turns Div into ±2 Div and |ê| σν into ±1/2 |ê| σν.
 """
 
 from __future__ import annotations
@@ -52,52 +51,48 @@ ROUNDING = 1e-9
 
 
 class DividedTriangle:
-    """Stresses of degree k on the four children of the reference triangle. The unknowns are their coefficients.
+    """The composite stresses of degree k on the four children of the reference triangle, as matrices.
+
+    The unknowns are the coefficients of the stresses of all children.
 
     Attributes:
-        inner: the jump of tractions across the three sides of the middle child, (equations, unknowns).
-        outer: |ê| σν on the halves of the sides, (3 sides, 2 halves, k + 1, 2, unknowns).
-        divergence: Div in Bernstein form of degree k − 1, (4 children · 3 thirds · lower · 2, unknowns).
-        values: Mandel values at the points of a quadrature rule, (points, 3, unknowns).
-        weights: weights of the rule, (points,).
+        inner: the matrix of the jumps of tractions across the sides of the middle child, (equations, unknowns).
+        outer: the matrix of |ê| σν on the halves of the sides, (3 sides, 2 halves, k + 1, 2, unknowns).
+        divergence: the matrix of Div in Bernstein form of degree k − 1, (4 children · 3 thirds · lower · 2, unknowns).
+        values: the matrix of values in Mandel form at the points of a quadrature rule, (points, 3, unknowns).
+        weights: the weights of this rule, (points,).
     """
 
     def __init__(self, degree: int) -> None:
         element = composite(degree)
         space = element.space.reshape(-1, element.space.shape[-1])
         size = space.shape[1]
-        self.inner, self.outer = _tractions(degree, element.tractions.reshape(3, degree + 1, 2, -1) @ space / 2)
+        of_child = element.tractions.reshape(3, degree + 1, 2, -1) @ space / 2
+        jumps, outer = np.zeros((3, degree + 1, 2, 4, size)), np.zeros((3, 2, degree + 1, 2, 4, size))
+        for side, traction in enumerate(of_child):
+            # Child ``side`` and the middle child share an edge, which they pass through in opposite directions.
+            jumps[side, :, :, side], jumps[side, :, :, 3] = traction, -traction[::-1]
+            for half, child in enumerate(SIDES[side]):
+                outer[side, half, :, :, child] = traction
+        self.inner, self.outer = jumps.reshape(-1, 4 * size), outer.reshape(3, 2, degree + 1, 2, -1)
         divergence = element.divergence.reshape(-1, space.shape[0]) @ space
         self.divergence = np.kron(np.diag([2.0, 2.0, 2.0, -2.0]), divergence)
         barycentric, weights = simplex_rule(2, 2 * degree)
         at = bernstein(degree, barycentric).T
-        of_child = np.einsum("qa,taJp->tqJp", at, element.space).reshape(-1, 3, size)
-        self.values = np.einsum("ab,pJu->apJbu", np.eye(4), of_child).reshape(-1, 3, 4 * size)
+        at_points = np.einsum("qa,taJp->tqJp", at, element.space).reshape(-1, 3, size)
+        self.values = np.einsum("ab,pJu->apJbu", np.eye(4), at_points).reshape(-1, 3, 4 * size)
         self.weights = np.tile(weights / 24, 12)
 
 
-def _tractions(degree: int, of_child: Array) -> tuple[Array, Array]:
-    """Return the jumps and outer tractions of four children, from the tractions of one, (3, degree + 1, 2, size)."""
-    inner, outer = [], []
-    size = of_child.shape[-1]
-    for side in range(3):
-        rows = np.zeros((degree + 1, 2, 4, size))
-        rows[:, :, side] = of_child[side]
-        rows[:, :, 3] = -of_child[side][::-1]
-        inner.append(rows)
-        for child in SIDES[side]:
-            rows = np.zeros((degree + 1, 2, 4, size))
-            rows[:, :, child] = of_child[side]
-            outer.append(rows)
-    return np.concatenate(inner).reshape(-1, 4 * size), np.array(outer).reshape(3, 2, degree + 1, 2, -1)
-
-
 def restriction(degree: int, corners: Array) -> Array:
-    """Return the matrix that restricts a polynomial in Bernstein form to a smaller triangle, (polynomials,
-    polynomials).
+    """Return the matrix that restricts a polynomial in Bernstein form to a smaller triangle.
 
     Args:
+        degree: the degree of the polynomial.
         corners: barycentric coordinates of the vertices of the smaller triangle, (3 vertices, 3).
+
+    Returns:
+        The matrix from the coefficients on the triangle to those on the smaller one, (polynomials, polynomials).
     """
     at = np.array(indices(degree)).T / degree
     inside = bernstein(degree, corners.T @ at)
@@ -106,13 +101,13 @@ def restriction(degree: int, corners: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class BalancingStresses:
-    """Stresses on the divided reference triangle that balance a space of r loads.
+    """Stresses on the divided reference triangle that balance a space of loads with a basis of r loads.
 
     Attributes:
-        free: a basis of the stresses that balance the load 0, at the points, (points, 3, p).
-        lifts: one balancing stress for each load of a basis, (points, 3, r).
-        weights: weights of the points, (points,).
-        loads: ∫ d_i d'_j of any two loads of the basis on the reference triangle, (r, r, 2, 2).
+        free: a basis of the stresses that balance the load 0, at quadrature points, (points, 3, p).
+        lifts: for each load of the basis one stress that balances it, (points, 3, r).
+        weights: weights of the quadrature points, (points,).
+        loads: the integrals ∫ d_i d'_j of the components of any two loads d, d' of the basis, (r, r, 2, 2).
     """
 
     free: Array
@@ -122,9 +117,14 @@ class BalancingStresses:
 
     @classmethod
     def of(cls, divided: DividedTriangle, zero: Array, balanced: Array, loads: Array, gram: Array) -> BalancingStresses:
-        """Return the stresses w with zero·w = 0 and balanced·w in the span of the loads, all of which can be balanced.
+        """Return the balancing stresses for loads, all of which must be balanced by some stress.
 
-        Loads are the columns of ``loads``, with the products ``gram``, in each of the two directions.
+        Args:
+            divided: the stresses on the divided triangle.
+            zero: the matrix of the conditions that the coefficients w of all stresses satisfy, zero·w = 0.
+            balanced: the matrix from w to the load that the stress balances.
+            loads: scalar loads as columns; each is used in both directions.
+            gram: the integrals of products of two scalar loads.
         """
         admissible = null_space(zero, rcond=ROUNDING)
         onto = balanced @ admissible
@@ -137,9 +137,9 @@ class BalancingStresses:
         """Return √λ for triangles x = F x̂ + b, (cells,).
 
         Args:
-            F: (cells, 2, 2).
+            F: the matrices F, (cells, 2, 2).
             compliance: A⁻¹ in Mandel form, (3, 3) or (cells, 3, 3).
-            scale: ‖load‖² = scale × ∫ |F d|², (cells,).
+            scale: the factor with ‖load‖² = scale × ∫ |F d|² for loads d on the reference triangle, (cells,).
         """
         J, E = abs(np.linalg.det(F)), basis(2)
         push = np.einsum("Iil,cij,Jjk,clk->cIJ", E, F, E, F, optimize=True) / J[:, None, None]
@@ -194,9 +194,17 @@ def balancing_on_side(side: int) -> BalancingStresses:
 
 
 def cell_constants(F: Array, compliance: Array, q: int) -> Array:
-    """Return an upper bound of C_{T,q} for triangles x = F x̂ + b: (cells, 2, 2) → (cells,).
+    """Return an upper bound of C_{T,q} for triangles x = F x̂ + b.
 
-    Cells that differ only by size, by a half turn, or by the order of their vertices are computed once.
+    The constant is computed once for cells that differ only by size, by a half turn, or by the order of their vertices.
+
+    Args:
+        F: the matrices F, (cells, 2, 2).
+        compliance: A⁻¹ in Mandel form, (3, 3).
+        q: the degree of the polynomials to which loads are orthogonal.
+
+    Returns:
+        (cells,).
     """
     size = np.sqrt(abs(np.linalg.det(F)))
     shapes = (by_length(F) / size[:, None, None]).reshape(-1, 4)
@@ -208,7 +216,7 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
 
 
 def by_length(F: Array) -> Array:
-    """Return the same triangles with vertices in the order of the lengths of the opposite sides: (cells, 2, 2)."""
+    """Return the matrices F, (cells, 2, 2), with the vertices of each cell sorted by the length of the opposite side."""
     corners = F @ CORNERS
     opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
     sorted_corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
@@ -216,14 +224,17 @@ def by_length(F: Array) -> Array:
 
 
 def side_constants(F: Array, compliance: Array, side: int) -> Array:
-    """Return an upper bound of C_e for one side of triangles x = F x̂ + b: (cells, 2, 2) → (cells,)."""
+    """Return an upper bound of C_e for side number ``side`` of triangles x = F x̂ + b: (cells, 2, 2) → (cells,)."""
     a, b = SIDES[side]
     length = np.linalg.norm(F @ (CORNERS[:, b] - CORNERS[:, a]), axis=1)
     return np.sqrt(2) * balancing_on_side(side).constants(F, compliance, 1 / length)
 
 
 def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Array, Array]]:
-    """Return for each side number the cells with this side on Γ2, their edges there, and upper bounds of C_e."""
+    """Return, for each of the three side numbers, the cells with this side on Γ2, their edges there, and bounds of C_e.
+
+    The arrays of one side number have the shapes (n,), (n,) and (n,).
+    """
     loaded = np.concatenate([np.empty(0, dtype=int), *(edges for _, edges in space.on(Kind.LOADED))])
     found = []
     for side in range(len(SIDES)):
@@ -233,15 +244,17 @@ def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Arr
 
 
 class Oscillation:
-    """Computes η_T with (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T} for the sides e of T on Γ2.
+    """Computes the oscillation η_T of every cell, which bounds the work of the loads that P leaves out:
 
-    η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e, where g = f_0 − P f_0 is orthogonal to
-    P_{k−1}, Π g is its projection onto P_k, and k is the degree of the stresses.
+    (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T}, where e are the sides of T on Γ2.
+
+    η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e. Here k is the degree of the stresses,
+    g = f_0 − P f_0 is orthogonal to P_{k−1}, and Π g is its projection onto P_k.
 
     Args:
         space: the stresses for which P is defined, of degree 2 or more.
-        compliance: A⁻¹ without its factor, Mandel (3, 3).
-        low: the least value of the factor of A.
+        compliance: A⁻¹ without its factor, in Mandel form, (3, 3).
+        low: the smallest value of the factor of A.
     """
 
     def __init__(self, space: StressSpace, compliance: Array, low: float = 1.0) -> None:
@@ -250,7 +263,7 @@ class Oscillation:
         self._sides = [(cells, edges, constants / root) for cells, edges, constants in loaded_sides(space, compliance)]
 
     def __call__(self, left_out: LeftOut) -> Array:
-        """Return η_T from the norms of the difference between data and projections, (cells,)."""
+        """Return η_T of all cells, (cells,), from the norms of the part of the loads that is left out."""
         low, high = self._cells
         total = low * left_out.low_order + high * left_out.high_order
         for cells, edges, constants in self._sides:
