@@ -1,4 +1,4 @@
-"""A front that advances and then recedes over material that remembers the contact.
+"""A contact front that advances and then recedes; where it has been, the strain decays slowly.
 
     w = 20 (x − c)_+^4,   p = 20 (c − x)_+²,   ψ = c − x,   c(t) = 1/4 + 2t(1 − t),   q(0) = −p(0)/3
 
@@ -7,7 +7,8 @@ on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so a = g = 3.
 Predicted order 1: the front moves, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that Prop. 5.4
 applies.
 
-The front moves from 1/4 to 3/4 and back. Where it has passed, the strain q that the pressure has caused decays.
+The front moves from 1/4 to 3/4 and back. Where it has receded, the strain q that the pressure has caused decays like
+e^{−t}.
 """
 
 from sympy import Rational
@@ -22,7 +23,7 @@ from manufactured.symbols import pos, s, t
 
 
 def on(body: Body) -> ExactSolution:
-    """The solution on a unit square in any position."""
+    """Return the solution on a unit square in any position."""
     law = proportional()
     c = Rational(1, 4) + 2 * t * (1 - t)
     (part,) = body.of(Kind.CONTACT)

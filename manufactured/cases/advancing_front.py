@@ -1,8 +1,8 @@
-"""A front that advances along the floor, shared by ``anisotropic``, ``heterogeneous`` and ``layered``.
+"""An advancing contact front, which the cases ``anisotropic``, ``heterogeneous`` and ``layered`` share.
 
     w = 8 (1/5 + t) (x − c)_+^4,   ψ = c − x,   c(t) = 1/4 + t/2
 
-on the unit square under a pressure that each of them chooses, in elastic equilibrium at the start.
+on the unit square. Each case prescribes another pressure. The body starts in elastic equilibrium.
 """
 
 from sympy import Expr, Rational
@@ -15,11 +15,11 @@ from manufactured.profile import Profile
 from manufactured.symbols import pos, s, t
 
 FRONT: Expr = Rational(1, 4) + t / 2
-"""c(t)."""
+"""The front c(t)."""
 
 
 def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Expr) -> ExactSolution:
-    """The solution with this law and the pressure p(s, t), which has to vanish beyond the front."""
+    """Return the solution for a body, a law, a lifting profile and a pressure p(s, t), which is 0 beyond the front."""
     (part,) = body.of(Kind.CONTACT)
     gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
     face = ContactFace.linear(part, law, body.T, gap, pressure, FRONT - s, profile=profile)

@@ -1,4 +1,4 @@
-"""Constants of the cases; arguments of a case multiply them, so that similar solutions can be made."""
+"""The default of the factors with which the arguments of a case multiply its constants, to make similar solutions."""
 
 from sympy import Expr, Integer
 

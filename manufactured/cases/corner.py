@@ -1,11 +1,12 @@
-"""Two sides at right angles in contact, both under pressure at the corner between them, a vertex with two constraints.
+"""Two sides at right angles in contact, with pressure at the corner between them: a vertex with two constraints.
 
     w = 4 (ρ − c)_+^4,   p = 40 (c² − ρ²)_+²,   ψ = c − ρ,   q(0) = −p(0)/g,
     bottom: c(t) = 2/5 + (4/5) t(1 − t),   left: c(t) = 3/5 − t/3
 
-on each side with the distance ρ from the corner. Γ3 is the bottom and the left side of the unit square, with the depths
-1 and 3/4; Γ1 is the right quarter of the top. p is even in ρ, so the lifting of one side is symmetric about the other
-and leaves σ_τ = 0 there, and A, G do not couple normal strains (``laws.without_contraction``).
+on each side, with the distance ρ from the corner. Γ3 is the bottom and the left side of the unit square, whose liftings
+reach to the depths 1 and 3/4. Γ1 is the right quarter of the top. The two liftings do not disturb each other: p is even
+in ρ, so the lifting of one side is symmetric about the other side and causes no shear there, and A and G do not couple
+normal strains (``laws.without_contraction``).
 
 Predicted order 1: both fronts move, the exponents α = 4 > 7/2 and m = 2 > 3/2 hold on both sides, and u is smooth at
 the corner, which gives (5.36), so that Prop. 5.4 applies.

@@ -1,4 +1,4 @@
-"""The unit cube on its bottom, where a disc of contact moves, grows and shrinks.
+"""The unit cube with a disc of contact on its bottom that moves, grows and shrinks.
 
     w = 2 (1/5 + t) (−ψ)_+^4/(1/2 − ψ)²,   p = 500 ψ_+²,   q(0) = −p(0)/g,
     ψ = 1/10 + (3/5) t(1 − t) − |s − c(t)|²,   c(t) = (2/5 + t/5, 1/2)
@@ -6,7 +6,7 @@
 with the coordinates s = (x, y) along the bottom; A and G not proportional.
 
 Predicted order 1: the front moves, and the exponents α = 4 > 7/2 and m = 2 > 3/2 across the circle give (5.36), so that
-Prop. 5.4 applies, whose proof holds in 3D, too.
+Prop. 5.4 applies; its proof also holds in 3D.
 """
 
 from sympy import Rational

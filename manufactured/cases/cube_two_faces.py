@@ -1,14 +1,14 @@
-"""The unit cube on its bottom and one side, with the edge between them under pressure: ``corner`` in space.
+"""The unit cube with contact on its bottom and on one side, and pressure on the edge between them: ``corner`` in 3D.
 
     w = (1/5 + t) (−ψ)_+^4/(1 − ψ)²,   p = 1500 t ψ_+²,   ψ = c(t)² + (η − 1/2)²/4 − ρ²,   q(0) = 0,
     bottom: c(t) = 1/2 + (2/5) t(1 − t),   side: c(t) = 3/5 − t/4
 
-on each face with the distance ρ from the edge and the coordinate η along it. Γ3 is the bottom z = 0 and the side x = 0,
-with the depths 1 and 2/3; Γ1 is the third x > 2/3 of the top. p is even in ρ, and A, G do not couple normal strains
-(``laws.without_contraction``), so that the faces leave σ_τ = 0 on each other.
+on each face, with the distance ρ from the edge and the coordinate η along it. Γ3 is the bottom z = 0 and the side x =
+0, whose liftings reach to the depths 1 and 2/3. Γ1 is the third x > 2/3 of the top. The liftings of the two faces do
+not disturb each other: p is even in ρ, and A and G do not couple normal strains (``laws.without_contraction``).
 
 Predicted order 1: both fronts move, the exponents α = 4 > 7/2 and m = 2 > 3/2 hold on both faces, and u is smooth at
-the edge, which gives (5.36), so that Prop. 5.4 applies, whose proof holds in 3D, too.
+the edge. This gives (5.36), so that Prop. 5.4 applies; its proof also holds in 3D.
 """
 
 import numpy as np

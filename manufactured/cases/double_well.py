@@ -1,19 +1,20 @@
-"""A front that advances over a prestressed material that softens and then hardens: G is neither monotone nor linear.
+"""An advancing contact front on a prestressed material that softens and then hardens: G is nonlinear, not monotone.
 
     w = 5 (1 + 24t(1 − t)) (x − c)_+^4,   q = −Q,   Q = 20 (c − x)_+³,   p = a Q̇ − Q + 4 (Q − 2)_+,
     ψ = c − x,   c(t) = 5/24 + t/2
 
 on the unit square; A τ = 2τ + (tr τ)/2 I with a = 5/2, G ε = S − ε + 4 (ε − P_K ε), K = {|τ| ≤ 2}, S = e_1 ⊗ e_1.
 
-Predicted order 1: the front moves, and α = 4 > 7/2 and the exponent 3 of q, hence m = 2 > 3/2 of p ~ q̇, give (5.36), so
-that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
+Predicted order 1: the front moves. q has the exponent 3, so p ~ q̇ has m = 2 > 3/2, and α = 4 > 7/2. This gives (5.36),
+so that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
 
-The energy of G, without S, has its wells on a sphere around ε = 0, as a body has that snaps through: G has the slope −1
-inside K and 3 far from it, so that L_G/m_A = 3/2, and differences may grow at the rate 1/2. G(·, 0) = S is not zero. S
-pulls along the face and loads neither its normal nor its tangent, so that it enters f_2 alone.
+Without S, the stored energy is smallest on a sphere around ε = 0, as in a body that snaps through. The slope of G is −1
+inside K and 3 far from K. So L_G/m_A = 3/2, and differences of solutions may grow at the rate 1/2. The stress at rest S
+acts along the face and causes no traction on it, so it enters f_2 only.
 
-The gap is largest while the front moves. In the first version the gap was small, the pressure caused most of the error,
-and the row on Pythagoras failed on criss-cross meshes: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} was up to 1.24 ‖u − Π^h u‖.
+The gap is largest while the front moves. In a first version the gap was small and the pressure caused most of the
+error. There the check that (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed on criss-cross meshes, with
+a quotient of up to 1.24.
 """
 
 from sympy import Rational

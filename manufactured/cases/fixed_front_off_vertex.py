@@ -1,13 +1,13 @@
-"""The zone of ``fixed_front_on_vertex`` with its front off the vertices.
+"""A fixed contact zone as in ``fixed_front_on_vertex``, with its front inside a facet.
 
     w = 10 t (x − c)_+³,   p = 400 t (c − x)_+²,   ψ = c − x,   c = 1/3,   q(0) = 0,   φ(y) = 1 − y²
 
 on the unit square, A and G not proportional.
 
 Predicted order 1: the front is fixed, and the exponents α = 3 > 5/2 and m = 2 > 3/2 give u ∈ W^{1,∞}(0,T;H²) and
-(5.36), so that Prop. 5.4 applies, wherever the front is.
+(5.36), so that Prop. 5.4 applies. The position of the front does not matter.
 
-c = 1/3 is a vertex of no structured mesh with 2^k cells a side.
+c = 1/3 is a vertex of no structured mesh with 2^k cells along a side.
 """
 
 from dataclasses import replace

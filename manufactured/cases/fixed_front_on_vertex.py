@@ -1,4 +1,4 @@
-"""A contact zone that does not move, under a pressure and a gap that both grow; its front is on a vertex.
+"""A fixed contact zone with a growing pressure and a growing gap; its front is at a vertex of the meshes.
 
     w = 10 t (x − c)_+³,   p = 400 t (c − x)_+²,   ψ = c − x,   c = 1/2,   q(0) = 0,   φ(y) = 1 − y²
 
@@ -7,7 +7,8 @@ on the unit square, A and G not proportional.
 Predicted order 1: the front is fixed, and the exponents α = 3 > 5/2 and m = 2 > 3/2 give u ∈ W^{1,∞}(0,T;H²) and
 (5.36), so that Prop. 5.4 applies.
 
-c = 1/2 is a vertex of every structured mesh with an even number of cells a side. This cut-off leaves a traction on Γ1.
+c = 1/2 is a vertex of every structured mesh with an even number of cells along a side. With this cut-off φ, the
+traction on Γ1 is not zero.
 """
 
 from sympy import Expr, Rational
@@ -23,7 +24,7 @@ from manufactured.symbols import pos, s, t
 
 
 def at(c: Expr) -> ExactSolution:
-    """The solution with the front at c."""
+    """Return the solution with the front at c."""
     body = unit_square()
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)

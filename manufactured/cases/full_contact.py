@@ -7,8 +7,8 @@ on the unit square.
 Predicted order 1: there is no front, and w and q are smooth in space and time, which gives (5.36), so that Prop. 5.4
 applies.
 
-The body starts at rest, u_0 = 0, so the error is zero at t = 0 and grows with the pressure. This cut-off leaves a
-traction on Γ1.
+The body starts at rest, u_0 = 0, so the error is zero at t = 0 and grows with the pressure. With this cut-off φ, the
+traction on Γ1 is not zero.
 """
 
 from sympy import Integer

@@ -1,13 +1,13 @@
-"""A front that advances over a body whose A and G vary smoothly, in different ways.
+"""An advancing contact front on a heterogeneous body: A and G vary smoothly with different factors.
 
     w = 8 (1/5 + t) (x − c)_+^4,   p = 150 (c − x)_+²,   ψ = c − x,   c(t) = 1/4 + t/2,
     A(x, y) = (1 + x/2)(1 + y) A,   G(x, y) = (1 + x/2)(1 + 3y²) G
 
-on the unit square, in elastic equilibrium at the start; A and G not proportional. Along Γ3 both have the same factor,
-so that the memory has one relaxation rate; inside the body their factors differ.
+on the unit square, in elastic equilibrium at the start; A and G not proportional. On Γ3 both factors are equal, so the
+relaxation rate g/a is constant there, which the exact solution needs. Inside the body the factors differ.
 
-Predicted order 1: the front moves, and as the coefficients are smooth the exponents α = 4 > 7/2 and m = 2 > 3/2 give
-(5.36), so that Prop. 5.4 applies.
+Predicted order 1: the front moves. The coefficients are smooth, so the exponents α = 4 > 7/2 and m = 2 > 3/2 give
+(5.36), and Prop. 5.4 applies.
 """
 
 from manufactured.body import unit_square

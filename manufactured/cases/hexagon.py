@@ -5,13 +5,14 @@
     second: z = |Γ3,2| − s,      c(t) = 3/4 − t/4,         P = 900 z²,
     third:  z = s,               c(t) = 1/2 + t(1 − t),    P = 900 z²
 
-with the coordinate s along each side. On the two sides beside Γ1 z is the distance from the end at Γ1, and P is such
-that nothing is lifted onto Γ1. A and G not proportional; the depth 4/5 does not reach from one contact side to another.
+with the coordinate s along each side. A and G are not proportional. On the two sides that meet Γ1, z is the distance
+from the end at Γ1, and P has the factor z² so that the displacement vanishes on Γ1. The liftings have the depth 4/5 and
+do not reach from one contact side to another.
 
 Predicted order 1: the fronts move, and the exponents α = 4 > 7/2 and m = 2 > 3/2 on every side give (5.36), so that
 Prop. 5.4 applies.
 
-The denominator flattens the gap away from the fronts.
+The denominator of w makes the gap flatter away from the fronts.
 """
 
 from sympy import Expr, Integer, Rational

@@ -1,13 +1,14 @@
-"""Γ1 meets Γ3 in contact on a straight line, where u ~ r^{1/2}.
+"""Γ1 and Γ3 meet on a straight side, with contact on all of Γ3: a singularity u ~ r^{1/2} at the junction.
 
     w = 0,   p = (κ − 1)/2 (2μ_A θ̇ + 2μ_G θ) x^{−1/2},   ψ = 1,   θ(t) = t
 
-on [−1, 1] × [0, 1], clamped on x < 0 and in contact on x > 0 of the bottom, G = 2A, κ = (λ_L + 3μ)/(λ_L + μ) the same
-for both. The field is that of Williams for these two conditions, λ = 1/2: θ U with Φ = z^{1/2}, Ψ = −(κ + 1/2) z^{1/2}
-(``singular.kolosov``), which has σ_τ = 0 on Γ3 and Div σ = 0. p is not in L²(Γ3).
+on [−1, 1] × [0, 1]. The bottom is clamped for x < 0 and in contact for x > 0. G = 2A, so κ = (λ_L + 3μ)/(λ_L + μ) is
+the same for both. The displacement is θ(t) times Williams' singular field for these two boundary conditions. The field
+has the exponent λ = 1/2 and the potentials Φ = z^{1/2}, Ψ = −(κ + 1/2) z^{1/2} (``singular.kolosov``). It satisfies σ_τ
+= 0 on Γ3 and Div σ = 0. p is not in L²(Γ3).
 
 Predicted order 1/2: u(t) ∈ H^{1+s} for s < λ = 1/2 at the junction, so interpolation has the order 1/2 on uniform
-meshes, and 1 on graded ones; Prop. 5.3 claims no rate.
+meshes, and 1 on graded ones. Prop. 5.3 gives no order.
 
 Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
 """
@@ -29,7 +30,7 @@ LAW = proportional(2.0)
 
 
 def case(law: KelvinVoigt = LAW, mode: Expr = ONE) -> Case:
-    """Return the case with another law, with A and G proportional, and with a factor of its field."""
+    """Return the case, optionally with another law with proportional A and G, and the field multiplied by ``mode``."""
     kinds = [Kind.CLAMPED, Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED]
     body = polygon([(-1, 0), (0, 0), (1, 0), (1, 1), (-1, 1)], kinds, refine=((0.0, 0.0),))
     kappa = kolosov_constant(law.A)

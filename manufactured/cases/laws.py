@@ -1,4 +1,7 @@
-"""Laws shared by several cases."""
+"""Material laws that several cases share, and constants of isotropic tensors.
+
+a = A_nnnn and g = G_nnnn are the moduli for the normal strain on a contact face.
+"""
 
 import numpy as np
 from sympy import Expr, Rational
@@ -19,7 +22,12 @@ from manufactured.tensors import Array, rotation
 
 
 def proportional(ratio: float = 1.0, factor: Factor = UNIFORM) -> KelvinVoigt:
-    """A: τ ↦ 2τ + (tr τ) I and G = ratio · A, times a common factor; a = 3."""
+    """Return the isotropic law with A τ = α (2τ + (tr τ) I) and G = ``ratio`` · A; a = 3 where α = 1.
+
+    Args:
+        ratio: G/A.
+        factor: α, a scalar function of the point that multiplies A and G.
+    """
     name = "linear, A = G" if ratio == 1 else f"linear, G = {ratio:g} A"
     return KelvinVoigt(
         isotropic(1, 1, factor=factor),
@@ -29,10 +37,14 @@ def proportional(ratio: float = 1.0, factor: Factor = UNIFORM) -> KelvinVoigt:
 
 
 def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = UNIFORM) -> KelvinVoigt:
-    """A τ = α(2τ + (tr τ)/2 I) and G τ = γ(4τ + 3(tr τ) I); a = 5/2, g = 7 where α = γ = 1.
+    """Return the isotropic law A τ = α (2τ + (tr τ)/2 I), G τ = γ (4τ + 3 (tr τ) I); a = 5/2, g = 7 where α = γ = 1.
 
-    Norms, relaxation and the ratio of shear to compression differ between A and G, so a verdict
-    notices when one takes the place of the other.
+    A and G differ in size and in the ratio of shear to compression. A program that confuses A and G therefore gives
+    wrong results for this law.
+
+    Args:
+        dim: 2 or 3.
+        viscous, elastic: α and γ, scalar functions of the point.
     """
     name = "linear, A and G not proportional"
     return KelvinVoigt(
@@ -43,39 +55,45 @@ def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = 
 
 
 def two_layers(interface: float, ratio: float) -> KelvinVoigt:
-    """``not_proportional``, and ``ratio`` times as stiff and viscous above x_2 = ``interface``."""
+    """Return ``not_proportional()``, with A and G multiplied by ``ratio`` where x_2 > ``interface``."""
     factor = layers((0.0, 1.0), interface, ratio)
     return not_proportional(2, factor, factor)
 
 
 def softening_in_volume() -> KelvinVoigt:
-    """A τ = 2τ + (tr τ)/2 I, G τ = τ − (3/2)(tr τ) I: positive in shear, negative in volume; a = 5/2, g = −1/2."""
+    """Return a law whose G is positive in shear and negative in volume: A τ = 2τ + (tr τ)/2 I, G τ = τ − (3/2)(tr τ) I.
+
+    a = 5/2, g = −1/2.
+    """
     return KelvinVoigt(isotropic(1, 0.5), Indefinite(isotropic_matrix(0.5, -1.5)), "linear, G softens in volume")
 
 
 def softening_then_hardening() -> KelvinVoigt:
-    """A τ = 2τ + (tr τ)/2 I, G ε = S − ε + 4 (ε − P_K ε) with K = {|τ| ≤ 2}, S = e_1 ⊗ e_1; a = 5/2."""
+    """Return a prestressed law whose G softens inside K = {|τ| ≤ 2} and hardens outside.
+
+    A τ = 2τ + (tr τ)/2 I, G ε = S − ε + 4 (ε − P_K ε), S = e_1 ⊗ e_1; a = 5/2.
+    """
     softens = Indefinite(isotropic_matrix(-0.5, 0))
     G = Combined(np.array([1.0, 0.0, 0.0]), softens, Yield(4.0, FrobeniusBall(2.0)))
     return KelvinVoigt(isotropic(1, 0.5), G, "G softens, then hardens, with a stress at rest")
 
 
 def lame(tensor: Linear) -> tuple[float, float]:
-    """(μ, λ) of an isotropic tensor."""
+    """Return the Lamé constants (μ, λ) of an isotropic tensor."""
     return float(tensor.matrix[-1, -1]) / 2, float(tensor.matrix[0, 1])
 
 
 def kolosov_constant(tensor: Linear) -> float:
-    """κ = (λ + 3μ)/(λ + μ) of an isotropic tensor in the plane."""
+    """Return Kolosov's constant κ = (λ + 3μ)/(λ + μ) of an isotropic tensor in the plane."""
     mu, lam = lame(tensor)
     return (lam + 3 * mu) / (lam + mu)
 
 
 def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
-    """2μ_A θ̇ + 2μ_G θ, for isotropic A and G.
+    """Return 2μ_A θ̇ + 2μ_G θ for isotropic A and G with the same Kolosov constant κ.
 
-    Where both have the same κ, the stress of θ(t) U is this times that of the potentials Φ and Ψ of U
-    (``singular.kolosov``).
+    If U is the displacement with the potentials Φ and Ψ (``singular.kolosov``), then the stress of θ(t) U is this
+    function of t times the stress that Φ and Ψ give.
     """
     assert isinstance(law.G, Linear)
     mu_A, mu_G = (Rational(lame(tensor)[0]) for tensor in (law.A, law.G))
@@ -83,23 +101,28 @@ def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
 
 
 def anisotropic() -> KelvinVoigt:
-    """Two orthotropic tensors whose axes are those of neither the other nor the face: nn and sn are coupled."""
+    """Return a law with orthotropic A and G. Their axes differ from each other and from the faces of the unit square.
+
+    So normal and shear strains on a face are coupled.
+    """
     A = _turned([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]], 0.5)
     G = _turned([[3.0, 1.0, 0.0], [1.0, 6.0, 0.0], [0.0, 0.0, 2.0]], -0.3)
     return KelvinVoigt(Linear(A), Linear(G), "linear, A and G anisotropic")
 
 
 def _turned(matrix: list[list[float]], angle: float) -> Array:
+    """Return a tensor in Mandel form after a rotation of its axes."""
     turn = rotation(np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]))
     C = turn @ np.array(matrix) @ turn.T
     return (C + C.T) / 2
 
 
 def without_contraction(dim: int = 2) -> KelvinVoigt:
-    """Return orthotropic tensors along the axes that do not couple normal strains.
+    """Return a law with orthotropic A and G along the axes that do not couple normal strains in different directions.
 
-    So the lifting of one face does not change the pressure on a face at right angles to it, and two faces under
-    pressure may meet in a corner."""
+    The lifting of one face then does not change the pressure on a face at right angles, so two faces under pressure may
+    meet at a corner.
+    """
     shear = dim * (dim - 1) // 2
     A = np.diag([2.0, 3.0, 2.5][:dim] + [1.5, 2.0, 1.8][:shear])
     G = np.diag([5.0, 4.0, 6.0][:dim] + [3.0, 2.5, 4.0][:shear])

@@ -1,13 +1,14 @@
-"""A front that advances over a body of two layers whose interface every mesh meets.
+"""An advancing contact front on a body of two layers; the interface consists of edges of every mesh.
 
     w = 8 (1/5 + t) (x − c)_+^4,   p = 400 (c − x)_+³,   ψ = c − x,   c(t) = 1/4 + t/2
 
-on the unit square, in elastic equilibrium at the start; A and G not proportional. Beyond y = 1/2 the body is 4 times as
-stiff and viscous. The displacement has a kink there that keeps σν continuous (``profile.layered``), and in the upper
-layer u_s has a part ∇_s q.
+on the unit square, in elastic equilibrium at the start; A and G not proportional. For y > 1/2 the body is 4 times as
+stiff and viscous. At y = 1/2 the displacement has a kink that keeps σν continuous (``profile.layered``). In the upper
+layer u_s contains ∇_s q.
 
-Predicted order 1: the front moves, α = 4 > 7/2, and of m = 3 the part ∇_s q costs one, 2 > 3/2, which gives (5.36) in
-each layer, not across; the proof of Prop. 5.4 uses H² in (5.23), cell by cell, and no cell lies in both layers.
+Predicted order 1: the front moves, and α = 4 > 7/2. The term ∇_s q lowers m = 3 by one, to 2 > 3/2. This gives (5.36)
+in each layer, but not across the interface. That is enough: the proof of Prop. 5.4 uses H² in (5.23) cell by cell, and
+no cell lies in both layers.
 """
 
 from manufactured.body import Kind, polygon

@@ -1,14 +1,14 @@
-"""Full contact of a body of two layers whose interface no mesh meets.
+"""Full contact of a body of two layers; the interface cuts through cells of the meshes.
 
     w = 0,   p = 20 t (1 + x(1 − x)),   ψ = 1,   q(0) = 0
 
-on the unit square, A and G not proportional. Beyond y = 1/3 the body is 10 times as stiff and viscous; the displacement
-has a kink there that keeps σν continuous (``profile.layered``).
+on the unit square, A and G not proportional. For y > 1/3 the body is 10 times as stiff and viscous. At y = 1/3 the
+displacement has a kink that keeps σν continuous (``profile.layered``).
 
-Predicted order 1/2: the strain jumps inside cells, so that u(t) ∈ H^{1+s} for s < 1/2 and interpolation has the order
-1/2; Prop. 5.3 claims no rate.
+Predicted order 1/2: the strain jumps inside cells, so u(t) ∈ H^{1+s} for s < 1/2 only, and interpolation has the order
+1/2. Prop. 5.3 gives no order.
 
-Everything else is smooth, so the kink causes most of the error.
+Apart from the kink the solution is smooth, so the kink causes most of the error.
 """
 
 from sympy import Integer

@@ -1,17 +1,17 @@
-"""A load that is little more than W^{1,1} in time.
+"""Full contact under a load that is hardly smoother in time than W^{1,1}, as the paper requires.
 
     w = 0,   p = (1 + 4x(1 − x)) (a θ̇ + g θ),   ψ = 1,   θ(t) = t + (t − t_0)_+^{5/4}/4,   t_0 = 9/20,
     ε_nn = q = −(1 + 4x(1 − x)) θ,   φ(y) = 1 − y²
 
 on the unit square, A and G not proportional, a = 5/2, g = 7.
 
-Predicted order 1: there is no front, and u̇ is bounded with values in H², as θ̇ is bounded and all else smooth in
-space, which gives (5.36), so that Prop. 5.4 applies.
+Predicted order 1: there is no front. θ̇ is bounded and all functions are smooth in space, so u̇ is bounded with values in
+H². This gives (5.36), so that Prop. 5.4 applies.
 
-Why not Prop. 5.3, under which one might list a load that is no smoother: the loads contain θ̇ ~ (t − t_0)^{1/4}, so ḟ ~
-(t − t_0)^{−3/4}, and they lie in W^{1,r}(0,T) for r < 4/3 only. That is enough for (3.4) and (3.8), W^{1,1}, which is
-all that is asked of loads in either proposition. What Prop. 5.4 asks beyond that, it asks of the solution: (4.12),
-which holds as p is bounded, and (5.36), which u meets. So order 1 is claimed.
+One could expect that only Prop. 5.3, which gives no order, applies to such a load. The loads contain θ̇ with the term
+(t − t_0)_+^{1/4}, so ḟ ~ (t − t_0)^{−3/4}, and the loads are in W^{1,r}(0,T) for r < 4/3 only. But both propositions
+require of the loads no more than W^{1,1}, (3.4) and (3.8). The further assumptions of Prop. 5.4 are on the solution:
+(4.12), which holds because p is bounded, and (5.36).
 """
 
 from sympy import Integer, Rational

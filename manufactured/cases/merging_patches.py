@@ -1,4 +1,4 @@
-"""Two patches of contact are born, merge into one and part again; A and G are not proportional.
+"""Two patches of contact appear, merge into one and separate again; A and G are not proportional.
 
     w = 8 (1/4 + 3t(1 − t)) (−ψ)_+^4/(1/5 − ψ)³,   p = 3000 ψ_+²,   q(0) = 0,
     ψ = −1/50 + (2/5) t(1 − t) − h(x),   h = 16 ((x − 1/4)(x − 7/10))²
@@ -8,8 +8,8 @@ on the unit square.
 Predicted order 1: all four fronts move, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that Prop. 5.4
 applies.
 
-The patches are born at x = 1/4 and x = 7/10, merge into one and come apart again: the number of fronts goes 0, 4, 2, 4,
-0. The denominator flattens the gap away from the fronts.
+The patches appear at x = 1/4 and x = 7/10, merge, separate and vanish. The number of fronts is 0, 4, 2, 4, 0 in turn.
+The denominator of w makes the gap flatter away from the fronts.
 """
 
 from sympy import Rational

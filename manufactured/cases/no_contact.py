@@ -1,4 +1,4 @@
-"""The body has been pressed, is let go and never touches again; A and G are not proportional.
+"""No contact at any time; a strain from earlier contact relaxes. A and G are not proportional.
 
     w = (1/10 + t²)(1 + 4x(1 − x)),   p = 0,   ψ = −1,   q(0) = −x(1 − x)
 
@@ -7,8 +7,8 @@ on the unit square.
 Predicted order 1: there is no front, and w and q are smooth in space and time, which gives (5.36), so that Prop. 5.4
 applies.
 
-Signorini's condition is never active, so the scheme must reproduce the linear problem; the initial strain q(0) relaxes
-like e^{−gt/a}.
+Signorini's condition is never active, so the scheme must solve the linear problem. The initial strain q(0) relaxes like
+e^{−gt/a}.
 """
 
 from sympy import Integer, Rational

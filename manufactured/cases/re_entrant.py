@@ -1,17 +1,18 @@
-"""A re-entrant corner of an L-shaped body, over a front that advances on its bottom.
+"""An L-shaped body with a singularity at its re-entrant corner and an advancing contact front on its bottom.
 
     w = (x − c)_+^4,   p = 5 (c − x)_+²,   ψ = c − x,   c(t) = 3/5 + t/2,   q(0) = −p(0)/g
 
-on the bottom of the L of corners (0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2), with G = 2A and the depth 9/10. At the
-corner (1, 1) of ω = 3π/2 between sides free of traction the symmetric mode of Williams is added,
+on the bottom of the body with the corners (0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2). G = 2A, and the lifting has
+the depth 9/10. The interior angle at the corner (1, 1) is ω = 3π/2. There Williams' symmetric singular field U for
+sides free of traction is added, with a cut-off,
 
-    4t (1 − (r/R)²)_+³ U,   R = 9/10,   Φ = z^λ,   Ψ = b z^λ,   b = −(cos λω + λ cos ω),
+    4t (1 − (r/R)²)_+³ U,   R = 9/10,   Φ = z^λ,   Ψ = b z^λ,   b = −(cos λω + λ cos ω).
 
-U from Φ, Ψ (``singular.kolosov``) and the smallest root λ ≈ 0.5445 of sin λω + λ sin ω = 0. As A and G are
-proportional, both sides of the corner are free of traction at all times.
+U has the potentials Φ and Ψ (``singular.kolosov``), and λ ≈ 0.5445 is the smallest positive root of
+sin λω + λ sin ω = 0. Both sides of the corner are free of traction at all times because A and G are proportional.
 
 Predicted order 0.5445 (λ): u(t) ∈ H^{1+s} for s < λ at the corner, so interpolation has the order λ on uniform meshes,
-and 1 on graded ones; Prop. 5.3 claims no rate.
+and 1 on graded ones. Prop. 5.3 gives no order.
 
 Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
 """
@@ -36,7 +37,7 @@ LAW = proportional(2.0)
 
 
 def exponent() -> float:
-    """The smallest positive root of sin λω + λ sin ω = 0 for ω = 3π/2."""
+    """Return λ, the smallest positive root of sin λω + λ sin ω = 0 for ω = 3π/2."""
     root = Symbol("root")
     return float(nsolve(sin(3 * pi / 2 * root) - root, root, 0.54))
 
@@ -49,7 +50,7 @@ def case(
     speed: Expr = ONE,
     place: Expr = ONE,
 ) -> Case:
-    """Return the case with another law, with A and G proportional, and with factors of its other constants."""
+    """Return the case, optionally with another law with proportional A and G, and with its constants multiplied."""
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     body = polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds, refine=((1.0, 1.0),))
     (part,) = body.of(Kind.CONTACT)

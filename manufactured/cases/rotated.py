@@ -1,11 +1,11 @@
-"""The data of ``advance_recede`` on the unit square turned by 2/5 and moved.
+"""The data of ``advance_recede`` on a unit square that is rotated by the angle 2/5 and translated.
 
     w = 20 (s − c)_+^4,   p = 20 (c − s)_+²,   ψ = c − s,   c(t) = 1/4 + 2t(1 − t),   q(0) = −p(0)/3
 
-with s along the turned bottom; A = G: τ ↦ 2τ + (tr τ) I.
+with s along the rotated bottom; A = G: τ ↦ 2τ + (tr τ) I.
 
-Predicted order 1: nothing depends on the axes, and the exponents of ``advance_recede``, α = 4 > 7/2 and m = 2 > 3/2,
-give (5.36), so that Prop. 5.4 applies.
+Predicted order 1: the problem does not depend on the axes. As for ``advance_recede``, α = 4 > 7/2 and m = 2 > 3/2 give
+(5.36), so that Prop. 5.4 applies.
 
 On structured meshes every error must equal the error of ``advance_recede`` up to round-off.
 """

@@ -5,7 +5,7 @@
 on the unit square, A and G not proportional.
 
 Predicted order 1/2: with α = 2 and m = 1, u(t) ∈ H^{1+s} for s < min(α − 3/2, m − 1/2) = 1/2, so interpolation has that
-order; Prop. 5.3 claims no rate.
+order. Prop. 5.3 gives no order.
 """
 
 from functools import partial

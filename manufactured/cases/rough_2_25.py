@@ -5,7 +5,7 @@
 on the unit square, A and G not proportional.
 
 Predicted order 3/4: with α = 9/4 and m = 5/4, u(t) ∈ H^{1+s} for s < min(α − 3/2, m − 1/2) = 3/4, so interpolation has
-that order; Prop. 5.3 claims no rate.
+that order. Prop. 5.3 gives no order.
 """
 
 from functools import partial

@@ -1,12 +1,12 @@
-"""A fixed front of any exponent 3/2 < α < 5/2, too rough for (5.36): ``rough_1_75``, ``rough_2`` and ``rough_2_25``.
+"""A fixed front with any exponent 3/2 < α < 5/2, which violates (5.36): ``rough_1_75``, ``rough_2``, ``rough_2_25``.
 
     w = 60 t (x − c)_+^α (1 − x)²,   p = 200 t (c − x)_+^{α−1} x²,   ψ = c − x,   c = 1/3,   q(0) = 0
 
 on the unit square, A and G not proportional. u(t) ∈ H^{1+s} for s < min(α − 3/2, (α − 1) − 1/2) = α − 3/2 only.
 
-Prop. 5.3 gives convergence and claims no rate; the interpolation error of a function in H^{1+s} predicts α − 3/2. c is
-off the vertices of structured meshes. The smooth factors keep the smooth part of the error, of order 1, small beside
-the rough one. For α < 2 the strain is unbounded at the front.
+Prop. 5.3 gives convergence but no order. The order α − 3/2 is predicted from the interpolation error of functions in
+H^{1+s}. c is not a vertex of the structured meshes. The factors (1 − x)² and x² make the error far from the front, of
+order 1, small compared with the error at the front. For α < 2 the strain is unbounded at the front.
 """
 
 from sympy import Expr, Rational
@@ -31,7 +31,7 @@ def rough_front(
     pressure: Expr = ONE,
     place: Expr = ONE,
 ) -> Case:
-    """Return the case with an exponent α, a linear law and factors of its other constants."""
+    """Return the case for an exponent α, optionally with another linear law and with its constants multiplied."""
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     c = place * Rational(1, 3)

@@ -1,17 +1,16 @@
-"""A fixed front with u(t) ∈ H²(Ω) whose trace on Γ3 is not in H²(Γ3): beyond the border of (5.36).
+"""A fixed front with u(t) ∈ H²(Ω), but with a trace on Γ3 that is not in H²(Γ3) and so violates (5.36).
 
     w = W θ (x − c)_+^α,   p = Q (A_nnnn θ̇ + G_nnnn θ) (c − x)_+^{α−1},   ψ = c − x,   c = 2/5,   θ(t) = 1/4 + 2t
 
-on the unit square, α = 5/4, W = 4, Q = 3; A and G not proportional, A_nnnn = 5/2, G_nnnn = 7. The field is
+on the unit square, α = 5/4, W = 4, Q = 3; A and G not proportional, A_nnnn = 5/2, G_nnnn = 7. The displacement is
 
     u_s = −α y Re(a z^{α−1}),   u_n = Re(a z^α) + y Re(b z^{α−1}),   z = (x − c) + iy,
 
-with the complex numbers a = W (1 + i cot πα) and b = iQ/sin π(α − 1) − iαa that u_n = W (x − c)_+^α and ε_nn = −Q (c −
-x)_+^{α−1} on y = 0 need, for any α > 1 and any isotropic A, G. It is multiplied by θ and by the cut-off (1 − y)²(1 +
-2y).
+times θ(t) and the cut-off (1 − y)²(1 + 2y). The complex numbers a = W (1 + i cot πα) and b = iQ/sin π(α − 1) − iαa are
+such that u_n = W (x − c)_+^α and ε_nn = −Q (c − x)_+^{α−1} on y = 0. This works for any α > 1 and any isotropic A, G.
 
-Predicted order 1: u(t) ∈ H^{1+s} for s < α = 5/4, so interpolation has order 1; the trace, u_ν(t) ∈ H^τ(Γ3) for τ < α +
-1/2 = 7/4, misses (5.36), so no rate is claimed; the proof of Prop. 5.4 gives τ/2, so 7/8.
+Predicted order 1: u(t) ∈ H^{1+s} for s < α = 5/4, so interpolation has order 1. The trace is u_ν(t) ∈ H^τ(Γ3) for
+τ < α + 1/2 = 7/4 only, which violates (5.36), so Prop. 5.4 gives no order. Its proof gives τ/2, that is 7/8.
 """
 
 import numpy as np
@@ -38,7 +37,7 @@ def case(
     speed: Expr = ONE,
     place: Expr = ONE,
 ) -> Case:
-    """Return the case with another isotropic law and factors of its other constants."""
+    """Return the case, optionally with another isotropic law and with its constants multiplied."""
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     front, theta = place * Rational(2, 5), Rational(1, 4) + 2 * speed * t

@@ -1,18 +1,20 @@
-"""A front that advances and recedes over a material that softens in volume: G is symmetric and not positive.
+"""A front that advances and recedes on a material that softens in volume: G is symmetric but not positive.
 
     w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   ψ = c − x,   c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
 
-on the unit square; A τ = 2τ + (tr τ)/2 I with m_A = 2, G τ = τ − (3/2)(tr τ) I with the eigenvalues 1 in shear and −2
-in volume, a = 5/2, g = −1/2.
+on the unit square. A τ = 2τ + (tr τ)/2 I with m_A = 2. G τ = τ − (3/2)(tr τ) I has the eigenvalues 1 in shear and −2 in
+volume. a = 5/2, g = −1/2.
 
 Predicted order 1: the front moves, and the exponents α = 5 > 7/2 and m = 3 > 3/2 give (5.36), so that Prop. 5.4
-applies, for which it is enough that G is Lipschitz. They satisfy (3.4) literally, too: α > 9/2, m > 5/2.
+applies, for which it is enough that G is Lipschitz. The exponents also satisfy α > 9/2 and m > 5/2, so (3.4) holds as
+it is printed.
 
-G is not monotone: L_G/m_A = 1. The strain that the pressure has caused does not decay but grows like e^{t/5}; errors
-may grow like e^{2t/3}. The problem of a time step is known to have one solution for k < 1.
+G is not monotone, and L_G/m_A = 1. The strain that the pressure has caused does not decay but grows like e^{t/5}.
+Errors may grow like e^{2t/3}. A time step is known to have a unique solution for k < 1.
 
-An eigenvalue of −5 in volume was tried first, with a gap that does not grow. There ‖Π^h u − u^h‖ may grow like
-e^{5t/3}; it was 0.65 ‖u − Π^h u‖ at n = 8, and the row on Pythagoras failed with 1.15.
+In a first version the eigenvalue in volume was −5 and the gap did not grow. There ‖Π^h u − u^h‖ may grow like e^{5t/3}.
+It was 0.65 ‖u − Π^h u‖ at n = 8, and the check that (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed
+with the quotient 1.15.
 """
 
 from sympy import Integer, Rational
@@ -30,7 +32,7 @@ LAW = softening_in_volume()
 
 
 def softening(law: KelvinVoigt = LAW, T: float = 1.0) -> ExactSolution:
-    """Return the solution for another law with a > 0, with t replaced by t/T."""
+    """Return the solution for a law with a > 0 on [0, T]; t/T replaces t in the formulas of gap and pressure."""
     body, time = unit_square(T), t / Rational(T).limit_denominator(1000)
     (part,) = body.of(Kind.CONTACT)
     c = Rational(7, 24) + Rational(15, 8) * time * (1 - time)

@@ -1,4 +1,4 @@
-"""A contact patch that is born, travels and vanishes; A and G are not proportional.
+"""A contact patch that appears, travels and vanishes; A and G are not proportional.
 
     w = 60 (1/4 + 3t(1 − t)) (−ψ)_+^4,   p = 3000 ψ_+²,   q(0) = 0,
     ψ = (3/4)(t − 1/8)(7/8 − t) − (x − b(t))²,   b(t) = 3/10 + 2t/5
@@ -8,9 +8,9 @@ on the unit square.
 Predicted order 1: the fronts move, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that Prop. 5.4
 applies.
 
-The patch is born at t = 1/8, grows to the half-width 0.32, travels from left to right and vanishes at t = 7/8. Its
-fronts start and end with infinite speed. The gap is largest in between, so that the error is worst while the zone
-moves.
+The patch appears at t = 1/8, travels from left to right and vanishes at t = 7/8; its largest half-width is 0.32. When
+it appears and vanishes, the speed of its fronts is infinite. The gap is largest between these times, so that the error
+is largest while the contact zone moves.
 """
 
 from sympy import Rational

@@ -1,4 +1,4 @@
-"""Law (3.3) with a Frobenius ball: all of Γ3 is pressed from rest, yields point after point, and is let go.
+"""Law (3.3), K a ball in the Frobenius norm: all of Γ3 is pressed from rest, leaves K point by point, and is released.
 
     w = 8 (t − t_1)_+² (1 + 4x(1 − x)),   p = a Q̇ + b (Q − ρ)_+,   ψ = t_1 − t,   t_1 = 3/5
 
@@ -24,7 +24,7 @@ LAW = KelvinVoigt(isotropic(1, 1), Yield(6.0, FrobeniusBall(0.5)), "(3.3), Frobe
 
 
 def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: Expr = ONE) -> Case:
-    """The case with a law (3.3) and factors of its other constants."""
+    """Return the case, optionally with another law (3.3) and with its constants multiplied."""
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     release = RELEASE / speed

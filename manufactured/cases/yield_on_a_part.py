@@ -1,4 +1,4 @@
-"""Law (3.3) with a deviatoric ball: only x < c is in contact, yields at once, and is let go.
+"""Law (3.3), K = {|dev τ| ≤ r}: only x < c is in contact; its strain leaves K at once, and then it is released.
 
     w = 15 t² (x − c)_+³ + 4 (t − t_1)_+²,   p = a Q̇ + b (Q − ρ)_+,   c = 3/5,   t_1 = 3/5,
     ψ = c − x for t < t_1,   ψ = −1 for t ≥ t_1
@@ -26,7 +26,7 @@ LAW = KelvinVoigt(isotropic(1, 0.5), Yield(8.0, DeviatoricBall(0.1)), "(3.3), de
 
 
 def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: Expr = ONE, place: Expr = ONE) -> Case:
-    """The case with a law (3.3) and factors of its other constants."""
+    """Return the case, optionally with another law (3.3) and with its constants multiplied."""
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     release, c = RELEASE / speed, place * Rational(3, 5)

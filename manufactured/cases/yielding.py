@@ -1,11 +1,12 @@
-"""The normal strain −Q under the law (3.3) while a face is loaded up to t_1 and released there.
+"""The normal strain −Q on a contact face under the law (3.3), for a face that is loaded until t_1 and then released.
 
-On a contact face with normal strain −Q, Q ≥ 0, the law gives p = a Q̇ + b (Q − ρ)_+. With τ = t/t_1,
+For the normal strain −Q with Q ≥ 0, the law gives the pressure p = a Q̇ + b (Q − ρ)_+. Here ρ is the value of Q at which
+the strain reaches the boundary of K. Q is chosen as follows, with τ = t/t_1:
 
     Q = Q_0 + (Q_1 − Q_0) h(τ) + t_1 D k(τ),   h = τ²(3 − 2τ),   k = τ²(τ − 1),   D = −(b/a)(Q_1 − ρ)   for t ≤ t_1,
     Q = ρ + (Q_1 − ρ) e^{−b(t − t_1)/a}                                                                 for t ≥ t_1,
 
-so that Q, Q̇ and p are continuous, p(t_1) = 0, and Q relaxes to the edge of K once p = 0.
+Then Q, Q̇ and p are continuous, p(t_1) = 0, and after t_1, where p = 0, Q relaxes towards ρ.
 """
 
 from sympy import Expr, Float, Rational, exp
@@ -16,17 +17,17 @@ from manufactured.law import KelvinVoigt, Yield
 from manufactured.symbols import t
 
 RELEASE = Rational(3, 5)
-"""t_1 of the cases."""
+"""The time t_1 of the cases."""
 
 
 def edge(law: KelvinVoigt, part: Part) -> float:
-    """ρ, the Q at which the law begins to resist on a face."""
+    """Return ρ, the Q at which the strain −Q n⊗n reaches the boundary of K, for the normal n of a face."""
     assert isinstance(law.G, Yield)
     return law.G.normal_response(part.normal)[1]
 
 
 def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr, release: Expr) -> Prescribed:
-    """−Q on a face, for Q_0 = ``start``, Q_1 = ``start`` + ``rise`` and t_1 = ``release``."""
+    """Return the strain −Q on a face, for Q_0 = ``start``, Q_1 = ``start`` + ``rise`` and t_1 = ``release``."""
     assert isinstance(law.G, Yield)
     response, rho = law.G.normal_response(part.normal)
     tau = t / release

@@ -198,25 +198,18 @@ class StrainEnergy:
         if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
             self._strain = strain_matrix(modes, len(weights))
             self._form = sps.csr_array(sps.kron(C, sps.diags_array(weights)))
-        else:
-            self._form = _quadratic_form(modes, weights, C)
+            return
+        tensors = np.concatenate([part.tensors for part in modes])
+        products, shapes = tensors @ C @ tensors.T, [*shapes_at_points(modes, len(weights))]
+        # The matrix is symmetric: only blocks on and above the diagonal are computed, and the latter are doubled.
+        blocks: list[list[sps.csr_array | None]] = [[None] * len(shapes) for _ in shapes]
+        for k, shape in enumerate(shapes):
+            weighted = sps.csr_array(shape.T @ sps.diags_array(weights))
+            for l in range(k, len(shapes)):
+                if products[k, l] or k == l:
+                    blocks[k][l] = (1 if k == l else 2) * products[k, l] * (weighted @ shapes[l])
+        self._form = sps.csr_array(sps.block_array(blocks))
 
     def __call__(self, amplitudes: Amplitudes) -> float:
         v = amplitudes if self._strain is None else self._strain @ amplitudes
         return float(v @ (self._form @ v))
-
-
-def _quadratic_form(modes: Sequence[Modes], weights: Array, C: Array) -> sps.csr_array:
-    """Return the matrix of the energy in the amplitudes, (Σ K J, Σ K J).
-
-    The matrix is symmetric, so only blocks on and above the diagonal are computed; the latter are doubled.
-    """
-    tensors = np.concatenate([part.tensors for part in modes])
-    products, shapes = tensors @ C @ tensors.T, [*shapes_at_points(modes, len(weights))]
-    blocks: list[list[sps.csr_array | None]] = [[None] * len(shapes) for _ in shapes]
-    for k, shape in enumerate(shapes):
-        weighted = sps.csr_array(shape.T @ sps.diags_array(weights))
-        for l in range(k, len(shapes)):
-            if products[k, l] or k == l:
-                blocks[k][l] = (1 if k == l else 2) * products[k, l] * (weighted @ shapes[l])
-    return sps.csr_array(sps.block_array(blocks))

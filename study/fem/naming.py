@@ -79,7 +79,7 @@ def resolve(reference: str) -> Case:
     Raises:
         UsageError: there is no such case, or the file cannot be run.
     """
-    found = _from_file(reference) if _is_file(reference) else _case(reference)
+    found = _lookup(reference)
     if found is None:
         raise unknown("case", reference, _case_names())
     if not isinstance(found, Case):
@@ -100,7 +100,7 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     Raises:
         UsageError: there is no such problem, the file cannot be run, or the name cannot be part of a file name.
     """
-    found = _from_file(reference) if _is_file(reference) else _case(reference)
+    found = _lookup(reference)
     if found is None:
         found = next((problem for problem in problems() if problem.name == reference), None)
     if found is None:
@@ -117,11 +117,13 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     return name, data, None
 
 
-def _case(name: str) -> Case | None:
-    """Return the case with a name, in the catalogue or outside it; None if no case has this name."""
-    if name in NAMES:
-        return named(name)
-    return next((case for case in _outside_the_catalogue(name) if case.name == name), None)
+def _lookup(reference: str) -> Any:
+    """Return the object that FILE.py:NAME denotes, or the case with a name; None if no case has this name."""
+    if is_own(reference) or reference.endswith(".py"):
+        return _from_file(reference)
+    if reference in NAMES:
+        return named(reference)
+    return next((case for case in _outside_the_catalogue(reference) if case.name == reference), None)
 
 
 def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
@@ -150,10 +152,6 @@ def absolute(reference: str) -> str:
     """Return FILE.py:NAME with the absolute path of the file; other references are returned unchanged."""
     file, colon, name = reference.rpartition(":")
     return f"{Path(file).resolve()}:{name}" if colon else reference
-
-
-def _is_file(reference: str) -> bool:
-    return ":" in reference or reference.endswith(".py")
 
 
 def _from_file(reference: str) -> Any:

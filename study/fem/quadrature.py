@@ -10,7 +10,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from itertools import pairwise
@@ -257,19 +257,18 @@ def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
 def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     """Return a rule on cells that a line meets, graded towards the line.
 
-    The cells are cut by the line and by its parallels through the vertices. Let s be the signed distance from the line
-    and r the coordinate along it. In each slab the rule is a Gauss rule in r, and a Gauss rule in s after the
-    substitution s = c + L ξ^8, where c is the end of the slab that is nearer to the line.
+    The cells are cut by the line and by its parallels through the vertices. In each slab, the rule across the line is a
+    Gauss rule after the substitution s = c + L ξ^8, where s is the signed distance from the line and c the end of the
+    slab that is nearer to the line.
     """
-    frame = _Frame.of(mesh, cells, line)
     xi, wx = gauss(degree + GRADING)
-    slabs = []
-    for left, right in pairwise(frame.ends([0.0])):
+
+    def graded(left: Array, right: Array) -> tuple[Array, Array]:
         near_left = abs(left) <= abs(right)
         near, far = np.where(near_left, left, right)[:, None], np.where(near_left, right, left)[:, None]
-        weights = abs(far - near) * GRADING * xi ** (GRADING - 1) * wx
-        slabs.append(frame.slab(near + (far - near) * xi**GRADING, weights, degree))
-    return frame.rule(cells, slabs)
+        return near + (far - near) * xi**GRADING, abs(far - near) * GRADING * xi ** (GRADING - 1) * wx
+
+    return _slab_rule(mesh, cells, line, [0.0], graded, degree)
 
 
 def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) -> Iterator[CellRule]:
@@ -301,69 +300,62 @@ def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) ->
 
 def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) -> CellRule:
     """Return a rule on cells cut along parallel lines, for integrands that are smooth on both sides of each line."""
-    frame = _Frame.of(mesh, cells, lines[0])
-    ends = frame.ends([line.offset - lines[0].offset for line in lines])
     x, w = gauss(degree // 2 + 2)
-    widths = np.diff(ends, axis=0)[..., None]
-    slabs = [
-        frame.slab(left[:, None] + width * x, width * w, degree) for left, width in zip(ends, widths, strict=False)
-    ]
-    return frame.rule(cells, slabs)
+
+    def plain(left: Array, right: Array) -> tuple[Array, Array]:
+        width = (right - left)[:, None]
+        return left[:, None] + width * x, width * w
+
+    return _slab_rule(mesh, cells, lines[0], [line.offset - lines[0].offset for line in lines], plain, degree)
 
 
-@dataclass(frozen=True, eq=False)
-class _Frame:
-    """Triangles in coordinates across (s) and along (r) a line.
+def _slab_rule(
+    mesh: Mesh,
+    cells: Array,
+    line: Line,
+    offsets: Sequence[float],
+    across: Callable[[Array, Array], tuple[Array, Array]],
+    degree: int,
+) -> CellRule:
+    """Return a rule on triangles that are cut into slabs parallel to a line.
 
-    Attributes:
+    Let s be the signed distance from the line and r the coordinate along it. The slabs end at the vertices of a
+    triangle and at given s. In each slab a rule in s is combined with a Gauss rule in r.
+
+    Args:
+        mesh: a mesh in 2D.
+        cells: numbers of the n cells.
         line: the line s = 0.
-        s, r: the coordinates of the vertices, sorted by s, (3, n) each.
+        offsets: the values of s of further cuts.
+        across: function from the ends of a slab, (n,) each, to points and weights of a rule in s, (n, p) each.
+        degree: degree of the rule in r.
     """
+    corners = mesh.p[:, mesh.t[:, cells]]
+    s = np.einsum("d,dvn->vn", np.array(line.direction), corners) - line.offset
+    r = np.einsum("d,dvn->vn", line.tangent, corners)
+    order = np.argsort(s, axis=0)
+    s, r = np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0)
 
-    line: Line
-    s: Array
-    r: Array
-
-    @classmethod
-    def of(cls, mesh: Mesh, cells: Array, line: Line) -> _Frame:
-        corners = mesh.p[:, mesh.t[:, cells]]
-        s = np.einsum("d,dvn->vn", np.array(line.direction), corners) - line.offset
-        r = np.einsum("d,dvn->vn", line.tangent, corners)
-        order = np.argsort(s, axis=0)
-        return cls(line, np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0))
-
-    def ends(self, parallels: Sequence[float]) -> Array:
-        """Return the sorted ends of slabs: s of the vertices and of the given parallels, (3 + parallels, n)."""
-        low, high = self.s[0], self.s[2]
-        return np.sort(np.vstack([self.s, *(np.clip(np.full_like(low, s), low, high) for s in parallels)]), axis=0)
-
-    def slab(self, x: Array, weights: Array, degree: int) -> tuple[Array, ...]:
-        """Return the points s, r and the weights of a rule on slabs of the triangles, (n, q) each.
-
-        Args:
-            x, weights: a rule in s on one slab of every triangle, (n, p) each.
-            degree: degree of the Gauss rule in r.
-        """
-        s, (eta, we) = self.s, gauss(degree // 2 + 2)
-        long = self._chord(x, 0, 2)
-        # The last point decides, because rounding can put the first point of a graded rule outside the slab.
-        short = np.where(x[:, -1:] <= s[1][:, None], self._chord(x, 0, 1), self._chord(x, 1, 2))
-        across = long[..., None] + (short - long)[..., None] * eta
-        weights = (weights * abs(short - long))[..., None] * we
-        return tuple(part.reshape(len(x), -1) for part in (np.repeat(x[..., None], len(eta), axis=2), across, weights))
-
-    def rule(self, cells: Array, slabs: Sequence[tuple[Array, ...]]) -> CellRule:
-        """Return the rule that consists of the given slabs."""
-        s, r, weights = (np.concatenate(parts, axis=1) for parts in zip(*slabs, strict=True))
-        normal, tangent = np.array(self.line.direction)[:, None, None], self.line.tangent[:, None, None]
-        return CellRule(cells, normal * (s + self.line.offset) + tangent * r, weights)
-
-    def _chord(self, x: Array, low: int, high: int) -> Array:
-        """Return r on the edge from vertex low to vertex high at s = x, (n, q)."""
-        s, r = self.s, self.r
+    def chord(x: Array, low: int, high: int) -> Array:
+        """Return r on the edge from vertex ``low`` to vertex ``high`` at s = x, (n, p)."""
         length = s[high] - s[low]
         slope = np.divide(r[high] - r[low], length, out=np.zeros_like(length), where=length > 0)
         return r[low][:, None] + slope[:, None] * (x - s[low][:, None])
+
+    ends = np.sort(np.vstack([s, *(np.clip(np.full_like(s[0], c), s[0], s[2]) for c in offsets)]), axis=0)
+    eta, we = gauss(degree // 2 + 2)
+    slabs = []
+    for left, right in pairwise(ends):
+        x, weights = across(left, right)
+        long = chord(x, 0, 2)
+        # The last point decides, because rounding can put the first point of a graded rule outside the slab.
+        short = np.where(x[:, -1:] <= s[1][:, None], chord(x, 0, 1), chord(x, 1, 2))
+        along = long[..., None] + (short - long)[..., None] * eta
+        weights = (weights * abs(short - long))[..., None] * we
+        slabs.append([part.reshape(len(x), -1) for part in (np.repeat(x[..., None], len(eta), axis=2), along, weights)])
+    s, r, weights = (np.concatenate(parts, axis=1) for parts in zip(*slabs, strict=True))
+    normal, tangent = np.array(line.direction)[:, None, None], line.tangent[:, None, None]
+    return CellRule(cells, normal * (s + line.offset) + tangent * r, weights)
 
 
 # Rules that cover every cell of a mesh once. Many of their points can have the same coordinate along a contact face.

@@ -39,14 +39,14 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
         if not large.size:
             return mesh, inclusion
         finer = mesh.refined(large)
-        inclusion = sps.csr_array(midpoint_values(mesh, finer) @ inclusion)
+        inclusion = sps.csr_array(_midpoint_values(mesh, finer) @ inclusion)
         mesh = finer
     raise ValueError(
         f"{large.size} cells are still larger than wanted after {MOST} refinements; ask for a positive, larger size"
     )
 
 
-def midpoint_values(mesh: Mesh, finer: Mesh) -> sps.csr_array:
+def _midpoint_values(mesh: Mesh, finer: Mesh) -> sps.csr_array:
     """Return the matrix from P1 nodal values on a mesh to those on its refinement, whose new vertices halve edges."""
     old, new = mesh.p.shape[1], finer.p.shape[1]
     middles = mesh.p[:, mesh.facets].mean(axis=1)

@@ -216,7 +216,7 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
 
 
 def by_length(F: Array) -> Array:
-    """Return the matrices F, (cells, 2, 2), with the vertices of each cell sorted by the length of the opposite side."""
+    """Return the matrices F, (cells, 2, 2), with the vertices of each cell sorted by the lengths of opposite sides."""
     corners = F @ CORNERS
     opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
     sorted_corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
