@@ -40,10 +40,10 @@ class Factor:
         strange = sorted(map(str, self.formula.free_symbols - {x1, x2, x3}))
         if strange:
             raise FormulaError(
-                f"{self.formula} has {', '.join(strange)}; a factor is a formula of x1, x2 and x3 of ``manufactured``"
+                f"the factor {self.formula} has the symbols {', '.join(strange)}; use x1, x2 and x3 of ``manufactured``"
             )
         if not 0 < self.low <= self.high < float("inf"):
-            raise FormulaError(f"a factor needs bounds 0 < low ≤ high < ∞, got {self.low} and {self.high}")
+            raise FormulaError(f"a factor needs bounds 0 < low ≤ high < ∞, got low = {self.low}, high = {self.high}")
 
     @cached_property
     def _compiled(self) -> Callable[..., list[Array]]:

@@ -110,8 +110,8 @@ def check(body: Body) -> None:
     across = float(np.ptp(body.vertices, axis=1).max())
     if across**body.dim > SLENDER * body.measure:
         raise BodyError(
-            f"the body is {across:g} across and measures {body.measure:.3g}: so thin that rounding errors hide what it "
-            f"does; {across:g}^{body.dim} over its measure may be at most {SLENDER:g}"
+            f"the body is {across:g} across and measures {body.measure:.3g}: so thin that rounding errors hide its "
+            f"deformation; {across:g}^{body.dim} divided by its measure may be at most {SLENDER:g}"
         )
     if not (np.isfinite(body.T) and body.T > 0):
         raise BodyError(f"the final time must be positive, got T = {body.T}")
@@ -126,7 +126,9 @@ def check(body: Body) -> None:
 def _check_parts(body: Body) -> None:
     """Refuse parts of different dimensions, too few, with gaps between them, or with inward normals."""
     if len({part.dim for part in body.parts}) > 1:
-        raise BodyError(f"parts of the dimensions {[part.dim for part in body.parts]} bound no body")
+        raise BodyError(
+            f"the parts have the dimensions {[part.dim for part in body.parts]}; give parts of the same dimension"
+        )
     if any(part.kind is Kind.INTERFACE for part in body.parts):
         raise BodyError("an interface lies inside the body: give it as one of `interfaces`, not of the parts")
     if len(body.parts) < 3 or len(body.parts) <= body.dim:
@@ -170,8 +172,8 @@ def _check_refined(body: Body, point: tuple[float, ...]) -> None:
     scale = float(np.ptp(body.vertices, axis=1).max())
     if given.shape != (body.dim,) or abs(body.vertices - given[:, None]).max(axis=0).min() > ROUNDING * scale:
         raise BodyError(
-            f"meshes cannot be refined towards {tuple(point)}: it is none of the vertices "
-            f"{[tuple(v) for v in body.vertices.T.tolist()]} of the body; list it as one"
+            f"meshes cannot be refined towards {tuple(point)}, which is not one of the vertices "
+            f"{[tuple(v) for v in body.vertices.T.tolist()]} of the body; list it as a vertex"
         )
 
 
@@ -189,7 +191,7 @@ def _check_interface(body: Body, interface: Part) -> None:
     if not body.contains(inner).all() or any(part.contains(inner, tolerance).any() for part in body.parts):
         raise BodyError(
             f"the interface from {interface.start.tolist()} to {interface.end.tolist()} leaves the body or touches "
-            "its boundary between its ends; cut it there"
+            "its boundary between its ends; divide it there"
         )
 
 

@@ -61,8 +61,8 @@ class Part:
         dim, count = self.corners.shape
         if dim not in (2, 3) or count < dim or (dim == 2 and count > 2):
             raise BodyError(
-                f"corners of the shape {(dim, count)} make no part: give two corners in 2D, shape (2, 2), "
-                "or three and more in 3D, shape (3, c)"
+                f"a boundary part cannot have corners of the shape {(dim, count)}: give two corners in 2D, shape (2, 2), "
+                "or three or more in 3D, shape (3, c)"
             )
         if not np.isfinite(self.corners).all():
             raise BodyError(f"a vertex of the body is not a finite number: {self._given}")

@@ -202,8 +202,8 @@ def _check_factors(law: KelvinVoigt, x: Points) -> None:
         values, factor = tensor.factor(x), tensor.factor
         if values.min() < factor.low * (1 - ROUNDING) or values.max() > factor.high * (1 + ROUNDING):
             raise LoadError(
-                f"the factor of {name} takes values from {values.min():.4g} to {values.max():.4g}, stated are "
-                f"{factor.low:g} and {factor.high:g}; constants rest on these bounds, correct them"
+                f"the factor of {name} takes values from {values.min():.4g} to {values.max():.4g}, outside its stated "
+                f"bounds {factor.low:g} and {factor.high:g}; correct the bounds, from which constants are computed"
             )
 
 
@@ -255,8 +255,8 @@ def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -
     wrong = ~np.isfinite(values).all(axis=0)
     if wrong.any():
         raise LoadError(
-            f"{name} is not finite at x = {np.round(x[:, wrong][:, 0], 4).tolist()}{when}: no stress can balance it; "
-            "give loads of L²"
+            f"{name} is not finite at x = {np.round(x[:, wrong][:, 0], 4).tolist()}{when}, so no stress can "
+            "balance it; give loads in L²"
         )
     if values.size and abs(values).max() > LARGEST:
         raise LoadError(

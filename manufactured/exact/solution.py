@@ -52,15 +52,18 @@ class ExactSolution:
         self.law.require_dimension(self.body.dim)
         pieces = self.body.of(Kind.CONTACT)
         if [face.part for face in self.faces] != list(pieces):
-            raise ValueError(f"the body has {len(pieces)} piece(s) Γ3,i, so give one contact face for each, in order")
+            raise ValueError(
+                f"the body has {len(pieces)} parts with contact, got {len(self.faces)} contact faces: give one for "
+                "each part, in the order of body.of(Kind.CONTACT)"
+            )
         for face in self.faces:
             if not isinstance(face, ContactFace):
                 continue
             deepest = float(face.part.coordinates(self.body.vertices)[1].max())
             if deepest > face.profile.depth * (1 + 1e-12) and face.profile.ends_with_kink:
                 raise ValueError(
-                    f"the body is {deepest:g} deep, the lifting ends at {face.profile.depth:g} with a kink: "
-                    "take the depth of Γ1 or a cut-off with φ(1) = φ'(1) = 0 such as HERMITE"
+                    f"the body is {deepest:g} deep, but the lifting ends with a kink at the depth "
+                    f"{face.profile.depth:g}: let it end at Γ1, or take a cut-off with φ(1) = φ'(1) = 0 such as HERMITE"
                 )
 
     @property

@@ -29,8 +29,8 @@ def smooth_branch(term: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[tupl
         lowest = 2 if power.args[0].free_symbols & set(variables) else 0
         if not (power.args[1].is_integer and power.args[1] >= lowest):
             raise FormulaError(
-                f"{power}: a front that moves needs pos(ψ, m) with an integer m ≥ 2; with less the strain that the "
-                "pressure leaves behind has no second derivative along the face"
+                f"{power}: a moving front of the pressure needs pos(ψ, m) with an integer m ≥ 2; with a smaller m the "
+                "strain that the pressure causes has no second derivative along the face"
             )
     smooth = term.subs({p: p.args[0] ** p.args[1] for p in fronts})
     strange = {str(type(f).__name__) for f in smooth.atoms(sp.Function) if f.has(t) and not isinstance(f, SMOOTH)}

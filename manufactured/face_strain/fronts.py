@@ -111,8 +111,8 @@ class SmoothFront:
         coarse, fine = (self._between(_grid(points, T, count), points, T) for count in INSTANTS)
         if (abs(self._beyond_for(coarse, points, T) - self._beyond_for(fine, points, T)) > SURE * T).any():
             raise FormulaError(
-                f"{self.formula}: the front turns so often that {INSTANTS[1]} times of [0, {T:g}] do not tell when it "
-                "passes; take a slower motion or a shorter time"
+                f"{self.formula}: the front turns so often that {INSTANTS[1]} times in [0, {T:g}] do not show when it "
+                "passes a point; take a slower motion or a shorter time"
             )
         return fine
 

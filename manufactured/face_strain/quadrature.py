@@ -50,8 +50,8 @@ class Quadrature:
             if off <= ACCURACY * max(size, TINY):
                 return found
         raise FormulaError(
-            f"{self.branch}: this part of p/a changes so fast in t that its memory is known to {off:.1g} only, "
-            f"relative to {size:.3g}; take a slower motion or a shorter time"
+            f"{self.branch}: this part of p/a changes so fast in t that the strain it causes has an error of "
+            f"{off:.1g} for a size of {size:.3g}; take a slower motion or a shorter time"
         )
 
 

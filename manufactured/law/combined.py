@@ -39,13 +39,15 @@ class Combined:
         stress = np.asarray(self.prestress, dtype=float)
         if self.linear.dim != self.yielding.dim or stress.shape != (len(self.linear.matrix),):
             raise LawError(
-                f"S has the shape {stress.shape}, C acts in dimension {self.linear.dim}, K lies in that of dimension "
-                f"{self.yielding.dim}; take a Mandel vector S and operators of one dimension"
+                f"S has the shape {stress.shape}, C acts in dimension {self.linear.dim} and K in dimension "
+                f"{self.yielding.dim}; give a Mandel vector S, (3,) or (6,), and operators of the same dimension"
             )
         if not np.isfinite(stress).all():
             raise LawError(f"the stress at rest is not finite: {stress.tolist()}")
         if self.linear.factor is not UNIFORM:
-            raise LawError("the linear part varies in space, but (3.3) does not; take a factor for none of them")
+            raise LawError(
+                "the linear part varies in space, but the part (3.3) cannot; give a linear part without factor"
+            )
         object.__setattr__(self, "prestress", stress)
 
     @property

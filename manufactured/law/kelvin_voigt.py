@@ -29,9 +29,11 @@ class KelvinVoigt:
 
     def __post_init__(self) -> None:
         if self.A.dim != self.G.dim:
-            raise LawError(f"A acts in dimension {self.A.dim}, G in dimension {self.G.dim}; make them equal")
+            raise LawError(
+                f"A acts in dimension {self.A.dim}, but G in dimension {self.G.dim}; give tensors of the same dimension"
+            )
         if isinstance(self.A, Indefinite):
-            raise LawError("(3.1) needs a viscosity with m_A > 0, a ``Linear`` one; only G may soften")
+            raise LawError("A is ``Indefinite``, but (3.1) needs m_A > 0: give a ``Linear`` A; only G may soften")
 
     @property
     def dim(self) -> int:

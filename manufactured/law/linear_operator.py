@@ -32,10 +32,9 @@ class Linear:
         smallest = float(np.linalg.eigvalsh(matrix)[0])
         if smallest <= 0:
             raise LawError(
-                f"the tensor is not elliptic: its smallest eigenvalue is {smallest:.6g}, but (3.1) "
-                "needs m_A > 0; for an isotropic tensor take 2μ > 0 and 2μ + dλ > 0. An elasticity operator that "
-                "softens need not be elliptic: it is an ``Indefinite`` one. A body without viscosity is a problem of "
-                "static elasticity: ``static(body, G, f0, f2)``"
+                f"the tensor is not elliptic: its smallest eigenvalue is {smallest:.6g}, but (3.1) needs m_A > 0; for "
+                "an isotropic tensor take 2μ > 0 and 2μ + dλ > 0. For an elasticity operator that softens use "
+                "``Indefinite``. For a body without viscosity use static elasticity: ``static(body, G, f0, f2)``"
             )
         object.__setattr__(self, "matrix", matrix)
 
@@ -78,7 +77,7 @@ class Linear:
             LawError: the tensor is heterogeneous and needs points: use ``at`` or ``scaled``.
         """
         if self.factor is not UNIFORM:
-            raise LawError("a heterogeneous tensor acts at points: use at(x) or scaled(factors)")
+            raise LawError("a heterogeneous tensor needs points: use at(x) or scaled(factors)")
         return mapped(self.matrix, strain)
 
     def at(self, x: Points) -> AtPoints:
@@ -138,7 +137,7 @@ def symmetric(matrix: Array) -> Array:
     if not np.isfinite(matrix).all():
         raise LawError(f"the tensor has entries that are not finite: {matrix.tolist()}")
     if not np.allclose(matrix, matrix.T, rtol=1e-12, atol=0):
-        raise LawError("the tensor is not symmetric, but (3.1) needs Aσ·τ = σ·Aτ; symmetrise it")
+        raise LawError("the tensor is not symmetric, but (3.1) needs Aσ·τ = σ·Aτ; take (C + Cᵀ)/2")
     return matrix
 
 

@@ -38,7 +38,10 @@ class TravellingField:
 
     def __post_init__(self) -> None:
         if self.steady.radial is not None:
-            raise ValueError("a field travels along a face, so that its cut-off has to be one of the depth")
+            raise ValueError(
+                "the cut-off of a travelling field must depend on the distance from the face only: give `depth`, not "
+                "`radial`"
+            )
 
     @property
     def x(self) -> tuple[Monomial, ...]:

@@ -119,7 +119,7 @@ def test_samples_are_even_in_the_body_and_on_its_faces() -> None:
     [
         (lambda: face(Kind.LOADED, (0, 0, 0), (1, 0, 0), (1, 1, 0.1), (0, 1, 0)), "not flat"),
         (lambda: face(Kind.LOADED, (0, 0, 0), (2, 0, 0), (0.5, 0.5, 0), (0, 2, 0)), "not convex"),
-        (lambda: face(Kind.LOADED, (0, 0, 0), (1, 0, 0)), "make no part"),
+        (lambda: face(Kind.LOADED, (0, 0, 0), (1, 0, 0)), "cannot have corners of the shape"),
         (lambda: face(Kind.LOADED, (0, 0, 0), (1, 0, 0), (2, 0, 0)), "area 0"),
         (lambda: face(Kind.LOADED, (0, 0, 0), (0, 0, 0), (1, 0, 0)), "edge of length 0"),
         (lambda: face(Kind.LOADED, (0, 0, 0), (1, 0, 0), (0, np.nan, 0)), "not a finite number"),

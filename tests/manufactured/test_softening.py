@@ -88,7 +88,7 @@ def test_the_normal_response_of_a_combined_operator_is_its_nn_component_under_co
     ("make", "message"),
     [
         (lambda: KelvinVoigt(SOFT, isotropic(1, 1), ""), "viscosity with m_A > 0.*only G may soften"),
-        (lambda: isotropic(0.5, -1.5), "it is an ``Indefinite`` one"),
+        (lambda: isotropic(0.5, -1.5), "use ``Indefinite``"),
         (lambda: Indefinite(np.array([[2.0, 1, 0], [0, 2, 0], [0, 0, 1]])), "not symmetric"),
         (lambda: Combined(np.zeros(6), SOFT, Yield(1.0, FrobeniusBall(1.0))), r"S has the shape \(6,\)"),
         (lambda: Combined(np.zeros(3), SOFT, Yield(1.0, FrobeniusBall(1.0, 3))), "operators of one dimension"),
