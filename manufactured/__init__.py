@@ -1,10 +1,10 @@
-"""The continuous problem: laws, bodies and exact solutions with prescribed contact zones.
+"""The continuous problem: material laws, bodies, and exact solutions with prescribed contact zones.
 
-Everything is dimensionless. Nothing here knows a mesh, so any discretisation can use it. A case is
-built from a gap and a pressure, formulas of the coordinate ``s`` along a face (``s1`` and ``s2`` in
-3D) and the time ``t``; ``pos(x, a)`` is the truncated power x_+^a. Materials and loads are formulas of
-the coordinates ``x1``, ``x2``, ``x3`` of a point. ``HERMITE``, ``QUARTIC`` and ``PARABOLA`` are
-polynomials that cut a lifting off inside the body, for ``cutoff`` and ``slab``.
+All quantities are dimensionless. This package does not use meshes, so any discretisation can use it. An exact solution
+is built from a gap and a pressure. They are formulas of the coordinate ``s`` along a contact face (``s1`` and ``s2`` in
+3D) and the time ``t``; ``pos(x, a)`` is the truncated power x_+^a. Materials and loads are formulas of the coordinates
+``x1``, ``x2``, ``x3`` of a point. ``HERMITE``, ``QUARTIC`` and ``PARABOLA`` are polynomials for ``cutoff`` and
+``slab``, which let the displacement of a contact face end inside the body.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    """The names of ``manufactured.public``, imported when one is first asked for: SymPy takes half a second."""
+    """Return a name of ``manufactured.public``, which is imported at first use because SymPy takes half a second."""
     public = import_module("manufactured.public")
     globals().update({known: getattr(public, known) for known in ("__all__", *public.__all__)})
     if name not in globals():

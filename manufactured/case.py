@@ -1,4 +1,4 @@
-"""A case: an exact solution with the predicted order of convergence and the reason for this order."""
+"""A case: an exact solution, its regularity, the predicted order of convergence, and the reason for this order."""
 
 from __future__ import annotations
 
@@ -24,31 +24,32 @@ from manufactured.symbols import t
 from manufactured.tensors import Array
 
 FIXED = 2.5
-"""The exponent m from which a fixed front in q, as in an elastic start, does not lower the regularity."""
+"""The exponent m above which a fixed front of q does not lower the regularity. An elastic start leaves such a front,
+since q(0) = −p(0)/g."""
 INITIAL_GAP = "beyond: initial gap"
-"""The statement on cases with an initial gap, about which the paper says nothing."""
+"""The label of the statement on cases with an initial gap, which the paper does not treat."""
 UNSTATED: Any = None
-"""Default of ``Case.order``, which must be replaced: a case without a predicted order is refused."""
+"""Default of ``Case.order``; a case that does not replace it is refused."""
 
 
 class CaseError(ValueError):
-    """The attributes of a case contradict each other, or one of them is missing or invalid."""
+    """Raised if attributes of a case contradict each other, or if one of them is missing or invalid."""
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One entry of the catalogue.
+    """An exact solution with the order of convergence that is predicted for it.
 
     Attributes:
-        name: identifier in commands, files and tables.
+        name: the name in commands, files and tables.
         summary: one line on the motion of the contact zone.
         solution: the exact solution.
-        regularity: the exponents of the least smooth front; they must agree with the formulas.
+        regularity: the exponents of the least smooth fronts; they must agree with the formulas of the solution.
         order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}.
         reason: why the regularity gives this order, in one sentence.
-        pace: number of time steps divided by n^{2/3} at level n. Fast fronts need a larger pace; the time share of the
-            error shows whether it is large enough.
-        twin: the name of a case whose errors on structured meshes must be the same up to round-off, or "".
+        pace: the number of time steps per unit of time divided by n^{2/3} at level n. Fast fronts need a larger pace;
+            the share of the error that is due to time shows whether it is large enough.
+        twin: the name of a case whose errors on structured meshes must be equal up to round-off, or "".
         families: the names of the mesh families on which the quick study measures this case; by default the first
             family that can mesh the body.
 
@@ -111,10 +112,16 @@ class Case:
             raise CaseError(f"case {self.name}: labelled {label}, but its formulas say {found}; {remedy}")
 
     def _found(self, alpha: float, m: float, moving: bool) -> Regularity:
-        """Return the regularity of the formulas, from the exponents of their fronts."""
+        """Return the regularity of the solution according to its formulas.
+
+        Args:
+            alpha, m: the lowest exponents of fronts of the gap and of the pressure side.
+            moving: whether a front moves.
+        """
         solution = self.solution
         if any(isinstance(face, ContactFace) and face.profile.e is not ZERO for face in solution.faces):
-            # u_s ~ ∇_s q: for a fixed front as regular as ∇_s w for α = m, for a moving one q̇ ~ p gives α = m + 1.
+            # u_s contains ∇_s q. A fixed front of q with the exponent m acts like a front of w with α = m. At a moving
+            # front q̇ ~ p, so q has the exponent m + 1.
             alpha = min(alpha, m + 1 if moving and m > FIXED else m)
         drawn = {_plane(seam.normal, seam.start) for seam in solution.body.interfaces}
         unmet = any(
@@ -133,17 +140,17 @@ class Case:
 
     @property
     def proposition(self) -> str:
-        """The label of the statement whose assumptions the case satisfies; with an initial gap, one of this study."""
+        """The label of the statement whose assumptions the case satisfies: of the paper, or ``INITIAL_GAP``."""
         return INITIAL_GAP if self.solution.has_initial_gap else self.regularity.proposition
 
     def _repr_html_(self) -> str:
-        """Return HTML for notebooks, with name, summary, predicted order and its reason, and the solution."""
+        """Return HTML for notebooks: name, summary, predicted order with its reason, and the solution."""
         rows = [("case", self.name), ("contact zone", self.summary), ("predicted order", f"{self.order:g}")]
         return table([*rows, ("reason", self.reason)]) + self.solution._repr_html_()
 
 
 def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
-    """Return the formula of the gap and the formulas of the strain on the face, with the times at which they apply."""
+    """Return the formula of the gap, and the formulas that show the smoothness of the strain on the face."""
 
     def piece(formula: sp.Expr, begin: float = 0.0, end: float = T) -> FaceFormula:
         return FaceFormula(sp.sympify(formula), face.part, face.variables, begin, end)
@@ -162,11 +169,11 @@ def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
 
 
 def _initial_gap(face: Face) -> FaceFormula:
-    """Return the formula of g; its fronts rest and lower the regularity of u in the same way as fronts of w."""
+    """Return the formula of the initial gap g; its kinks lower the regularity of u like fixed fronts of w."""
     return FaceFormula(sp.sympify(face.initial_gap), face.part, face.variables, 0.0, 0.0)
 
 
 def _plane(normal: Array, point: Array) -> tuple[float, ...]:
-    """Return unit normal and offset of a line or plane, rounded, with the same orientation for both unit normals."""
+    """Return rounded unit normal and offset of a line or plane; the same values for both possible normals."""
     values = np.round([*normal, normal @ point], 9) + 0.0
     return tuple(float(v) for v in (values if tuple(values) > tuple(-values) else -values + 0.0))

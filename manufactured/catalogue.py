@@ -1,4 +1,4 @@
-"""The catalogue of exact solutions: their names, and the cases. Each case is made at its first use."""
+"""The catalogue of cases. Each case is made when it is first used."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ NAMES = (
     "parabolic-gap",
     "cube-bowl",
 )
-"""Cases of Proposition 5.4 with simple contact zones first, then cases too rough for it, then laws that soften,
-then cases with an initial gap, which the paper does not have.
+"""The names of all cases: first those that satisfy the assumptions of Proposition 5.4, with simple contact zones first;
+then those that are not smooth enough for it; then laws that soften; last initial gaps, which the paper does not treat.
 
 The case NAME is made by the function ``case`` of ``manufactured/cases/NAME.py``, with ``_`` for ``-`` and ``.``.
 """
@@ -63,14 +63,14 @@ def catalogue() -> tuple[Case, ...]:
 
 @cache
 def named(name: str) -> Case:
-    """Return the case of the catalogue with this name, without making the other cases.
+    """Return the case with a name. Other cases are not made.
 
     >>> case = named("rotated")
     >>> case.order, case.solution.body.dim, case.solution.law.dim
     (1, 2, 2)
 
     Raises:
-        CaseError: no case has this name; the message lists the names there are.
+        CaseError: no case has this name; the message lists all names.
     """
     if name not in NAMES:
         from manufactured.case import CaseError

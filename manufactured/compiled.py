@@ -12,7 +12,7 @@ from manufactured.tensors import Array
 
 
 def power(x: Array, exponent: float) -> Array:
-    """Return x^a; natural exponents up to 12 by products, as NumPy's general power takes some twenty times as long."""
+    """Return x^a. For integers up to 12 products are used, because NumPy's general power takes twenty times as long."""
     if exponent == 0.5:
         return np.sqrt(x)
     if exponent != int(exponent) or not 1 <= exponent <= 12:
@@ -25,7 +25,7 @@ def power(x: Array, exponent: float) -> Array:
 
 
 def truncated_power(x: Array, exponent: float) -> Array:
-    """Return x_+^a: x^a where (the real part of) x is positive, and 0 elsewhere."""
+    """Return the truncated power x_+^a: x^a where the real part of x is positive, and 0 elsewhere."""
     x = np.asarray(x)
     positive = x.real > 0
     if exponent > 0:
@@ -36,9 +36,9 @@ def truncated_power(x: Array, exponent: float) -> Array:
 
 
 def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Callable[..., list[Array]]:
-    """Return a NumPy function of the arguments that gives the list of the expressions.
+    """Return a NumPy function that evaluates expressions of the given symbols and returns the list of their values.
 
-    Common subexpressions are computed once. Constants come as numbers, not as arrays.
+    Common subexpressions are computed once. The value of a constant expression is a number, not an array.
     """
     modules = [{"pos": truncated_power}, "numpy"]
     return sp.lambdify([*arguments], [*map(sp.sympify, expressions)], modules=modules, cse=True)  # type: ignore[no-any-return]
@@ -47,7 +47,13 @@ def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> 
 def derivatives(
     expression: sp.Expr, arguments: Sequence[sp.Symbol], orders: Sequence[Index]
 ) -> Callable[..., list[Array]]:
-    """Return a NumPy function that gives the list of ∂^i of an expression in its arguments, for the given i."""
+    """Return a NumPy function that evaluates derivatives of an expression and returns the list of their values.
+
+    Args:
+        expression: a formula of the arguments.
+        arguments: the symbols with respect to which derivatives are taken.
+        orders: the multi-index of each derivative.
+    """
     return function(arguments, [differentiate(expression, tuple(arguments), order) for order in orders])
 
 

@@ -1,4 +1,4 @@
-"""All fields of an exact solution at given points and one time, in one call."""
+"""Evaluates all fields of an exact solution at given points and one time, in one call."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from manufactured.tensors import Array, Tensors, Vectors, traction
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """u, its derivatives, σ and the loads at points x (d, ...), at one time. Tensors are Mandel vectors.
+    """The fields of an exact solution at points, (d, ...), at one time. Tensors are Mandel vectors, (D, ...).
 
     Attributes:
-        displacement, velocity: u, u̇, (d, ...).
-        gradient: ∂_j u_i, (d, d, ...), by the complex step, exact up to rounding.
-        strain, strain_rate: ε(u), ε(u̇), (D, ...).
+        displacement, velocity: u and u̇, (d, ...).
+        gradient: ∂_j u_i, (d, d, ...), by the complex step, which is exact up to rounding.
+        strain, strain_rate: ε(u) and ε(u̇), (D, ...).
         stress: σ = A ε(u̇) + G ε(u), (D, ...).
         body_force: f_0 = −Div σ, (d, ...).
     """
@@ -35,12 +35,12 @@ class Evaluation:
     body_force: Vectors
 
     def surface_load(self, part: Part) -> Vectors:
-        """σν on a part of the boundary that the points lie on, (d, ...): f_2 on Γ2, −p ν on Γ3."""
+        """Return the traction σν on a boundary part on which the points lie, (d, ...): f_2 on Γ2, −p ν on Γ3."""
         return traction(self.stress, part.normal)
 
 
 def evaluate(of: Case | ExactSolution, x: ArrayLike, time: float) -> Evaluation:
-    """All fields of a case at points x (d, ...) and a time.
+    """Return all fields of a case or exact solution at points x, (d, ...), and a time.
 
     For many times, use ``solution.at(x)``, which processes the points only once.
 
@@ -57,7 +57,7 @@ def evaluate(of: Case | ExactSolution, x: ArrayLike, time: float) -> Evaluation:
     True
 
     Raises:
-        ValueError: x has another shape, a point lies outside the body, or the time outside [0, T].
+        ValueError: x has a wrong shape, a point lies outside the body, or the time lies outside [0, T].
     """
     solution = of.solution if isinstance(of, Case) else of
     fields = solution.at(x)

@@ -1,4 +1,4 @@
-"""Exponents of truncated powers in a formula, and where its other parts are smooth."""
+"""Finds the exponents of truncated powers in a formula, and the parts of a formula that may not be smooth."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import sympy as sp
 from manufactured.symbols import pos
 
 SMOOTH = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.atan, sp.asinh, sp.erf)
-"""Functions that are smooth wherever their argument is."""
+"""Functions that are smooth wherever their argument is smooth."""
 
 
 def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
-    """Return (a, k): near x = 0 the formula is smooth except for powers x_+^a and higher, and is of size x^k.
+    """Return how a formula behaves near x = 0, as two exponents (a, k).
 
-    The function follows sums, products and powers of ``pos(x, ·)`` and of x.
+    The formula is smooth there except for x_+^a and higher truncated powers, and it is of the size x^k. Sums, products
+    and powers of ``pos(x, ·)`` and of x are understood.
     """
     if formula in (x, -x):
         return math.inf, 1.0
@@ -36,7 +37,7 @@ def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
 
 
 def must_be_positive(part: sp.Expr) -> sp.Expr | None:
-    """Return the expression that must stay positive for a power or a function to be smooth, or None."""
+    """Return the expression that must be positive where a part of a formula is smooth; None if it always is."""
     if isinstance(part, SMOOTH) or (isinstance(part, pos) and part.args[1].is_number):
         return None
     if isinstance(part, sp.log):
@@ -50,4 +51,5 @@ def must_be_positive(part: sp.Expr) -> sp.Expr | None:
 
 
 def is_natural(exponent: sp.Expr) -> bool:
+    """Return whether an exponent is one of the numbers 0, 1, 2, …."""
     return bool(exponent.is_number and exponent.is_real and exponent >= 0 and float(exponent).is_integer())

@@ -1,4 +1,4 @@
-"""The exponents of the fronts in the formulas on a contact face, read off the formulas."""
+"""Reads the exponents of fronts off the formulas of the contact data on a face."""
 
 from __future__ import annotations
 
@@ -21,19 +21,20 @@ FACE = frozenset({s, s1, s2})
 TINY = 1e-9
 """A value counts as zero if it is smaller than this fraction of the largest value on the face."""
 POINTS, ZOOMS = 33, 8
-"""Grid points along every axis in the search for an extremum, and number of grids, each in a cell of the last one."""
+"""Grid points along every axis in the search for an extremum, and number of grids; each grid covers the neighbourhood
+of the best point of the last one."""
 
 
 class RoughError(ValueError):
-    """The exponents of a formula cannot be read off, or no ``Regularity`` can state them."""
+    """Raised if the exponents of a formula cannot be read off, or if no ``Regularity`` can state them."""
 
 
 @dataclass(frozen=True)
 class FaceFormula:
-    """A formula of the contact data on a face during [begin, end].
+    """A formula of contact data on a face, used for times in [begin, end].
 
     Attributes:
-        formula: a formula of the variables and t.
+        formula: a formula of the coordinates along the face and of t.
         part: the face.
         variables: the coordinates along the face.
         begin, end: the times between which the formula is used.
@@ -47,9 +48,10 @@ class FaceFormula:
 
     @cached_property
     def plain(self) -> sp.Expr:
-        """The formula without the truncated powers that are smooth here, as x keeps its sign or x^a is a polynomial.
+        """The formula after replacing truncated powers x_+^a that are smooth on the face by x^a or 0.
 
-        What remains as ``pos(x, a)`` has its front on the face, or is a power that is not natural at an end of it.
+        A truncated power is smooth if x does not change its sign on the face. The remaining ``pos(x, a)`` have a front
+        on the face, or vanish at an end of it with an exponent that is not a natural number.
         """
 
         def resolved(power: pos) -> sp.Expr:
@@ -63,15 +65,16 @@ class FaceFormula:
         return self.formula.replace(lambda e: isinstance(e, pos) and bool(e.free_symbols & FACE), resolved)
 
     def refuse_unread(self) -> None:
-        """Raise an error if a part of the formula is neither smooth on the face nor a truncated power.
+        """Refuse a formula with a part that is neither a truncated power nor known to be smooth on the face.
 
-        Logarithms and powers with exponents that are not natural numbers are smooth where their base is positive, poles
-        where it is not zero. The base is sampled on a grid, so a zero between two grid points may be missed.
+        Logarithms, and powers with exponents that are not natural numbers, are smooth where their base is positive.
+        Quotients are smooth where the denominator is not zero. The base is sampled on grids, so a zero between two grid
+        points may be missed.
 
         Raises:
-            RoughError: such a part is not smooth, or not known to be smooth.
+            RoughError: there is such a part.
         """
-        # A power that was resolved may hide the parts of its argument, or become an ordinary power.
+        # A replaced truncated power may become an ordinary power, and the formula may lose parts of its argument.
         parts = self.formula.atoms(sp.Function, sp.Pow) | self.plain.atoms(sp.Function, sp.Pow)
         for part in sorted(parts, key=str):
             base = must_be_positive(part) if part.free_symbols & FACE else None
@@ -87,7 +90,7 @@ class FaceFormula:
                 )
 
     def exponents(self) -> tuple[float, float]:
-        """Return the lowest exponents of the fixed fronts and of the moving fronts; infinity if there is no such front.
+        """Return the lowest exponent of fixed fronts and that of moving fronts; infinity if there is no such front.
 
         Raises:
             RoughError: see ``refuse_unread``.
@@ -102,12 +105,12 @@ class FaceFormula:
         return found[False], found[True]
 
     def range(self, formula: sp.Expr) -> tuple[float, float]:
-        """Return the least and the largest value of a formula on the closed face × [begin, end], or infinity."""
+        """Return the least and the largest value of a formula on the face and in [begin, end]; possibly infinity."""
         values = function([*self.variables, t], [formula])
         return self._least(values, 1.0), -self._least(values, -1.0)
 
     def _least(self, values: Callable[..., list[Array]], sign: float) -> float:
-        """Return the least value of ``sign`` times a function, searched on ever smaller grids around the best point."""
+        """Return the least value of ``sign`` times a function, found on ever smaller grids around the best point."""
         outline = self.part.outline
         start, stop = np.array([*outline.min(1), self.begin]), np.array([*outline.max(1), self.end])
         low, high, least = start, stop, math.inf
@@ -126,11 +129,17 @@ class FaceFormula:
 
 
 def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> tuple[float, float, bool]:
-    """Return (α, m, moving) for the formulas of a solution: the lowest exponents of its fronts, or infinity.
+    """Return the lowest exponents α of the gap and m of the pressure side at fronts, and whether a front moves.
+
+    The exponents are infinity if there is no front.
+
+    Args:
+        gaps: the formulas of the gap, and of an initial gap.
+        pressures: the formulas of the pressure or of the strain on the face.
 
     Raises:
-        RoughError: a formula has parts that cannot be read, or the gap has a fixed front that is rougher than its
-            moving fronts. One ``Regularity`` cannot state both, because a moving front costs u̇ one power more.
+        RoughError: exponents cannot be read off a formula, or the gap has a fixed front with a lower exponent than its
+            moving fronts. One ``Regularity`` cannot state both, because a moving front lowers the exponent of u̇ by one.
     """
     sides = []
     for side in (gaps, pressures):

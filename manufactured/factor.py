@@ -1,4 +1,4 @@
-"""Scalar fields α(x) > 0 that make a material heterogeneous."""
+"""Scalar factors α(x) > 0 that multiply a tensor and so make a material heterogeneous."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)
 
 @dataclass(frozen=True, eq=False)
 class Factor:
-    """α(x), a formula of x1, x2, x3.
+    """A scalar factor α(x) > 0, given by a formula of x1, x2, x3.
 
     Attributes:
-        formula: α; steps between layers are written with ``pos(·, 0)``.
-        low, high: bounds, 0 < low ≤ α ≤ high on the body; m_A and L_G are computed from them, and the
-            self-proof of a case checks them.
+        formula: the formula of α; jumps between layers are written with ``pos(·, 0)``.
+        low, high: bounds with 0 < low ≤ α ≤ high on the body. m_A and L_G are computed from them; the self-proof of a
+            case checks them.
         steps: planes {x : direction·x = offset} across which α jumps, as pairs (direction, offset).
 
     Raises:
@@ -54,15 +54,21 @@ class Factor:
         return [np.broadcast_to(value, x.shape[1:]) for value in self._compiled(*coordinates)]
 
     def __call__(self, x: Points) -> Array:
-        """α(x): (d, ...) → (...)."""
+        """Return α at points: (d, ...) → (...)."""
         return self._evaluate(x)[0]
 
     def gradient(self, x: Points) -> Vectors:
-        """∂_j α(x) away from steps: (d, ...) → (d, ...)."""
+        """Return the gradient ∂_j α at points that are not on a step: (d, ...) → (d, ...)."""
         return np.array(self._evaluate(x)[1 : 1 + len(x)])
 
     def along(self, start: Array, tangents: Array, variables: tuple[sp.Symbol, ...]) -> sp.Expr:
-        """Return α on the plane start + Σ s_i t_i as a formula of the s_i; start (d,), tangents (d, d−1)."""
+        """Return α on the line or plane {start + Σ_i s_i t_i} as a formula of the coordinates s_i.
+
+        Args:
+            start: a point, (d,).
+            tangents: the vectors t_i as columns, (d, d−1).
+            variables: the symbols s_i.
+        """
         if not self.formula.free_symbols:
             return self.formula
         place = sp.Matrix(start) + sp.Matrix(tangents) * sp.Matrix(variables)
@@ -70,10 +76,10 @@ class Factor:
 
 
 def layers(direction: tuple[float, ...], offset: float, ratio: float) -> Factor:
-    """Return the factor α = 1 where direction·x < offset, and α = ``ratio`` elsewhere."""
+    """Return the factor of a body of two layers: 1 where direction·x < offset, and ``ratio`` elsewhere."""
     beyond = pos(sum(c * x for c, x in zip(direction, (x1, x2, x3), strict=False)) - offset, 0)
     return Factor(1 + (ratio - 1) * beyond, min(1.0, ratio), max(1.0, ratio), ((direction, offset),))
 
 
 UNIFORM = Factor(sp.Integer(1), 1.0, 1.0)
-"""α = 1, a homogeneous material."""
+"""The factor α = 1 of a homogeneous material."""

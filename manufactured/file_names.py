@@ -1,11 +1,11 @@
-"""Which names may become a part of a file name, on every operating system."""
+"""Checks whether a name can be part of a file name on every operating system."""
 
 from __future__ import annotations
 
 import re
 
 MOST_BYTES = 100
-"""Longest name in UTF-8: file systems allow 255 bytes, and kind, mesh family, level and suffix are added."""
+"""Largest number of bytes of a name in UTF-8. File systems allow 255; mesh family, level and suffix are added."""
 RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-9¹²³]) *(\..*)?", re.IGNORECASE | re.DOTALL)
 """Device names, which Windows opens instead of a file, with any suffix."""
 FORBIDDEN = re.compile(r'[/\\:*?"<>|\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]')
@@ -13,7 +13,7 @@ FORBIDDEN = re.compile(r'[/\\:*?"<>|\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]
 
 
 def file_name_fault(name: str) -> str:
-    """Returns why a name cannot be part of a file name, in words for a message; "" if it can."""
+    """Return why a name cannot be part of a file name, in words for a message; "" if it can."""
     if not name:
         return "it is empty"
     if found := FORBIDDEN.search(name):

@@ -1,4 +1,4 @@
-"""A formula of (s, t) with its derivatives, evaluated at many points and times."""
+"""Evaluates a formula of (s, t) and its derivatives at many points and times."""
 
 from __future__ import annotations
 
@@ -15,10 +15,15 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True)
 class Jet:
-    """A formula of (s, t) with its derivatives along the face, evaluated by NumPy.
+    """A function that evaluates a formula of (s, t) and its derivatives along the face.
 
-    ``Jet(expr, (s,))(points, time, order)`` takes points (d−1, ...) and a time, or times that broadcast with the
-    points, and returns every ∂^i expr with |i| ≤ order as arrays (...); with ``in_time`` = n it returns ∂^i ∂_t^n expr.
+    A call with points, (d−1, ...), a time (or times that broadcast with the points) and an order returns the
+    derivatives ∂^i with |i| ≤ order as a dict from multi-indices i to arrays, (...).
+
+    Attributes:
+        expression: the formula.
+        variables: the symbols of the coordinates along the face.
+        in_time: n, if ∂_t^n of the formula is evaluated instead of the formula.
 
     Raises:
         FormulaError: the formula has other symbols, or functions with jumps that are not written with ``pos``.
@@ -50,10 +55,10 @@ class Jet:
         return {key: _filled(value, shape) for key, value in zip(keys, values, strict=True)}
 
     def rate(self) -> Jet:
-        """The jet of ∂_t expr."""
+        """Return the function for the time derivative of the formula."""
         return replace(self, in_time=self.in_time + 1)
 
 
 def _filled(value: Array | float, shape: tuple[int, ...]) -> Array:
-    """Return a value with the full shape; a formula that does not depend on all variables gives fewer entries."""
+    """Return a value with the full shape; the value of a formula without some of the variables has fewer entries."""
     return value if isinstance(value, np.ndarray) and value.shape == shape else np.broadcast_to(value, shape)

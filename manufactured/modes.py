@@ -1,4 +1,4 @@
-"""Strains as sums of products of a function of the point and a function of the face coordinate s and time."""
+"""Strains as sums of products of a function of the point and a function of the face coordinate and of time."""
 
 from __future__ import annotations
 
@@ -13,18 +13,19 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """A strain at points x_p, ε(x_p, t) = Σ_k E_k φ_k(x_p) T_k(s_{j(p)}, t), zero at the points not listed.
+    """A strain at points x_p, written as ε(x_p, t) = Σ_k E_k φ_k(x_p) T_k(s_{j(p)}, t).
 
-    Many points share a coordinate s_j along the face. Only the T_k depend on time, so few values change with time.
+    Only the functions T_k, called amplitudes, depend on time. Many points have the same coordinate s_j along the face,
+    so few values change with time. At points that are not listed the strain is zero.
 
     Attributes:
-        tensors: E_k, Mandel (K, D).
-        points: positions p of the points at which the strain does not vanish for all times, increasing, (n,).
-        shapes: φ_k(x_p), (K, n).
-        places: j(p), (n,).
-        count: the number J of different s_j.
-        amplitudes: the function (t, rate) ↦ T_k(s_j, t), or ∂_t T_k(s_j, t) if ``rate`` is true, (K, J); for n times
-            (K, J, n).
+        tensors: the constant tensors E_k in Mandel form, (K, D).
+        points: the numbers p of the points at which the strain is not always zero, increasing, (n,).
+        shapes: the functions φ_k at these points, (K, n).
+        places: j(p), the number of the coordinate s_j of each of these points, (n,).
+        count: the number J of different coordinates s_j.
+        amplitudes: the function (t, rate) ↦ T_k(s_j, t), or ∂_t T_k(s_j, t) if ``rate`` is true, (K, J). For m times
+            it returns (K, J, m).
     """
 
     tensors: Array
@@ -35,7 +36,7 @@ class Modes:
     amplitudes: Callable[[Array | float, bool], Array]
 
     def among(self, first: int, stop: int) -> Modes:
-        """Return the strain at the points first, …, stop − 1, counted from zero."""
+        """Return the strain at the points with the numbers first, …, stop − 1, which are numbered anew from 0."""
         # The positions increase, so a slice without a copy is enough.
         chosen = slice(*np.searchsorted(self.points, (first, stop)))
         return replace(
@@ -44,9 +45,9 @@ class Modes:
 
 
 def at_each(time: Array | complex, of: Callable[[Any], Array]) -> Array:
-    """Evaluate a field at one time, or at n times one after the other, which become the last axis."""
+    """Evaluate a field at one time, or at several times in turn; several times become the last axis."""
     if not (isinstance(time, np.ndarray) and time.ndim):
         return of(time)
     found = [of(one) for one in time]
-    # Fine meshes need one time at once, and a copy would cost noticeable time.
+    # On fine meshes one time is evaluated at a time, and a copy would take noticeable time.
     return found[0][..., None] if len(found) == 1 else np.stack(found, axis=-1)

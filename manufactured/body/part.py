@@ -61,7 +61,7 @@ class Part:
         dim, count = self.corners.shape
         if dim not in (2, 3) or count < dim or (dim == 2 and count > 2):
             raise BodyError(
-                f"a boundary part cannot have corners of the shape {(dim, count)}: give two corners in 2D, shape (2, 2), "
+                f"a boundary part cannot have corners of the shape {(dim, count)}: give two in 2D, shape (2, 2), "
                 "or three or more in 3D, shape (3, c)"
             )
         if not np.isfinite(self.corners).all():

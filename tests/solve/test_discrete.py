@@ -224,7 +224,7 @@ def test_graded_meshes_differ_from_unstructured_ones_near_their_points_only() ->
     near = [np.linalg.norm(plain - np.array(c)[:, None], axis=0) < Graded().radius(ANGLE, c) for c in ANGLE.refine]
     assert (moved <= np.any(near, axis=0)).all()
     assert moved.any()
-    with pytest.raises(MeshError, match="list them in `refine`"):
+    with pytest.raises(MeshError, match="list points in `refine`"):
         Graded()(unit_square(), 8)
 
 

@@ -264,7 +264,7 @@ def test_vertices_that_are_not_those_of_the_matrix_are_refused() -> None:
 
 def test_a_tolerance_below_rounding_is_refused(setting) -> None:
     S, N, x = setting
-    with pytest.raises(MultigridError, match="ask for less"):
+    with pytest.raises(MultigridError, match="so take a larger one"):
         Multigrid(S, N, x, 1e-20)(disturbed(S, N)[1])
 
 

@@ -79,7 +79,7 @@ def test_every_traction_in_equilibrium_with_the_divergence_is_there(degree: int)
 
 
 def test_there_is_no_element_of_degree_0() -> None:
-    with pytest.raises(ValueError, match="start with degree 1"):
+    with pytest.raises(ValueError, match="needs a degree of 1 or more, got 0"):
         composite(0)
 
 
