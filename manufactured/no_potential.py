@@ -1,6 +1,6 @@
-"""A front that advances and recedes over a material whose elasticity has no potential and is not monotone.
+"""A front that advances and recedes on a material whose elasticity has no potential and is not monotone.
 
-The contact data are the data of ``cases.softening``,
+The contact data are those of ``cases.softening``,
 
     w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
 
@@ -8,15 +8,15 @@ on the unit square with A τ = 2τ + (tr τ)/2 I, and G τ = τ − (3/2)(tr τ)
 
     (W τ)_11 = 3√2 τ_12,   (W τ)_12 = −(3/√2) τ_11,   (W τ)_22 = 0.
 
-W contributes nothing to G τ·τ, so that G has the constant m = −2 of monotonicity that ``softening`` has, and softens at
-the rate γ = 2/m_A = 1; κ = L_G/m_A = 2.03. No function of ε has G as its derivative, since the matrix of G is not
-symmetric. On Γ3 only ε_22 is not zero, and W does not change the stress that it causes: gap, pressure and strain on Γ3
-are the same as in ``softening``, but f_0 and f_2 differ.
+W τ·τ = 0, so G has the same constant of monotonicity m = −2 as in ``softening``, and differences of solutions may grow
+at the rate γ = 2/m_A = 1; κ = L_G/m_A = 2.03. G is not the derivative of a stored energy, because its matrix is not
+symmetric. On Γ3 only ε_22 is not zero, and W maps it to 0. So gap, pressure and strain on Γ3 are the same as in
+``softening``, but f_0 and f_2 differ.
 
-Predicted order 1: (5.36) holds as for ``softening``, and Prop. 5.4 asks only that G is Lipschitz.
+Predicted order 1: (5.36) holds as for ``softening``, and Prop. 5.4 requires only that G is Lipschitz.
 
-The case is not in the catalogue: Problem 3.2 on the strains of V^h, the energy balance and the error bound use a
-potential or the eigenvectors of a symmetric G.
+The case is not in the catalogue, because some computations for cases of the catalogue need a symmetric G: Problem 3.2
+on the strains of V^h, the energy balance, and the error bound.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from manufactured.regularity import Regularity
 
 NAME = "no-potential"
 SKEW = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
-"""A turn by a right angle of the first and the third Mandel component, 11 and √2·12."""
+"""The rotation by a right angle of the first and third Mandel components, 11 and √2·12."""
 
 
 def law_without_potential(rotation: float = 3.0) -> KelvinVoigt:
-    """The law with ``rotation`` times ``SKEW`` added to the elasticity of ``cases.laws.softening_in_volume``."""
+    """Return the law ``cases.laws.softening_in_volume`` with ``rotation`` times ``SKEW`` added to its G."""
     G = NonSymmetric(isotropic_matrix(0.5, -1.5) + rotation * SKEW)
     return KelvinVoigt(isotropic(1, 0.5), G, "linear, G softens in volume and has no potential")
 

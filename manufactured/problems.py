@@ -1,13 +1,16 @@
-"""Problems with unknown solution and contact zone, given by their data.
+"""Problems whose solution and contact zone are not known, given by their data.
 
-* ramp: a wedge clamped in a wall on its left side, resting on the ground, with a load that travels down its top,
+* ramp: a wedge that is clamped in a wall on its left side and rests on the ground, with a load that travels down its
+top
 
       f_2 = −8 a(t) (1 − ((x_1 − c(t))/w)²)_+³ ν,   a = t²(3 − 2t),   c = 4/5 + 7t/5,   w = 4/5,
 
-  the angles are such that no corner is singular while its ends touch the ground: 60° between Γ1 and Γ2, 90° at both
-  ends of Γ3, 120° within Γ2. Only the contact front is singular, r^{3/2}: u(t) ∈ H^{1+s} for s < 3/2, order 1.
-* bracket: an L-shaped body clamped at the top of its upright and pressed down on its foot; re-entrant corner, so u(t) ∈
-  H^{1+s} for s < 0.5445 only. Meshes of the family ``graded`` refine towards it and towards the ends of Γ1.
+  The angles are such that no corner is singular while the ends of Γ3 are in contact: 60° between Γ1 and Γ2, 90° at both
+  ends of Γ3, 120° within Γ2. Only the contact front is singular, with r^{3/2}. So u(t) ∈ H^{1+s} for s < 3/2, and the
+  order is 1.
+* bracket: an L-shaped body that is clamped at the top of its vertical part and pressed down at the end of its foot.
+  Because of the re-entrant corner, u(t) ∈ H^{1+s} for s < 0.5445 only. Meshes of the family ``graded`` are refined
+  towards this corner and towards the ends of Γ1.
 """
 
 from __future__ import annotations
@@ -24,12 +27,12 @@ from manufactured.symbols import pos, t
 
 
 def _bump(x: Expr) -> Expr:
-    """(1 − x²)_+³."""
+    """Return the formula (1 − x²)_+³."""
     return pos(1 - x**2, 3)
 
 
 def ramp() -> Data:
-    """Return the wedge under a travelling load."""
+    """Return the data of the wedge under a travelling load."""
     slope = 1 / sqrt(3)
     height = Rational(1, 2) + 3 * slope
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
@@ -41,7 +44,7 @@ def ramp() -> Data:
 
 
 def bracket() -> Data:
-    """Return the L-shaped body that is pressed down on its foot."""
+    """Return the data of the L-shaped body whose foot is pressed down."""
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
     body = polygon(corners, kinds, refine=((1.0, 1.0), (1.0, 2.0), (0.0, 2.0)))
@@ -51,13 +54,13 @@ def bracket() -> Data:
 
 @dataclass(frozen=True, eq=False)
 class OpenProblem:
-    """A problem with unknown solution: its data and the predicted order.
+    """A problem whose solution is not known, with the predicted order of convergence.
 
     Attributes:
-        name, summary: for tables.
-        data: the data.
-        order: the order of ‖u − u^h‖_{L∞(0,T;V)} that is to be enclosed, None if none is predicted.
-        reason: the reason for this order.
+        name, summary: name and one line of description, for tables.
+        data: the data of the problem.
+        order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}, or None.
+        reason: the reason for this prediction.
     """
 
     name: str

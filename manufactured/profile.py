@@ -1,4 +1,4 @@
-"""The continuation of contact data from a face into the body, by piecewise polynomials of the depth y."""
+"""Functions of the depth y that continue contact data from a face into the body (``manufactured.contact``)."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from numpy.polynomial.polynomial import polyadd, polyder, polymul
 from manufactured.tensors import Array
 
 HERMITE = (1.0, 0.0, -3.0, 2.0)
-"""φ(η) = (1 − η)²(1 + 2η): φ(1) = φ'(1) = 0, so the lifting may end inside the body; no traction on Γ1."""
+"""φ(η) = (1 − η)²(1 + 2η), with φ(1) = φ'(1) = 0: the displacement may end inside the body; no traction on Γ1."""
 
 QUARTIC = (1.0, 0.0, -6.0, 8.0, -3.0)
-"""φ(η) = (1 − η)³(1 + 3η): φ(1) = φ'(1) = φ''(1) = 0, so that strains have no kink where the lifting ends."""
+"""φ(η) = (1 − η)³(1 + 3η), with φ(1) = φ'(1) = φ''(1) = 0: strains have no kink where the displacement ends."""
 
 PARABOLA = (1.0, 0.0, -1.0)
-"""φ(η) = 1 − η²: φ(1) = 0 only, for a Γ1 exactly at depth ℓ, which then carries a traction."""
+"""φ(η) = 1 − η², with φ(1) = 0 only: Γ1 must be at the depth where the displacement ends; its traction is not zero."""
 
 
 class ProfileError(ValueError):
-    """A profile violates a condition at y = 0, so that it cannot continue contact data into the body."""
+    """Raised if a profile violates a condition at y = 0, so that it would change the contact data."""
 
 
 @lru_cache
@@ -52,7 +52,7 @@ class Piecewise:
     pieces: tuple[tuple[float, ...], ...]
 
     def __call__(self, y: Array, derivative: int = 0) -> Array:
-        """The derivative of the given order at y, (...)."""
+        """Return a derivative of the function at depths y, (...) → (...)."""
         total = np.zeros(np.shape(y), dtype=np.result_type(y, float))
         place, start = np.real(y), -np.inf
         for end, piece in zip(self.ends, _derived(self.pieces, derivative), strict=True):
@@ -70,16 +70,16 @@ class Piecewise:
 
 @dataclass(frozen=True)
 class Profile:
-    """The functions of y in
+    """The functions a, …, e of the depth y in the displacement of a contact face,
 
         u_s = ∇_s w·a(y) + ∇_s q·e(y) + r·c(y),      u_n = w·b(y) + q·d(y).
 
-    They continue the data of a contact face correctly if, at y = 0, a = c = d = e = 0, b = 1, a' = −1, c' = d' = 1
-    and b' = e' = 0: then u_n = w, u_s = 0, ε_nn = q, 2ε_sn = r and ε_ss = 0 there.
+    At y = 0 they must satisfy a = c = d = e = 0, b = 1, a' = −1, c' = d' = 1 and b' = e' = 0. Then u_n = w, u_s = 0,
+    ε_nn = q, 2ε_sn = r and ε_ss = 0 on the face.
 
     Attributes:
         a, b, c, d, e: the functions.
-        kinks: depths at which first derivatives jump, where layers of the body meet.
+        kinks: the depths at which first derivatives jump, because layers of the body meet there.
 
     Raises:
         ProfileError: one of the conditions at y = 0 is violated.
@@ -115,7 +115,12 @@ ZERO = Piecewise((1.0,), ((0.0,),))
 
 
 def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
-    """b = φ(y/ℓ), c = d = y φ(y/ℓ), a = −y φ(y/ℓ), for φ(0) = 1, φ'(0) = 0, φ(1) = 0; coefficients lowest first."""
+    """Return the profile b = φ(y/ℓ), c = d = y φ(y/ℓ), a = −y φ(y/ℓ), e = 0.
+
+    Args:
+        depth: ℓ, the depth beyond which the displacement is zero.
+        phi: the coefficients of a polynomial φ with φ(0) = 1, φ'(0) = 0, φ(1) = 0, lowest power first.
+    """
     b = tuple(coefficient / depth**k for k, coefficient in enumerate(phi))
     d = (0.0, *b)
     ends = (depth,)
@@ -129,7 +134,7 @@ def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 
 
 def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
-    """Return ``cutoff`` with b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ): with q = −w/ℓ, a gap alone gives a uniform strain."""
+    """Return ``cutoff`` with b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ) instead: for q = −w/ℓ, a constant gap gives a uniform strain."""
     plain = cutoff(depth, phi)
     b = polyadd((1.0, -1 / depth), np.array(plain.d.pieces[0]) / depth)
     return replace(plain, b=Piecewise((depth,), (tuple(float(x) for x in b),)))
@@ -138,8 +143,8 @@ def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
     """Two layers, the upper one ``ratio`` = κ times as stiff and viscous as the one at the face; Γ1 at y = ℓ.
 
-    On the interface y = y_0 the tangential displacement vanishes, so ε = sym(β ⊗ n) there, and with
-    ε⁺ = ε⁻/κ the traction is continuous for any A and G, and at all times:
+    On the interface y = y_0 the tangential displacement vanishes, so ε = sym(β ⊗ n) there. If also ε⁺ = ε⁻/κ, where κ
+    is the ratio of the layers, then the traction is continuous for any A and G and at all times. This requires
 
         ∂_y u_n⁺ = ∂_y u_n⁻/κ,      ∂_y u_s⁺ + ∇_s u_n = (∂_y u_s⁻ + ∇_s u_n)/κ.
 
@@ -155,7 +160,7 @@ def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
     softer = 1 / ratio - 1
 
     def bulge(slope: float) -> tuple[float, ...]:
-        """slope · (y − y_0)(ℓ − y)²/(ℓ − y_0)²."""
+        """Return the coefficients of slope · (y − y_0)(ℓ − y)²/(ℓ − y_0)²."""
         return tuple(float(x) * slope / rest**2 for x in polymul((-y0, 1.0), polymul((depth, -1.0), (depth, -1.0))))
 
     def line(value: float) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""The names of ``manufactured``, each from where it is defined."""
+"""Imports all public names of the package ``manufactured`` from the modules that define them."""
 
 from manufactured.body import Body, BodyError, Kind, Part, box, polygon, unit_square
 from manufactured.case import Case, CaseError

@@ -1,27 +1,27 @@
-"""The regularity of a solution, and so its predicted order, from the exponents of gap and pressure at the fronts.
+"""The regularity of a solution, and from it the predicted order, for given exponents of gap and pressure at the fronts.
 
-Near a front c(t) let w ~ (s − c)_+^α and p ~ (c − s)_+^m. The lifting has u_s ~ w', u_n ~ w + y q:
+**Contact fronts.** Near a front c(t) let w ~ (s − c)_+^α and p ~ (c − s)_+^m. The lifting has u_s ~ w', u_n ~ w + y q.
 
-* moving front, with ẇ ~ (s − c)_+^{α−1} and q̇ ~ p:
-  u ∈ W^{1,2}(0,T;H²) iff ẇ''' ~ (·)^{α−4} and q̇'' ~ p'' ~ (·)^{m−2} are square integrable, that is
-  α > 7/2 and m > 3/2; then (5.36) holds;
-  u ∈ W^{1,∞}(0,T;V) iff α > 5/2 and m > 1/2;
-  (3.4) read literally, f_0 ∈ W^{1,1}(0,T;H), needs α > 9/2 and m > 5/2. The source uses (3.4) only
-  through (3.8), f ∈ W^{1,1}(0,T;V), which needs one derivative less in space and holds whenever
-  σ and σ_ν are absolutely continuous in time;
-* fixed front: u ∈ H^{1+s}(Ω) for s < min(α − 3/2, m − 1/2), from w' and q in H^{1+s}; (5.36) and
-  (3.4) for α > 5/2 and m > 3/2.
+* At a moving front ẇ ~ (s − c)_+^{α−1} and q̇ ~ p. Then
+  u ∈ W^{1,2}(0,T;H²), and so (5.36), holds if ẇ''' ~ (·)^{α−4} and q̇'' ~ p'' ~ (·)^{m−2} are square integrable, that is
+  for α > 7/2 and m > 3/2;
+  u ∈ W^{1,∞}(0,T;V) holds for α > 5/2 and m > 1/2;
+  (3.4) as it is printed, f_0 ∈ W^{1,1}(0,T;H), needs α > 9/2 and m > 5/2. The paper uses (3.4) only through (3.8),
+  f ∈ W^{1,1}(0,T;V). This needs one derivative less in space: it holds if σ and σ_ν are absolutely continuous in time.
+* At a fixed front u ∈ H^{1+s}(Ω) for s < min(α − 3/2, m − 1/2), because w' and q are in H^{1+s}. (5.36) and (3.4) hold
+  for α > 5/2 and m > 3/2.
 
-A field of the form r^λ at a point (corner, junction of two conditions, natural front, extension of a
-trace s_+^λ) lies in H^{1+s}(Ω) for s < λ; if the point is on Γ3 its trace lies in H^τ(Γ3) for τ < λ + 1/2
-and σ_ν ~ r^{λ−1} in L²(Γ3) iff λ > 1/2. If the point moves along Γ3, u̇ ~ r^{λ−1} lies in H^{1+s} for s < λ − 1, and
-σ_ν ~ r^{λ−2} in L²(Γ3) iff λ > 3/2. A strain that jumps across a line which the mesh does not
-follow gives s < 1/2.
+**Singular points.** A field ~ r^λ at a point (corner, junction of two boundary conditions, natural front, extension of
+a trace s_+^λ) lies in H^{1+s}(Ω) for s < λ. If the point is on Γ3, the trace of the field lies in H^τ(Γ3) for
+τ < λ + 1/2, and σ_ν ~ r^{λ−1} lies in L²(Γ3) if λ > 1/2. If the point moves along Γ3, u̇ ~ r^{λ−1} lies in H^{1+s} for
+s < λ − 1, and σ_ν ~ r^{λ−2} lies in L²(Γ3) if λ > 3/2.
 
-The predicted order of ‖u − u^h‖_{L∞(0,T;V)} for P1, on meshes that are not adapted to singular points, is the order of
-interpolation, (5.23) between H¹ and H²: min(1, s) for u(t) ∈ H^{1+s}. The proof of Prop. 5.4 gives the order
-``proved_order``: min(1, s', τ/2) from ‖u̇ − Π^h u̇‖_V and ‖u_ν − Π^h u_ν‖^{1/2}_{L²(Γ3)} in
-(5.42), for u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3), or min(1, s', s/2) from (5.28) where σ_ν ∉ L²(Γ3).
+**Interfaces.** If the strain jumps across a line that the mesh does not follow, s < 1/2.
+
+**Orders.** On meshes that are not refined towards singular points, the predicted order of ‖u − u^h‖_{L∞(0,T;V)} for P1
+is the order of interpolation, (5.23) between H¹ and H²: min(1, s) for u(t) ∈ H^{1+s}. The order that the proof of Prop.
+5.4 gives, ``proved_order``, may be lower. For u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3) it is min(1, s', τ/2), from
+‖u̇ − Π^h u̇‖_V and ‖u_ν − Π^h u_ν‖^{1/2}_{L²(Γ3)} in (5.42). If σ_ν ∉ L²(Γ3), it is min(1, s', s/2), from (5.28).
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ NATURAL_FRONT = (
 
 @dataclass(frozen=True)
 class Regularity:
-    """The exponents of a case.
+    """The exponents that determine how smooth a solution is.
 
     >>> Regularity(gap=4, pressure=2, moving=True).proposition
     'Prop. 5.4'
@@ -47,15 +47,15 @@ class Regularity:
     0.75
 
     Attributes:
-        gap: α; math.inf without a front.
-        pressure: m; math.inf without a front.
+        gap: α, the exponent of the gap at the fronts; math.inf without a front.
+        pressure: m, the exponent of the pressure at the fronts; math.inf without a front.
         moving: whether the front moves.
-        corner: λ of the least regular r^λ inside or on Γ1 and Γ2; math.inf if there is no singular field.
-        on_contact: λ of the least regular r^λ on Γ3; math.inf if there is no singular field.
+        corner: the smallest λ of singular fields r^λ at points that are not on Γ3; math.inf if there are none.
+        on_contact: the smallest λ of singular fields r^λ at points on Γ3; math.inf if there are none.
         kink: whether the strain jumps across a line that meshes do not follow.
 
     Raises:
-        ValueError: α ≤ 3/2, m ≤ 1/2 or λ ≤ 0, so that u(t) lies in no H^{1+s}, s > 0.
+        ValueError: α ≤ 3/2, m ≤ 1/2 or λ ≤ 0, so that u(t) lies in no H^{1+s} with s > 0.
     """
 
     gap: float = math.inf
@@ -75,17 +75,17 @@ class Regularity:
 
     @property
     def smoothness(self) -> float:
-        """sup of the s with u(t) ∈ H^{1+s}(Ω)."""
+        """The supremum of all s with u(t) ∈ H^{1+s}(Ω)."""
         return min(self.gap - 1.5, self.pressure - 0.5, self.corner, self.on_contact, 0.5 if self.kink else math.inf)
 
     @property
     def rate_smoothness(self) -> float:
-        """sup of the s with u̇(t) ∈ H^{1+s}(Ω); a moving front costs one power of w, or of a field r^λ on Γ3."""
+        """The supremum of all s with u̇(t) ∈ H^{1+s}(Ω). A moving front lowers the exponents of w and of r^λ by one."""
         return min(self.smoothness, self.gap - 2.5, self.on_contact - 1) if self.moving else self.smoothness
 
     @property
     def force_in_L2(self) -> bool:
-        """Whether f_0(t) ∈ L²(Ω)²: the lifting lies in H² with its rate.
+        """Whether f_0(t) ∈ L²(Ω)^d, which holds if the lifting and its time derivative lie in H².
 
         Singular fields r^λ at corners and natural fronts have Div σ = 0, so they do not contribute to f_0.
         """
@@ -94,7 +94,7 @@ class Regularity:
 
     @property
     def trace(self) -> float:
-        """sup of the τ with u_ν(t) ∈ H^τ(Γ3,i)."""
+        """The supremum of all τ with u_ν(t) ∈ H^τ(Γ3,i)."""
         return min(self.gap, self.on_contact) + 0.5
 
     @property
@@ -104,18 +104,18 @@ class Regularity:
 
     @property
     def proved_order(self) -> float:
-        """The order that the proof of Prop. 5.4 gives: min(1, s', τ/2), or min(1, s', s/2) for σ_ν ∉ L²(Γ3)."""
+        """The order that the proof of Prop. 5.4 gives: min(1, s', τ/2), or min(1, s', s/2) if σ_ν ∉ L²(Γ3)."""
         contact = self.trace / 2 if self.on_contact - self.moving > 0.5 else self.smoothness / 2
         return min(1.0, self.rate_smoothness, contact)
 
     @property
     def satisfies_5_36(self) -> bool:
-        """u ∈ W^{1,2}(0,T;H²) and u_ν|Γ3,i ∈ L¹(0,T;H²)."""
+        """Whether (5.36) holds: u ∈ W^{1,2}(0,T;H²) and u_ν|Γ3,i ∈ L¹(0,T;H²)."""
         return self.rate_smoothness > 1 and self.trace > 2
 
     @property
     def proposition(self) -> str:
-        """The numbered statement whose hypotheses hold."""
+        """The statement of the paper whose assumptions hold: Prop. 5.4 with (5.36), otherwise Prop. 5.3."""
         return "Prop. 5.4" if self.satisfies_5_36 else "Prop. 5.3"
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Static linear elasticity: the data of a problem without viscosity and without time."""
+"""Static linear elasticity with contact: data of problems without viscosity and time."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from manufactured.symbols import FormulaError, t
 
 
 class Static(Data):
-    """Find u ∈ K with (Gε(u), ε(v − u))_Q ≥ (f, v − u)_V for all v ∈ K: elastic equilibrium in contact.
+    """The data of elastic equilibrium in contact: find u ∈ K with (Gε(u), ε(v − u))_Q ≥ (f, v − u)_V for all v ∈ K.
 
-    There is no viscosity. The law has A = G, so that ‖·‖_V is the energy norm (Gε(v), ε(v))_Q^½. ``static`` makes one.
+    There is no viscosity. The law has A = G, so that ‖·‖_V is the energy norm (Gε(v), ε(v))_Q^½. Instances are made by
+    ``static``.
     """
 
 
@@ -22,14 +23,14 @@ def static(body: Body, G: Linear, f0: Formulas, f2: Mapping[int, Formulas] | Non
     """Return the data of a static problem as formulas of x1 and x2.
 
     Args:
-        body: Ω and the parts of its boundary; its final time plays no role.
+        body: Ω and the parts of its boundary; its final time is not used.
         G: ``plane_strain`` or ``plane_stress`` of Young's modulus and Poisson's ratio, ``isotropic(mu, lam)``, or any
             ``Linear``.
         f0: the components of the body force.
-        f2: number of a part of ``body.parts`` ↦ the components of the traction on it.
+        f2: a dict from numbers of parts in ``body.parts`` to the components of the traction on them.
 
     Raises:
-        FormulaError: wrong components or symbols, t among them, or f_2 on a part that is not of Γ2.
+        FormulaError: a load has a wrong number of components or other symbols (also t), or f_2 is not on Γ2.
         LawError: G is not linear and elliptic, or G and the body have different dimensions.
 
     >>> from manufactured import unit_square

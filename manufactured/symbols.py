@@ -1,7 +1,7 @@
-"""Formulas of (s, t): the symbols, the truncated power, and derivatives.
+"""The symbols of formulas on a contact face, the truncated power ``pos``, and symbolic derivatives.
 
-Cases are written in SymPy with the symbols ``s`` (coordinate along a contact face; ``s1`` and ``s2``
-in 3D) and ``t`` (time); every derivative is taken symbolically and evaluated by NumPy (``compiled``, ``jet``).
+Gap and pressure are SymPy formulas of ``s``, the coordinate along a contact face (``s1`` and ``s2`` in 3D), and the
+time ``t``. Their derivatives are taken symbolically and evaluated by NumPy (``compiled``, ``jet``).
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ Index = tuple[int, ...]
 """A multi-index of derivatives along the face, one entry per coordinate."""
 
 Values = dict[Index, Array]
-"""Derivatives of a function on the face, keyed by multi-index; the key of zeros is the value."""
+"""Derivatives of a function on the face, by multi-index; the multi-index of zeros gives the function itself."""
 
 
 class FormulaError(ValueError):
-    """A formula of a case lies outside the class that can be differentiated or integrated exactly."""
+    """Raised if a formula cannot be differentiated or integrated exactly, or has wrong symbols."""
 
 
 class pos(sp.Function):  # type: ignore[misc]
-    """The truncated power x_+^a = x^a where x > 0, and 0 elsewhere; pos(x, 0) is the step.
+    """The truncated power x_+^a: x^a where x > 0, and 0 elsewhere; pos(x, 0) is a step from 0 to 1.
 
-    Its derivative in x is a·pos(x, a−1), which is right away from x = 0, and everywhere for a > 1.
+    Its derivative with respect to x is a·pos(x, a−1), which holds for x ≠ 0, and everywhere for a > 1.
 
     >>> pos(s - t, 2).diff(s)
     2*pos(s - t, 1)
@@ -55,14 +55,14 @@ class pos(sp.Function):  # type: ignore[misc]
 
 @lru_cache
 def indices(variables: int, order: int) -> tuple[Index, ...]:
-    """All multi-indices of ``variables`` entries and total order ≤ ``order``, low orders first."""
+    """Return all multi-indices with ``variables`` entries and total order ≤ ``order``, low orders first."""
     every = [i for i in product(range(order + 1), repeat=variables) if sum(i) <= order]
     return tuple(sorted(every, key=lambda i: (sum(i), i)))
 
 
 @lru_cache(maxsize=4096)
 def differentiate(expression: sp.Expr, variables: tuple[sp.Symbol, ...], index: Index) -> sp.Expr:
-    """∂^index of an expression in the given variables, one step from the derivative before it."""
+    """Return the derivative ∂^index of an expression in the given variables; lower derivatives are cached and reused."""
     for position, times in enumerate(index):
         if times:
             lower = (*index[:position], times - 1, *index[position + 1 :])
@@ -71,13 +71,13 @@ def differentiate(expression: sp.Expr, variables: tuple[sp.Symbol, ...], index: 
 
 
 KINKED = (sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.sign)
-"""Functions with kinks or jumps: the derivatives that SymPy takes of them are not the ones needed here."""
+"""Functions with kinks or jumps; SymPy's derivatives of them are not those that are needed here."""
 
 
 def refuse_kinks(*formulas: sp.Expr | float | None) -> None:
-    """Raise an error if kinks or jumps are not written with ``pos``; None is skipped.
+    """Refuse formulas whose kinks or jumps are not written with ``pos``; None is skipped.
 
-    This check comes first, because the checks of exponents, symbols and dimensions only understand ``pos``.
+    This check comes before others, because these understand ``pos`` only.
 
     Raises:
         FormulaError: a kink or jump is written in another way; the message shows how to write it.
@@ -91,7 +91,7 @@ def refuse_kinks(*formulas: sp.Expr | float | None) -> None:
 
 
 def written_with_pos(expression: sp.Expr) -> str:
-    """Return the first power of Max(x, 0), or the first |x|, as written with ``pos``; empty if there is none."""
+    """Return advice how to write the first power of Max(x, 0), or the first |x|, with ``pos``; "" if there is none."""
     for power in sp.preorder_traversal(expression):
         base, exponent = power.as_base_exp() if isinstance(power, sp.Expr) else (power, 1)
         if isinstance(base, sp.Max) and 0 in base.args and len(base.args) == 2:

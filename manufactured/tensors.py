@@ -38,7 +38,7 @@ Hyperplane = tuple[tuple[float, ...], float]
 
 
 def size(dim: int) -> int:
-    """D = d(d+1)/2, the dimension of S^d."""
+    """Return D = d(d+1)/2, the dimension of S^d."""
     return dim * (dim + 1) // 2
 
 
@@ -49,14 +49,14 @@ def mapped(C: Array, x: Array) -> Array:
 
 @lru_cache
 def pairs(dim: int) -> tuple[tuple[int, int], ...]:
-    """The index pairs (i, j), i ≤ j, in the order of the Mandel components."""
+    """Return the index pairs (i, j), i ≤ j, in the order of the Mandel components."""
     above = [(i, j) for i in range(dim) for j in range(i + 1, dim)]
     return (*((i, i) for i in range(dim)), *reversed(above))
 
 
 @lru_cache
 def basis(dim: int) -> Array:
-    """The orthonormal basis E_I of S^d as full matrices, shape (D, d, d)."""
+    """Return the orthonormal basis E_I of S^d as full matrices, (D, d, d)."""
     matrices = np.zeros((size(dim), dim, dim))
     for row, (i, j) in enumerate(pairs(dim)):
         matrices[row, i, j] = matrices[row, j, i] = 1.0 if i == j else np.sqrt(0.5)
@@ -65,35 +65,35 @@ def basis(dim: int) -> Array:
 
 
 def mandel(full: Array) -> Tensors:
-    """Mandel vector of the symmetric part of ``full``: (d, d, ...) → (D, ...)."""
+    """Return the Mandel vector of the symmetric part of matrices: (d, d, ...) → (D, ...)."""
     return np.tensordot(basis(full.shape[0]), full, axes=([1, 2], [0, 1]))
 
 
 def full(tensors: Tensors) -> Array:
-    """The symmetric matrices behind Mandel vectors: (D, ...) → (d, d, ...)."""
+    """Return the symmetric matrices of Mandel vectors: (D, ...) → (d, d, ...)."""
     dim = int((np.sqrt(8 * tensors.shape[0] + 1) - 1) / 2)
     return np.tensordot(basis(dim), tensors, axes=([0], [0]))
 
 
 def dyad(a: Vectors, b: Vectors) -> Tensors:
-    """Mandel vector of the symmetric product (a ⊗ b + b ⊗ a)/2 of two vectors (d,)."""
+    """Return the Mandel vector of the symmetric product (a ⊗ b + b ⊗ a)/2 of two vectors: (d,), (d,) → (D,)."""
     return mandel(np.multiply.outer(a, b))
 
 
 def identity(dim: int) -> Tensors:
-    """Mandel vector of the unit tensor, shape (D,); identity·τ = tr τ."""
+    """Return the Mandel vector of the unit tensor, (D,); identity·τ = tr τ."""
     return mandel(np.eye(dim))
 
 
 def rotation(frame: Array) -> Array:
-    """The orthogonal (D, D) matrix taking τ to F τ Fᵀ, for F with orthonormal columns (d, d)."""
+    """Return the orthogonal matrix, (D, D), that maps τ to F τ Fᵀ, for F with orthonormal columns, (d, d)."""
     matrices = basis(frame.shape[0])
     turned = np.einsum("Iij,ik,Jkl,jl->IJ", matrices, frame, matrices, frame)
-    # A rotation that only renames axes becomes exact, so that it can be recognised as a permutation.
+    # A rotation that only exchanges axes is made exact, so that it can be recognised.
     whole = np.rint(turned)
     return np.where(abs(turned - whole) < 1e-15, whole, turned)
 
 
 def traction(tensors: Tensors, normal: Array) -> Vectors:
-    """τν: (D, ...) and (d,) → (d, ...)."""
+    """Return the tractions τν of tensors for one normal: (D, ...), (d,) → (d, ...)."""
     return np.tensordot(basis(normal.shape[0]) @ normal, tensors, axes=([0], [0]))
