@@ -134,7 +134,7 @@ def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 
 
 def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
-    """Return ``cutoff`` with b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ) instead: for q = −w/ℓ, a constant gap gives a uniform strain."""
+    """Return ``cutoff`` with b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ): for q = −w/ℓ, a constant gap gives a uniform strain."""
     plain = cutoff(depth, phi)
     b = polyadd((1.0, -1 / depth), np.array(plain.d.pieces[0]) / depth)
     return replace(plain, b=Piecewise((depth,), (tuple(float(x) for x in b),)))

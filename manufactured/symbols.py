@@ -62,7 +62,7 @@ def indices(variables: int, order: int) -> tuple[Index, ...]:
 
 @lru_cache(maxsize=4096)
 def differentiate(expression: sp.Expr, variables: tuple[sp.Symbol, ...], index: Index) -> sp.Expr:
-    """Return the derivative ∂^index of an expression in the given variables; lower derivatives are cached and reused."""
+    """Return the derivative ∂^index of an expression in the given variables; lower derivatives are cached."""
     for position, times in enumerate(index):
         if times:
             lower = (*index[:position], times - 1, *index[position + 1 :])

@@ -1,4 +1,4 @@
-"""Polygons, the unit square and boxes."""
+"""Functions that make bodies: polygons, the unit square and boxes."""
 
 from __future__ import annotations
 
@@ -18,9 +18,15 @@ def polygon(
     refine: Sequence[tuple[float, float]] = (),
     interfaces: Sequence[tuple[tuple[float, float], tuple[float, float]]] = (),
 ) -> Body:
-    """Return the polygon with the given counter-clockwise vertices; ``kinds[i]`` is the condition from vertex i to i+1.
+    """Return a polygon.
 
-    A boundary condition may change within a side: list the point as a vertex. Interfaces are pairs of points.
+    Args:
+        vertices: the vertices, counter-clockwise. If the boundary condition changes within a straight side, list the
+            point as a vertex.
+        kinds: the boundary condition on the side from vertex i to vertex i + 1, for every i.
+        T: the final time.
+        refine: vertices towards which graded meshes are refined.
+        interfaces: pairs of points; the material changes along the segments between them.
 
     >>> sides = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED]
     >>> polygon([(0, 0), (1, 0), (0, 1)], sides).measure
@@ -55,8 +61,9 @@ def box(
 ) -> Body:
     """Return the box (0,X) × (0,Y) × (0,Z), by default clamped on top, loaded on its sides, with contact at the bottom.
 
-    Left and right are x = 0 and X, front and back y = 0 and Y, bottom and top z = 0 and Z, in this order. Local
-    coordinates s: bottom (x, y), left (y, z), front (z, x); opposite faces have the two swapped.
+    The faces left and right are x = 0 and x = X, front and back y = 0 and y = Y, bottom and top z = 0 and z = Z. The
+    coordinates (s1, s2) along a face are (x, y) on the bottom, (y, z) on the left, (z, x) on the front, and in reverse
+    order on the opposite faces.
     """
     parts = []
     for face, kind in enumerate((left, right, front, back, bottom, top)):
@@ -71,5 +78,5 @@ def box(
 
 
 def _columns(points: Sequence[tuple[float, float]]) -> Array:
-    """(d, number of points)."""
+    """Return points as the columns of an array, (d, points)."""
     return np.array(points, dtype=float).T

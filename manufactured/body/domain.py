@@ -1,4 +1,4 @@
-"""A polygon or polyhedron with boundary parts."""
+"""A body: a polygon or polyhedron with boundary parts."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from manufactured.body.part import ROUNDING, BodyError, Kind, NDBool, Part, fan_
 from manufactured.tensors import Points
 
 SLENDER = 1000.0
-"""Largest accepted ratio of (largest extent)^d to the measure: Korn's constant gets worse as this ratio grows."""
+"""Largest accepted (largest extent)^d divided by the area or volume; Korn's constant grows with this ratio."""
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A polygon or polyhedron Ω with boundary parts, and the final time T.
+    """A polygon or polyhedron Ω with boundary parts, and the final time T of the problem.
 
     Attributes:
-        parts: the pieces of ∂Ω; in 2D in counter-clockwise order, each starting at the end of the previous part.
-        T: final time.
+        parts: the parts of ∂Ω; in 2D in counter-clockwise order, each starting at the end of the previous part.
+        T: the final time.
         refine: vertices of Ω towards which graded meshes refine: re-entrant corners, ends of Γ1.
         interfaces: segments of the kind ``Kind.INTERFACE`` that cut a polygon Ω from boundary to boundary, along
             which the material changes. Every mesh has to respect them.
 
     Raises:
-        BodyError: fewer than d + 1 parts, gaps between them, inward normals, no Γ1 (Korn's inequality (2.17)
-            needs meas Γ1 > 0), no Γ3, T ≤ 0, a sliver, a point of ``refine`` that is no vertex, an interface that
-            does not cut Ω.
+        BodyError: there are fewer than d + 1 parts, gaps between parts, or inward normals; there is no Γ1 (Korn's
+            inequality (2.17) needs meas Γ1 > 0) or no Γ3; T ≤ 0; the body is too thin; a point of ``refine`` is not a
+            vertex; or an interface does not cut Ω.
     """
 
     parts: tuple[Part, ...]
@@ -46,7 +46,7 @@ class Body:
 
     @cached_property
     def vertices(self) -> Points:
-        """The different corners of the parts in the order of their first appearance, (d, k); in 2D their starts."""
+        """The corners of all parts without repetition, (d, k); in 2D the starts of the parts, in their order."""
         corners = np.hstack([part.corners for part in self.parts])
         apart = np.linalg.norm(corners[:, :, None] - corners[:, None, :], axis=0)
         first = (apart <= ROUNDING * apart.max()).argmax(axis=1)
@@ -54,12 +54,12 @@ class Body:
 
     @cached_property
     def measure(self) -> float:
-        """|Ω| = ∫ x·ν / d over ∂Ω: area (2D) or volume (3D)."""
+        """The area (2D) or volume (3D) |Ω|, computed as ∫ x·ν / d over ∂Ω."""
         return float(sum(part.vector @ part.start for part in self.parts) / self.dim)
 
     @cached_property
     def corners(self) -> Points:
-        """Vertices at which the normals of the parts span R^d, (d, number of corners)."""
+        """The vertices at which the body has a corner: the normals of the parts there span R^d, (d, corners)."""
         reach = ROUNDING * float(np.ptp(self.vertices, axis=1).max())
         turns = []
         for vertex in self.vertices.T:
@@ -74,8 +74,8 @@ class Body:
     def contains(self, x: Points) -> NDBool:
         """Return whether points lie in Ω: (d, ...) → (...).
 
-        A point lies in Ω if a ray from it crosses ∂Ω an odd number of times. All rays have one fixed direction, to
-        which no part of a body in use is parallel.
+        A point lies in Ω if a ray from it crosses ∂Ω an odd number of times. All rays have the same direction, chosen
+        so that usual boundary parts are not parallel to it.
         """
         ray = np.array([1.0, np.sqrt(2) / 17, np.sqrt(3) / 29])[: self.dim]
         inside = np.zeros(x.shape[1:], dtype=bool)
@@ -88,19 +88,19 @@ class Body:
         return inside
 
     def sample(self, rng: np.random.Generator, count: int) -> Points:
-        """Random points of Ω, (d, count)."""
+        """Return random points of Ω, evenly distributed, (d, count)."""
         return scattered(rng, self.vertices, self.contains, count)
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: a picture with the boundary parts, and the final time."""
+        """Return HTML for notebooks: a picture with the boundary parts, and the final time."""
         return f"{picture((*self.parts, *self.interfaces))}<p>T = {self.T:g}</p>"
 
 
 def check(body: Body) -> None:
-    """Raise an error unless the parts form a body of the contact problem.
+    """Refuse parts that do not form a body of the contact problem.
 
     Raises:
-        BodyError: for the reasons listed in ``Body``.
+        BodyError: see ``Body``.
     """
     _check_parts(body)
     _check_closed(body)
@@ -149,7 +149,10 @@ def _check_parts(body: Body) -> None:
 
 
 def _check_closed(body: Body) -> None:
-    """Refuse parts that violate ∫ ν = 0 or ∫ x ⊗ ν = |Ω| 1, the divergence theorem for constant and linear fields."""
+    """Refuse parts that do not enclose a body.
+
+    Then ∫ ν = 0 or ∫ x ⊗ ν = |Ω| 1 is violated, which is the divergence theorem for constant and linear fields.
+    """
     total = np.sum([part.vector for part in body.parts], axis=0)
     fans = [simplex for part in body.parts for simplex in part.fan]
     moments = np.sum([np.outer(simplex.mean(axis=1), fan_vector(simplex)) for simplex in fans], axis=0)
@@ -167,7 +170,7 @@ def _check_closed(body: Body) -> None:
 
 
 def _check_refined(body: Body, point: tuple[float, ...]) -> None:
-    """Refuse a point of ``refine`` that is no vertex."""
+    """Refuse a point of ``refine`` that is not a vertex."""
     given = np.array(point, dtype=float)
     scale = float(np.ptp(body.vertices, axis=1).max())
     if given.shape != (body.dim,) or abs(body.vertices - given[:, None]).max(axis=0).min() > ROUNDING * scale:
@@ -196,7 +199,7 @@ def _check_interface(body: Body, interface: Part) -> None:
 
 
 def _check_apart(interface: Part, other: Part) -> None:
-    """Refuse interfaces that cross: each has its ends on different sides of the other."""
+    """Refuse interfaces that cross, that is, each of which has its ends on different sides of the other."""
     sides = [one.coordinates(two.corners)[1] for one, two in ((interface, other), (other, interface))]
     if all(np.prod(side) < -ROUNDING * abs(side).max() ** 2 for side in sides):
         raise BodyError(

@@ -11,18 +11,18 @@ from manufactured.body.part import Kind, Part
 WIDTH = 240
 """Width of the picture of a body in pixels."""
 COLOURS = {Kind.CLAMPED: "#444444", Kind.LOADED: "#0072b2", Kind.CONTACT: "#d55e00", Kind.INTERFACE: "#999999"}
-"""Colours of boundary parts: dark grey, blue and vermillion can be told apart by people with colour blindness."""
+"""Colours of boundary parts. Dark grey, blue and vermillion are distinguishable for people with colour blindness."""
 NAMES = {
     Kind.CLAMPED: "Γ1, clamped",
     Kind.LOADED: "Γ2, loaded",
     Kind.CONTACT: "Γ3, contact",
     Kind.INTERFACE: "interface",
 }
-"""Boundary parts in a legend."""
+"""Names of boundary parts in the legend of a picture."""
 
 
 def picture(parts: Sequence[Part]) -> str:
-    """Return a picture of the parts of a body in the plane, or the number of parts of each kind in space."""
+    """Return a picture of the parts of a 2D body as SVG, or for a 3D body the number of parts of each kind."""
     kinds = [kind for kind in Kind if any(part.kind is kind for part in parts)]
     if parts[0].dim == 3:
         return "; ".join(f"{NAMES[kind]}: {sum(part.kind is kind for part in parts)} flat parts" for kind in kinds)

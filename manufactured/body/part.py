@@ -1,8 +1,9 @@
-"""A flat piece of the boundary, or an interface inside the body.
+"""A flat part of the boundary, or an interface inside the body.
 
-Formulas that hold in two and in three dimensions use the vector |S| ν of a piece S of the boundary,
+Formulas that hold in 2D and in 3D use the vector |S| ν of a part S, its length or area times its outward normal. S is
+divided into the simplices (c_0, c_i, …, c_{i+d−2}) that share its first corner c_0 (a fan). Then
 
-    |S| ν = Σ over the simplices (c_0, c_i, …, c_{i+d−2}) of its fan of a/(d−1)!,   a·x = det [x, c_i − c_0, …].
+    |S| ν = Σ_i a_i/(d−1)!,   where the vector a_i is given by a_i·x = det [x, c_i − c_0, …].
 """
 
 from __future__ import annotations
@@ -21,11 +22,11 @@ from manufactured.tensors import Array, Hyperplane, Points, mapped
 NDBool = NDArray[np.bool_]
 
 ROUNDING = 1e-9
-"""Relative distance below which points of a body are the same and corners lie in one plane."""
+"""Relative distance below which two points are the same, or corners lie in one plane."""
 
 
 class BodyError(ValueError):
-    """A body or its boundary parts do not fit the contact problem."""
+    """Raised if a body or its boundary parts do not fit the contact problem."""
 
 
 class Kind(Enum):
@@ -41,17 +42,17 @@ class Kind(Enum):
 class Part:
     """A flat piece of ∂Ω with one boundary condition: a segment in 2D, a convex polygon in 3D.
 
-    Its local coordinates are s ∈ R^{d−1} along the part, from its first corner, and y, the distance into the body.
-    The first axis of s points from the first corner to the last, and the axes of (s, y) are right-handed. On the
-    bottom of the unit cube with the corners (0,0), (0,1), (1,1), (1,0) this is s = (x, y).
+    Local coordinates are s ∈ R^{d−1} along the part, with the origin at its first corner, and y, the distance from the
+    part into the body. The first axis of s points from the first corner to the last one, and the axes of (s, y) are
+    right-handed. On the bottom of the unit cube with the corners (0,0), (0,1), (1,1), (1,0) this is s = (x, y).
 
     Attributes:
-        kind: the condition.
-        corners: (d, c). In 2D c = 2 and Ω lies to the left of start → end; in 3D c ≥ 3 and the corners run
-            counter-clockwise seen from outside.
+        kind: the boundary condition.
+        corners: the corners, (d, c). In 2D c = 2, and Ω lies to the left of the direction from the first to the second.
+            In 3D c ≥ 3, and the corners are counter-clockwise seen from outside.
 
     Raises:
-        BodyError: the corners are not finite, repeated, not in one plane, or do not form a convex polygon.
+        BodyError: the corners are not finite, are repeated, do not lie in one plane, or do not form a convex polygon.
     """
 
     kind: Kind
@@ -91,43 +92,43 @@ class Part:
 
     @property
     def end(self) -> Array:
-        """The last corner, (d,), on the first axis of s; in 2D the other end."""
+        """The last corner, (d,), which lies on the first axis of s."""
         return self.corners[:, -1]
 
     def line(self, c: float) -> Hyperplane:
-        """Return the line {s = c} through a body in the plane."""
+        """Return the line {s = c} in a 2D body, which is perpendicular to the part, as (direction, offset)."""
         return tuple(map(float, self.tangent)), float(self.tangent @ self.start) + c
 
     @cached_property
     def vector(self) -> Array:
-        """|S| ν, (d,)."""
+        """The length or area of the part times its outward normal, |S| ν, (d,)."""
         return np.sum([fan_vector(simplex) for simplex in self.fan], axis=0)
 
     @cached_property
     def fan(self) -> tuple[Array, ...]:
-        """The simplices (d, d) from the first corner that make up the part."""
+        """The simplices into which the part is divided, by their corners, (d, d) each; all share the first corner."""
         dim, count = self.corners.shape
         return tuple(self.corners[:, [0, *range(i, i + dim - 1)]] for i in range(1, count - dim + 2))
 
     @cached_property
     def measure(self) -> float:
-        """Length (2D) or area (3D)."""
+        """The length (2D) or area (3D) of the part."""
         return float(np.linalg.norm(self.vector))
 
     @cached_property
     def tangent(self) -> Array:
-        """Unit vector from the first corner to the last, the first axis of s, (d,)."""
+        """The unit vector from the first corner to the last one, which is the first axis of s, (d,)."""
         along = self.end - self.start
         return along / np.linalg.norm(along)
 
     @cached_property
     def normal(self) -> Array:
-        """ν, the unit **outward** normal, (d,)."""
+        """The **outward** unit normal ν, (d,)."""
         return self.vector / self.measure
 
     @cached_property
     def frame(self) -> Array:
-        """Orthonormal, right-handed columns (tangents, inward normal −ν), (d, d): local axes (s, y) of the lifting."""
+        """The axes of the local coordinates (s, y) as columns, (d, d): the tangents and the inward normal −ν."""
         further = [] if self.dim == 2 else [np.cross(self.tangent, self.normal)]
         return np.column_stack([self.tangent, *further, -self.normal])
 
@@ -138,19 +139,16 @@ class Part:
 
     @cached_property
     def sides(self) -> tuple[Array, Array]:
-        """Outward unit normals n_k (d−1, k) and offsets b_k (k,): the part is {n_k·s ≤ b_k for all k}."""
+        """The part as {s : n_k·s ≤ b_k for all k}: outward unit normals n_k, (d−1, k), and offsets b_k, (k,)."""
         if self.dim == 2:
             return np.array([[-1.0, 1.0]]), np.array([0.0, self.measure])
-        # In the axes s the corners run clockwise, so that outside is to the left.
+        # In the coordinates s the corners are clockwise, so the outside is to the left.
         edges = np.roll(self.outline, -1, axis=1) - self.outline
         normals = np.array([-edges[1], edges[0]]) / np.linalg.norm(edges, axis=0)
         return normals, np.einsum("ik,ik->k", normals, self.outline)
 
     def coordinates(self, x: Points) -> tuple[Array, Array]:
-        """Return the local coordinates of points: s along the part from its start, and the distance y into the body.
-
-        (d, ...) → (d−1, ...), (...).
-        """
+        """Return the local coordinates of points, (d, ...): s along the part, (d−1, ...), and y into the body, (...)."""
         local = mapped(self.frame.T, x - self.start.reshape((-1,) + (1,) * (x.ndim - 1)))
         return local[:-1], local[-1]
 
@@ -160,23 +158,23 @@ class Part:
         return origin + mapped(self.frame[:, :-1], s)
 
     def covers(self, s: Array, tolerance: float) -> NDBool:
-        """Return whether local coordinates belong to points of the closed part: (d−1, ...) → (...)."""
+        """Return whether coordinates s belong to points of the part with its boundary: (d−1, ...) → (...)."""
         normals, offsets = self.sides
         beyond = np.moveaxis(mapped(normals.T, s), 0, -1) - offsets
         return np.asarray((beyond <= tolerance).all(axis=-1))
 
     def contains(self, x: Points, tolerance: float) -> NDBool:
-        """Return whether points lie on the closed part: (d, ...) → (...)."""
+        """Return whether points lie on the part with its boundary, up to a distance: (d, ...) → (...)."""
         s, y = self.coordinates(x)
         return (abs(y) <= tolerance) & self.covers(s, tolerance)
 
     def sample(self, rng: np.random.Generator, count: int) -> Points:
-        """Random points of the part, evenly distributed, (d, count)."""
+        """Return random points of the part, evenly distributed, (d, count)."""
         return self.point(scattered(rng, self.outline, lambda s: self.covers(s, 0.0), count))
 
 
 def fan_vector(simplex: Array) -> Array:
-    """Return |S| ν of a simplex S with the corners (d, d); ν is outward if the corners run as in a ``Part``."""
+    """Return |S| ν of a simplex S with corners (d, d); ν points outwards if they are ordered as in ``Part``."""
     dim = len(simplex)
     edges = simplex[:, 1:] - simplex[:, :1]
     cofactors = [np.linalg.det(np.column_stack([unit, edges])) for unit in np.eye(dim)]
@@ -184,7 +182,14 @@ def fan_vector(simplex: Array) -> Array:
 
 
 def scattered(rng: np.random.Generator, corners: Points, inside: Callable[[Points], NDBool], count: int) -> Points:
-    """Random points of a set, evenly distributed, out of the smallest box around its corners, (k, count)."""
+    """Return random points of a set, evenly distributed, (k, count).
+
+    Args:
+        rng: the random number generator.
+        corners: the corners of the set, (k, c); points are drawn from the smallest box that contains them.
+        inside: function that returns whether points lie in the set.
+        count: the number of points.
+    """
     low, high = corners.min(axis=1), corners.max(axis=1)
     points = np.empty((len(corners), 0))
     while points.shape[1] < count:

@@ -1,9 +1,13 @@
-"""The Kelvin–Voigt law σ = A ε(u̇) + G ε(u), equation (2.1), and its two ingredients.
+"""The Kelvin–Voigt law σ = A ε(u̇) + G ε(u), equation (2.1), with a viscosity A and an elasticity operator G.
 
-A is a viscosity tensor with (3.1), G an elasticity operator with (3.2): linear, the law (3.3)
-G(ε) = β (ε − P_K ε) with a closed convex set K ∋ 0 of S^d, or the sum of a stress at rest, a linear operator and
-(3.3). G need not be monotone (``Indefinite``, ``Combined``) or have a potential (``NonSymmetric``). A linear operator
-may vary in space through a scalar factor, C(x) = α(x) C. Tensors are Mandel vectors (D, ...).
+A is a linear tensor that satisfies (3.1). G satisfies (3.2) and is one of the following:
+
+* linear (``Linear``);
+* the law (3.3), G(ε) = β (ε − P_K ε), with the projection P_K onto a closed convex set K of S^d with 0 ∈ K (``Yield``);
+* the sum of a stress at rest, a linear operator and (3.3) (``Combined``);
+* linear and not positive (``Indefinite``), or linear and not symmetric, so without a potential (``NonSymmetric``).
+
+A linear operator may vary in space through a scalar factor, C(x) = α(x) C. Tensors are Mandel vectors, (D, ...).
 """
 
 from manufactured.law.combined import Combined

@@ -16,19 +16,19 @@ from manufactured.tensors import Array, Tensors, dyad
 
 @dataclass(frozen=True, eq=False)
 class Combined:
-    """G(ε) = S + C ε + β (ε − P_K ε): a stress at rest, a linear operator and the law (3.3) together, as (3.2) allows.
+    """The elasticity operator G(ε) = S + C ε + β (ε − P_K ε): a stress at rest, a linear operator and the law (3.3).
 
-    With K = {|Pτ| ≤ r} the derivative is C inside K, tends to C + βP far from K, and always lies between the two. So m
-    is the least eigenvalue of C, and L_G the largest absolute eigenvalue of C and of C + βP. If C is not positive, G
-    softens up to the edge of K, and β hardens it beyond.
+    For K = {|Pτ| ≤ r}, the derivative of G is C inside K, tends to C + βP far from K, and always lies between the two.
+    So the constant of monotonicity m is the smallest eigenvalue of C, and L_G is the largest absolute eigenvalue of C
+    and of C + βP. If C is not positive, G softens inside K and hardens outside if β is large enough.
 
     Attributes:
         prestress: S, (D,).
         linear: C, which may be ``Indefinite``.
-        yielding: β (ε − P_K ε).
+        yielding: the operator β (ε − P_K ε).
 
     Raises:
-        LawError: S, C and K are not of one dimension, S is not finite, or C varies in space.
+        LawError: S, C and K have different dimensions, S is not finite, or C varies in space.
     """
 
     prestress: Tensors
@@ -56,7 +56,7 @@ class Combined:
 
     @property
     def _far(self) -> Array:
-        """C + βP, the derivative far from K."""
+        """The derivative of G far from K, C + βP, (D, D)."""
         return self.linear.matrix + self.yielding.beta * self.yielding.convex.projector
 
     @property
@@ -70,12 +70,12 @@ class Combined:
 
     @property
     def reference(self) -> Array:
-        """C + (β/2) P; the difference of G and this matrix has the smaller Lipschitz constant β/2."""
+        """The matrix C + (β/2) P, (D, D). The difference of G and this matrix has the Lipschitz constant β/2."""
         return self.linear.matrix + self.yielding.reference
 
     @property
     def at_rest(self) -> Tensors:
-        """S, (D,)."""
+        """The stress at rest S, (D,)."""
         return self.prestress
 
     @property
@@ -99,7 +99,7 @@ class Combined:
         return self.linear(change) + self.yielding.gradient(strain, change)
 
     def energy(self, strain: Tensors) -> Array:
-        """W(ε) = S·ε + ½ Cε·ε + β/2 dist²(ε, K), with W' = G, (D, ...) → (...)."""
+        """Return the stored energy W(ε) = S·ε + ½ Cε·ε + β/2 dist²(ε, K), for which W' = G: (D, ...) → (...)."""
         resisting = self.yielding(strain)
         linear = np.tensordot(self.prestress, strain, axes=1) + 0.5 * np.sum(strain * self.linear(strain), axis=0)
         return np.asarray(linear + np.sum(resisting**2, axis=0) / (2 * self.yielding.beta))

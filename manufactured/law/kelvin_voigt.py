@@ -1,4 +1,4 @@
-"""The Kelvin–Voigt law (2.1)."""
+"""The Kelvin–Voigt law (2.1), and the law at fixed points."""
 
 from __future__ import annotations
 
@@ -11,7 +11,12 @@ from manufactured.tensors import Array, Hyperplane, Points, Tensors
 
 @dataclass(frozen=True, eq=False)
 class KelvinVoigt:
-    """σ = A ε̇ + G(ε), equation (2.1).
+    """The Kelvin–Voigt law σ = A ε̇ + G(ε), equation (2.1).
+
+    Attributes:
+        A: the viscosity.
+        G: the elasticity operator.
+        name: a description for tables and messages.
 
     >>> import numpy as np
     >>> from manufactured import isotropic
@@ -20,7 +25,7 @@ class KelvinVoigt:
     [5.0, 5.0, 0.0]
 
     Raises:
-        LawError: A and G act on tensors of different dimension, or A has a type that does not guarantee ellipticity.
+        LawError: A and G act on tensors of different dimension, or A is ``Indefinite``.
     """
 
     A: Linear
@@ -41,22 +46,22 @@ class KelvinVoigt:
 
     @property
     def kappa(self) -> float:
-        """κ = L_G/m_A: a Lipschitz constant of B in (4.3), and an ω in (4.5) that is valid for every Lipschitz G."""
+        """κ = L_G/m_A, which is a Lipschitz constant of B in (4.3) and an admissible ω in (4.5) for every G."""
         return self.G.lipschitz / self.A.ellipticity
 
     @property
     def growth(self) -> float:
-        """max(−m, 0)/m_A for the constant m of monotonicity of G: the rate at which differences of solutions may grow.
+        """The rate at which differences of solutions may grow: max(−m, 0)/m_A with the constant of monotonicity m of G.
 
-        At most ``kappa``; 0 where G is monotone.
+        It is at most ``kappa``, and 0 if G is monotone.
         """
         return max(-self.G.monotonicity, 0.0) / self.A.ellipticity
 
     def require_dimension(self, dim: int) -> None:
-        """Raise an error if a body or a boundary part has another dimension than the law.
+        """Refuse a body or boundary part whose dimension differs from that of the law.
 
         Raises:
-            LawError: the law does not act in this dimension.
+            LawError: the dimensions differ.
         """
         if self.dim != dim:
             raise LawError(
@@ -65,16 +70,16 @@ class KelvinVoigt:
             )
 
     def stress(self, strain_rate: Tensors, strain: Tensors) -> Tensors:
-        """σ = A ε̇ + G(ε) of a homogeneous law: (D, ...), (D, ...) → (D, ...)."""
+        """Return the stress A ε̇ + G(ε) of a homogeneous law: (D, ...), (D, ...) → (D, ...)."""
         return self.A(strain_rate) + self.G(strain)
 
     @property
     def steps(self) -> list[Hyperplane]:
-        """Return the planes (direction, offset) across which A or G jumps, without repetition, in order."""
+        """The lines or planes (direction, offset) across which A or G jumps, sorted and without repetition."""
         return sorted({*self.A.factor.steps, *self.G.factor.steps})
 
     def at(self, x: Points) -> PointLaw:
-        """The law at fixed points, (d, ...)."""
+        """Return the law at fixed points, (d, ...)."""
         return PointLaw(self.A.at(x), self.G.at(x))
 
     def scaled(self, viscous: Array, elastic: Array) -> PointLaw:
@@ -90,5 +95,5 @@ class PointLaw:
     G: AtPoints
 
     def stress(self, strain_rate: Tensors, strain: Tensors) -> Tensors:
-        """σ = A ε̇ + G(ε): (D, ...), (D, ...) → (D, ...)."""
+        """Return the stress A ε̇ + G(ε): (D, ...), (D, ...) → (D, ...)."""
         return self.A(strain_rate) + self.G(strain)

@@ -15,13 +15,14 @@ from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped,
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """τ ↦ α(x) C τ with a symmetric positive definite matrix C (D, D) in Mandel form and a factor α > 0.
+    """A linear elliptic operator τ ↦ α(x) C τ, used as viscosity A, (3.1), and as linear elasticity G, (2.7).
 
-    Serves as viscosity A, (3.1), and as linear elasticity G, (2.7).
+    Attributes:
+        matrix: C in Mandel form, symmetric and positive definite, (D, D).
+        factor: α > 0.
 
     Raises:
-        LawError: C is not square of size D(2) = 3 or D(3) = 6, not finite, not symmetric or not
-            elliptic.
+        LawError: C is not a 3 × 3 or 6 × 6 matrix, or is not finite, not symmetric or not elliptic.
     """
 
     matrix: Array
@@ -44,12 +45,12 @@ class Linear:
 
     @cached_property
     def ellipticity(self) -> float:
-        """m_A, the smallest eigenvalue of α C."""
+        """The constant m_A, which is the smallest eigenvalue of α C on the body."""
         return self.factor.low * float(np.linalg.eigvalsh(self.matrix)[0])
 
     @cached_property
     def lipschitz(self) -> float:
-        """L_G, the largest eigenvalue of α C."""
+        """The constant L_G, which is the largest eigenvalue of α C on the body."""
         return self.factor.high * float(np.linalg.eigvalsh(self.matrix)[-1])
 
     @property
@@ -71,7 +72,7 @@ class Linear:
         return float(direction @ self.matrix @ direction)
 
     def __call__(self, strain: Tensors) -> Tensors:
-        """C ε of a homogeneous tensor.
+        """Return C ε of a homogeneous tensor: (D, ...) → (D, ...).
 
         Raises:
             LawError: the tensor is heterogeneous and needs points: use ``at`` or ``scaled``.
@@ -95,19 +96,23 @@ class Linear:
 
 
 def face_strains(frame: Array) -> Array:
-    """Return the strains that a contact face can have, (d, D): n⊗n and (n⊗t_i + t_i⊗n)/2 for columns (t_1, …, n)."""
+    """Return the strains that occur on a contact face, n⊗n and (n⊗t_i + t_i⊗n)/2, as Mandel vectors, (d, D).
+
+    ``frame`` has the tangents t_i and the normal n as columns, (d, d).
+    """
     n = frame[:, -1]
     return np.array([dyad(n, n), *(dyad(n, tangent) for tangent in frame[:, :-1].T)])
 
 
 @dataclass(frozen=True, eq=False)
 class Indefinite(Linear):
-    """τ ↦ α(x) C τ with C symmetric and not positive: an elasticity operator that softens. It cannot be a viscosity.
+    """A linear elasticity operator τ ↦ α(x) C τ with C symmetric but not positive, so that the material softens.
 
-    (2.7) requires that G is symmetric and positive. Existence and error estimates need only (3.2): G is Lipschitz.
+    It cannot be a viscosity. (2.7) requires that G is symmetric and positive, but existence and error estimates need
+    only (3.2), that G is Lipschitz.
 
     Raises:
-        LawError: C is not square of size D(2) = 3 or D(3) = 6, not finite or not symmetric.
+        LawError: C is not a 3 × 3 or 6 × 6 matrix, or is not finite or not symmetric.
     """
 
     def __post_init__(self) -> None:
@@ -115,21 +120,21 @@ class Indefinite(Linear):
 
     @cached_property
     def ellipticity(self) -> float:
-        """The smallest eigenvalue of α C, negative where the law softens: the constant m of monotonicity."""
+        """The constant of monotonicity m, which is the smallest eigenvalue of α C; it is negative if G softens."""
         least = float(np.linalg.eigvalsh(self.matrix)[0])
         return least * (self.factor.low if least > 0 else self.factor.high)
 
     @cached_property
     def lipschitz(self) -> float:
-        """L_G, the largest absolute eigenvalue of α C."""
+        """The constant L_G, which is the largest absolute eigenvalue of α C."""
         return self.factor.high * float(abs(np.linalg.eigvalsh(self.matrix)).max())
 
 
 def symmetric(matrix: Array) -> Array:
-    """Return the matrix of a symmetric tensor on S^d, (D, D).
+    """Return a matrix in Mandel form, (D, D), after checking that it belongs to a symmetric tensor on S^d.
 
     Raises:
-        LawError: not square of size D(2) = 3 or D(3) = 6, not finite or not symmetric.
+        LawError: it is not a 3 × 3 or 6 × 6 matrix, or is not finite or not symmetric.
     """
     matrix = np.asarray(matrix, dtype=float)
     if matrix.shape not in ((3, 3), (6, 6)):
@@ -143,12 +148,12 @@ def symmetric(matrix: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Scaled:
-    """ε ↦ α C ε at fixed points.
+    """A linear operator ε ↦ α C ε at fixed points.
 
     Attributes:
         matrix: C, (D, D).
-        factor: α, (...).
-        slopes: ∂_j α, (d, ...).
+        factor: α at the points, (...).
+        slopes: the gradient ∂_j α at the points, (d, ...); None if α is constant.
     """
 
     matrix: Array
@@ -170,13 +175,13 @@ class Scaled:
 
 
 def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> Linear:
-    """Return the isotropic operator C τ = α(x) (2μ τ + λ (tr τ) I).
+    """Return the isotropic operator C τ = α(x) (2μ τ + λ (tr τ) I) with the Lamé constants μ and λ.
 
     >>> isotropic(1, 0.5).at(np.zeros((2, 1)))(np.array([[1.0], [0.0], [0.0]])).ravel().tolist()  # τ = e₁ ⊗ e₁
     [2.5, 0.5, 0.0]
 
     Raises:
-        LawError: not elliptic, that is 2μ ≤ 0 or 2μ + dλ ≤ 0.
+        LawError: the operator is not elliptic, that is, 2μ ≤ 0 or 2μ + dλ ≤ 0.
     """
     return Linear(isotropic_matrix(mu, lam, dim), factor)
 

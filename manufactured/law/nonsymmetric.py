@@ -15,10 +15,10 @@ from manufactured.tensors import Array, Points, Tensors, mapped
 
 @dataclass(frozen=True, eq=False)
 class NonSymmetric:
-    """The elasticity operator ε ↦ C ε for any matrix C (D, D) in Mandel form; C need not be symmetric or positive.
+    """The elasticity operator ε ↦ C ε for any matrix C in Mandel form, (D, D); C need not be symmetric or positive.
 
-    (3.2) asks only that G is Lipschitz, which every C satisfies. A C that is not symmetric has no potential, so that
-    proofs and solvers which minimise an energy do not apply.
+    (3.2) requires only that G is Lipschitz, which every C satisfies. If C is not symmetric, G has no potential, so that
+    proofs and solvers that minimise an energy do not apply.
 
     >>> import numpy as np
     >>> G = NonSymmetric(np.array([[1.0, 2.0, 0.0], [-2.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
@@ -26,7 +26,7 @@ class NonSymmetric:
     (1.0, 2.236068)
 
     Raises:
-        LawError: C is not square of size D(2) = 3 or D(3) = 6, or not finite.
+        LawError: C is not a 3 × 3 or 6 × 6 matrix, or is not finite.
     """
 
     matrix: Array
@@ -45,17 +45,17 @@ class NonSymmetric:
 
     @cached_property
     def lipschitz(self) -> float:
-        """L_G, the largest singular value of C."""
+        """The constant L_G, which is the largest singular value of C."""
         return float(np.linalg.norm(self.matrix, 2))
 
     @cached_property
     def monotonicity(self) -> float:
-        """m, the smallest eigenvalue of the symmetric part of C."""
+        """The constant of monotonicity m, which is the smallest eigenvalue of the symmetric part of C."""
         return float(np.linalg.eigvalsh(self.reference)[0])
 
     @cached_property
     def reference(self) -> Array:
-        """(C + Cᵀ)/2, the symmetric part, (D, D)."""
+        """The symmetric part (C + Cᵀ)/2, (D, D)."""
         return (self.matrix + self.matrix.T) / 2
 
     @property

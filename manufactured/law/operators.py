@@ -1,4 +1,4 @@
-"""The interface of elasticity operators, (3.2), as functions of tensors and at fixed points of the body."""
+"""Interfaces of constitutive operators: elasticity operators with (3.2), and operators at fixed points of the body."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from manufactured.tensors import Array, Points, Tensors
 
 
 class LawError(ValueError):
-    """A constitutive law violates (3.1) or (3.2)."""
+    """Raised if a constitutive law violates (3.1) or (3.2), or cannot be used as required."""
 
 
 class AtPoints(Protocol):
     """A constitutive operator at fixed points: tensors (D, ...) over these points."""
 
     def __call__(self, strain: Tensors) -> Tensors:
-        """C(x) ε or G(x, ε): (D, ...) → (D, ...)."""
+        """Return C(x) ε or G(x, ε): (D, ...) → (D, ...)."""
         ...
 
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
@@ -25,16 +25,24 @@ class AtPoints(Protocol):
         ...
 
     def gradient(self, strain: Callable[[], Tensors], change: Array) -> Array:
-        """Return ∂_j of C(x) ε(x) or G(x, ε(x)) for ∂_j ε = change, (D, d, ...); ``strain`` gives ε if it is needed."""
+        """Return the derivatives ∂_j of C(x) ε(x) or G(x, ε(x)), (D, d, ...).
+
+        Args:
+            strain: a function that returns ε, (D, ...); it is called only if ε is needed.
+            change: the derivatives ∂_j ε, (D, d, ...).
+        """
         ...
 
 
 class Elasticity(Protocol):
-    """G : S^d → S^d of (3.2).
+    """An elasticity operator G : S^d → S^d with (3.2).
 
-    ``lipschitz`` is L_G; ``monotonicity`` a constant m with
-    (G(a) − G(b))·(a − b) ≥ m |a − b|², negative where G softens; ``reference`` a constant symmetric matrix (D, D)
-    that a solver may use instead of the derivative of G (for a linear G: G itself); ``at_rest`` is G(·, 0).
+    Attributes:
+        lipschitz: the Lipschitz constant L_G.
+        monotonicity: a constant m with (G(a) − G(b))·(a − b) ≥ m |a − b|²; negative if G softens.
+        reference: a constant symmetric matrix, (D, D), that a solver may use instead of the derivative of G; for a
+            linear G it is the matrix of G.
+        at_rest: the stress G(0), (D,).
     """
 
     @property
@@ -54,13 +62,13 @@ class Elasticity(Protocol):
         ...
 
     def __call__(self, strain: Tensors) -> Tensors:
-        """G(ε) of a homogeneous operator, (D, ...) → (D, ...)."""
+        """Return G(ε) of a homogeneous operator: (D, ...) → (D, ...)."""
         ...
 
     def at(self, x: Points) -> AtPoints:
-        """G at fixed points, (d, ...)."""
+        """Return G at fixed points, (d, ...)."""
         ...
 
     def scaled(self, factor: Array) -> AtPoints:
-        """Return α G for given values of α, (...): those of ``factor`` at points, as in ``at``, or means over cells."""
+        """Return α G for given values of α, (...), such as values of ``factor`` at points or means over cells."""
         ...

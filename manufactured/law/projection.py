@@ -15,7 +15,7 @@ from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped,
 
 
 class ConvexSet(Protocol):
-    """A closed convex K ⊂ S^d, 0 ∈ K, that is {τ : |Pτ| ≤ r} for an orthogonal projector P."""
+    """The interface of closed convex sets K = {τ : |Pτ| ≤ r} in S^d with an orthogonal projector P, (D, D)."""
 
     @property
     def dim(self) -> int: ...
@@ -27,7 +27,7 @@ class ConvexSet(Protocol):
 
 @dataclass(frozen=True)
 class FrobeniusBall:
-    """K = {τ : |τ| ≤ r}."""
+    """The ball K = {τ : |τ| ≤ r} in the Frobenius norm."""
 
     radius: float
     dim: int = 2
@@ -39,7 +39,7 @@ class FrobeniusBall:
 
 @dataclass(frozen=True)
 class DeviatoricBall:
-    """K = {τ : |dev τ| ≤ r}, dev τ = τ − (tr τ / d) I: von Mises' cylinder."""
+    """The cylinder K = {τ : |dev τ| ≤ r} of von Mises, with dev τ = τ − (tr τ / d) I."""
 
     radius: float
     dim: int = 2
@@ -52,12 +52,16 @@ class DeviatoricBall:
 
 @dataclass(frozen=True, eq=False)
 class Yield:
-    """The elasticity operator of (3.3), G(ε) = β (ε − P_K ε), L_G = β, monotone with m = 0.
+    """The elasticity operator (3.3), G(ε) = β (ε − P_K ε), with L_G = β; it is monotone with m = 0.
 
-    For K = {|Pτ| ≤ r}: G(ε) = β (1 − r/|Pε|)_+ Pε.
+    For K = {|Pτ| ≤ r} this is G(ε) = β (1 − r/|Pε|)_+ Pε.
+
+    Attributes:
+        beta: β.
+        convex: K.
 
     Raises:
-        LawError: β ≤ 0 or r < 0 (0 ∈ K fails), or one of them is not finite.
+        LawError: β or r is not positive and finite.
     """
 
     beta: float
@@ -83,12 +87,12 @@ class Yield:
 
     @property
     def reference(self) -> Array:
-        """(β/2) P; G minus this matrix has the Lipschitz constant β/2, the least that a constant matrix allows."""
+        """The matrix (β/2) P. G minus this matrix has the Lipschitz constant β/2, the smallest for a constant matrix."""
         return 0.5 * self.beta * self.convex.projector
 
     @property
     def at_rest(self) -> Tensors:
-        """0 = G(0), as 0 ∈ K, (D,)."""
+        """The stress G(0), which is 0 because 0 ∈ K, (D,)."""
         return np.zeros(size(self.dim))
 
     def _norm(self, part: Tensors) -> Array:
