@@ -148,7 +148,7 @@ class Part:
         return normals, np.einsum("ik,ik->k", normals, self.outline)
 
     def coordinates(self, x: Points) -> tuple[Array, Array]:
-        """Return the local coordinates of points, (d, ...): s along the part, (d−1, ...), and y into the body, (...)."""
+        """Return the local coordinates of points (d, ...): s along the part, (d−1, ...), and y into the body, (...)."""
         local = mapped(self.frame.T, x - self.start.reshape((-1,) + (1,) * (x.ndim - 1)))
         return local[:-1], local[-1]
 

@@ -1,4 +1,4 @@
-"""The gap and the pressure on one piece of Γ3, and the displacement that is lifted from them into the body."""
+"""The contact data on one part of Γ3, and the displacement in the body that is made from them (lifting)."""
 
 from __future__ import annotations
 
@@ -26,26 +26,24 @@ PLAIN = cutoff()
 """The default profile, φ = HERMITE down to depth 1."""
 ZERO_GAP = sp.Integer(0)
 SIGNS, ROUNDED = {1: 1001, 2: 101}, 1e-12
-"""Number of points along each axis at which the sign of the initial gap is tested, and the allowed round-off."""
+"""Number of points along each axis at which the sign of the initial gap is tested (in 2D and 3D), and the permitted
+relative round-off."""
 PLACES, DIVISIONS, PARTS = 1000, 11, 16
-"""Number of points at which the sign of ψ is tested, and how often an interval with a change of sign is divided into
-PARTS parts: DIVISIONS times, down to 1e-16 of the face."""
+"""Fronts are found as follows. The sign of ψ is tested at PLACES points of the face. An interval in which it changes is
+divided into PARTS parts, and the part with the change again, DIVISIONS times, down to 1e-16 of the face."""
 
 
 @dataclass(frozen=True, eq=False)
 class ContactFace:
-    """The contact data on one piece of Γ3 and their lifting into the body.
+    """The contact data on one part of Γ3, from which the displacement in the body is made.
 
     Attributes:
-        part: the piece Γ3,i.
-        gap: the gap w(s, t), a SymPy formula of ``symbols.s`` (``s1`` and ``s2`` in 3D) and ``symbols.t``.
-        strain: the strain (q, r) on the face as a function of s and t.
-        level: ψ(s, t); the contact zone is {ψ ≥ 0}.
-        profile: the functions of the depth that continue the data into the body.
-        rough: the coordinates s at which the strain is singular or has a kink at all times; quadrature splits cells
-            there.
-        initial_gap: g(s), the distance of the undeformed body from the foundation; 0 in the paper. The gap is then
-            w = g − u_ν.
+        part: the part Γ3,i. gap: the gap w(s, t), a SymPy formula of ``symbols.s`` (``s1`` and ``s2`` in 3D) and
+        ``symbols.t``. strain: the strain (q, r) on the face as a function of s and t. level: the formula of ψ(s, t);
+        the contact zone is {ψ ≥ 0}. profile: the functions of the depth y that continue the data into the body. rough:
+        the coordinates s at which the strain is singular or has a kink at all times; quadrature cuts cells there.
+        initial_gap: the formula of g(s), the distance of the undeformed body from the foundation; 0 in the paper. The
+            gap is w = g − u_ν.
 
     Raises:
         FormulaError: a kink is not written with ``pos``; a formula has symbols other than s, s1, s2 and t; an entry of
@@ -82,9 +80,17 @@ class ContactFace:
         rough: tuple[float, ...] = (),
         initial_gap: sp.Expr = ZERO_GAP,
     ) -> ContactFace:
-        """Return the face for a linear law, for which gap and pressure determine the strain (``face_strain.Memory``).
+        """Return the contact face for a linear law, for which the pressure determines the strain on the face.
 
-        In this example the left half of the lower side of the unit square stays in contact, with p = t(½ − s)²₊:
+        Args:
+            part: the part Γ3,i.
+            law: the material law, with linear G.
+            T: the final time.
+            gap, pressure, level: the formulas of w, p and ψ.
+            initial: the formula of the strain q(s, 0); without it the body starts in elastic equilibrium.
+            profile, rough, initial_gap: see ``ContactFace``.
+
+        In this example the left half of the bottom of the unit square is always in contact, with p = t(½ − s)²₊:
 
         >>> from sympy import Rational
         >>> from manufactured import ContactFace, ExactSolution, Kind, KelvinVoigt, isotropic, pos, s, t, unit_square
@@ -156,13 +162,13 @@ class ContactFace:
 
     @property
     def exponents_in(self) -> sp.Expr:
-        """The formula whose truncated powers show how smooth the strain is on the contact side of a front."""
+        """A formula whose truncated powers show how smooth the strain is near a front."""
         return self.strain.formula
 
     def fronts(self, time: float) -> tuple[float, ...]:
-        """Return the s at which ψ(·, t) changes its sign on a face of a plane body: the ends of the contact zone.
+        """Return the fronts, that is, the coordinates s at which ψ(·, t) changes its sign, for a body in 2D.
 
-        Two fronts are missed if their distance is less than a thousandth of the face.
+        Two fronts whose distance is less than a thousandth of the face may be missed.
         """
 
         def contact(s: Array) -> Array:
@@ -182,7 +188,7 @@ class ContactFace:
         return tuple(map(float, (low + high) / 2))
 
     def _refuse_wrong_initial_gap(self) -> None:
-        """Raise FormulaError if the initial gap depends on t or is negative somewhere on the face."""
+        """Refuse an initial gap that depends on t or is negative somewhere on the face (FormulaError)."""
         if sp.sympify(self.initial_gap).has(t):
             raise FormulaError(
                 f"the initial gap {self.initial_gap} depends on t, but it is the distance of the undeformed body from "
@@ -201,7 +207,7 @@ class ContactFace:
             )
 
     def at(self, x: Points) -> Lifting:
-        """Return the lifted fields at fixed points of the closed body, (d, ...)."""
+        """Return the displacement field at fixed points of the body, (d, ...), as a function of time."""
         return Lifting(self, x)
 
 
@@ -221,10 +227,11 @@ class _Traces:
 
 
 class Lifting:
-    """Evaluates u, u̇, ε, ε̇ and their gradients at fixed points, for one time or n times (the last axis).
+    """Evaluates the displacement field of a contact face, its strain and their rates at fixed points.
 
-    Factors that do not depend on time are computed once. Many points have the same coordinates s on structured meshes,
-    so formulas are evaluated once for each distinct s. Points deeper than the profile are left out.
+    For n times, the results have n as an additional last axis. Factors that do not depend on time are computed once.
+    Formulas are evaluated once for each distinct coordinate s, because many points have the same s on structured
+    meshes. At points deeper than the profile all fields are zero.
     """
 
     def __init__(self, face: ContactFace, x: Points) -> None:
@@ -241,7 +248,7 @@ class Lifting:
         self._functions: dict[tuple[str, int], Array] = {}
 
     def _profile(self, name: str, derivative: int) -> Array:
-        """Return the given derivative of a combination of profile functions at the points; computed once."""
+        """Return a derivative of a combination of profile functions (``COMBINATIONS``) at the points, computed once."""
         if (name, derivative) not in self._functions:
             self._functions[name, derivative] = sum(
                 getattr(self.face.profile, f)(self.y, derivative + k) for f, k in COMBINATIONS[name]
@@ -249,7 +256,10 @@ class Lifting:
         return self._functions[name, derivative]
 
     def traces(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
-        """Return u_n and (q, r), or their rates, with derivatives along the face up to order + 1 and ``order``."""
+        """Return u_n and (q, r) on the face, or their rates, for every point.
+
+        u_n comes with its derivatives along the face up to order + 1, (q, r) with theirs up to ``order``.
+        """
         w, strain = self.on_face(time, rate, order)
         return self._spread(w), tuple(self._spread(values) for values in strain)
 
@@ -293,7 +303,7 @@ class Lifting:
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
         """Return the derivatives ∂_j ε(u), or ∂_j ε(u̇) if ``rate``, in global axes, (D, d, ...).
 
-        They exist almost everywhere.
+        At fronts they may not exist; one-sided values are returned there.
         """
         w, strain = self.traces(time, rate, 2 + self.deep)
         zero, first = first_indices(len(self.s))
@@ -304,7 +314,7 @@ class Lifting:
         return self._everywhere(np.moveaxis(mapped(self.frame, local), 0, 1), 2)
 
     def modes(self) -> Modes:
-        """Return ε(u) as a sum of products of functions of x and of (s, t), one for each term of the local strain."""
+        """Return ε(u) as a sum of products of functions of x and of (s, t)."""
         # Local variables, so that the function below does not keep ``self`` with all points in memory.
         on_face, order, count = self.on_face, 1 + self.deep, self.s[0].size
         terms = strain_terms(len(self.s), self.deep, len(on_face(0.0, False, 0)[1]) - 1)
@@ -353,7 +363,7 @@ class Lifting:
 
 
 def distinct(places: Array) -> tuple[Array, Array | None]:
-    """Return the distinct coordinates, and for each point the index of its coordinates among them.
+    """Return the distinct coordinates of points, (d − 1, m), and for each point the index of its coordinates, (...).
 
     Coordinates that differ only by round-off count as equal. If few are equal, the result is (places, None).
     """

@@ -1,7 +1,7 @@
-"""The terms of the strain of a lifting, which are derivatives of w, q and r along the face times functions of the
-depth.
+"""The strain of the displacement of a contact face, as a sum of terms.
 
-If there is an initial gap g, w − g replaces w.
+Each term is a derivative of w, q or r along the face times a function of the depth y. If there is an initial gap g,
+w − g replaces w.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class StrainTerm(NamedTuple):
         row: the row of the Mandel vector in the axes (s, n).
         factor: the factor, which contains √2 or √½ for off-diagonal components.
         source: 0 for w, 1 for q, 2 + i for r_i.
-        along: the multi-index of the derivative along the face.
+        along: the multi-index of the derivative of w, q or r along the face.
         profile: the name of the function of y in ``COMBINATIONS``.
     """
 
@@ -43,7 +43,7 @@ class StrainTerm(NamedTuple):
 
 @lru_cache
 def strain_terms(n: int, deep: bool, shear: int) -> tuple[StrainTerm, ...]:
-    """Return the terms of the strain of a lifting.
+    """Return the terms of the strain.
 
     Args:
         n: the number of coordinates along the face.

@@ -1,4 +1,4 @@
-"""Formulas of x1, x2, x3 and t as functions of points and time."""
+"""Turns formulas of x1, x2, x3 and t into functions of points and time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,18 @@ SMALLEST, LARGEST = float(np.finfo(float).tiny), float(np.finfo(float).max)
 def compiled(
     formulas: Sequence[sp.Expr | float], count: int, name: str, symbols: tuple[sp.Symbol, ...]
 ) -> Callable[..., Vectors]:
-    """Return a function of (x, …) that evaluates the given formulas, (count, ...)."""
+    """Return a function of points (d, ...), and of a time, that evaluates formulas: (count, ...).
+
+    Args:
+        formulas: the formulas.
+        count: how many there must be.
+        name: the name of the quantity, for messages.
+        symbols: the symbols that the formulas may contain, in the order of the arguments.
+
+    Raises:
+        FormulaError: there are other symbols, a wrong number of formulas, numbers that double precision cannot
+            represent, or functions that NumPy does not have.
+    """
     expressions = [own_formula(formula) for formula in formulas]
     if len(expressions) != count:
         raise FormulaError(f"{name} has {len(expressions)} components, expected {count}")
@@ -44,9 +55,10 @@ def compiled(
 
 
 def own_formula(formula: sp.Expr | float) -> sp.Expr:
-    """Return the formula with the symbols of this package: SymPy tells symbols of one name apart by their assumptions.
+    """Return a formula with the symbols of this package and with steps written with ``pos``.
 
-    Steps are written with ``pos``: Heaviside(x) is 1 for x > 0 and 0 elsewhere.
+    SymPy distinguishes symbols of the same name by their assumptions, so x1, x2, x3 and t of the user are replaced.
+    Heaviside(x) becomes pos(x, 0), which is 1 for x > 0 and 0 elsewhere.
     """
     expression = sp.sympify(formula)
     expression = expression.subs({a: KNOWN[a.name] for a in expression.free_symbols if a.name in KNOWN})
@@ -55,7 +67,7 @@ def own_formula(formula: sp.Expr | float) -> sp.Expr:
 
 
 def _require_numbers(expression: sp.Expr, name: str) -> None:
-    """Raise FormulaError unless all numbers in a formula are real and within the range of double precision."""
+    """Refuse a formula with a number that is not real or that double precision cannot represent (FormulaError)."""
     if expression.has(sp.I, sp.nan, sp.oo, -sp.oo, sp.zoo):
         raise FormulaError(f"{name} = {expression} is not a real finite number everywhere; correct the formula")
     for number in expression.atoms(sp.Number):
@@ -67,7 +79,7 @@ def _require_numbers(expression: sp.Expr, name: str) -> None:
 
 
 def _require_values(call: Callable[..., Any], count: int, expressions: Sequence[sp.Expr], name: str) -> None:
-    """Raise FormulaError if NumPy has no function of a given name; this shows only when the formulas are evaluated."""
+    """Refuse formulas with functions that NumPy does not have (FormulaError), by evaluating them once."""
     try:
         with np.errstate(all="ignore"):
             call(*np.zeros((count, 1)))

@@ -1,4 +1,4 @@
-"""The formulas of data, for computations that need more than values at points, for example bounds between points."""
+"""The formulas of the data of a problem, for computations that need more than values at points."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import sympy as sp
 
 @dataclass(frozen=True)
 class Expressions:
-    """Formulas of x1, x2 (x3) and t; equal formulas are equal data.
+    """The formulas of f_0, f_2 and u_0 in x1, x2 (x3) and t. Two instances are equal if their formulas are.
 
     Attributes:
         force: the components of f_0.

@@ -1,4 +1,4 @@
-"""The data of a problem, from an exact solution or from formulas."""
+"""The data of a problem, made from an exact solution or from formulas."""
 
 from __future__ import annotations
 
@@ -23,30 +23,29 @@ Formulas = Sequence[sp.Expr | float]
 
 
 def no_fronts(time: float) -> tuple[Hyperplane, ...]:
-    """Return no line: the body force has no moving front."""
+    """Return no lines, for a body force without moving fronts."""
     return ()
 
 
 @dataclass(frozen=True, eq=False)
 class Data:
-    """Problem 2.1 without its solution.
-
-    ``check`` refuses data for which no solution can exist.
+    """The data of Problem 2.1: body, law, loads and initial displacement.
 
     Attributes:
         body: Ω, Γ1, Γ2, Γ3, T.
         law: A and G.
-        body_force: points (d, ...) ↦ (t ↦ f_0 at the points, (d, ...)).
-        surface_load: a piece of Γ2 and points on it ↦ (t ↦ f_2 at the points, (d, ...)). Loads of an
-            exact solution also accept an array of n times and then return values with a last axis of length n.
-        initial: points ↦ ε(u_0), (D, ...).
-        start: points ↦ u_0, (d, ...), with u_0 = 0 on Γ1 and u_0ν ≤ 0 on Γ3.
-        lines: lines (direction, offset) across which f_0 or ε(u_0) are rough for all times, for quadrature.
+        body_force: a function from points (d, ...) to the function t ↦ f_0 at these points, (d, ...).
+        surface_load: a function from a part of Γ2 and points on it to the function t ↦ f_2 at these points, (d, ...).
+            Loads of an exact solution also accept an array of n times and then return values with n as a last axis.
+        start: a function from points to u_0, (d, ...), with u_0 = 0 on Γ1 and u_0ν ≤ 0 on Γ3.
+        initial: a function from points to ε(u_0), (D, ...).
+        lines: lines (direction, offset) across which f_0 or ε(u_0) is not smooth at any time, for quadrature.
         points: vertices of Ω at which f_0 or ε(u_0) is singular.
-        formulas_of: the source of the callables, by which equal data are recognised: an exact solution,
-            ``Expressions``, or None for Python functions.
-        fronts: t ↦ lines across which f_0 jumps or has kinks at this time alone.
-        force_modes: points ↦ f_0 as a sum of products of functions of x and of t, or None if no such sum is known.
+        formulas_of: the source of the functions, by which equal data are recognised: an exact solution,
+            ``Expressions``, or None for functions of Python.
+        fronts: a function from a time to lines across which f_0 jumps or has kinks at this time only.
+        force_modes: a function from points to f_0 as a sum of products of functions of x and of t; None if no such sum
+            is known.
     """
 
     body: Body
@@ -63,7 +62,7 @@ class Data:
 
     @property
     def has_initial_gap(self) -> bool:
-        """Whether an exact solution with an initial gap is behind the data; formulas have none."""
+        """Whether the data belong to an exact solution with an initial gap; data from formulas have none."""
         return isinstance(self.formulas_of, ExactSolution) and self.formulas_of.has_initial_gap
 
     @classmethod
@@ -110,14 +109,15 @@ class Data:
         Args:
             body, law: the body and its material law.
             f0: the components of f_0.
-            f2: number of a part of ``body.parts`` ↦ the components of f_2 on it; parts of Γ2 left out carry no load.
-            u0: the components of u_0; 0 if left out.
-            lines: where the formulas have kinks.
-            others: refused, with what there is instead.
+            f2: a dict from numbers of parts in ``body.parts`` to the components of f_2 on them; f_2 = 0 on other parts.
+            u0: the components of u_0; by default 0.
+            lines: the lines (direction, offset) at which the formulas have kinks.
+            others: other arguments are refused, with a hint.
 
         Raises:
             LawError: body and law have different dimensions.
-            FormulaError: wrong components or symbols, f_2 on a part that is not of Γ2, or another argument.
+            FormulaError: a formula has other symbols, the number of components is wrong, f_2 is given on a part that
+                does not belong to Γ2, or there is another argument.
         """
         if others:
             raise FormulaError(
@@ -145,13 +145,13 @@ class Data:
         )
 
     def check(self) -> None:
-        """Check at random points and times that the data are admissible.
+        """Refuse data for which no solution can exist, by a check at random points and times.
 
         Any finite load can be balanced, because meas Γ1 > 0 for every ``Body``.
 
         Raises:
-            LoadError: f_0, f_2, u_0 or ε(u_0) is not finite or has the wrong shape, u_0 does not vanish on Γ1, or
-                u_0 is not in K.
+            LoadError: f_0, f_2, u_0 or ε(u_0) is not finite or has a wrong shape, u_0 does not vanish on Γ1 or is not
+                in K, or a factor of the law is outside its stated bounds.
         """
         with np.errstate(all="ignore"):  # ``check`` refuses values that are not finite
             check(self)
@@ -160,7 +160,7 @@ class Data:
 def _surface_load(
     body: Body, f2: Mapping[int, Formulas], symbols: tuple[sp.Symbol, ...]
 ) -> Callable[[Part, Points], ForceInTime]:
-    """Return f_2 as in ``Data``, zero on parts that ``f2`` does not name."""
+    """Return the function ``Data.surface_load`` for given formulas; f_2 is zero on other parts."""
     loads = {}
     for number, load in f2.items():
         if not 0 <= number < len(body.parts) or body.parts[number].kind is not Kind.LOADED:
@@ -181,11 +181,11 @@ POINTS, TIMES = 64, 5
 ROUNDING = 1e-12
 """Relative size below which u_0 vanishes on Γ1 and lies in K."""
 LARGEST = 1e100
-"""Largest value of f_0, f_2, u_0 and ε(u_0): the squares that norms consist of must not overflow."""
+"""Largest permitted value of f_0, f_2, u_0 and ε(u_0): their squares must not overflow."""
 
 
 class LoadError(ValueError):
-    """Data for which no solution can exist."""
+    """Raised for data for which no solution can exist."""
 
 
 def check(data: Data) -> None:
@@ -231,7 +231,7 @@ def _check_start(data: Data, inside: Points, rng: np.random.Generator) -> None:
 
 
 def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
-    """Return g at points of a part; 0 off Γ3 and, as in the paper, for all data but those of solutions that have it."""
+    """Return the initial gap at points of a part; 0 outside Γ3 and for data without an initial gap."""
     solution = data.formulas_of
     if not (isinstance(solution, ExactSolution) and solution.has_initial_gap and part.kind is Kind.CONTACT):
         return 0.0
@@ -240,14 +240,14 @@ def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
 
 
 def _inside(body: Body, rng: np.random.Generator) -> Points:
-    """Random points of Ω, (d, POINTS) or fewer."""
+    """Return at most POINTS random points of Ω, (d, n)."""
     low, high = body.vertices.min(axis=1, keepdims=True), body.vertices.max(axis=1, keepdims=True)
     x = low + (high - low) * rng.random((body.dim, 8 * POINTS))
     return x[:, body.contains(x)][:, :POINTS]
 
 
 def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -> Vectors:
-    """Return the values; raise LoadError if they have the wrong shape, are not finite or exceed ``LARGEST``."""
+    """Return the values; LoadError if they have a wrong shape, are not finite or exceed ``LARGEST``."""
     if np.shape(values) != (components, *x.shape[1:]):
         raise LoadError(
             f"{name} has the shape {np.shape(values)} at points {x.shape}{when}, expected {(components, *x.shape[1:])}"

@@ -1,4 +1,4 @@
-"""An exact solution {u, σ} of Problem 2.1, with the data f_0, f_2, u_0 that belong to it."""
+"""Exact solutions {u, σ} of Problem 2.1, and the data f_0, f_2 and u_0 that belong to them."""
 
 from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
 from manufactured.exact.forces import ForceModes

@@ -1,4 +1,4 @@
-"""Raises errors for points and times outside the domain of an exact solution, where its formulas still have values."""
+"""Refuses points and times outside the domain of an exact solution, because its formulas have values there, too."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""The body force f_0 of a linear law as a sum of products, fields that do not depend on time times functions of (s, t).
+"""The body force f_0 of a linear law as a sum of fixed fields times functions of (s, t).
 
-−Div(α C ε(u)) is linear in u, and the lifting of a contact face is linear in the derivatives of w and (q, r) along the
-face. So f_0 is the sum over these derivatives of a fixed field times the derivative. Other contributions to u are
-evaluated point by point.
+−Div(α C ε(u)) is linear in u, and the displacement of a contact face is linear in the derivatives of w, q and r along
+the face. So f_0 is a sum over these derivatives, each multiplied by a field that does not depend on time. Other
+displacement fields are evaluated point by point.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ from manufactured.tensors import Array, basis, rotation
 
 @dataclass(frozen=True, eq=False)
 class ForceModes:
-    """The body force f_0 = −Div(A ε(u̇)) − Div(G ε(u)) as sums of products, for each contribution to u.
+    """The body force f_0 = −Div(A ε(u̇)) − Div(G ε(u)) as sums of products, one sum for each displacement field.
 
     Attributes:
-        viscous: −Div(A ε(u)), whose time derivative is the viscous part of f_0.
+        viscous: −Div(A ε(u)); its time derivative is the viscous part of f_0.
         elastic: −Div(G ε(u)).
     """
 
@@ -38,7 +38,9 @@ Trace = tuple[int, Index]
 
 
 def force_modes(of: AtPoints, part: ContributionAtPoints, count: int) -> Modes:
-    """Return −Div(α C ε) of a contribution at ``count`` points as a sum of products with K fixed vectors, (K, d).
+    """Return −Div(α C ε) of a displacement field at ``count`` points as a sum of products.
+
+    In the result, ``Modes.tensors`` are the K constant vectors of the products, (K, d).
 
     Raises:
         LawError: the operator is not linear.
@@ -64,7 +66,7 @@ def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
 
 @dataclass
 class _Fields:
-    """Collects −Div(α C ε), (d, n), for each trace; this trace is 1 and all other traces are 0."""
+    """Collects, for each trace, the field −Div(α C ε), (d, n), that belongs to the value 1 of this trace alone."""
 
     of: Scaled
     reach: Array
@@ -87,7 +89,7 @@ class _Fields:
 
 
 def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
-    """Return one product for each trace and each non-zero component of its field."""
+    """Return the force of a contact face: one product for each trace and each non-zero component of its field."""
     fields = _fields_of(of, lifting)
     dim = len(lifting.frame)
     chosen = [(trace, i) for trace, values in fields.items() for i in range(dim) if values[i].any()]

@@ -1,4 +1,4 @@
-"""An exact solution as a body, a law and displacement fields."""
+"""An exact solution, and its fields at fixed points."""
 
 from __future__ import annotations
 
@@ -25,21 +25,23 @@ from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, ba
 
 @dataclass(frozen=True, eq=False)
 class ExactSolution:
-    """An exact solution, whose displacement u is the sum of fields, and the data that belong to it.
+    """An exact solution of Problem 2.1, and the data that belong to it.
 
-    The stress is σ = A ε(u̇) + G ε(u), the loads are f_0 = −Div σ and f_2 = σν.
+    The displacement u is the sum of displacement fields. The stress is σ = A ε(u̇) + G ε(u), and the loads are
+    f_0 = −Div σ and f_2 = σν.
 
     Attributes:
         body: Ω with Γ1, Γ2, Γ3 and the final time T.
         law: A and G.
-        faces: one field for each piece of Γ3, in the order of ``body.of(Kind.CONTACT)``. The field of one face must
-            not disturb the contact on other faces and must vanish on Γ1.
-        others: fields without contact, such as the singularity of a corner.
+        faces: one displacement field for each part of Γ3, in the order of ``body.of(Kind.CONTACT)``. The field of one
+            face must vanish on Γ1 and must not change the contact data of other faces.
+        others: displacement fields without contact, such as the singularity of a corner.
         singular: vertices of the body at which the strain is singular.
 
     Raises:
         LawError: law and body have different dimensions.
-        ValueError: the faces are not the pieces of Γ3, or a lifting ends with a kink inside the body.
+        ValueError: the faces do not belong to the parts of Γ3, or a displacement field ends with a kink inside the
+            body.
     """
 
     body: Body
@@ -68,22 +70,22 @@ class ExactSolution:
 
     @property
     def rough(self) -> tuple[Hyperplane, ...]:
-        """The lines or planes on which strains are not smooth at all times: rough points of faces, jumps of A and G."""
+        """The lines or planes at which strains are never smooth: at ``rough`` points of faces and jumps of A and G."""
         fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
         return (*fronts, *self.law.steps)
 
     @property
     def has_initial_gap(self) -> bool:
-        """Whether there is an initial gap somewhere on Γ3; the paper has none."""
+        """Whether a contact face has an initial gap, which the paper does not treat."""
         return any(face.initial_gap != 0 for face in self.faces)
 
     def fronts(self, time: float) -> tuple[Hyperplane, ...]:
-        """Return the lines {s = c} through the fronts c at one time; f_0 jumps or has kinks there. Empty in 3D."""
+        """Return the lines {s = c} through the fronts c of one time, at which f_0 jumps or has kinks; none in 3D."""
         faces = [face for face in self.faces if isinstance(face, ContactFace)] if self.body.dim == 2 else []
         return tuple(face.part.line(c) for face in faces for c in face.fronts(time))
 
     def at(self, x: ArrayLike) -> Fields:
-        """Return the solution at fixed points of the closed body, (d, ...), as functions of t ∈ [0, T].
+        """Return the fields of the solution at fixed points of the body, (d, ...), as functions of t ∈ [0, T].
 
         Points may lie outside the body by round-off.
 
@@ -104,7 +106,7 @@ class ExactSolution:
         return Fields(self, points)
 
     def on(self, face: Face, s: ArrayLike) -> FaceFields:
-        """Return the solution at fixed points of a contact face, (d − 1, ...), as functions of t ∈ [0, T].
+        """Return gap, pressure and zone at fixed points of a contact face, (d − 1, ...), as functions of t ∈ [0, T].
 
         Raises:
             ValueError: s has another shape, or a point lies outside the body; the methods of the result raise it for
@@ -123,9 +125,9 @@ class ExactSolution:
 
 
 class Fields:
-    """The fields of an exact solution at fixed points x (d, ...), as functions of time.
+    """The fields of an exact solution at fixed points, (d, ...), as functions of time.
 
-    If n times (n,) are given, the results have an additional last axis.
+    For n times, (n,), the results have n as an additional last axis.
     """
 
     def __init__(self, solution: ExactSolution, x: Points) -> None:
@@ -145,7 +147,7 @@ class Fields:
         return self._law_at_times if np.ndim(time) else self.law
 
     def _total(self, field: Callable[[ContributionAtPoints], Array], time: Array | complex) -> Array:
-        """Return the sum of a field over all contributions; the times must lie in [0, T]."""
+        """Return the sum of a field over all displacement fields; ValueError for times outside [0, T]."""
         require_times(self.solution.body.T, time)
         return reduce(np.add, map(field, self._parts))
 
@@ -166,7 +168,7 @@ class Fields:
         return self._total(lambda part: part.strain(time, rate=True), time)
 
     def modes(self) -> list[Modes]:
-        """Return ε(u) as sums of products, one sum for each contribution; points are numbered in the order of ``x``."""
+        """Return ε(u) as sums of products, one for each displacement field; points are numbered as in ``x``."""
         return [part.modes() for part in self._parts]
 
     def strain_gradient(self, time: Array | complex) -> Array:
@@ -186,7 +188,7 @@ class Fields:
         return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
 
     def force_modes(self) -> ForceModes:
-        """Return f_0 as sums of products, for a linear G; points are numbered in the order of ``x``."""
+        """Return f_0 as sums of products, for a linear G; points are numbered as in ``x``."""
         viscous, elastic = (
             [force_modes(tensor, part, self.x[0].size) for part in self._parts] for tensor in (self.law.A, self.law.G)
         )
@@ -198,9 +200,9 @@ class Fields:
 
 
 class FaceFields:
-    """Gap, pressure and contact zone at fixed points s (d − 1, ...) of one face, as functions of time.
+    """Gap, pressure and contact zone at fixed points of one contact face, (d − 1, ...), as functions of time.
 
-    If n times (n,) are given, the results have an additional last axis.
+    For n times, (n,), the results have n as an additional last axis.
     """
 
     def __init__(self, solution: ExactSolution, face: Face, s: Array) -> None:
@@ -223,15 +225,18 @@ class FaceFields:
         return self.pressure(time) if jet is None else self._value(jet, time)
 
     def stress_scale(self) -> float:
-        """Return the size of stresses that the largest strains and gaps on the face would cause, for tolerances."""
+        """Return a typical size of stresses on the face, from the largest strain and gap, for tolerances."""
         instants = np.linspace(0, self.solution.body.T, 9)
         sizes = [abs(part).max() for t in instants for part in (self._fields.strain(t), self.gap(t))]
         return (self.solution.law.A.lipschitz + self.solution.law.G.lipschitz) * float(max(sizes))
 
     def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
-        """Return the functions that must be continuous along a face, each with its derivative along an axis.
+        """Return the functions that must be continuous along the face, each with its derivative along an axis.
 
-        They are w, ∇_s w and, for a lifting, (q, r) and g.
+        They are w, and for a ``ContactFace`` also ∇_s w, (q, r), and the initial gap g with ∇_s g.
+
+        Returns:
+            A dict from the name of a function to its values and the values of its derivative, (...) each.
         """
         unit = np.eye(len(self.s), dtype=int)
 
@@ -259,5 +264,5 @@ class FaceFields:
         return self._value(Jet(sp.sympify(self.face.initial_gap), self.face.variables), 0.0)
 
     def level(self, time: Array | float) -> Array:
-        """Return ψ, (...); the contact zone is {ψ ≥ 0}."""
+        """Return the level function ψ, (...); the contact zone is {ψ ≥ 0}."""
         return self._value(self.face.level_jet, time)

@@ -87,7 +87,7 @@ class Yield:
 
     @property
     def reference(self) -> Array:
-        """The matrix (β/2) P. G minus this matrix has the Lipschitz constant β/2, the smallest for a constant matrix."""
+        """The matrix (β/2) P. G minus this matrix has the Lipschitz constant β/2, the least for constant ones."""
         return 0.5 * self.beta * self.convex.projector
 
     @property
