@@ -1,4 +1,4 @@
-"""The pressure as a smooth function of t between the times at which contact begins and ends at a point."""
+"""Divides the pressure at a point into intervals of contact, in each of which it is a smooth function of t."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from manufactured.tensors import Array
 
 
 def smooth_branch(term: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
-    """Return the moving fronts ψ of a term of p, and the formula of the term where all ψ > 0.
+    """Return the moving fronts ψ of a term of p, and the formula of the term where all ψ are positive.
 
     Raises:
-        FormulaError: a front that moves has no integer exponent of 2 or more, or the term between its fronts has
+        FormulaError: the exponent of a moving front is not an integer ≥ 2, or the formula between the fronts contains
             functions of t that are not known to be smooth.
     """
     fronts = [p for p in term.atoms(pos) if p.args[0].has(t)]
     for power in fronts:
-        # With m = 1 the second derivative along the face would have a term at the front; a switch in
-        # time alone has none.
+        # With m = 1 the second derivative along the face would contain a term at the front. For a ψ that depends on
+        # time only there is no such term.
         lowest = 2 if power.args[0].free_symbols & set(variables) else 0
         if not (power.args[1].is_integer and power.args[1] >= lowest):
             raise FormulaError(
@@ -63,7 +63,7 @@ class PressureTerm:
         return cls(tuple(front(formula, variables) for formula in fronts), integral)
 
     def intervals(self, points: Array, T: float) -> tuple[Array, Array]:
-        """Times at which contact begins and ends at each point: two arrays (J, N), equal where unused."""
+        """Return the times at which contact begins and ends at N points, (J, N) each; equal times mean no contact."""
         passes = [np.empty((0, points.shape[1]))]
         for moving in self.moving:
             passes.append(moving.passes(points, T))

@@ -1,4 +1,4 @@
-"""Integrals of polynomials against e^{−λ(t−r)}, by the φ-functions of exponential integrators."""
+"""Integrals of polynomials times e^{−λ(t−r)}, by the φ-functions of exponential integrators."""
 
 from __future__ import annotations
 
@@ -17,15 +17,18 @@ from manufactured.tensors import Array
 
 
 class Started(Protocol):
-    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points with their a, as a function of b."""
+    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points with fixed a, as functions of b."""
 
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """Return, for every i, the integrals up to the times b (n,) at the points with the given indices (n,)."""
+        """Return the integrals up to the times ``upper``, (n,), at the points with the indices ``chosen``, (n,).
+
+        The result is a dict from multi-indices i to values, (n,).
+        """
         ...
 
 
 class Integral(Protocol):
-    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr of a smooth branch P of p/a."""
+    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr of a smooth part P of p/a."""
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
         """Prepare the integrals for |i| ≤ order at points (d − 1, N), from ``lower`` (N,) to at most ``upper`` (N,)."""
@@ -33,9 +36,9 @@ class Integral(Protocol):
 
 
 class Convolution:
-    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a smooth branch P of p/a that is a polynomial of r, of degree m.
+    """Computes ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a smooth part P of p/a that is a polynomial of r, of degree m.
 
-    With τ = b − a, by Taylor's formula at a,
+    With τ = b − a, Taylor's formula at a gives
 
         ∫_a^b e^{−λ(b−r)} P(r) dr = Σ_{j≤m} ∂_r^j P(a) τ^{j+1} φ_{j+1}(−λτ),    φ_k(z) = Σ_n z^n/(n + k)!,
 
@@ -53,7 +56,7 @@ class Convolution:
             coefficients = [n * c for n, c in zip(range(len(coefficients) - 1, 0, -1), coefficients, strict=False)]
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Compute ∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and every j."""
+        """Prepare the integrals by computing ∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and every j."""
         values = []
         for jet in self.derivatives:
             values.append(jet(points, lower, order))
@@ -63,7 +66,7 @@ class Convolution:
 
 @dataclass(frozen=True, eq=False)
 class _Taylor:
-    """λ, m, a and the Taylor coefficients at a, (m + 1, N) for each i."""
+    """The integrals from a = ``lower``, (N,), with the Taylor coefficients of P at a, (m + 1, N) for each i."""
 
     decay: float
     degree: int
@@ -84,7 +87,7 @@ class _Taylor:
 
 
 TOGETHER = 1 << 12
-"""Number of integrals evaluated together, so that the values of all φ_k stay in the processor cache."""
+"""Number of integrals that are evaluated together, so that the values of all φ_k stay in the processor's cache."""
 SMALL = 12.0
 """Largest |z| for which φ_k is computed from φ_K by downward recurrence, which amplifies rounding by |z|^K/K!."""
 TERMS = 48
@@ -92,9 +95,10 @@ TERMS = 48
 
 
 def phi(z: Array, count: int) -> Array:
-    """Return φ_1, …, φ_count at z with Re z ≤ 0, (count, N).
+    """Return φ_1, …, φ_count at z, (N,) with Re z ≤ 0, as an array (count, N).
 
-    φ_k = z φ_{k+1} + 1/k! downwards from the series of φ_count where |z| is small, upwards from (e^z − 1)/z elsewhere.
+    The recurrence φ_k = z φ_{k+1} + 1/k! is used. Where |z| is small it runs downwards from the power series of
+    φ_count, elsewhere upwards from φ_1 = (e^z − 1)/z.
     """
     found = np.empty((count, *z.shape), dtype=np.result_type(z, float))
     large = abs(z) > SMALL

@@ -1,4 +1,4 @@
-"""(q, r) of a linear law that couples nn with sn."""
+"""The strain on a contact face for a linear law that couples the components nn and sn."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True, eq=False)
 class Coupled:
-    """(q, r) of a linear law that couples nn with sn: y = Σ_i x_i η_i over the modes of 𝒜 ẏ + 𝒢 y = (−p, 0).
+    """The strain y = (q, r) on the face for a linear law that couples nn with sn: 𝒜 ẏ + 𝒢 y = (−p, 0).
 
-    With XᵀAX = I and 𝒢 x_i = λ_i 𝒜 x_i, each scalar equation
-    η̇_i + λ_i η_i = −(x_i)_0 p is solved by a ``Memory``.
+    The solution is y = Σ_i x_i η_i with the eigenvectors x_i, for which 𝒢 x_i = λ_i 𝒜 x_i and Xᵀ𝒜X = I. Each η_i is the
+    solution of η̇_i + λ_i η_i = −(x_i)_0 p, a scalar equation that ``Memory`` solves.
 
     Attributes:
-        pressure: p(s, t).
-        modes: the memories of the η_i.
-        vectors: the x_i as columns, (d, d).
+        pressure: the formula of p(s, t).
+        modes: the solutions η_i.
+        vectors: the eigenvectors x_i as columns, (d, d).
     """
 
     pressure: sp.Expr
@@ -39,7 +39,15 @@ class Coupled:
         T: float,
         variables: tuple[sp.Symbol, ...],
     ) -> Coupled:
-        """Return (q, r) for the blocks 𝒜 and 𝒢, (d, d), both times ``scale``, with elastic equilibrium at t = 0."""
+        """Return the strain on the face, in elastic equilibrium at t = 0.
+
+        Args:
+            pressure: the formula of p(s, t).
+            viscous, elastic: 𝒜 and 𝒢 without a common factor, (d, d) each.
+            scale: the formula of the common factor.
+            T: the final time.
+            variables: the coordinates along the face.
+        """
         inverse = np.linalg.inv(np.linalg.cholesky(viscous))
         rates, basis = np.linalg.eigh(inverse @ elastic @ inverse.T)
         vectors = inverse.T @ basis

@@ -1,4 +1,4 @@
-"""The times at which contact begins and ends at the points of a face, that is, at which a front passes them."""
+"""The times at which fronts pass given points of a face, so that contact begins or ends there."""
 
 from __future__ import annotations
 
@@ -15,35 +15,38 @@ from manufactured.tensors import Array
 
 
 class Front(Protocol):
-    """ψ(s, t), with contact where ψ > 0."""
+    """The interface of fronts, given by a function ψ(s, t) that is positive where there is contact."""
 
     def passes(self, points: Array, T: float) -> Array:
-        """Return the times in (0, T) at which ψ changes sign at points (d − 1, N), as rows (…, N) filled up with T."""
+        """Return the times in (0, T) at which ψ changes its sign at N points, (d − 1, N).
+
+        The result has the shape (most times at a point, N); missing times are T.
+        """
         ...
 
     def beyond(self, points: Array, time: Array) -> Array:
-        """Return whether ψ > 0 at points (d − 1, N) and times (…, N)."""
+        """Return whether ψ > 0 at points, (d − 1, N), and times, (…, N): (…, N)."""
         ...
 
 
 def between(passes: Array, T: float) -> tuple[Array, Array]:
-    """Return the starts and ends of the intervals into which the given times (n, N) cut [0, T], (n + 1, N) each."""
+    """Return starts and ends of the intervals into which given times, (n, N), divide [0, T], (n + 1, N) each."""
     ends = np.zeros((1, passes.shape[1]))
     nodes = np.sort(np.vstack([ends, passes, ends + T]), axis=0)
     return nodes[:-1], nodes[1:]
 
 
 WITHIN = 0.38
-"""The relative position in a time interval at which the sign of ψ in this interval is evaluated."""
+"""The position in a time interval, relative to its length, at which the sign of ψ in this interval is evaluated."""
 
 
 def within(begin: Array, end: Array) -> Array:
-    """Return a time inside each interval, not the middle, where a symmetric motion may touch zero without crossing."""
+    """Return a time inside each interval; not the middle, where ψ of a symmetric motion may be zero."""
     return begin + WITHIN * (end - begin)
 
 
 def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
-    """Return the front of a formula; if the formula is a polynomial of t, its roots are computed directly."""
+    """Return the front for the formula of ψ: a ``PolynomialFront`` if ψ is a polynomial of t, else a ``SmoothFront``."""
     if formula.is_polynomial(t):
         return PolynomialFront(function(variables, coefficients_in_t(formula)))
     symbols = (*variables, t)
@@ -52,10 +55,10 @@ def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
 
 @dataclass(frozen=True)
 class PolynomialFront:
-    """ψ as a polynomial of t.
+    """A front for which ψ is a polynomial of t.
 
     Attributes:
-        coefficients: the function s ↦ coefficients of the polynomial, highest power first.
+        coefficients: the function from s to the coefficients of the polynomial, highest power first.
     """
 
     coefficients: Callable[..., list[Array]]
@@ -73,8 +76,9 @@ class PolynomialFront:
 
 
 INSTANTS, SURE = (257, 600), 1e-6
-"""Two numbers of intervals of [0, T] in which turning points of ψ are searched, and the largest accepted difference of
-the two results for the time with ψ > 0, relative to T. Where ψ only touches zero, rounding alone changes it by 1e-8."""
+"""INSTANTS: the turning points of ψ are searched twice, with these numbers of intervals of [0, T]. SURE: largest accepted
+difference of the two results for the total time with ψ > 0, relative to T. Where ψ only touches zero, rounding changes
+this time by 1e-8."""
 HALVINGS = 64
 """Number of bisections, after which an interval has shrunk to rounding."""
 BLOCK = 1024
@@ -83,13 +87,13 @@ BLOCK = 1024
 
 @dataclass(frozen=True)
 class SmoothFront:
-    """A front ψ with any smooth motion.
+    """A front for which ψ is any smooth function of t.
 
-    Between two turning points, at which ∂_t ψ changes its sign, ψ has one root at most: it is bracketed and halved.
+    Between two turning points of ψ, at which ∂_t ψ changes its sign, ψ has at most one root. It is found by bisection.
 
     Attributes:
-        formula: ψ, for messages.
-        level, slope: (s, t) ↦ [ψ], [∂_t ψ].
+        formula: the formula of ψ, for messages.
+        level, slope: functions from s and t to [ψ] and to [∂_t ψ].
     """
 
     formula: sp.Expr
@@ -117,7 +121,7 @@ class SmoothFront:
         return fine
 
     def _between(self, grid: Array, points: Array, T: float) -> Array:
-        """Return the times at which ψ changes its sign between the times of a grid and the turning points of ψ."""
+        """Return the times at which ψ changes its sign, searched between the times of a grid and turning points of ψ."""
         turns = self._changes(self.slope, points, grid, T)
         return self._changes(self.level, points, np.sort(np.concatenate([grid, turns]), axis=0), T)
 
@@ -131,7 +135,7 @@ class SmoothFront:
         return _positive(self.level, points, time)
 
     def _changes(self, of: Callable[..., list[Array]], points: Array, times: Array, T: float) -> Array:
-        """Return the times at which a function changes sign between given times (n, N), in rows filled up with T."""
+        """Return the times at which a function changes its sign between given times, (n, N), as in ``Front.passes``."""
         signs = _positive(of, points, times)
         interval, point = np.nonzero(signs[1:] != signs[:-1])
         low, high, at = times[interval, point], times[interval + 1, point], points[:, point]
@@ -159,10 +163,14 @@ def _positive(of: Callable[..., list[Array]], points: Array, time: Array) -> Arr
 
 
 def real_roots(coefficients: Array, T: float) -> Array:
-    """Return the roots in (0, T) of polynomials with coefficients (degree+1, N), highest first, as (degree, N).
+    """Return the roots in (0, T) of N polynomials, (degree, N); missing roots are T.
 
-    Missing roots are filled up with T. Up to degree 2 there is a closed form. A polynomial of higher degree is
-    monotone between the roots of its derivative, and has a root between two of them if its sign changes.
+    Up to degree 2 there is a closed form. A polynomial of higher degree is monotone between the roots of its
+    derivative, and has a root between two of them if its sign changes.
+
+    Args:
+        coefficients: the coefficients, highest power first, (degree+1, N).
+        T: the end of the interval.
     """
     if len(coefficients) <= 3:
         return _of_degree_two(coefficients, T)
@@ -177,10 +185,14 @@ def real_roots(coefficients: Array, T: float) -> Array:
 
 
 def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> Array:
-    """Return the root of each polynomial (degree+1, n) in an interval on which it is monotone.
+    """Return the root of each of n polynomials in an interval on which it is monotone, (n,).
 
-    ``before`` tells whether the polynomial is positive at the start of the interval. Newton's method is used, and
-    bisection where Newton's method leaves the interval, until no root changes.
+    Newton's method is used, and bisection where Newton's method leaves the interval, until no root changes.
+
+    Args:
+        coefficients: (degree+1, n).
+        low, high: the ends of the intervals, (n,) each; they are overwritten.
+        before: whether the polynomial is positive at ``low``, (n,).
     """
     slopes = _derivative(coefficients)
     roots, moving, still = (low + high) / 2, np.arange(low.size), 4 * np.spacing(high)
@@ -200,7 +212,7 @@ def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> A
 
 
 def _derivative(coefficients: Array) -> Array:
-    """Return the coefficients of the derivatives, (degree, N)."""
+    """Return the coefficients of the derivatives of polynomials: (degree+1, N) → (degree, N)."""
     return coefficients[:-1] * np.arange(len(coefficients) - 1, 0, -1)[:, None]
 
 
@@ -219,7 +231,7 @@ def _of_degree_two(coefficients: Array, T: float) -> Array:
         found = -monic.astype(complex)
     else:
         discriminant = np.sqrt((monic[0] ** 2 - 4 * monic[1]).astype(complex))
-        # The larger root first and the other root from the product, to avoid cancellation.
+        # The larger root is computed first, and the other one from their product, to avoid cancellation.
         larger = -(monic[0] + np.where(monic[0] >= 0, 1, -1) * discriminant) / 2
         other = np.divide(monic[1], larger, out=np.zeros_like(larger), where=larger != 0)
         found = np.array([larger, other])

@@ -1,4 +1,4 @@
-"""The normal strain q on the face for a linear law: the hereditary integral of the pressure."""
+"""The normal strain q on a contact face for a linear law, which depends on the history of the pressure."""
 
 from __future__ import annotations
 
@@ -16,24 +16,25 @@ from manufactured.symbols import Values, s, t
 from manufactured.tensors import Array
 
 RECENT = 3
-"""Number of times for which values of q are stored."""
+"""Number of times for which computed values of q are cached."""
 
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """The normal strain q on the face for a linear law, exact up to rounding.
+    """The normal strain q on the face for a linear law, exact up to rounding: the solution of a q̇ + g q = −p.
 
-    Every term of the expanded pressure is θ(s, t)·∏ pos(ψ_i(s, t), m_i) with θ and the ψ_i that move smooth in t and,
-    for these, integer m_i ≥ 2. At each s the roots of the ψ_i split [0, T] into intervals of contact (``fronts``), on
-    which p is a smooth P(s, ·). Its hereditary integral is known in closed form where P is a polynomial of t
-    (``convolution``); otherwise Gauss's rule is used (``quadrature``). Since p vanishes where a moving contact begins
-    and ends, derivatives along the face pass under the integral: ∂_s^i q is the same expression with ∂_s^i P.
+    The pressure must be a sum of terms θ(s, t)·∏ pos(ψ_i(s, t), m_i). θ and the moving ψ_i must be smooth in t, and the
+    m_i of moving ψ_i must be integers ≥ 2. At each s, the roots of the ψ_i divide [0, T] into intervals of contact
+    (``fronts``), on which p/a is a smooth function P(s, ·). The integral of e^{−λ(t−r)} P is known in closed form if P
+    is a polynomial of t (``convolution``); otherwise Gauss's rule is used (``quadrature``). Since p vanishes where a
+    moving contact begins and ends, ∂_s^i q is the same expression with ∂_s^i P.
 
     Attributes:
-        pressure: p(s, t).
+        pressure: the formula of p(s, t).
         viscosity, elasticity: a and g, positive numbers, or formulas of s with a constant ratio.
-        T: final time.
-        initial: q_0(s); without it −p(s, 0)/g, the elastic equilibrium.
+        T: the final time.
+        initial: the formula of q(s, 0); without it, elastic equilibrium, −p(s, 0)/g.
+        variables: the coordinates along the face.
 
     Raises:
         FormulaError: the pressure is not of this form.
@@ -47,7 +48,7 @@ class Memory:
     variables: tuple[sp.Symbol, ...] = (s,)
 
     def __post_init__(self) -> None:
-        self.decay  # refused where it is written, not where it is used  # noqa: B018
+        self.decay  # refuse a wrong ratio when the face is made, not when it is used  # noqa: B018
 
     @property
     def formula(self) -> sp.Expr:
@@ -56,28 +57,28 @@ class Memory:
 
     @cached_property
     def decay(self) -> float:
-        """λ = g/a."""
+        """The relaxation rate λ = g/a."""
         return relaxation_rate(self.elasticity, self.viscosity)
 
     @property
     def source(self) -> sp.Expr:
-        """p/a."""
+        """The formula of p/a."""
         return self.pressure / self.viscosity
 
     @cached_property
     def start(self) -> Jet:
-        """The jet of q_0."""
+        """The formula of q(s, 0) as a ``Jet``."""
         elastic = -self.pressure.subs(t, 0) / self.elasticity
         return Jet(elastic if self.initial is None else self.initial, self.variables)
 
     @cached_property
     def source_jet(self) -> Jet:
-        """The jet of p/a."""
+        """The formula of p/a as a ``Jet``."""
         return Jet(self.source, self.variables)
 
     @cached_property
     def terms(self) -> tuple[PressureTerm, ...]:
-        """p/a, terms with the same moving fronts together."""
+        """The terms of p/a; terms with the same moving fronts are added up."""
         branches: dict[tuple[sp.Expr, ...], sp.Expr] = {}
         for term in sp.Add.make_args(sp.expand(self.pressure)):
             fronts, branch = smooth_branch(term, self.variables)
@@ -93,7 +94,7 @@ class Memory:
 
 
 class MemoryAtPoints:
-    """q and q̇ at fixed points. Intervals of contact, and integrals over past intervals, are computed once."""
+    """Evaluates q and q̇ at fixed points; intervals of contact, and integrals over past ones, are computed once."""
 
     def __init__(self, memory: Memory, points: Array) -> None:
         self.memory = memory
@@ -101,7 +102,7 @@ class MemoryAtPoints:
         self.flat = points.reshape(points.shape[0], -1)
         self.contacts = [_ContactIntervals(term, self.flat, memory) for term in memory.terms]
         self._start: dict[int, Values] = {}
-        # A stress needs strain and strain rate at the same time, and several trajectories need the same times.
+        # A stress needs the strain and the strain rate at one time, and several computations need the same times.
         self._found = lru_cache(RECENT)(self._strain)
 
     def __call__(self, time: Array | complex, rate: bool, order: int) -> Components:
@@ -113,7 +114,7 @@ class MemoryAtPoints:
         return ({index: -source[index] - self.memory.decay * value for index, value in strain.items()},)
 
     def _strain(self, when: tuple[float, ...] | complex, order: int) -> Values:
-        """q."""
+        """Return q with its derivatives along the face."""
         time = np.array(when) if isinstance(when, tuple) else when
         memory, shape = self.memory, (*self.points.shape[1:], *np.shape(time))
         if order not in self._start:
@@ -130,11 +131,11 @@ class MemoryAtPoints:
 
 
 class _ContactIntervals:
-    """∫ e^{−λ(t−r)} ∂^i P dr of one term over all intervals of contact, from entry to exit or to the present time.
+    """Computes ∫ e^{−λ(t−r)} ∂^i P dr of one term over all intervals of contact, up to their ends or to the time t.
 
     Attributes:
-        touched: the point of each interval, (M,); a point may have several.
-        entry, exit: (M,).
+        touched: the number of the point of each of the M intervals, (M,); a point may have several intervals.
+        entry, exit: the times at which contact begins and ends, (M,) each.
     """
 
     def __init__(self, term: PressureTerm, points: Array, memory: Memory) -> None:
@@ -147,7 +148,7 @@ class _ContactIntervals:
         self._found: dict[int, tuple[Started, Values]] = {}
 
     def subtract(self, totals: Values, time: Array | complex, order: int) -> None:
-        """Subtract the integral up to ``time`` for ∂^i from totals[i], at the points that are ever in contact."""
+        """Subtract the integrals up to a time, or to several times, from ``totals``, for every multi-index."""
         started, whole = self._started(order)
         times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
         now = times.real
@@ -166,7 +167,7 @@ class _ContactIntervals:
                 total.reshape(-1)[places] -= found[index]
 
     def _started(self, order: int) -> tuple[Started, Values]:
-        """Return the integrals that start at the entries, and their values at the exits."""
+        """Return the integrals from the beginnings of contact on, and their values at the ends of contact."""
         if order not in self._found:
             started = self.integral.started(self.points, self.entry, self.exit, order)
             self._found[order] = started, started.upto(self.exit, np.arange(self.exit.size))

@@ -16,10 +16,12 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True, eq=False)
 class Prescribed:
-    """A strain q prescribed phase by phase in time: ``phases`` are pairs (end of the phase, formula of q(s, t)).
+    """A prescribed normal strain q on the face; the pressure follows from q and q̇ by the law.
 
-    The last phase ends at T. Consecutive formulas must agree at the end of a phase; the self-proof of a case
-    checks this. The law gives the pressure from q and q̇.
+    Attributes:
+        phases: pairs of the end of an interval of time and the formula of q(s, t) in this interval, in order; the last
+            one ends at T. Consecutive formulas must agree at the end of an interval; the self-proof checks this.
+        variables: the coordinates along the face.
     """
 
     phases: tuple[tuple[float, sp.Expr], ...]
@@ -27,7 +29,7 @@ class Prescribed:
 
     @property
     def formula(self) -> sp.Expr:
-        """The formulas of all phases."""
+        """The sum of the formulas of all intervals."""
         return sum((formula for _, formula in self.phases), sp.Integer(0))
 
     @cached_property
@@ -51,7 +53,7 @@ class Prescribed:
 
 
 def _joined(pieces: list[tuple[Array, Components]]) -> Components:
-    """Return (q,) or (q̇,) at all times; each piece is a mask of times and the values at these times."""
+    """Join values at different times; each piece has a mask of times and the values at these times."""
     found: Values = {}
     for among, (values,) in pieces:
         for index, value in values.items():

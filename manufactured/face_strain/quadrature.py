@@ -1,4 +1,4 @@
-"""Integrals of smooth functions against e^{−λ(t−r)}, where no closed form is known."""
+"""Integrals of smooth functions times e^{−λ(t−r)} by Gauss's rule, where no closed form is known."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from manufactured.tensors import Array
 POINTS = 40
 """Number of Gauss points on an interval of contact, or on each of its pieces."""
 PIECES = (1, 4)
-"""Equal pieces of an interval of contact, tried in turn: a long contact may hold many periods of a motion."""
+"""Numbers of equal pieces of an interval of contact, tried in turn; a long contact may contain many periods."""
 ACCURACY = 1e-13
 """Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
 TINY = float(np.finfo(float).tiny)
 
 
 class Quadrature:
-    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a branch P of p/a that is smooth in r, by Gauss's rule."""
+    """Computes ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a smooth part P of p/a, by Gauss's rule."""
 
     def __init__(self, branch: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float) -> None:
         self.branch, self.decay, self.jet = branch, decay, Jet(branch, variables)
@@ -37,10 +37,10 @@ class Quadrature:
         self.nodes, self.weights = ((starts + (1 + x) / 2) / pieces).ravel(), np.tile(w / (2 * pieces), pieces)
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals from ``lower`` (N,) up to at most ``upper`` (N,), at points (d − 1, N).
+        """Prepare the integrals as in ``Integral.started``.
 
         Raises:
-            FormulaError: P changes too fast for the rule.
+            FormulaError: P changes too fast in time for the rule.
         """
         for pieces in PIECES:
             rule = copy(self)
@@ -63,7 +63,10 @@ class _Started:
     order: int
 
     def defect(self, upper: Array) -> tuple[float, float]:
-        """Return the largest difference from the rule on both halves, at worst over all i, and the integral there."""
+        """Return the error of the rule, estimated from the rule on both halves, and the size of the integral.
+
+        Both belong to the multi-index with the largest relative error.
+        """
         rule, lower, every = self.rule, self.lower, np.arange(self.lower.size)
         middle = (lower + upper) / 2
         whole, fading = self.upto(upper, every), np.exp(-rule.decay * (upper - middle))

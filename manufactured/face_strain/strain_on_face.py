@@ -1,4 +1,4 @@
-"""The interface of strains on a contact face, as functions of s and t."""
+"""The interface of the strain on a contact face."""
 
 from __future__ import annotations
 
@@ -10,23 +10,24 @@ from manufactured.symbols import FormulaError, Values
 from manufactured.tensors import Array
 
 Components = tuple[Values, ...]
-"""(q,) where there is no shear on the face, else (q, r_1, …, r_{d−1}), with derivatives along the face."""
+"""The strain on a face with its derivatives along the face: (q,), or (q, r_1, …, r_{d−1}) if there is shear."""
 
 
 class StrainAtPoints(Protocol):
-    """(q, r), or its rate, at fixed points of the face, with derivatives along the face up to an order.
+    """The strain at fixed points of a face as a function of time.
 
-    An array of times (T,) gives values with a last axis of length T.
+    Its arguments are a time, whether to return the time derivative, and up to which order to return derivatives along
+    the face. For n times, (n,), the values have n as an additional last axis.
     """
 
     def __call__(self, time: Array | complex, rate: bool, order: int) -> Components: ...
 
 
 class FaceStrain(Protocol):
-    """The strain (q, r)(s, t) on a face.
+    """The strain (q, r) on a face as a function of s and t.
 
-    ``at`` fixes the points s (d−1, ...) and computes the parts that do not depend on t.
-    ``formula`` contains the truncated powers of q, or of the pressure that gives q.
+    ``at`` returns the strain at fixed points s, (d−1, ...), after computing what does not depend on t. ``formula`` is a
+    formula that contains the truncated powers of q, or of the pressure that determines q.
     """
 
     @property

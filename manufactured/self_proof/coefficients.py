@@ -1,4 +1,4 @@
-"""Heterogeneous materials: continuity of the traction where a factor jumps, and the bounds of the factors."""
+"""Checks for heterogeneous materials: continuous tractions where a factor jumps, and the bounds of the factors."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from manufactured.tensors import Array, traction
 
 
 def traction_at_jumps(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
-    """Check that the traction is continuous where a factor of A or G jumps; otherwise Div σ would not be a function."""
+    """Check that the traction is continuous where a factor of A or G jumps, so that Div σ is a function."""
     findings = []
     inside = solution.body.sample(rng, 50 * count)
     size = float(np.ptp(solution.body.vertices, axis=1).max())

@@ -1,4 +1,4 @@
-"""Derivatives by the complex step: ∂_j f(x) = Im f(x + i δ e_j)/δ, without cancellation for every small δ.
+"""Derivatives by the complex step: ∂_j f(x) = Im f(x + i δ e_j)/δ, which has no cancellation for small δ.
 
 Source: J. N. Lyness, C. B. Moler, Numerical differentiation of analytic functions, SIAM J. Numer. Anal. 4 (1967)
 202–210.
@@ -18,7 +18,7 @@ STEP = 1e-30
 
 
 def shifted_fields(solution: ExactSolution, x: Points) -> list[Fields]:
-    """The solution at x + i·STEP·e_j for every direction j."""
+    """Return the solution at the complex points x + i·STEP·e_j, one for every direction j."""
     found = []
     for j in range(len(x)):
         shifted = x.astype(complex)
@@ -28,5 +28,11 @@ def shifted_fields(solution: ExactSolution, x: Points) -> list[Fields]:
 
 
 def gradient(shifted: list[Fields], field: Callable[[Fields, Any], Array], time: Array | float) -> Array:
-    """∂_j field by the complex step at a time or at times (n,), (components, d, ...)."""
+    """Return the derivatives ∂_j of a field at one time or several times, (components, d, ...).
+
+    Args:
+        shifted: the result of ``shifted_fields``.
+        field: the field, as a function of ``Fields`` and the time.
+        time: a time, or times (n,).
+    """
     return np.stack([field(fields, time).imag / STEP for fields in shifted], axis=1)

@@ -1,4 +1,4 @@
-"""Signs and continuity of the data on the contact faces, on grids of the face and of [0, T]."""
+"""Checks of signs and continuity of the contact data, on grids of the contact faces and of [0, T]."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from manufactured.self_proof.finding import OPEN_IN_CONTACT, ROUND_OFF, Finding,
 from manufactured.tensors import Array
 
 JUMP = 0.05
-"""Largest accepted relative difference of a change along a face and the integral of its derivative; a derivative may be
-singular at a front."""
+"""Largest accepted difference between the change of a quantity along a face and the integral of its derivative, relative
+to the quantity. It is large because the derivative may be singular at a front."""
 GRID, INSTANTS = 211, 101
-"""Points along a face, and times, at which signs and zones are checked."""
+"""Numbers of points along a face and of times at which signs and the contact zone are checked."""
 TINY = 1e-150
 """The scale used for a quantity that is zero everywhere."""
 
 
 def signs(solution: ExactSolution) -> list[Finding]:
-    """Check signs, complementarity and the stated zone on a dense grid of each face and of [0, T]."""
+    """Check signs, complementarity and the stated contact zone on a dense grid of each face and of [0, T]."""
     instants = np.linspace(0, solution.body.T, INSTANTS)
     findings = []
     for i, face in enumerate(solution.faces, start=1):
@@ -61,9 +61,9 @@ def _grid(part: Part) -> Array:
 
 
 def continuity(solution: ExactSolution, rng: np.random.Generator) -> list[Finding]:
-    """Check that w, ∇_s w and (q, r) do not jump along a face, as u ∈ H¹ requires.
+    """Check that w, ∇_s w and (q, r) do not jump along a face; otherwise u would not lie in H¹.
 
-    Along a line in the direction of each coordinate, each quantity must change by the integral of its derivative.
+    Along a line in the direction of each coordinate, the change of a quantity must be the integral of its derivative.
     """
     nodes, weights = np.polynomial.legendre.leggauss(6)
     instants = np.linspace(0, solution.body.T, 9)

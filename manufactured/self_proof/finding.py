@@ -1,4 +1,4 @@
-"""The largest defect of a condition, and the error that lists all defects that are too large."""
+"""The result of the check of one condition, and the error that lists all violated conditions."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 from manufactured.tensors import Array, Points
 
 TOGETHER = 1 << 13
-"""Number of values that are evaluated together: more would not fit the processor cache."""
+"""Number of values that are evaluated together, so that they fit into the processor's cache."""
 ROUND_OFF = 1e-9
 """Largest defect relative to the size of the terms that counts as round-off."""
 
 
 OPEN_IN_CONTACT = "w = 0, so σ_ν w = 0, on the stated zone"
-"""The condition that a gap violates which is positive where there is contact."""
+"""The condition that is violated if the gap is positive somewhere in the contact zone."""
 INITIAL_GAP_ADVICE = (
     "`gap` is the distance that is left at the time t, 0 where there is contact. If your formula is the distance of "
     "the undeformed body from the foundation, give it as `initial_gap` of ContactFace.linear, and give `gap` a formula "
@@ -26,10 +26,10 @@ INITIAL_GAP_ADVICE = (
 
 @dataclass(frozen=True)
 class Finding:
-    """The largest defect found in one condition.
+    """The largest violation that was found of one condition.
 
     Attributes:
-        condition: the number of the condition in the source, and its formula.
+        condition: the number of the condition in the paper, and its formula.
         defect: size of the violation relative to the scale of the terms.
         tolerance: the largest defect that passes.
         x, time: point and time of the largest defect.
@@ -56,7 +56,7 @@ class Finding:
 
 
 class SelfProofError(ValueError):
-    """An exact solution violates a condition of Problem 2.1."""
+    """Raised if an exact solution violates a condition of Problem 2.1."""
 
     def __init__(self, name: str, findings: list[Finding]) -> None:
         self.findings = findings
@@ -71,7 +71,16 @@ class SelfProofError(ValueError):
 def worst(
     condition: str, x: Points, instants: Array, defect: Array, scale: Array, tolerance: float = ROUND_OFF
 ) -> Finding:
-    """Return the largest entry of defect (times, points) relative to the largest entry of scale."""
+    """Return the finding for the largest defect, relative to the largest entry of ``scale``.
+
+    Args:
+        condition: the number and formula of the condition.
+        x: the points, (d, points).
+        instants: the times, (times,).
+        defect: the size of the violation, (times, points).
+        scale: the size of the terms of the condition.
+        tolerance: the largest relative defect that passes.
+    """
     defect = np.where(np.isfinite(defect), defect, np.inf)
     when, where = np.unravel_index(np.argmax(defect), defect.shape)
     size = max(float(np.max(np.where(np.isfinite(scale), scale, 0.0))), np.finfo(float).tiny)

@@ -1,4 +1,4 @@
-"""Conditions inside the body: strain, velocity and law, (2.1), (2.6), (2.10), and equilibrium, (2.2)."""
+"""Checks of the conditions inside the body: strain, velocity and law, (2.10), (2.6), (2.1), and equilibrium, (2.2)."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from manufactured.symbols import t as clock
 from manufactured.tensors import Array, Points, basis, mandel
 
 INTEGRATION = 1e-5
-"""Largest relative defect of changes of u over ∫u̇ dt, whose integrand has kinks in time where a zone passes."""
+"""Largest accepted relative difference between the change of u and ∫u̇ dt. u̇ has kinks in time where a front passes."""
 PANELS, FINER, MOST = 8, 4, 512
-"""Panels of Gauss's rule in each eighth of [0, T] at first, the factor to the next number, and the largest number. In
-units of the motion T may be long, so that the number of panels must grow until it resolves the motion."""
+"""Panels of Gauss's rule in each eighth of [0, T]: the first number, the factor to the next one, and the largest one. A
+long T may contain many periods of a motion, and more panels are needed to resolve them."""
 
 
 def kinematics(solution: ExactSolution, x: Points, instants: Array) -> list[Finding]:
-    """Strains, velocities and stresses are those of u by the complex step."""
+    """Check that strains, velocities and stresses of the solution agree with derivatives of u by the complex step."""
     fields, shifted, at_points = solution.at(x), shifted_fields(solution, x), solution.law.at(x[..., None])
 
     def found(of: Callable[[Array], Array]) -> Array:
         return at_times(of, instants, x.shape[1])
 
     def law(t: Array) -> Array:
-        """σ from the derivatives of u by the complex step."""
+        """Return σ from derivatives of u by the complex step."""
         rate, strain = (mandel(gradient(shifted, of, t)) for of in (Fields.velocity, Fields.displacement))
         return at_points.stress(rate, strain)
 
@@ -46,10 +46,10 @@ def kinematics(solution: ExactSolution, x: Points, instants: Array) -> list[Find
 
 
 def history(solution: ExactSolution, x: Points) -> Finding:
-    """u over each eighth of [0, T] changes by ∫u̇ dt: no jump in time anywhere.
+    """Check that u changes by ∫u̇ dt over each eighth of [0, T], so that u does not jump in time.
 
-    The integral is computed with more and more panels while its defect is too large and falls. A jump of u leaves a
-    defect that does not fall.
+    The number of panels of the integral is increased as long as the defect is too large and decreases. If u jumps, the
+    defect does not decrease.
     """
     found, panels = _history(solution, x, PANELS), PANELS
     while not found.passes and panels < MOST:
@@ -61,7 +61,7 @@ def history(solution: ExactSolution, x: Points) -> Finding:
 
 
 def _history(solution: ExactSolution, x: Points, count: int) -> Finding:
-    """Return the finding of ``history`` with some panels in each eighth of [0, T]."""
+    """Return the finding of ``history`` for a number of panels in each eighth of [0, T]."""
     fields, T = solution.at(x), solution.body.T
     nodes, weights = np.polynomial.legendre.leggauss(4)
     ends = np.linspace(0, T, 9)
@@ -78,14 +78,14 @@ def _history(solution: ExactSolution, x: Points, count: int) -> Finding:
 
 
 def _switches(solution: ExactSolution) -> list[float]:
-    """Times at which a truncated power of t alone sets in: there u̇ may jump."""
+    """Return the zeros of the arguments of truncated powers that depend on t only; u̇ may jump at these times."""
     formulas = [sp.sympify(f) for face in solution.faces for f in (face.gap, face.exponents_in)]
     switches = {front.args[0] for f in formulas for front in f.atoms(pos) if front.args[0].free_symbols == {clock}}
     return [float(root) for switch in switches for root in sp.real_roots(switch, clock)]
 
 
 def equilibrium(solution: ExactSolution, x: Points, instants: Array) -> Finding:
-    """Div σ + f_0 = 0."""
+    """Check the equilibrium Div σ + f_0 = 0."""
     fields, shifted = solution.at(x), shifted_fields(solution, x)
     force = at_times(fields.body_force, instants, x.shape[1])
     slopes = at_times(lambda t: gradient(shifted, Fields.stress, t), instants, x.shape[1])

@@ -1,4 +1,4 @@
-"""The self-proof of an exact solution: all conditions of Problem 2.1."""
+"""The self-proof of an exact solution: checks all conditions of Problem 2.1."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from manufactured.self_proof.interior import equilibrium, history, kinematics
 
 
 def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
-    """Check every condition and return the findings, all of which pass.
+    """Check every condition of Problem 2.1 and return the findings, all of which pass.
 
     >>> from manufactured import named
     >>> all(finding.passes for finding in prove(named("full-contact").solution, "full-contact"))
     True
 
     Raises:
-        SelfProofError: a condition is violated; the message lists each one with its largest defect and the place.
+        SelfProofError: a condition is violated; the message lists all violated conditions with point and time.
     """
     findings = examine(solution, seed)
     failed = [finding for finding in findings if not finding.passes]

@@ -11,14 +11,14 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True)
 class Monomial:
-    """y^m Re(c z^β) with its derivatives; m is 0 or 1."""
+    """The function y^m Re(c z^β) of z = x + iy, where m is 0 or 1."""
 
     m: int
     c: complex
     beta: float
 
     def terms(self, dx: int, dy: int) -> list[tuple[int, complex, float]]:
-        """(m, c, β) of the terms of ∂_x^dx ∂_y^dy."""
+        """Return the derivative ∂_x^dx ∂_y^dy as a list of terms (m, c, β)."""
         found = [(self.m, self.c, self.beta)]
         for step in [1.0] * dx + [1j] * dy:
             slopes = [(m, c * beta * step, beta - 1) for m, c, beta in found]
@@ -29,7 +29,15 @@ class Monomial:
 
 
 def kolosov(kappa: float, a: complex, b: complex, exponent: float) -> tuple[tuple[Monomial, ...], tuple[Monomial, ...]]:
-    """The monomials of u_x and u_y of 2μ(u_x + iu_y) = κΦ − z conj(Φ') − conj(Ψ), Φ = a z^λ, Ψ = b z^λ."""
+    """Return the displacement 2μ (u_x, u_y) with the potentials Φ = a z^λ and Ψ = b z^λ, as monomials of u_x and u_y.
+
+    It is given by 2μ (u_x + i u_y) = κΦ − z conj(Φ') − conj(Ψ).
+
+    Args:
+        kappa: Kolosov's constant κ.
+        a, b: the factors of the potentials.
+        exponent: λ.
+    """
     # κ a z^λ − conj((λ a + b) z^λ) − 2iyλ conj(a z^{λ−1}), with Im g = Re(−i g) and conj(g) = Re g − i Im g.
     lam = exponent
     u_x = (Monomial(0, kappa * a - lam * a - b, lam), Monomial(1, 2j * lam * a, lam - 1))
@@ -38,9 +46,10 @@ def kolosov(kappa: float, a: complex, b: complex, exponent: float) -> tuple[tupl
 
 
 class Powers:
-    """(c, β) ↦ Re(c (x + iy)^β) at fixed points, by r^β (c_r cos βθ − c_i sin βθ); 0 at r = 0.
+    """Evaluates Re(c (x + iy)^β) at fixed points for given c and β, as r^β (c_r cos βθ − c_i sin βθ); 0 at r = 0.
 
-    Analytic in x and y for the complex step. Terms of one exponent share r^β, cos βθ and sin βθ.
+    The formulas are analytic in x and y, as the complex step needs. r^β, cos βθ and sin βθ are computed once for each
+    β.
     """
 
     def __init__(self, x: Array, y: Array) -> None:

@@ -1,4 +1,4 @@
-"""A piece of Γ3 on which a singular field makes contact."""
+"""A part of Γ3 with contact, whose displacement is a singular field."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from manufactured.tensors import Points
 
 @dataclass(frozen=True, eq=False)
 class SingularFace:
-    """A piece of Γ3 on which a singular field makes contact, with the gap, pressure and zone that belong to the field.
+    """A part of Γ3 with contact whose displacement is a singular field, with the contact data that belong to the field.
 
     Attributes:
-        part: the piece Γ3,i.
-        gap: w(s, t).
-        pressure: p(s, t), the pressure that the law gives for the field; the self-proof checks this.
-        level: the level function ψ(s, t); the contact zone is {ψ ≥ 0}.
+        part: the part Γ3,i.
+        gap: the formula of w(s, t).
+        pressure: the formula of p(s, t). It must be the pressure that the law gives; the self-proof checks this.
+        level: the formula of ψ(s, t); the contact zone is {ψ ≥ 0}.
         field: the displacement.
         rough: coordinates s of the singular points that do not move.
 
@@ -43,7 +43,7 @@ class SingularFace:
 
     @property
     def initial_gap(self) -> sp.Expr:
-        """g = 0, as in the paper."""
+        """The initial gap, which is 0."""
         return sp.Integer(0)
 
     @cached_property
@@ -64,9 +64,9 @@ class SingularFace:
 
     @property
     def exponents_in(self) -> sp.Expr:
-        """The formula with the truncated powers of the pressure side."""
+        """A formula whose truncated powers show how smooth the strain is near a front: the pressure."""
         return self.pressure
 
     def at(self, x: Points) -> SingularAtPoints | TravellingAtPoints:
-        """The field at fixed points of Ω̄, (2, ...)."""
+        """Return the displacement field at fixed points of the body, (2, ...)."""
         return self.field.at(x)

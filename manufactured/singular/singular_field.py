@@ -1,4 +1,4 @@
-"""A singular field with its cut-off, and its values at fixed points."""
+"""A singular displacement field that is multiplied by a cut-off function, and its values at fixed points."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, mapped
 
 @dataclass(frozen=True, eq=False)
 class SingularField:
-    """u = θ(t) χ(·) U(x, y), U_i a sum of monomials, in axes at a point, with a cut-off χ.
+    """The displacement u = θ(t) χ U(x, y) near a point, where U is singular at the point and χ is a cut-off function.
 
     Attributes:
-        centre: the point, (2,).
-        frame: columns are the local axes, (2, 2); the cut of z^β, the negative x-axis, must lie
-            outside the body or on its boundary.
+        centre: the point, (2,). frame: the local axes as columns, (2, 2). z^β is discontinuous on the negative x-axis,
+        which must lie outside the
+            body or on its boundary.
         x, y: the monomials of U_x and U_y.
-        theta: θ(t), SymPy.
-        radial: χ of the distance r to the point; or
-        depth: χ of the local y; without either χ = 1.
+        theta: the formula of θ(t).
+        radial: χ as a function of the distance r from the point.
+        depth: χ as a function of the local coordinate y. If neither ``radial`` nor ``depth`` is given, χ = 1.
     """
 
     centre: tuple[float, float]
@@ -43,21 +43,21 @@ class SingularField:
 
     @cached_property
     def amplitude(self) -> tuple[Jet, Jet]:
-        """The jets of θ and its rate."""
+        """The formulas of θ and of its time derivative."""
         jet = Jet(sp.sympify(self.theta), (s,))
         return jet, jet.rate()
 
     def at_time(self, time: Array | complex, rate: bool) -> Array:
-        """θ(t) or its rate."""
+        """Return θ(t), or its time derivative if ``rate``."""
         return self.amplitude[rate](np.zeros(1), time)[0,]
 
     def at(self, x: Points) -> SingularAtPoints:
-        """The field at fixed points, (2, ...)."""
+        """Return the field at fixed points, (2, ...)."""
         return SingularAtPoints(self, x)
 
 
 class SingularAtPoints:
-    """θ(t) times fields that do not depend on time; derivatives of U up to order two."""
+    """A singular field at fixed points: θ(t) times fields that do not depend on time and are computed once."""
 
     def __init__(self, field: SingularField, x: Points) -> None:
         self.field = field
@@ -65,19 +65,19 @@ class SingularAtPoints:
         self.local = mapped(field.frame.T, offset)
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
-        """u (or u̇), (2, ...)."""
+        """Return u, or u̇ if ``rate``, (2, ...)."""
         return np.multiply.outer(self._displacement, self.field.at_time(time, rate))
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
-        """ε(u) (or ε(u̇)), (3, ...)."""
+        """Return ε(u), or ε(u̇) if ``rate``, (3, ...)."""
         return np.multiply.outer(self._strain, self.field.at_time(time, rate))
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
-        """∂_j ε(u) (or of u̇), (3, 2, ...)."""
+        """Return the derivatives ∂_j ε(u), or ∂_j ε(u̇) if ``rate``, (3, 2, ...)."""
         return np.multiply.outer(self._strain_gradient, self.field.at_time(time, rate))
 
     def modes(self) -> Modes:
-        """ε(u) as θ(t) times one field for each component."""
+        """Return ε(u) as a sum of products: one for each component, with the amplitude θ(t)."""
         shapes = self._strain.reshape(len(self._strain), -1)
         field, count = self.field, len(shapes)
 
@@ -111,7 +111,7 @@ class SingularAtPoints:
         return np.moveaxis(turned, 0, 1)
 
     def _derivative(self, dx: int, dy: int) -> Array:
-        """∂_x^dx ∂_y^dy of χ U, by Leibniz' rule, (2, ...)."""
+        """Return the derivative ∂_x^dx ∂_y^dy of χ U in local axes, by the product rule, (2, ...)."""
         total = np.zeros(self.local.shape, dtype=self.local.dtype)
         for i in range(dx + 1):
             for j in range(dy + 1):
@@ -122,7 +122,7 @@ class SingularAtPoints:
         return total
 
     def _singular(self, dx: int, dy: int) -> Array:
-        """∂_x^dx ∂_y^dy of U, (2, ...)."""
+        """Return the derivative ∂_x^dx ∂_y^dy of U in local axes, (2, ...)."""
         y = self.local[1]
         return np.array(
             [
@@ -137,7 +137,7 @@ class SingularAtPoints:
         )
 
     def _cutoff(self, dx: int, dy: int) -> Array | float | None:
-        """∂_x^dx ∂_y^dy of χ, None where it vanishes identically."""
+        """Return the derivative ∂_x^dx ∂_y^dy of χ; None if it is zero everywhere."""
         x, y = self.local
         if self.field.depth is not None:
             return None if dx else self.field.depth(y, dy)
@@ -170,5 +170,5 @@ class _OfMonomials(Protocol):
 
 
 def least_exponent(fields: Iterable[_OfMonomials]) -> float:
-    """Return the least power of the distance in the given fields, min(m + β); infinity without fields."""
+    """Return the smallest power of the distance r in singular fields, min(m + β); infinity without fields."""
     return min((m.m + m.beta for field in fields for m in (*field.x, *field.y) if m.c != 0), default=math.inf)

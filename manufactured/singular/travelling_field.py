@@ -18,19 +18,21 @@ from manufactured.symbols import s
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
 
 Of = Callable[[SingularAtPoints, complex, bool], Array]
-"""A field of a singular field at a time, or its rate."""
+"""A method of ``SingularAtPoints``, as a function of the field, the time and ``rate``."""
 
 
 @dataclass(frozen=True, eq=False)
 class TravellingField:
-    """u = θ(t) χ(y) U(x − c(t), y), and so u̇ = θ̇ χ U(x − c, y) − θ ċ χ ∂_x U(x − c, y).
+    """The displacement u = θ(t) χ(y) U(x − c(t), y), whose singular point moves.
+
+    Its velocity is u̇ = θ̇ χ U(x − c, y) − θ ċ χ ∂_x U(x − c, y).
 
     Attributes:
-        steady: θ(t) χ(y) U(x, y), with a cut-off of the depth alone.
-        place: c(t), SymPy, along the local x-axis from the centre of ``steady``.
+        steady: the field θ(t) χ(y) U(x, y), whose cut-off χ depends on y only.
+        place: the formula of c(t), measured along the local x-axis from the centre of ``steady``.
 
     Raises:
-        ValueError: the cut-off depends on x, too.
+        ValueError: the cut-off depends on x.
     """
 
     steady: SingularField
@@ -55,7 +57,7 @@ class TravellingField:
 
     @cached_property
     def slope(self) -> SingularField:
-        """θ(t) χ(y) ∂_x U(x, y)."""
+        """The field θ(t) χ(y) ∂_x U(x, y)."""
         return replace(self.steady, x=_along(self.steady.x), y=_along(self.steady.y))
 
     @cached_property
@@ -64,11 +66,11 @@ class TravellingField:
         return jet, jet.rate()
 
     def place_at(self, time: Any, rate: bool = False) -> Any:
-        """c(t) or its rate, complex for complex t."""
+        """Return c(t), or its time derivative if ``rate``; complex for complex t."""
         return self._place[rate](np.zeros((1, 1)), time)[(0,)][0]
 
     def at(self, x: Points) -> TravellingAtPoints:
-        """The field at fixed points of Ω̄, (2, ...)."""
+        """Return the field at fixed points of the body, (2, ...)."""
         return TravellingAtPoints(self, x)
 
 
@@ -78,14 +80,14 @@ def _along(component: tuple[Monomial, ...]) -> tuple[Monomial, ...]:
 
 
 class TravellingAtPoints:
-    """A travelling field and its slope at fixed points; relative to the field, the points move along the face."""
+    """A travelling field at fixed points. Seen from the singular point, the points move along the face."""
 
     def __init__(self, field: TravellingField, x: Points) -> None:
         self.field, self.x = field, x
         self._now = lru_cache(1)(self._moved)
 
     def _moved(self, time: complex) -> tuple[SingularAtPoints, SingularAtPoints]:
-        """U and ∂_x U at x − c(t)."""
+        """Return the fields with U and with ∂_x U at the points x − c(t)."""
         along = self.field.steady.frame[:, 0] * self.field.place_at(time)
         x = self.x - along.reshape((-1,) + (1,) * (self.x.ndim - 1))
         return self.field.steady.at(x), self.field.slope.at(x)
@@ -100,19 +102,19 @@ class TravellingAtPoints:
         return at_each(time, at_one)
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
-        """u (or u̇), (2, ...)."""
+        """Return u, or u̇ if ``rate``, (2, ...)."""
         return self._value(time, rate, SingularAtPoints.displacement)
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
-        """ε(u) (or ε(u̇)), (3, ...)."""
+        """Return ε(u), or ε(u̇) if ``rate``, (3, ...)."""
         return self._value(time, rate, SingularAtPoints.strain)
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
-        """∂_j ε(u) (or of u̇), (3, 2, ...)."""
+        """Return the derivatives ∂_j ε(u), or ∂_j ε(u̇) if ``rate``, (3, 2, ...)."""
         return self._value(time, rate, SingularAtPoints.strain_gradient)
 
     def modes(self) -> Modes:
-        """ε(u) itself for the amplitudes: every point has its own coordinate s."""
+        """Return ε(u) in the form ``Modes`` without any saving: one amplitude for every component and point."""
         count, rows = int(np.prod(self.x.shape[1:])), size(2)
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
