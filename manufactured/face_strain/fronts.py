@@ -46,7 +46,7 @@ def within(begin: Array, end: Array) -> Array:
 
 
 def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
-    """Return the front for the formula of ψ: a ``PolynomialFront`` if ψ is a polynomial of t, else a ``SmoothFront``."""
+    """Return the front for a formula ψ: a ``PolynomialFront`` if ψ is a polynomial of t, else a ``SmoothFront``."""
     if formula.is_polynomial(t):
         return PolynomialFront(function(variables, coefficients_in_t(formula)))
     symbols = (*variables, t)
@@ -76,9 +76,9 @@ class PolynomialFront:
 
 
 INSTANTS, SURE = (257, 600), 1e-6
-"""INSTANTS: the turning points of ψ are searched twice, with these numbers of intervals of [0, T]. SURE: largest accepted
-difference of the two results for the total time with ψ > 0, relative to T. Where ψ only touches zero, rounding changes
-this time by 1e-8."""
+"""INSTANTS: the turning points of ψ are searched twice, with these numbers of intervals of [0, T]. SURE: the
+largest accepted difference of the two results for the total time with ψ > 0, relative to T. Where ψ only touches zero,
+rounding changes this time by 1e-8."""
 HALVINGS = 64
 """Number of bisections, after which an interval has shrunk to rounding."""
 BLOCK = 1024
@@ -121,7 +121,7 @@ class SmoothFront:
         return fine
 
     def _between(self, grid: Array, points: Array, T: float) -> Array:
-        """Return the times at which ψ changes its sign, searched between the times of a grid and turning points of ψ."""
+        """Return the times at which ψ changes its sign, searched between grid times and turning points of ψ."""
         turns = self._changes(self.slope, points, grid, T)
         return self._changes(self.level, points, np.sort(np.concatenate([grid, turns]), axis=0), T)
 

@@ -1,8 +1,8 @@
-"""Contact data on a straight piece of Γ3 that are lifted to a depth D(s, t), which varies along it and in time.
+"""Contact data on a straight part of Γ3 whose displacement reaches to a depth D(s, t) that varies along it and in time.
 
     u_s = −y ∂_s w φ(y/D),   u_n = (w + y q) φ(y/D),   φ(η) = (1 − η)²(1 + 2η) for η < 1, zero beyond,
 
-y the distance into the body, n = −ν. As φ'(0) = 0, the variation of D along the face has no effect at y = 0: there
+where y is the distance into the body and n = −ν. Since φ'(0) = 0, the variation of D has no effect at y = 0. There
 u_n = w, u_s = 0, ε_ss = ε_sn = 0 and ε_nn = q, as for a constant depth (``manufactured.contact``).
 """
 
@@ -29,9 +29,10 @@ y = sp.Symbol("y", real=True)
 
 @lru_cache
 def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
-    """Return formulas of ∂^i u_s and then of ∂^i u_n, |i| ≤ order, in y and in ∂_s^j of w, q and D, and of their rates.
+    """Return a function that computes the derivatives of u_s, then of u_n, up to an order, or of their rates.
 
-    All faces share these long formulas. j goes up to order + 1 for w and up to order for q and D.
+    Its arguments are y and the derivatives along the face of w (up to order + 1), q and D (up to the order), and, if
+    ``rate``, also of their time derivatives. All faces share these long formulas.
     """
     w, q, D = (sp.Function(name)(s, t) for name in "wqD")
     eta = y / D
@@ -52,17 +53,17 @@ def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
 
 @dataclass(frozen=True, eq=False)
 class FadingFace:
-    """A piece of Γ3 with its contact data and the depth of their lifting, as formulas of s and t.
+    """The contact data on a part of Γ3 and the depth to which the displacement reaches, as formulas of s and t.
 
     Attributes:
-        part: the piece Γ3,i.
+        part: the part Γ3,i.
         gap: w(s, t), three times differentiable along the face almost everywhere.
         strain: q(s, t), the normal strain on the face.
-        pressure: p(s, t), the pressure that the law gives for q; the self-proof checks this.
-        level: ψ(s, t); the contact zone is stated to be {ψ ≥ 0}.
+        pressure: p(s, t). It must be the pressure that the law gives for q; the self-proof checks this.
+        level: ψ(s, t); the contact zone is {ψ ≥ 0}.
         depth: D(s, t) > 0.
-        least_depth: the least value of D; quadrature meshes are refined in a strip of this depth.
-        rough: coordinates s at which strains are singular for all times; there are none.
+        least_depth: the smallest value of D; quadrature meshes are refined in a strip of this depth.
+        rough: the coordinates s at which strains are singular at all times; there are none.
 
     Raises:
         FormulaError: a kink of a formula is not written with ``pos``.
@@ -82,7 +83,7 @@ class FadingFace:
 
     @property
     def initial_gap(self) -> sp.Expr:
-        """g = 0, as in the paper."""
+        """The initial gap, which is 0."""
         return sp.Integer(0)
 
     @cached_property
@@ -99,28 +100,35 @@ class FadingFace:
 
     @cached_property
     def depth_jet(self) -> Jet:
-        """The jet of D."""
+        """The formula of D as a ``Jet``."""
         return Jet(self.depth)
 
     @cached_property
     def traces(self) -> tuple[Jet, Jet, Jet]:
-        """The jets of w, q and D, which determine the lifting."""
+        """The formulas of w, q and D, which determine the displacement."""
         return self.gap_jet, Jet(self.strain), self.depth_jet
 
     @cached_property
     def trace_rates(self) -> tuple[Jet, Jet, Jet]:
-        """The rates of the jets of w, q and D."""
+        """The formulas of the time derivatives of w, q and D."""
         w, q, D = self.traces
         return w.rate(), q.rate(), D.rate()
 
     def traced(self, s: Array, time: complex, rate: bool, order: int) -> list[Array]:
-        """Return the derivatives of w, q and D, and of their rates, that ``lifted`` needs, at coordinates s (1, n)."""
+        """Return the derivatives of w, q and D, and of their rates if ``rate``, that ``lifted`` needs, at s, (1, n)."""
         jets = (*self.traces, *self.trace_rates) if rate else self.traces
         traces = [jet(s, time, order + more) for jet, more in zip(jets, (1, 0, 0) * 2, strict=False)]
         return [trace[i,] for trace in traces for i in range(len(trace))]
 
     def lifted(self, traced: Sequence[Array], into: Array, rate: bool, order: int) -> tuple[Values, Values]:
-        """The derivatives of u_s and u_n, or of their rates, in (s, y) up to an order, at y < D, (n,)."""
+        """Return the derivatives of u_s and of u_n in (s, y) up to an order, or of their rates, at points with y < D.
+
+        Args:
+            traced: the result of ``traced`` at the coordinates s of the points.
+            into: y, (n,).
+            rate: whether to return the rates.
+            order: the highest order.
+        """
         values = _lifting(rate, order)(into, *traced)
         values, keys = [np.broadcast_to(value, into.shape) for value in values], indices(2, order)
         tangential, normal = values[: len(keys)], values[len(keys) :]
@@ -132,11 +140,11 @@ class FadingFace:
 
     @property
     def exponents_in(self) -> sp.Expr:
-        """The formula with the truncated powers of the pressure side."""
+        """A formula whose truncated powers show how smooth the strain is near a front: the pressure."""
         return self.pressure
 
     def at(self, x: Points) -> Fading:
-        """The lifted fields at fixed points of Ω̄, (2, ...)."""
+        """Return the displacement field at fixed points of the body, (2, ...)."""
         return Fading(self, x)
 
 
@@ -151,15 +159,15 @@ class Fading:
         self.s, self.where = distinct(places.reshape(1, -1))
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
-        """u (or u̇), (2, ...)."""
+        """Return u, or u̇ if ``rate``, (2, ...)."""
         return self._everywhere(lambda values: self.frame @ np.array([of[0, 0] for of in values]), time, rate, 0)
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
-        """ε(u) (or ε(u̇)), Mandel (3, ...)."""
+        """Return ε(u), or ε(u̇) if ``rate``, in Mandel form, (3, ...)."""
         return self._everywhere(lambda values: self.turned @ _strain(values, (0, 0)), time, rate, 1)
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
-        """∂_j ε(u) (or of u̇), (3, 2, ...)."""
+        """Return the derivatives ∂_j ε(u), or ∂_j ε(u̇) if ``rate``, (3, 2, ...)."""
 
         def gradient(values: tuple[Values, Values]) -> Array:
             local = np.array([self.turned @ _strain(values, along) for along in ((1, 0), (0, 1))])
@@ -168,7 +176,7 @@ class Fading:
         return self._everywhere(gradient, time, rate, 2)
 
     def modes(self) -> Modes:
-        """ε(u) as one product for each component and point, because this lifting is no sum of fewer products."""
+        """Return ε(u) with one amplitude for every component and point; there is no shorter sum of products."""
         count = len(self.y)
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
@@ -179,7 +187,7 @@ class Fading:
     def _everywhere(
         self, of: Callable[[tuple[Values, Values]], Array], time: Array | complex, rate: bool, order: int
     ) -> Array:
-        """Return, at all points, the function ``of`` the derivatives of (u_s, u_n), or of their rates, in (s, y)."""
+        """Return a function of the derivatives of (u_s, u_n), or of their rates, at all points; 0 for y ≥ D."""
         # The set of points within the depth changes with time.
         return at_each(time, lambda moment: self._at_one(of, moment, rate, order))
 
@@ -193,7 +201,7 @@ class Fading:
         return found.reshape(*found.shape[:-1], *self.shape)
 
     def _traced(self, time: complex, rate: bool, order: int) -> Callable[[Array], Sequence[Array]]:
-        """Return a function from point indices to ``FadingFace.traced``, computed once for points with the same s."""
+        """Return the function from point numbers to ``FadingFace.traced``; formulas are evaluated once for equal s."""
         where = self.where
         if where is None:
             return lambda chosen: self.face.traced(self.s[:, chosen], time, rate, order)
@@ -202,6 +210,6 @@ class Fading:
 
 
 def _strain(values: tuple[Values, Values], more: Index) -> Tensors:
-    """∂^more of the Mandel strain in the axes (s, n), (3, n)."""
+    """Return the derivative ∂^more of the strain in the axes (s, n), in Mandel form, (3, n)."""
     gradient = [[of[i + more[0], j + more[1]] for i, j in ((1, 0), (0, 1))] for of in values]
     return mandel(np.array(gradient))

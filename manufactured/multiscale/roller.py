@@ -1,4 +1,4 @@
-"""Rollers: a patch of contact of the width ℓ that runs along Γ3 or opens and closes in its place, for every ℓ.
+"""Rollers: a narrow patch of contact of width ℓ that moves along Γ3, or opens and closes in a fixed place.
 
     roller:          ξ = s − 3/20 − t,   q = −Q e^ξ H(−ξ/ℓ),          p = 3Q e^ξ H'(−ξ/ℓ)/ℓ,    w = ω ℓ W(ρ),
                      ρ = dist(ξ, [−ℓ, 0])/ℓ,
@@ -9,15 +9,16 @@
     H(z) = z³(10 − 15z + 6z²) on [0, 1], constant beyond,   B(z) = (1 − z²)_+^4,   W(ρ) = ρ³/(1 + ρ²)^{9/8},
     C(z) = H(−z) + H(z − 1), zero for 0 ≤ z ≤ 1,   t_1 = 1/10, t_2 = 2/5,   Q = 1, ω = 1/10, 0 ≤ t ≤ 7/10,
 
-on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so that p = −3(q̇ + q). Lifted to the depth 7/10 (ℓ² + ξ²)^{1/2}: a
-detail of the width r, at the distance r from the patch, fades at a depth ∝ r.
+on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so that p = −3(q̇ + q). The displacement reaches to the depth
+7/10 (ℓ² + ξ²)^{1/2}: a detail of width r, at the distance r from the patch, reaches to a depth proportional to r.
 
-For one ℓ this is smooth enough for H². As ℓ falls its norm there rises as slowly as |log ℓ|^{1/2}: W ~ ρ^{3/4} keeps
-∂_s w bounded in H^{1/2}(Γ3), but q has a step at the patch, as p ≥ 0 leaves an impulse behind which elasticity takes
-a time ∼ 1 to undo. Its velocity is not bounded in H² at all. W ~ ρ³ at ρ = 0, as with ρ² the strain
-∂_s u_s = −y ∂_s² w would jump on lines into the body, and u would not lie in H².
+For a fixed ℓ, u lies in H². As ℓ → 0 its norm in H² grows, but only like |log ℓ|^{1/2}. The reason is that W ~ ρ^{3/4}
+for large ρ, which keeps ∂_s w bounded in H^{1/2}(Γ3), while q has a step at the patch: the strain that the pressure
+p ≥ 0 causes decays in a time ∼ 1, much later than the patch has passed. The velocity is not bounded in H² as ℓ → 0.
+W ~ ρ³ at ρ = 0, because with ρ² the strain ∂_s u_s = −y ∂_s² w would jump on lines into the body, and u would not lie
+in H².
 
-Predicted order 1 for a fixed ℓ and h → 0, as u ∈ H²; what happens for ℓ = 2h is the subject of ``statements.rollers``.
+Predicted order 1 for a fixed ℓ and h → 0, because u ∈ H². The statement ``statements.rollers`` studies ℓ = 2h.
 """
 
 from __future__ import annotations
@@ -46,14 +47,14 @@ SLOPE = Rational(1, 10)
 ROLLERS = "roller", "pushing-roller", "steep-roller", "standing"
 """The names of the cases without the level at their end."""
 COARSEST_ROLLER = 5
-"""The least level n: a standing patch of half-width 2/n must lie within the face."""
+"""The smallest level n: a standing patch of half-width 2/n must lie within the face."""
 DEPTH = Rational(7, 10)
 """The depth of the lifting divided by (ℓ² + ξ²)^{1/2}."""
 
 
 @lru_cache
 def rollers(level: int) -> tuple[Case, ...]:
-    """Return the cases with ℓ = 2/n, which are not in the catalogue because each belongs to one level n."""
+    """Return the cases with ℓ = 2/n for a level n. They are not in the catalogue, because each belongs to one level."""
     width, (plain, pushing, steep, still) = Rational(2, level), (f"{kind}-{level}" for kind in ROLLERS)
     return (
         roller(plain, width),
@@ -64,7 +65,7 @@ def rollers(level: int) -> tuple[Case, ...]:
 
 
 def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
-    """The roller with the width ℓ, Q = ``push`` and ω = ``slope``."""
+    """Return the roller with the width ℓ = ``width``, Q = ``push`` and ω = ``slope``."""
     xi = s - START - t
     place = -xi / width
     return _case(
@@ -81,7 +82,7 @@ def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
 
 
 def standing(name: str, width: Expr) -> Case:
-    """The patch with the half-width ℓ that touches twice."""
+    """Return the standing patch with the half-width ℓ = ``width``, which comes into contact twice."""
     xi = s - MIDDLE
     place, bump = xi / width, pos(1 - (xi / width) ** 2, 4)
     since = [(t - start) / width for start in LANDINGS]
@@ -102,18 +103,18 @@ def standing(name: str, width: Expr) -> Case:
 
 
 def step(z: Expr) -> Expr:
-    """H(z)."""
+    """Return the formula H(z) = z³(10 − 15z + 6z²) on [0, 1], constant beyond."""
     inside = pos(z, 1) - pos(z - 1, 1)
     return inside**3 * (10 - 15 * inside + 6 * inside**2)
 
 
 def kick(z: Expr) -> Expr:
-    """H'(z) = 30 z²(1 − z)² on [0, 1], zero beyond."""
+    """Return the formula H'(z) = 30 z²(1 − z)² on [0, 1], zero beyond."""
     return 30 * pos(z, 2) * pos(1 - z, 2)
 
 
 def away(rho: Expr) -> Expr:
-    """W(ρ_+)."""
+    """Return the formula W(ρ_+) with W(ρ) = ρ³/(1 + ρ²)^{9/8}."""
     return pos(rho, 3) / (1 + rho**2) ** Rational(9, 8)
 
 

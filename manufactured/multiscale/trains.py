@@ -1,23 +1,24 @@
-"""Solutions in H² with contact at every scale: trains of patches of contact, each train half as wide as the one before.
+"""Solutions in H² with contact patches of many sizes: trains of patches, each train half as wide as the one before.
 
     S = sin(π (s/ℓ + 29/100)),   E = 4 s(L − s)/L²,   L = 1/8,   ℓ = 2^{−j−3} on the piece j = 0, …, 6 of Γ3,
     trains:            w = ω ℓ^{3/2} t E³ S_+^4,          p = ϖ ℓ^{1/2} t E³ (−S)_+²,            ψ = −S,
     breathing-trains:  w = ω ℓ^{3/2} E³ (S − μ(t))_+^4,   p = ϖ ℓ^{1/2} E³ (μ(t) − S)_+²,        ψ = μ(t) − S,
 
-on the unit square. Γ3 is the first 7/8 of its bottom, in pieces of the length L with s measured on each;
-μ = 4t(1 − t) − 1/2, ω = 2, ϖ = 200. The lifting of a piece is cut off at its ends and at the depth ℓ/4.
+on the unit square. Γ3 is the first 7/8 of its bottom, divided into parts of the length L, with s measured along each
+part; μ = 4t(1 − t) − 1/2, ω = 2, ϖ = 200. The displacement of a part is zero beyond its ends and below the depth ℓ/4.
 
-Why these powers: a detail of the width ℓ that is ℓ^{3/2} high and fades at a depth ∝ ℓ adds ∝ ℓ to |u|²_{H²} and to
-|σ_ν|_{1/2} |u_ν'|_{1/2} on Γ3, so that every train counts alike, while it adds ∝ 1 to |u_ν|²_{H²(Γ3)}: with ever more
-trains of equal length, of a total that stays fixed, u stays bounded in H² and its trace does not. The phase cuts every
-level alike, as ℓ halves with h, and no front lies at a vertex of a grid. The depth and ϖ/ω are such that the work of
-contact is large compared with the error.
+The powers of ℓ have the following reason. A detail of width ℓ and height ℓ^{3/2} that reaches to a depth proportional
+to ℓ contributes about ℓ to |u|²_{H²} and to |σ_ν|_{1/2} |u_ν'|_{1/2} on Γ3. So every train, which has about 1/ℓ
+details, contributes equally. To |u_ν|²_{H²(Γ3)} a detail contributes about 1. With more and more trains of the same
+total length, u therefore stays bounded in H², but its trace on Γ3 does not. The phase 29/100 is such that no front lies
+at a vertex of a mesh, and that every mesh cuts the train of its own size in the same way. The depth and ϖ/ω are such
+that the work of contact is large compared with the error.
 
-Predicted for the work of contact on meshes of n cells along a side, 32 ≤ n ≤ 128: its root is of the order 1 of the
-bound h² Σ_E |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}, as for every such h there are trains of the widths h/2, …, 4h. On coarser
-meshes there are too few that are wider, on finer ones too few that are narrower: lower and higher orders there. For one
-fixed u the order must rise above 1 in the end. The error in V is not asymptotic on these meshes and no order is
-predicted for it.
+Predicted for the work of contact on meshes with n cells along a side, 32 ≤ n ≤ 128: its square root has the order 1 of
+the bound h² Σ_E |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}, because for every such h there are trains of the widths h/2, …, 4h. On
+coarser meshes wider trains are missing, and the order is lower; on finer meshes narrower trains are missing, and it is
+higher. For one fixed u the order finally rises above 1. No order is predicted for the error in V, which is not
+asymptotic on these meshes.
 """
 
 from __future__ import annotations
@@ -37,15 +38,16 @@ from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 TRAINS = 7
-"""The number of trains, and of pieces of Γ3."""
+"""The number of trains, and of parts of Γ3."""
 LENGTH = Rational(1, 8)
+"""The length L of the parts."""
 GAP, PRESSURE = 2, 200
-"""ω and ϖ."""
+"""The factors ω and ϖ of gap and pressure."""
 
 
 @lru_cache
 def multiscale() -> tuple[Case, ...]:
-    """Return the cases with trains. They are not in the catalogue, whose levels are too coarse for them."""
+    """Return the cases with trains of patches. They are not in the catalogue, because its meshes are too coarse."""
     return static(), breathing()
 
 
@@ -111,7 +113,7 @@ def _face(part: Part, body: Body, law: KelvinVoigt, piece: Piece) -> StripFace:
 
 
 def _body() -> Body:
-    """The unit square whose bottom is cut into pieces."""
+    """Return the unit square with a bottom that is divided into parts."""
     bottom = [(float(k * LENGTH), 0.0) for k in range(TRAINS + 1)]
     kinds = [Kind.CONTACT] * TRAINS + [Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     return polygon([*bottom, (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], kinds)

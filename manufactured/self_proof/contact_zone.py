@@ -10,8 +10,8 @@ from manufactured.self_proof.finding import OPEN_IN_CONTACT, ROUND_OFF, Finding,
 from manufactured.tensors import Array
 
 JUMP = 0.05
-"""Largest accepted difference between the change of a quantity along a face and the integral of its derivative, relative
-to the quantity. It is large because the derivative may be singular at a front."""
+"""Largest accepted difference between the change of a quantity along a face and the integral of its derivative,
+relative to the quantity. It is large because the derivative may be singular at a front."""
 GRID, INSTANTS = 211, 101
 """Numbers of points along a face and of times at which signs and the contact zone are checked."""
 TINY = 1e-150

@@ -1,4 +1,4 @@
-"""The sparse Cholesky factorisation S = Pᵀ L Lᵀ P of a symmetric positive definite matrix, by SciPy's SuperLU."""
+"""Sparse Cholesky factorisation of a symmetric positive definite matrix, by SciPy's SuperLU."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ LEAF = 32
 
 
 class Cholesky:
-    """The factorisation S = Pᵀ L Lᵀ P, with an order P that keeps L sparse and puts the unknowns ``last`` at the end.
+    """The Cholesky factorisation S = Pᵀ L Lᵀ P; a call with b returns S⁻¹ b.
 
-    The trailing block of L is the Cholesky factor of the Schur complement of S on the unknowns ``last``.
+    P is an order of elimination that keeps L sparse and eliminates given unknowns last. The trailing block of L is then
+    the Cholesky factor of the Schur complement of S on these unknowns.
 
-    Without pivoting SuperLU computes S = L₁ U with U = D L₁ᵀ, so that L = L₁ D^{1/2}. SuperLU has no function for a
-    single triangular solve with L₁. Given L itself, however, it computes the trivial factors L and D^{1/2}, and its
-    solves with this matrix and with its transpose are the forward and the backward substitution.
+    How SuperLU is used: without pivoting it computes S = L₁ U with U = D L₁ᵀ, so that L = L₁ D^{1/2}. It has no
+    function for a solve with L₁ alone. But if L itself is factorised, its factors are trivial, and solves with L and
+    with Lᵀ are the forward and the backward substitution.
 
     Args:
-        S: symmetric positive definite, (n, n).
-        last: unknowns to be eliminated last, (c,).
-        x: coordinates of the points to which the unknowns belong, n/p consecutive unknowns for each, (d, p). They give
-            an order by nested dissection. Without them S is factorised twice, first in a minimum degree order to
-            obtain this order: for small matrices only.
+        S: a symmetric positive definite matrix, (n, n). last: the unknowns that are eliminated last, (c,). x: the p
+        points to which the unknowns belong, n/p consecutive unknowns each, (d, p). They give an order by nested
+            dissection. Without them a minimum degree order is used, for which S is factorised twice; this is meant for
+            small matrices.
 
     Attributes:
         order: the unknowns in the order of elimination, (n,).
@@ -73,7 +73,11 @@ class Cholesky:
 
 
 def superlu(matrix: sps.csc_array, permc_spec: str = "NATURAL") -> SuperLU:
-    """Return the factors of a matrix with a symmetric pattern, without pivoting, by default in the given order."""
+    """Return SuperLU's factors of a matrix with a symmetric pattern, without pivoting.
+
+    Raises:
+        LinAlgError: the matrix is not positive definite.
+    """
     # ``relax`` must keep SciPy's default: with 40, SciPy 1.17 writes beyond its arrays.
     try:
         options = {"SymmetricMode": True}
@@ -88,19 +92,20 @@ def minimum_degree(S: sps.csc_array) -> Integers:
 
 
 def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
-    """Return the unknowns in an order of elimination with little fill, by geometric nested dissection, (n,).
+    """Return an order of elimination that keeps the factors sparse, by geometric nested dissection, (n,).
 
-    A part is divided at the median of its longest coordinate axis. In each half, the points that are coupled to the
-    other half separate the halves. The smaller of these two sets is eliminated after both halves. The halves are
-    divided in the same way (A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10
-    (1973) 345–363).
+    The set of points is divided into two halves at the median of its longest coordinate axis. The points of one half
+    that are coupled to the other half are called a separator. The smaller of the two separators is eliminated after
+    both halves, and the halves are divided in the same way (A. George, Nested dissection of a regular finite element
+    mesh, SIAM J. Numer. Anal. 10 (1973) 345–363).
 
-    Each point gets a key with one ternary digit for each division: 0 for the lower half, 1 for the upper half, 2 for
-    the separator, which is not divided again. Points with equal keys form a part, and sorting the keys gives the order.
+    In the program each point gets a key with one ternary digit for each division: 0 in the lower half, 1 in the upper
+    half, 2 in the separator, which is not divided again. Points with equal keys form a part, and sorting the keys gives
+    the order.
 
     Args:
         S: a matrix with a symmetric pattern, (n, n).
-        x: the points, n/p consecutive unknowns for each, (d, p).
+        x: the p points, with n/p consecutive unknowns each, (d, p).
     """
     count = x.shape[1]
     several = S.shape[0] // count
