@@ -86,11 +86,11 @@ def _law(law: KelvinVoigt) -> dict[str, list[list[str]]]:
     for name, operator in (("A", law.A), ("G", law.G)):
         if not isinstance(operator, Linear) or operator.factor is not UNIFORM:
             raise BoundError(
-                f"{name} is not linear and uniform, which certificates need; use `study bound`, which does not need it"
+                f"{name} is not linear and uniform, but certificates need this; use `study bound`, which does not"
             )
         if isinstance(operator, Indefinite):
             raise BoundError(
-                f"{name} need not be positive, which certificates need; use `study bound`, which does not need it"
+                f"{name} softens, but certificates need a positive one; use `study bound`, which does not need this"
             )
         found[name] = [[str(c) for c in row] for row in voigt(operator.matrix)]
     return found

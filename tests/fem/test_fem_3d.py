@@ -129,7 +129,7 @@ def test_samples_are_even_in_the_body_and_on_its_faces() -> None:
         (lambda: Body((Part(Kind.LOADED, box().parts[0].corners + 0.1), *box().parts[1:])), "do not enclose"),
         (lambda: Body((*box().parts, *unit_square().parts)), "dimensions"),
         (lambda: box(bottom=Kind.LOADED), "no part Γ3"),
-        (lambda: Body(box().parts, refine=((0.5, 0.0, 0.0),)), "none of the vertices"),
+        (lambda: Body(box().parts, refine=((0.5, 0.0, 0.0),)), "not one of the vertices"),
         (lambda: Body(box().parts, interfaces=(Part(Kind.INTERFACE, box().parts[0].corners),)), "in a 2D body"),
         (lambda: Body((Part(Kind.INTERFACE, box().parts[0].corners), *box().parts[1:])), "lies inside"),
     ],

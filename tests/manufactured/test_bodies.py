@@ -117,7 +117,7 @@ def square(**options: Any) -> Body:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: square(refine=[(0.5, 0.5)]), "none of the vertices"),
+        (lambda: square(refine=[(0.5, 0.5)]), "not one of the vertices"),
         (lambda: square(interfaces=[((0, 0.5), (0.8, 0.5))]), "expected a point of the boundary"),
         (lambda: square(interfaces=[((0, 0.5), (0, 1))]), "touches its boundary"),
         (lambda: square(interfaces=[((0, 0.5), (1, 0.5)), ((0.5, 0), (0.5, 1))]), "cross"),

@@ -396,7 +396,11 @@ def nonlinear_without_strain() -> ContactFace:
     ("make", "error", "message"),
     [
         (lambda: faulty(profile=cutoff(0.5, PARABOLA)), ValueError, "kink"),
-        (lambda: replace(CASES["advance-recede"].solution, faces=()), ValueError, "one contact face for each"),
+        (
+            lambda: replace(CASES["advance-recede"].solution, faces=()),
+            ValueError,
+            "got 0 contact faces: give one for each",
+        ),
         (nonlinear_without_strain, LawError, "prescribe the strain"),
         (lambda: faulty(gap=sp.Symbol("x") * t), FormulaError, "has x"),
         (lambda: faulty(gap=sp.Symbol("s") * t), FormulaError, "has s"),

@@ -67,5 +67,5 @@ def test_only_convergence_is_claimed_by_the_source_and_one_half_is_proved() -> N
 def test_a_field_with_a_cut_off_of_the_distance_does_not_travel() -> None:
     field = FACE.field
     assert isinstance(field, TravellingField)
-    with pytest.raises(ValueError, match="one of the depth"):
+    with pytest.raises(ValueError, match="give `depth`, not `radial`"):
         TravellingField(replace(field.steady, depth=None, radial=cutoff().b), PLACE)

@@ -55,5 +55,5 @@ def test_a_law_that_couples_nn_with_sn_needs_a_prescribed_strain(matrix: np.ndar
 
 
 def test_no_energy_is_stored_without_a_potential() -> None:
-    with pytest.raises(LawError, match="no potential"):
+    with pytest.raises(LawError, match="has no stored energy"):
         density(law_without_potential().G, np.zeros((3, 1)), np.zeros((3, 1)))
