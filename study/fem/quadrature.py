@@ -204,7 +204,7 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
     names = [*map(str, lines), *(f"the point {tuple(point)}" for point in points)]
     if mesh.dim() != 2 and names:
         raise MeshError(
-            f"this 3D solution is not smooth at {', '.join(names)}, but cells are cut and graded in 2D only; use a "
+            f"cells are cut and graded in 2D only, but this 3D solution is not smooth at {', '.join(names)}; use a "
             "contact face without `rough`, a material without `steps` and a solution without `singular`"
         )
     found = [_touching(mesh, line) for line in lines] + [_around(mesh, point) for point in points]
