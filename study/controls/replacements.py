@@ -519,7 +519,7 @@ def interpolant_off(which: str) -> Replacement:
     five = lambda found: replace(found, interpolant=5.0 * found.interpolant)  # noqa: E731
 
     def change(setup: Any) -> Any:
-        at_node = lambda time: np.isclose(time, _time(which, setup))  # noqa: E731
+        at_node: Function = lambda time: np.isclose(time, _time(which, setup))  # noqa: E731
         return replaced(setup, "v_norm.sample", lambda right: lambda time: _when(at_node(time), five, right(time)))
 
     return change
@@ -905,7 +905,7 @@ def random_only(quotients: Function) -> Function:
 
 def cut_off(projected: Function) -> Function:
     """Deliberate defect: the projection on K^h sets positive v_ν at vertices to 0 instead of minimising ‖·‖_V."""
-    products = lambda N: (N @ N.T).toarray()  # noqa: E731
+    products: Function = lambda N: (N @ N.T).toarray()  # noqa: E731
     return lambda problem, u: u - problem.N.T @ np.linalg.solve(products(problem.N), np.maximum(problem.N @ u, 0.0))
 
 
@@ -939,7 +939,7 @@ def unweighted(facet_rule: Function) -> Function:
 
 def body_load_off(right: Function) -> Function:
     """Deliberate defect: the load by the coarse rule is wrong at one time."""
-    off = lambda solution, time, degree: degree < 3 and np.isclose(time, 0.375 * solution.body.T)  # noqa: E731
+    off: Function = lambda solution, time, degree: degree < 3 and np.isclose(time, 0.375 * solution.body.T)  # noqa: E731
     return lambda solution, space, time, degree: (
         (1.1 if off(solution, time, degree) else 1.0) * right(solution, space, time, degree)
     )

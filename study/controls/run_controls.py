@@ -235,7 +235,7 @@ def controls_text(findings: Sequence[Outcome]) -> str:
     )
 
 
-def _table(head: list[str], rows: list[tuple[str, ...]]) -> str:
+def _table(head: list[str], rows: Sequence[tuple[str, ...]]) -> str:
     widths = [30, 23, 12, 9] if is_narrow() else [48, 31, 17, 9]
     return tabulate(rows, head, "simple", disable_numparse=True, maxcolwidths=widths[: len(head)])
 
