@@ -501,7 +501,8 @@ def orders_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart | 
         "Observed order of max_t ‖u − u^h‖_V over the last two refinements against the order that the regularity of "
         f"the solution predicts, for {_all_cases(set(rates['case']))}; mesh families are drawn next to each other. "
         "What to see: how near to the diagonal the points lie; observed minus predicted order is "
-        f"{table['difference'].min():+.2f} to {table['difference'].max():+.2f} for {counted(len(table), 'sequence')} of meshes.",
+        f"{table['difference'].min():+.2f} to {table['difference'].max():+.2f} for "
+        f"{counted(len(table), 'sequence')} of meshes.",
     )
 
 

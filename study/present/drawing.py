@@ -104,15 +104,25 @@ def in_style(output: Output = ARTICLE) -> Iterator[None]:
     """
     with rc_context({"axes.prop_cycle": cycler(color=[*COLOURS, BLACK])}, fname=STYLES / "style.mplstyle"):
         own = STYLES / f"{output.use}.mplstyle"
-        for file in (own if own.is_file() else None, output.style):
-            if file:
-                try:
-                    rcParams.update(rc_params_from_file(file, fail_on_error=True, use_default_template=False))
-                except (OSError, ValueError, KeyError) as error:
-                    raise UsageError(f"--style {file} is not a Matplotlib style file: {error}") from error
+        if own.is_file():
+            rcParams.update(rc_params_from_file(own, use_default_template=False))
+        if output.style:
+            rcParams.update(_read_style(output.style))
         if output.dpi:
             rcParams["figure.dpi"] = output.dpi
         yield
+
+
+def _read_style(file: Path) -> dict[str, Any]:
+    """Return the entries of a user's style file; Matplotlib itself ignores unknown entries."""
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines()
+        keys = [line.partition("#")[0].partition(":")[0].strip() for line in lines]
+        if unknown := [key for key in keys if key and key not in rcParams]:
+            raise ValueError(f"there is no entry {unknown[0]}")
+        return dict(rc_params_from_file(file, fail_on_error=True, use_default_template=False))
+    except (OSError, ValueError) as error:
+        raise UsageError(f"--style {file} is not a Matplotlib style file: {error}") from error
 
 
 def column_width() -> float:
