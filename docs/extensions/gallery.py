@@ -12,6 +12,7 @@ import os
 import re
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from formulas import prose, with_formulas
@@ -87,6 +88,8 @@ def write_thumbnail(path: Path, picture: Picture) -> None:
     shape = picture.shapes[largest.index(max(largest))]
     figure = Figure(figsize=(2.0, 1.6), dpi=150)
     axes = figure.subplots()
+    # The colours and the scale of this time alone: a film has to show the largest values of all times.
+    picture = replace(picture, shapes=[shape])
     draw_deformed_mesh(axes, picture, shape, BodyScale.of(picture), 2.0)
     FigureCanvasAgg(figure).print_png(path)
 
@@ -130,6 +133,11 @@ def choice() -> str:
     )
 
 
+def sentence(case: Case) -> str:
+    """Returns the summary of a case with a capital letter and typeset formulas."""
+    return prose(case.summary[0].upper() + case.summary[1:])
+
+
 def card(case: Case, thumbnail: str) -> str:
     """Returns the card of a case: picture, name and summary, with a link to its entry."""
     classes = " ".join(f"{key}-{value}" for key, value in chosen_by(case).items())
@@ -139,7 +147,7 @@ def card(case: Case, thumbnail: str) -> str:
 :link: "#{re.sub(r"[^a-z0-9]+", "-", case.name)}"
 :class-item: case {classes}
 
-{case.summary[0].upper()}{case.summary[1:]}
+{sentence(case)}
 ::::
 """
 
@@ -154,7 +162,7 @@ def entry(case: Case, film: str) -> str:
 :loading: lazy
 ```
 
-{case.summary[0].upper()}{case.summary[1:]}. Law: {case.solution.law.name}. Regularity: {prose(str(case.regularity))}.
+{sentence(case)}. Law: {case.solution.law.name}. Regularity: {prose(str(case.regularity))}.
 
 Predicted order {case.order:.3g}: {prose(case.reason)}. Last orders measured: {orders(case)}.
 

@@ -245,6 +245,7 @@ def _printer(figure: Figure, suffix: str, drawing: Drawing) -> Callable[[Path], 
     """
     text = drawing.alternative
     if suffix == "png":
+        figure.set_dpi(rcParams["figure.dpi"])  # print_svg and print_pdf change it
         described = {"Software": None, "Title": drawing.name, "Description": text}
         return partial(FigureCanvasAgg(figure).print_png, metadata=described)
     if suffix == "pdf":
