@@ -45,9 +45,11 @@ def rates_text(directory: Path) -> str:
     """
     rates, predicted = read_rates(directory), predicted_orders(directory)
     schemes = rates["scheme"].nunique() > 1
-    head = ("case", "meshes", "n", "error", "disc. order", "time %", "predicted", "orders level by level")
-    words = (13, 13, 16) if is_narrow() else (20, 21, 21) if schemes else (23, 13, 25)
-    widths = (*words[:2], 5, 9, 5 if is_narrow() else 11, 6, 5 if is_narrow() else 9, words[2])
+    predicted_head, words = ("pred.", (11, 12, 14)) if is_narrow() else ("predicted", (22, 13, 25))
+    if schemes and not is_narrow():
+        words = (20, 21, 21)
+    head = ("case", "meshes", "n", "error", "disc. order", "time %", predicted_head, "orders level by level")
+    widths = (*words[:2], 5, 9, 5, 5, len(predicted_head), words[2])
     lines: list[str] = []
     for claim, of_claim in rates.groupby("claim", sort=False):
         rows = [

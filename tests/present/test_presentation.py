@@ -70,7 +70,7 @@ def replace(path: Path, old: str, new: str) -> None:
 
 def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over(drawn: Path) -> None:
     assert files(drawn / "tables") == [f"{name}.{form}" for name in NAMES for form in ("csv", "md", "tex")]
-    names = ["problem", "collapsed", "convergence", "convergence-prop-5-3", "effectivity"]
+    names = ["problem", "collapsed", "orders", "convergence", "convergence-prop-5-3", "effectivity"]
     names += [f"convergence-{case}" for case in CASES]
     enclosed = committed("enclosures").query("trajectory == 'enclosure'")
     names += [f"enclosure-{case}" for case in enclosed["case"].unique()]
