@@ -12,7 +12,7 @@ PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/stat
 
 .PHONY: study full again controls seeds mutants test wheel tutorials pages codes codes-bounds codes-venv codes-check wheel-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \
-	bench-parallel lint docs paper cluster lock clean help
+	bench-parallel lint docs paper film cluster lock clean help
 
 study: $(RUNTIME)  ## quick study, results/quick, a minute
 	$(BIN)/study run --quick --undecided results/undecided-quick.csv --out results/quick
@@ -26,7 +26,7 @@ full: $(DEVELOPMENT)  ## full study, results/, half an hour, and the slow tests
 	$(BIN)/python -m study.present.pages results $(PAGES)
 	$(BIN)/pytest -m slow --numprocesses auto
 
-again: $(RUNTIME)  ## measure 100 random rows of the committed results again and compare, a minute; ROWS=N, SEED=S
+again: $(RUNTIME)  ## measure 100 random rows of the committed results again and compare, a minute; ROWS=N, SEED=S; prints only
 	$(BIN)/study check --undecided results/undecided-full.csv --out results --again $(or $(ROWS),100) $(if $(SEED),--seed $(SEED))
 
 controls: $(RUNTIME)  ## deliberate defects that the verdicts must catch, and the smallest that they notice; results/quick, five minutes
@@ -41,7 +41,7 @@ mutants: $(DEVELOPMENT)  ## mutation testing of a fixed sample, results/mutants,
 	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python .ci/mutants.py
 
 # The tests also start a Dask cluster and read the extensions of the documentation.
-test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## the test suite without the slow levels
+test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## the test suite without the slow levels, some minutes; prints only
 	$(BIN)/pytest --numprocesses auto
 
 # As where others install it: from a wheel, without its extras, away from the repository.
@@ -56,16 +56,16 @@ wheel: $(RUNTIME)  ## build the package, install it with NumPy and SymPy alone a
 	if $(BIN)/python -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))'; then $(MAKE) wheel-debian; fi
 
 # NumPy 1.24 has wheels up to Python 3.11.
-wheel-debian:  ## the same with NumPy and SymPy of the versions of Debian 12, from the wheel of make wheel; Python 3.11
+wheel-debian:  ## the same with NumPy and SymPy of Debian 12, from the wheel of make wheel, build/wheel/debian; Python 3.11
 	$(BIN)/python -m venv --clear build/wheel/debian
 	build/wheel/debian/bin/python -m pip install --quiet --only-binary :all: -r .ci/debian.txt
 	build/wheel/debian/bin/python -m pip install --quiet --no-index build/wheel/*.whl
 	cd build/wheel && debian/bin/python alone.py README.md
 
-tutorials: $(DEVELOPMENT)  ## run the commands of the documentation pages that take minutes
-	$(BIN)/pytest -m slow tests/project/test_pages.py
+tutorials: $(DEVELOPMENT) $(DOCUMENTATION)  ## run the notebooks, and the commands of the documentation pages that take minutes; prints only
+	$(BIN)/pytest -m slow tests/project/test_pages.py tests/project/test_notebooks.py
 
-pages: $(RUNTIME)  ## write the tables of README and documentation from results/
+pages: $(RUNTIME)  ## write the tables of README.md and docs/ from results/, and results/badges
 	$(BIN)/python -m study.present.pages results $(PAGES)
 
 codes: $(RUNTIME)  ## run the installed contact codes of other projects, results/codes, half an hour
@@ -73,7 +73,7 @@ codes: $(RUNTIME)  ## run the installed contact codes of other projects, results
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py --mode march
 	$(BIN)/python -m study.present.pages results $(PAGES)
 
-codes-bounds: $(RUNTIME)  ## bound the errors of the installed contact codes where nobody knows the solution, an hour
+codes-bounds: $(RUNTIME)  ## bound the errors of the installed contact codes where nobody knows the solution, results/codes, an hour
 	OMP_NUM_THREADS=1 $(BIN)/python examples/bounds/judge_codes.py
 	OMP_NUM_THREADS=1 $(BIN)/python examples/bounds/certify_codes.py
 
@@ -84,7 +84,7 @@ build/codes-venv/.ready: examples/codes/requirements.txt
 	build/codes-venv/bin/python -m pip install --quiet -r examples/codes/requirements.txt
 	touch $@
 
-codes-check: $(RUNTIME) build/codes-venv/.ready  ## run two codes on one case and compare with results/codes, a minute
+codes-check: $(RUNTIME) build/codes-venv/.ready  ## run two codes on one case and compare with results/codes, build/codes-check, a minute
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py --only kratos_mortar ngsolve_penalty \
 		--cases advance-recede --families one-diagonal --levels 8 16 32 \
 		--tasks build/codes-check/tasks --out build/codes-check --check
@@ -94,7 +94,7 @@ certificates: $(RUNTIME)  ## certificates of error bounds for three problems, bu
 		OMP_NUM_THREADS=1 $(BIN)/study certify examples/certificates/problems.py:$$name \
 		--levels $(or $(LEVELS),4 8) --out build/certificates || exit 1; done
 
-certificates-check:  ## check the committed certificates with the checker alone and Python without packages
+certificates-check:  ## check the committed certificates with the checker alone and Python without packages; prints only
 	mkdir -p build && cp study/certify/checker.py build/checker.py
 	for name in square wedge bracket; do \
 		$(PYTHON) -I -S build/checker.py examples/certificates/$$name-4.json.gz || exit 1; done
@@ -118,7 +118,7 @@ bench-peers: $(DEVELOPMENT)  ## solve the same matrices with other programs, res
 bench-parallel: $(DEVELOPMENT)  ## the quick study with one and with two processes, results/benchmarks, four minutes; PLAN=--full, an hour
 	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.parallel $(PLAN)
 
-lint: $(DEVELOPMENT)  ## check style, types and the order of imports
+lint: $(DEVELOPMENT)  ## check style, types and the order of imports; prints only
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -127,7 +127,7 @@ lint: $(DEVELOPMENT)  ## check style, types and the order of imports
 
 # Left out: linear algebra within the solvers, and modules with a class that inherits fields from another one. pdoc
 # cannot resolve the types there; a warning anywhere else is an error.
-docs: $(DOCUMENTATION)  ## build the documentation with gallery and API, build/docs/index.html
+docs: $(DOCUMENTATION)  ## build the documentation with notebooks, gallery and API, build/docs/index.html; FILMS=no saves minutes
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
@@ -143,6 +143,8 @@ paper: $(RUNTIME)  ## both papers and the supplement from results/, paper/build;
 	$(LATEX) paper/supplement.tex
 	$(LATEX) -Werror paper/theory.tex paper/study.tex
 	$(LATEX) -Werror -g paper/supplement.tex
+
+film: $(VENV)/.film  ## add ffmpeg to .venv, 70 MB, for study show --mp4
 
 cluster: $(CLUSTER)  ## add Dask to .venv, for study run --cluster
 
@@ -172,9 +174,10 @@ lock:  ## renew the pins, requirements/
 		-o requirements/documentation.txt pyproject.toml
 	$(COMPILE) --extra cluster -c requirements/runtime.txt -c requirements/development.txt -c requirements/documentation.txt \
 		-o requirements/cluster.txt pyproject.toml
+	$(COMPILE) --extra film -c requirements/runtime.txt -o requirements/film.txt pyproject.toml
 	rm -rf $(VENV)-lock
 
-help:  ## list these targets
+help:  ## list these targets and where their output lies
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-20s %s\n", $$1, $$2 }' Makefile
 
 clean:  ## remove the environment and everything that was built

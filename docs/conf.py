@@ -7,13 +7,17 @@ sys.path.insert(0, str(Path(__file__).parent / "extensions"))
 
 project = html_title = "Signorini study"
 author = "the authors of the Signorini study"
-extensions = ["myst_parser", "sphinx_copybutton", "sphinx_design", "mathml", "api", "gallery"]
+extensions = ["myst_nb", "sphinx_copybutton", "sphinx_design", "mathml", "api", "gallery"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
+nb_execution_mode = "force"  # notebooks are committed without outputs
+nb_execution_timeout = 300
+nb_execution_raise_on_error = True
 exclude_patterns = ["generated"]  # gallery.md includes what is there
 html_theme = "furo"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
+html_js_files = ["gallery.js"]
 html_math_renderer = "mathml"
 html_show_sphinx = False
 html_show_copyright = False  # LICENSE has it

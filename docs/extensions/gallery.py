@@ -1,27 +1,55 @@
 """The gallery: every case of the catalogue with its film, formulas, prediction and measured orders.
 
-Films are drawn from ``results/data/pictures``, numbers come from ``results/data``; nothing is solved. A film is drawn
-again only if its picture has changed.
+Thumbnails and films are drawn from ``results/data/pictures``, numbers come from ``results/data``; nothing is solved. A
+picture is drawn again only if its data have changed. With FILMS=no in the environment films are left out, which saves
+minutes while a page is written.
 """
 
 import hashlib
 import inspect
 import json
+import os
 import re
 import sys
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from formulas import prose, with_formulas
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from sphinx.application import Sphinx
 
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.ledger.datafiles import read_csv
+from study.present.body import BodyScale, draw_deformed_mesh
 from study.present.drawing import in_style
-from study.present.picture import with_every_shape
+from study.present.picture import Picture, with_every_shape
 from study.present.show import write_gif
 
-HEAD = """The films show every exact solution of the catalogue, computed on one mesh with n cells along a unit length.
+INSTRUCTIVE = (
+    "advance-recede",
+    "merging-patches",
+    "hexagon",
+    "cube-disc",
+    "parabolic-gap",
+    "rough-2",
+    "yield-on-a-part",
+    "layered",
+)
+"""The cases that come first: moving fronts, several faces, space, a gap, a rough solution, and other laws."""
+HEAD = """Every exact solution of the catalogue, instructive ones first. Choose some, and click a picture for its film,
+its formulas and its orders.
+"""
+CHOICES = {
+    "dimension": ("dim", {"2": "2", "3": "3"}),
+    "law": ("law", {"linear": "linear", "nonlinear": "nonlinear"}),
+    "moving front": ("front", {"yes": "yes", "no": "no"}),
+    "predicted order": ("order", {"one": "1", "less": "below 1"}),
+}
+"""The properties by which cases are chosen: label ↦ (key, value ↦ text); ``chosen_by`` has the values of a case."""
+LEGEND = """The films show the solutions computed on one mesh with n cells along a unit length.
 One part shows the body with the contact pressure; its displacement is multiplied by the factor in the legend. The other
 part shows the pressure along the contact face, exact (line) and computed (dots), over the exact contact zone (blue). A
 body in space is turned so that its contact faces can be seen through the foundation. Its maps show the contact faces
@@ -36,17 +64,34 @@ letters.
 """
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
+GENERATED = DOCS / "generated"
 
 
-def draw_film(picture: Path, directory: Path) -> str:
-    """Draws the film of a picture unless it exists; returns its file name, which contains a hash of the picture."""
-    text = picture.read_bytes()
-    film = directory / f"{picture.stem}-{hashlib.sha256(text).hexdigest()[:8]}.gif"
-    if not film.exists():
-        directory.mkdir(parents=True, exist_ok=True)
+def drawn_once(data: Path, suffix: str, draw: Callable[[Path, Picture], object]) -> str:
+    """Draws a picture unless it exists; returns its file name, which contains a hash of the data."""
+    text = data.read_bytes()
+    image = GENERATED / "films" / f"{data.stem}-{hashlib.sha256(text).hexdigest()[:8]}.{suffix}"
+    if not image.exists():
+        image.parent.mkdir(parents=True, exist_ok=True)
         with in_style():
-            write_gif(film, with_every_shape(json.loads(text)), lambda: None)
-    return film.name
+            draw(image, with_every_shape(json.loads(text)))
+    return image.name
+
+
+def write_film(path: Path, picture: Picture) -> None:
+    write_gif(path, picture, lambda: None)
+
+
+def write_thumbnail(path: Path, picture: Picture) -> None:
+    """Writes the deformed body at the time of the largest contact pressure."""
+    largest = [max(float(face.pressure[n].max()) for face in picture.faces) for n in picture.instants]
+    shape = picture.shapes[largest.index(max(largest))]
+    figure = Figure(figsize=(2.0, 1.6), dpi=150)
+    axes = figure.subplots()
+    # The colours and the scale of this time alone: a film has to show the largest values of all times.
+    picture = replace(picture, shapes=[shape])
+    draw_deformed_mesh(axes, picture, shape, BodyScale.of(picture), 2.0)
+    FigureCanvasAgg(figure).print_png(path)
 
 
 def orders(case: Case) -> str:
@@ -67,19 +112,59 @@ def formulas(case: Case) -> tuple[str, str, str]:
     return f"manufactured.cases.{stem}", title, with_formulas(lifted)
 
 
+def chosen_by(case: Case) -> dict[str, str]:
+    """Returns the properties by which a case can be chosen; the script of the page reads them from the class names."""
+    return {
+        "dim": str(case.solution.body.dim),
+        "law": "linear" if case.solution.law.name.startswith("linear") else "nonlinear",
+        "front": "yes" if case.regularity.moving else "no",
+        "order": "one" if case.order == 1 else "less",
+    }
+
+
+def choice() -> str:
+    """Returns the selection lists above the cards; gallery.js reads them."""
+    lists = []
+    for label, (key, values) in CHOICES.items():
+        options = "".join(f'<option value="{value}">{text}</option>' for value, text in {"": "all", **values}.items())
+        lists.append(f'<label>{label} <select data-key="{key}">{options}</select></label>')
+    return "\n".join(
+        ['<div class="filter" role="group" aria-label="Choose cases">', *lists, "<output></output>", "</div>\n"]
+    )
+
+
+def sentence(case: Case) -> str:
+    """Returns the summary of a case with a capital letter and typeset formulas."""
+    return prose(case.summary[0].upper() + case.summary[1:])
+
+
+def card(case: Case, thumbnail: str) -> str:
+    """Returns the card of a case: picture, name and summary, with a link to its entry."""
+    classes = " ".join(f"{key}-{value}" for key, value in chosen_by(case).items())
+    return f"""::::{{grid-item-card}} {case.name}
+:img-top: /generated/films/{thumbnail}
+:img-alt: Deformed body on its foundation, {case.summary}
+:link: "#{re.sub(r"[^a-z0-9]+", "-", case.name)}"
+:class-item: case {classes}
+
+{sentence(case)}
+::::
+"""
+
+
 def entry(case: Case, film: str) -> str:
     module, title, body = formulas(case)
     return f"""## {case.name}
 
 ```{{image}} /generated/films/{film}
-:alt: {case.summary}
+:alt: Film of the deforming body and of its contact pressure, {case.summary}
 :class: film
 :loading: lazy
 ```
 
-{case.summary[0].upper()}{case.summary[1:]}. Law: {case.solution.law.name}. Regularity: {prose(str(case.regularity))}.
+{sentence(case)}. Law: {case.solution.law.name}. Regularity: {prose(str(case.regularity))}.
 
-Predicted order {case.order:g}: {prose(case.reason)}. Last orders measured: {orders(case)}.
+Predicted order {case.order:.3g}: {prose(case.reason)}. Last orders measured: {orders(case)}.
 
 ```{{dropdown}} Formulas
 {prose(title)}
@@ -92,12 +177,18 @@ Predicted order {case.order:g}: {prose(case.reason)}. Last orders measured: {ord
 
 
 def write_gallery(app: Sphinx) -> None:
-    directory = Path(app.srcdir) / "generated"
-    pages = [
-        entry(case, draw_film(ROOT / "results" / "data" / "pictures" / f"{case.name}.json", directory / "films"))
-        for case in catalogue()
-    ]
-    (directory / "gallery.md").write_text(f"# Gallery\n\n{HEAD}\n" + "\n".join(pages), encoding="utf-8")
+    every = {case.name: case for case in catalogue()}
+    cases = [every[name] for name in (*INSTRUCTIVE, *(name for name in every if name not in INSTRUCTIVE))]
+    cards, entries = [], []
+    for case in cases:
+        data = ROOT / "results" / "data" / "pictures" / f"{case.name}.json"
+        thumbnail = drawn_once(data, "png", write_thumbnail)
+        cards.append(card(case, thumbnail))
+        film = thumbnail if os.environ.get("FILMS") == "no" else drawn_once(data, "gif", write_film)
+        entries.append(entry(case, film))
+    grid = ":::::{grid} 2 3 4 4\n:gutter: 2\n:class-container: cases\n\n" + "".join(cards) + ":::::\n"
+    text = f"# Gallery\n\n{HEAD}\n{choice()}\n{grid}\n{LEGEND}\n" + "\n".join(entries)
+    (GENERATED / "gallery.md").write_text(text, encoding="utf-8")
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

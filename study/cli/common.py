@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pandas as pd
 from tqdm import tqdm
@@ -13,10 +13,12 @@ from tqdm import tqdm
 from study.cli.options import FAILED, OK, UNCLEAR
 from study.ledger.files import UsageError
 from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdict, exit_code
-from study.present.figures import Drawing, draw_figures
+from study.present.drawing import ARTICLE, Drawing, Output, draw_figures
 from study.run.executor import Processes
 
 Result = TypeVar("Result")
+SURE = 0.1
+"""The share of the work after which the remaining time is estimated."""
 
 
 def check_jobs(jobs: int) -> None:
@@ -68,10 +70,45 @@ def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
     return OK if verdicts and found == known else UNCLEAR
 
 
-def progress_bar(total: int) -> tqdm:
+class ProgressBar(tqdm):
+    """A progress bar whose estimate of the remaining time follows from the mean speed since the start.
+
+    An estimate is shown once ``SURE`` of the work is done. Speeds of single jobs differ by a factor of ten, so that an
+    estimate from the last jobs, as of tqdm, jumps.
+    """
+
+    @property
+    def format_dict(self) -> dict[str, Any]:
+        """The values for the text of the bar, with ``left``, the estimate."""
+        values: dict[str, Any] = super().format_dict
+        values["left"] = "?"
+        if values["total"] and values["total"] > values["initial"]:
+            share = (values["n"] - values["initial"]) / (values["total"] - values["initial"])
+            if share >= SURE:
+                values["left"] = tqdm.format_interval(values["elapsed"] * (1 - share) / share)
+        return values
+
+    def notify_after_stored(self) -> Callable[[float], None]:
+        """Return a function to notify of the cost of finished jobs; its first call is about results that are stored.
+
+        Stored results take no time, so that they do not count for the speed.
+        """
+        first = True
+
+        def notify(cost: float) -> None:
+            nonlocal first
+            if first:
+                self.initial += round(cost)
+            first = False
+            self.update(round(cost))
+
+        return notify
+
+
+def progress_bar(total: int) -> ProgressBar:
     """Return a progress bar on standard error, updated less often if it is not a terminal."""
     pause = 0.5 if sys.stderr.isatty() else 10
-    return tqdm(total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{remaining}", mininterval=pause)
+    return ProgressBar(total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{left}", mininterval=pause)
 
 
 def with_progress(name: str, T: float, compute: Callable[[Callable[[float], object]], Result]) -> Result:
@@ -87,13 +124,16 @@ def with_progress(name: str, T: float, compute: Callable[[Callable[[float], obje
         return compute(lambda time: bar.update(round(100 * time / T) - bar.n))
 
 
-def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]]) -> list[Path]:
+def draw(
+    directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]], output: Output = ARTICLE
+) -> list[Path]:
     """Draw figures, show the progress, and return the files.
 
     Parameters:
         directory: the result directory.
         processes: draw the figures.
         chosen: function that returns the figures, given the directory.
+        output: use, formats, resolution and style of the figures.
     """
     with progress_bar(0) as bar:
 
@@ -102,7 +142,7 @@ def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Dr
             bar.set_description(f"figure {name}", refresh=False)
             bar.update()
 
-        return draw_figures(directory, chosen, processes.map, show)
+        return draw_figures(directory, chosen, processes.map, show, output)
 
 
 def listed(paths: Sequence[Path]) -> str:

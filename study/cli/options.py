@@ -76,11 +76,27 @@ def parser() -> argparse.ArgumentParser:
     show = add("show", "show", "solve a case on one mesh, draw images and an animation, and write files for ParaView")
     show.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
     show.add_argument("--level", type=int, metavar="N", help="cells along a side (default 24, in 3D 9)")
+    film = "insist on animation.mp4: refuse if ffmpeg is missing (without this option the film is left out then)"
+    show.add_argument("--mp4", action="store_true", help=film)
     _out(show, "shows")
     _out(add("report", "present", "write one HTML page about the data in a directory"))
     _out(add("tables", "present", "judge the data in a directory again and write the tables"))
-    _spread(add("figures", "present", "draw the figures of the data in a directory again"))
+    _figures(add("figures", "present", "draw figures for articles, slides or pages from the data in a directory"))
     return top
+
+
+def _figures(figures: argparse.ArgumentParser) -> None:
+    use = "article: columns of 3.5 in, DIR/figures (default); slides: 16:9, 1920 px; web: SVG; DIR/figures/USE"
+    figures.add_argument("--for", dest="use", choices=("article", "slides", "web"), default="article", help=use)
+    formats = "formats (default: png pdf svg for articles, png pdf for slides, svg png for the web)"
+    figures.add_argument("--format", nargs="+", choices=("png", "pdf", "svg", "pgf"), help=formats)
+    which = figures.add_mutually_exclusive_group()
+    which.add_argument("--case", nargs="+", metavar="NAME", help="only the figures of these cases")
+    which.add_argument("--overview", action="store_true", help="only the figures over all cases")
+    figures.add_argument("--dpi", type=_finite, metavar="N", help="dots per inch of PNG files")
+    style = "Matplotlib style file, replaces entries of the style of the study; figure.figsize sets the column width"
+    figures.add_argument("--style", type=Path, metavar="FILE", help=style)
+    _spread(figures)
 
 
 def _rates(rates: argparse.ArgumentParser) -> None:

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import shutil
+from pathlib import Path
+
+from matplotlib import rcParams
 
 from study.cli.common import check_jobs, draw, listed
 from study.cli.options import OK
+from study.ledger.files import UsageError
 from study.ledger.text import folded
-from study.present.figures import drawings
+from study.present.drawing import Drawing, Output, in_style
+from study.present.figures import drawings, drawings_of, for_slides
 from study.present.report import write_report
 from study.present.tables import write_tables
 from study.run.executor import Processes
@@ -33,9 +39,28 @@ def do_report(options: argparse.Namespace) -> int:
 
 
 def do_figures(options: argparse.Namespace) -> int:
-    """Draw all figures; return 0."""
+    """Draw the figures of the data, all of them, those of some cases, or the overviews; return 0."""
     check_jobs(options.jobs)
+    output = Output(options.use, tuple(options.format or ()), options.dpi, options.style)
+    check_output(output)
     read_provenance(options.out)
+
+    def chosen(directory: Path) -> list[Drawing]:
+        found = drawings_of(directory, options.case) if options.case else drawings(directory)
+        if options.overview:
+            found = [drawing for drawing in found if not drawing.case]
+        return for_slides(found) if options.use == "slides" else found
+
     with Processes(options.jobs) as executor, Store(options.out).steady():
-        print(folded(f"written: {listed(draw(options.out, executor, drawings))}"))
+        print(folded(f"written: {listed(draw(options.out, executor, chosen, output))}"))
     return OK
+
+
+def check_output(output: Output) -> None:
+    """Raise UsageError for a style file that cannot be used, a wrong resolution, or pgf without LaTeX."""
+    if output.dpi is not None and not 10 <= output.dpi <= 2400:
+        raise UsageError(f"--dpi must be 10 to 2400, got {output.dpi:g}")
+    with in_style(output):
+        latex = rcParams["pgf.texsystem"]
+    if "pgf" in output.suffixes and not shutil.which(latex):
+        raise UsageError(f"--format pgf measures its texts with {latex}, which is not installed")

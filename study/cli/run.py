@@ -16,7 +16,7 @@ from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
 from study.present.figures import drawings, overview
-from study.present.outcome import contact_test_text, ledger_text, rates_text
+from study.present.outcome import contact_test_text, ledger_text, orders_text, rates_text
 from study.present.tables import write_tables
 from study.run.executor import Pool, Processes, connected, execute, refuse_too_large, unfinished
 from study.run.judgement import collect, judge
@@ -67,11 +67,11 @@ def do_run(options: argparse.Namespace) -> int:
     print("\n" + folded(f"data: {store.data}/{', '.join(data)}"))
     print(folded(f"written: {listed([*tables, *drawn])}"))
     print(f"\n{rates_text(store.directory)}")
-    print(ledger_text(read_claims(store.directory)))
     if tested:
         print(contact_test_text(store.directory))
     if any(TRY in verdict.expected for verdict in verdicts):
-        print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}")
+        print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}\n")
+    print(ledger_text(read_claims(store.directory), orders_text(store.directory)))
     return code_of(verdicts, options.undecided)
 
 
@@ -93,8 +93,8 @@ def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[s
     defective = [job for test in tests for defect in DEFECTS for job in test.defective(defect)]
     with progress_bar(round(sum(job.cost for job in (*plan.jobs, *defective)))) as bar:
         bar.set_description(f"{len(plan.jobs) + len(defective)} jobs")
-        execute(plan.jobs, store, pool, lambda cost: bar.update(round(cost)))
-        execute(defective, store, own_processes, lambda cost: bar.update(round(cost)))
+        execute(plan.jobs, store, pool, bar.notify_after_stored())
+        execute(defective, store, own_processes, bar.notify_after_stored())
         written = write_contact_test(tests, store)
         collect(plan, store, written)
     return [path.name for path in written]

@@ -10,7 +10,7 @@ from study.cli.options import OK
 from study.fem.naming import resolve
 from study.ledger.files import UsageError
 from study.ledger.text import folded
-from study.present.show import count_images, draw_show
+from study.present.show import NO_FFMPEG, count_images, draw_show, find_ffmpeg
 from study.run.showcase import LEVELS, STEPS, affordable_family, solve_showcase
 from study.run.store import Store
 
@@ -21,6 +21,8 @@ def do_show(options: argparse.Namespace) -> int:
     level = LEVELS[case.solution.body.dim] if options.level is None else options.level
     if level < 2:
         raise UsageError(f"--level must be 2 or more, got {level}")
+    if options.mp4 and not find_ffmpeg():
+        raise UsageError(f"--mp4: {NO_FFMPEG}")
     prove(case.solution, f"case {case.name}")
     affordable_family(case, level)
     directory = options.out / case.name

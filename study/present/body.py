@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from study.present.drawing import COLUMN, dots, entry, legend
+from study.present.drawing import column_width, dots, entry, is_slide, legend
 from study.present.palette import BLACK, BLUE, FOUNDATION, FOUNDATION_EDGE, OUTLINE, RAMPS, VERMILLION
 from study.present.picture import Array, Picture, Segment, Shape
 
@@ -289,7 +289,7 @@ def draw_keys(
         ]
         if scale.gap > ROUND_OFF:
             handles.append(patches.Patch(**GAP, label=f"gap, at most {scale.gap:.3g}"))
-    legend(figure, [*handles, *more], columns=columns)
+    legend(figure, [*handles, *more], columns=columns, wide=True)
 
 
 def draw_body(picture: Picture) -> Figure:
@@ -301,10 +301,12 @@ def draw_body(picture: Picture) -> Figure:
     """
     count, bars = len(picture.shapes), 2 if picture.polygons else 1
     aspect = BodyScale.of(picture).aspect
-    figure = Figure(figsize=(COLUMN, 0.7 + 0.45 * bars + (COLUMN - 0.1) / count * aspect))
+    figure = Figure(figsize=(column_width(), 0.7 + 0.45 * bars + (column_width() - 0.1) / count * aspect))
     panels = figure.subplots(1, count, squeeze=False)[0]
     layout: dict[str, Any] = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.7, "pad": 0.02}
-    draw_shapes(figure, panels, picture, COLUMN / count, 2, **layout)
+    if is_slide():
+        layout = {"fraction": 0.04, "shrink": 0.8}
+    draw_shapes(figure, panels, picture, column_width() / count, 2, **layout)
     return figure
 
 

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from study.ledger.codes import GRADES, Codes
 from study.ledger.orders import RatesError, fit, orders
 from study.ledger.text import interval
-from study.present.drawing import COLUMN, entry, legend, mathtext
+from study.present.drawing import column_width, entry, legend, mathtext, page_width, small
 from study.present.notation import counted
 from study.present.palette import (
     BLACK,
@@ -48,6 +48,8 @@ from study.present.palette import (
 Array = NDArray[np.float64]
 MARGIN = 0.06
 """Free space at each end of an axis, as a fraction of the range of the data."""
+MOST_TICKS = 7
+"""The largest number of ticks of a logarithmic axis; with more decades some powers of ten have none."""
 _MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 
 
@@ -79,7 +81,7 @@ class Axis:
             for mantissas in _MANTISSAS:
                 ticks = [tick for k in decades for m in mantissas if self.low <= (tick := m * 10.0**k) <= self.high]
                 if len(ticks) >= self.least:
-                    return [(tick, write(tick)) for tick in ticks]
+                    return [(tick, write(tick)) for tick in ticks[:: math.ceil(len(ticks) / MOST_TICKS)]]
         room = 1e-9 * (self.high - self.low)
         values = MaxNLocator(6, steps=[1, 2, 5, 10]).tick_values(self.low, self.high)
         return [(float(v), f"{v:.4g}") for v in values if self.low - room <= v <= self.high + room]
@@ -190,6 +192,7 @@ HEIGHTS = {1: (1,), 2: (3, 2)}
 """Relative heights of subplots that stand one above the other."""
 _STROKES: dict[str, dict[str, Any]] = {
     "solid": {},
+    "none": {"ls": ""},
     "dashed": {"ls": "--", "lw": 0.7},
     "dotted": {"ls": ":", "lw": 0.9, "alpha": 0.8},
 }
@@ -205,7 +208,7 @@ def draw_chart(chart: Chart) -> Figure:
 def _draw_column(chart: Chart) -> Figure:
     """Draw subplots one above the other, as wide as a column of text, with the legend below."""
     count = len(chart.subplots)
-    figure = Figure(figsize=(COLUMN, 3.8 + 0.2 * count))
+    figure = Figure(figsize=(column_width(), 3.8 + 0.2 * count))
     panels = figure.subplots(count, sharex=True, squeeze=False, height_ratios=HEIGHTS[count])[:, 0]
     for axes, subplot in zip(panels, chart.subplots, strict=True):
         _draw_subplot(axes, subplot)
@@ -226,12 +229,12 @@ def _draw_grid(chart: Chart) -> Figure:
     """Draw small subplots row by row, with common labels and the legend above."""
     columns, count = chart.columns, len(chart.subplots)
     rows = math.ceil(count / columns)
-    width = max(COLUMN, 0.5 + 1.05 * columns)
+    width = min(max(column_width(), 0.5 + 1.05 * columns), page_width())
     figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * rows))
     panels = figure.subplots(rows, columns, sharey="row", squeeze=False).ravel()
     for i, (axes, subplot) in enumerate(zip(panels, chart.subplots, strict=False)):
         _draw_subplot(axes, subplot, size=2.4)
-        axes.set_title(textwrap.fill(subplot.title, 22), fontsize=7, linespacing=0.95)
+        axes.set_title(textwrap.fill(subplot.title, 22), fontsize=small(), linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= count)
     for axes in panels[count:]:
         axes.set_visible(False)
@@ -258,7 +261,7 @@ def _draw_subplot(axes: Axes, subplot: Subplot, size: float = 3.6) -> None:
         triangle = subplot.triangle
         axes.fill(*triangle.corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
         (x0, y0), (x1, y1), _ = triangle.corners
-        text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 7}
+        text: dict[str, Any] = {"textcoords": "offset points", "fontsize": small()}
         axes.annotate(triangle.beside, (x0, np.sqrt(y0 * y1)), (-2, 0), ha="right", va="center", **text)
         axes.annotate(triangle.above, (np.sqrt(x0 * x1), y1), (0, 1.5), ha="center", va="bottom", **text)
     for curve in subplot.curves:
@@ -458,6 +461,49 @@ def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
     )
     summary = "error of every case against the mesh size, both logarithmic"
     return Chart(summary, subplots, [_family_legend(styles)], caption, columns)
+
+
+def order_differences(rates: pd.DataFrame, expected: Mapping[str, float]) -> pd.DataFrame:
+    """Return ``family``, ``predicted`` and ``observed`` order and ``difference`` of every case and mesh family.
+
+    Observed orders are those over the last two refinements. Meshes graded towards a singularity are left out, because
+    the predicted orders hold for quasi-uniform meshes.
+    """
+    points = [
+        (family, expected[str(case)], order)
+        for (_, case), rows in rates.groupby(["scheme", "case"], sort=False)
+        for family, order in finest_orders(rows, refinements=2).items()
+        if family != "graded"
+    ]
+    table = pd.DataFrame(points, columns=["family", "predicted", "observed"])
+    return table.assign(difference=table["observed"] - table["predicted"])
+
+
+def orders_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart | None:
+    """Return observed orders against predicted orders, from ``order_differences``; None if all levels are single."""
+    table = order_differences(rates, expected)
+    if table.empty:
+        return None
+    styles = family_styles(table["family"])
+    # Families are drawn next to each other, because their markers would hide each other.
+    shifts = dict(zip(styles, 0.012 * (np.arange(len(styles)) - (len(styles) - 1) / 2), strict=True))
+    top = max(1.1, float(table[["predicted", "observed"]].to_numpy().max()) + 0.1)
+    diagonal = Curve(np.array([0.0, top]), np.array([0.0, top]), Style(GREY))
+    dots = {family: Style(style.colour, style.marker, "none") for family, style in styles.items()}
+    curves = [
+        Curve(rows["predicted"].to_numpy() + shifts[str(family)], rows["observed"].to_numpy(), dots[str(family)])
+        for family, rows in table.groupby("family")
+    ]
+    return Chart(
+        "observed order of convergence against the predicted order, a point for each case and mesh family",
+        [Subplot("", Axis("predicted order", 0.0, top), Axis("observed order", 0.0, top), [diagonal, *curves])],
+        [_family_legend(dots), [LegendEntry("observed = predicted", diagonal.style)]],
+        "Observed order of max_t ‖u − u^h‖_V over the last two refinements against the order that the regularity of "
+        f"the solution predicts, for {_all_cases(set(rates['case']))}; mesh families are drawn next to each other. "
+        "What to see: how near to the diagonal the points lie; observed minus predicted order is "
+        f"{table['difference'].min():+.2f} to {table['difference'].max():+.2f} for "
+        f"{counted(len(table), 'sequence')} of meshes.",
+    )
 
 
 def _all_cases(cases: Collection[str]) -> str:

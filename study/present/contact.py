@@ -18,7 +18,7 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 
 from study.present.body import ROUND_OFF, ramp
-from study.present.drawing import COLUMN, dots, entry, legend
+from study.present.drawing import column_width, dots, entry, is_slide, legend
 from study.present.palette import BLACK, BLUE, GREEN, GREY, PURPLE, RIM, SKY, SURFACE, VERMILLION
 from study.present.picture import (
     Array,
@@ -55,7 +55,7 @@ def draw_zone(picture: Picture) -> Figure:
     times, only some evenly spaced ones are shown. The last panel shows ``misplaced_length``.
     """
     count = len(picture.segments)
-    figure = Figure(figsize=(COLUMN + 0.8 * (count - 1), 3.2))
+    figure = Figure(figsize=(column_width() + 0.8 * (count - 1), 3.2))
     *panels, last = figure.subplots(1, count + 1, sharey=True, width_ratios=(*[1] * count, 0.4))
     for axes, face in zip(panels, picture.segments, strict=True):
         _draw_zone_of_face(axes, face, picture.times, count)
@@ -67,7 +67,7 @@ def draw_zone(picture: Picture) -> Figure:
         largest = max(largest, 1.05 * float(error.max()))
         style: dict[str, Any] = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.7, "clip_on": False}
         errors += last.plot(error, picture.times[1:], label=rf"fronts on ${picture.symbol(face)}$", **style)
-    last.set(xlim=(0, largest), xlabel="error in cells")
+    last.set(xlim=(0, largest), xlabel="error in cells" if count == 1 else "error\nin cells")
     last.xaxis.set_major_locator(MaxNLocator(3, integer=True))
     last.grid(True)
     panels[0].set_ylabel(r"time $t$")
@@ -157,37 +157,51 @@ def draw_profiles(picture: Picture) -> Figure:
     """Draw a row of gaps and a row of pressures for every face in 2D, at the times of the shapes.
 
     Lines are exact values. Markers are computed values at the nodes; if there are many nodes, only some have markers.
+    A slide of several faces has a column for each face, at the time of the largest pressure.
     """
-    instants, rows = picture.instants, 2 * len(picture.segments)
-    figure = Figure(figsize=(COLUMN, 0.9 + 1.1 * rows))
-    panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
+    faces, instants = picture.segments, picture.instants
     quantities = ("gap", "gap $w$", BLUE), ("pressure", "pressure $p$", VERMILLION)
-    faces = [(face, quantity) for face in picture.segments for quantity in quantities]
-    for row, (face, (name, label, colour)) in zip(panels, faces, strict=True):
-        exact, computed = getattr(face, f"line_{name}")[instants], getattr(face, name)[instants]
-        for axes, line, marks in zip(row, exact, computed, strict=True):
-            every = max(1, round(len(face.s) / MOST_MARKERS))
-            axes.plot(face.line, line, color=BLACK, lw=0.9)
-            axes.plot(face.s, marks, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
-            axes.set_xlim(face.line.min(), face.line.max())
-            axes.grid(True)
-            if name == "gap":
-                axes.tick_params(labelbottom=False)
-            else:
-                axes.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
+    rows = [[(face, quantity, instant) for instant in instants] for face in faces for quantity in quantities]
+    titles, heading = [f"$t={picture.times[instant]:.3g}$" for instant in instants], picture.heading
+    if is_slide() and len(faces) > 1:
+        loudest = max(instants, key=lambda instant: max(float(face.pressure[instant].max()) for face in faces))
+        rows = [[(face, quantity, loudest) for face in faces] for quantity in quantities]
+        titles = [f"${picture.symbol(face)}$" for face in faces]
+        heading += f", $t={picture.times[loudest]:.3g}$"
+    figure = Figure(figsize=(column_width(), 0.9 + 1.1 * len(rows)))
+    panels = figure.subplots(len(rows), len(rows[0]), sharey="row", squeeze=False)
+    for row, shown in zip(panels, rows, strict=True):
+        values = [_draw_profile(axes, *one) for axes, one in zip(row, shown, strict=True)]
         # The axis includes zero, so that round-off around a constant does not fill the panel.
-        low, high = min(exact.min(), computed.min(), 0.0), max(exact.max(), computed.max())
+        low, high = min(0.0, *(value.min() for value in values)), max(value.max() for value in values)
         high = high if high > ROUND_OFF else 1.0
         room = 0.06 * (high - low)
         row[0].set_ylim(low - room, high + room)
+        name, label, _ = shown[0][1]
         row[0].set_ylabel(label)
-    for axes, instant in zip(panels[0], instants, strict=True):
-        axes.set_title(f"$t={picture.times[instant]:.3g}$")
+        for axes, (face, *_) in zip(row, shown, strict=True):
+            axes.tick_params(labelbottom=name == "pressure")
+            if name == "pressure":
+                axes.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
+    for axes, title in zip(panels[0], titles, strict=True):
+        axes.set_title(title)
     figure.align_ylabels(panels[:, 0])
-    figure.suptitle(picture.heading)
+    figure.suptitle(heading)
     computed = [dots(f"computed {name}", color=colour, mfc="white", ms=2.6) for name, _, colour in quantities]
-    legend(figure, [entry("exact", color=BLACK, lw=0.9), *computed], columns=3)
+    legend(figure, [entry("exact", color=BLACK, lw=0.9), *computed], columns=3, wide=True)
     return figure
+
+
+def _draw_profile(axes: Axes, face: Segment, quantity: tuple[str, str, str], instant: int) -> Array:
+    """Draw gap or pressure along a face at one time; return all drawn values."""
+    name, _, colour = quantity
+    exact, computed = getattr(face, f"line_{name}")[instant], getattr(face, name)[instant]
+    every = max(1, round(len(face.s) / MOST_MARKERS))
+    axes.plot(face.line, exact, color=BLACK, lw=0.9)
+    axes.plot(face.s, computed, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
+    axes.set_xlim(face.line.min(), face.line.max())
+    axes.grid(True)
+    return np.concatenate([exact, computed])
 
 
 def caption_profiles(picture: Picture) -> str:
@@ -224,7 +238,7 @@ def draw_fronts(picture: Picture) -> Figure:
     negative.
     """
     rows = len(picture.polygons)
-    figure = Figure(figsize=(COLUMN, 2.2 + 1.25 * rows))
+    figure = Figure(figsize=(column_width(), 2.2 + 1.25 * rows))
     grid = figure.add_gridspec(2, height_ratios=(rows, 0.9))
     panels = grid[0].subgridspec(rows, len(picture.shapes)).subplots(sharex="row", sharey="row", squeeze=False)
     counts = figure.add_subplot(grid[1])
@@ -269,7 +283,7 @@ def draw_maps(picture: Picture) -> Figure:
     Surfaces are exact values, dots computed values at the nodes, in the same colours.
     """
     instants, rows = picture.instants, 2 * len(picture.polygons)
-    figure = Figure(figsize=(COLUMN, 0.7 + 1.05 * rows))
+    figure = Figure(figsize=(column_width(), 0.7 + 1.05 * rows))
     panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
     quantities = ("gap", "gap $w$"), ("pressure", "pressure $p$")
     faces = [(face, quantity) for face in picture.polygons for quantity in quantities]

@@ -4,36 +4,34 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from cycler import cycler
-from matplotlib import rc_context
+from matplotlib import rc_context, rc_params_from_file, rcParams
 from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_pgf import FigureCanvasPgf, LatexError
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from study.ledger.datafiles import DataError
-from study.ledger.files import write_text, write_whole
+from study.ledger.files import UsageError, write_text, write_whole
 from study.present.notation import encode
 from study.present.palette import BLACK, COLOURS
 
-STYLE = Path(__file__).parent / "style.mplstyle"
-COLUMN, PAGE = 3.5, 7.0
-"""Widths of a column and of a page in inches."""
-_METADATA: dict[str, dict[str, None]] = {
-    "png": {"Software": None},
-    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
-    "svg": {"Date": None, "Creator": None},
-}
-"""Dates and versions are left out, so that equal data give equal files."""
+STYLES = Path(__file__).parent
+"""Folder of the style files: ``style.mplstyle`` for all figures, ``USE.mplstyle`` for what differs for a use."""
+SEEN = "What to see: "
+"""Words of a caption before the main point of the figure."""
+SHEET = 6
+"""The largest number of subplots that can be read on a slide."""
 
 Progress = Callable[[int, int, str], None]
 """Function that is called after each figure with the number of finished figures, their total, and the name."""
@@ -41,21 +39,120 @@ Progress = Callable[[int, int, str], None]
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure that is not drawn yet: the name of its files, the function that draws it, and its caption."""
+    """A figure that is not drawn yet.
+
+    Attributes:
+        name: the name of its files, without a suffix.
+        draw: draws it.
+        caption: says what is drawn and, after ``SEEN``, the main point with numbers.
+        summary: the kind of the figure in a few words, for readers who cannot see it.
+        case: the case that it shows; empty for figures over several cases.
+        sheet: whether it has a subplot for each of many cases, too many for a slide.
+    """
 
     name: str
     draw: Callable[[], Figure]
     caption: str
+    summary: str
+    case: str = ""
+    sheet: bool = False
+
+    @property
+    def alternative(self) -> str:
+        """The alternative text: the kind of the figure, and its main point."""
+        point = self.caption.partition(SEEN)[2] or self.caption
+        return f"{self.summary[:1].upper()}{self.summary[1:]}. {point[:1].upper()}{point[1:]}"
 
 
-def in_style() -> AbstractContextManager[None]:
-    """Return a context in which Matplotlib uses the style of the study and ignores the user's settings."""
-    return rc_context({"axes.prop_cycle": cycler(color=[*COLOURS, BLACK])}, fname=STYLE)
+@dataclass(frozen=True)
+class Output:
+    """For what use, in which formats and in what style figures are saved.
+
+    Attributes:
+        use: a key of ``FORMATS``.
+        formats: suffixes; empty for those of ``FORMATS``.
+        dpi: dots per inch of PNG files; None for the value of the style.
+        style: a Matplotlib style file, whose entries replace those of the study.
+    """
+
+    use: str = "article"
+    formats: tuple[str, ...] = ()
+    dpi: float | None = None
+    style: Path | None = None
+
+    @property
+    def suffixes(self) -> tuple[str, ...]:
+        """The formats that are written."""
+        return self.formats or FORMATS[self.use]
+
+    def folder(self, directory: Path) -> Path:
+        """Return the folder of the figures of a run: ``figures`` for articles, ``figures/USE`` for other uses."""
+        return directory / "figures" / ("" if self.use == "article" else self.use)
 
 
-def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower") -> None:
-    """Add a legend below the axes or, if ``side`` is "upper", above them."""
-    figure.legend(handles=handles, loc=f"outside {side} center", ncols=columns)
+FORMATS = {"article": ("png", "pdf", "svg"), "slides": ("png", "pdf"), "web": ("svg", "png")}
+"""The formats of each use unless others are wanted."""
+ARTICLE = Output()
+
+
+@contextmanager
+def in_style(output: Output = ARTICLE) -> Iterator[None]:
+    """Let Matplotlib use the style of the study, and ignore the settings of the user's machine.
+
+    Raises:
+        UsageError: the style file of the user cannot be read, or has an entry that Matplotlib does not know.
+    """
+    with rc_context({"axes.prop_cycle": cycler(color=[*COLOURS, BLACK])}, fname=STYLES / "style.mplstyle"):
+        own = STYLES / f"{output.use}.mplstyle"
+        if own.is_file():
+            rcParams.update(rc_params_from_file(own, use_default_template=False))
+        if output.style:
+            rcParams.update(_read_style(output.style))
+        if output.dpi:
+            rcParams["figure.dpi"] = output.dpi
+        yield
+
+
+def _read_style(file: Path) -> dict[str, Any]:
+    """Return the entries of a user's style file; Matplotlib itself ignores unknown entries."""
+    try:
+        lines = file.read_text(encoding="utf-8").splitlines()
+        keys = [line.partition("#")[0].partition(":")[0].strip() for line in lines]
+        if unknown := [key for key in keys if key and key not in rcParams]:
+            raise ValueError(f"there is no entry {unknown[0]}")
+        return dict(rc_params_from_file(file, fail_on_error=True, use_default_template=False))
+    except (OSError, ValueError) as error:
+        raise UsageError(f"--style {file} is not a Matplotlib style file: {error}") from error
+
+
+def column_width() -> float:
+    """Return the width of a column of text in inches: the width of ``figure.figsize`` of the style."""
+    return float(rcParams["figure.figsize"][0])
+
+
+def page_width() -> float:
+    """Return the width of a page of two columns in inches; a slide has one column."""
+    return column_width() if is_slide() else 2 * column_width()
+
+
+def is_slide() -> bool:
+    """Return whether all figures have the size of the style and legends on the right: if it is wider than 3 : 2."""
+    width, height = rcParams["figure.figsize"]
+    return bool(width > 1.5 * height)
+
+
+def small() -> float:
+    """Return the size of small letters in points: the size of tick labels."""
+    return float(rcParams["xtick.labelsize"])
+
+
+def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower", *, wide: bool = False) -> None:
+    """Add a legend below the axes or, if ``side`` is "upper", above them; on a slide to the right, unless the axes need
+    the width."""
+    if is_slide() and not wide:
+        figure.legend(handles=[handle for handle in handles if str(handle.get_label()).strip()], loc="outside right")
+    else:
+        figure.legend(handles=handles, loc=f"outside {side} center", ncols=columns)
 
 
 def entry(label: str, **style: Any) -> Line2D:
@@ -85,28 +182,35 @@ def draw_figures(
     choose: Callable[[Path], list[Drawing]],
     run_map: Callable[..., Iterable[list[Path]]] = map,
     progress: Progress = lambda done, total, name: None,
+    output: Output = ARTICLE,
 ) -> list[Path]:
-    """Draw figures into ``directory/figures`` as pdf, png and svg, with captions in txt files; return the files.
+    """Draw figures into ``output.folder(directory)``, with captions and alternative texts in txt files.
 
     Parameters:
         directory: directory of a run.
         choose: returns the figures of a directory: ``drawings`` all of them, ``overview`` the figures over all cases.
         run_map: ``map``, or the ``map`` of an executor, which draws several figures at a time.
         progress: called after each figure.
+        output: use, formats and style.
+
+    Returns:
+        the files.
 
     Raises:
         DataError: a data file is missing or damaged; then nothing is drawn.
+        UsageError: the style file cannot be used, or pgf is wanted without LaTeX.
     """
     chosen = choose(directory)
     written: list[Path] = []
-    for done, paths in enumerate(run_map(partial(draw_one, directory / "figures"), chosen), start=1):
+    drawn = run_map(partial(draw_one, output.folder(directory), output=output), chosen)
+    for done, paths in enumerate(drawn, start=1):
         written += paths
         progress(done, len(chosen), chosen[done - 1].name)
     return written
 
 
-def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
-    """Draw one figure and save it as pdf, png and svg, and its caption as txt; return the files.
+def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> list[Path]:
+    """Draw one figure and save it in each format, and its caption and alternative text as txt; return the files.
 
     Raises:
         DataError: a name from the data would write the figure into another directory.
@@ -116,23 +220,54 @@ def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
             f"the figure {drawing.name!r} cannot be written, as its name contains a path separator or NUL: the data "
             "were edited or damaged"
         )
-    with in_style():
+    with in_style(output):
         figure = drawing.draw()
-        png = FigureCanvasAgg(figure).print_png
+        if is_slide():
+            figure.set_size_inches(rcParams["figure.figsize"])
+        FigureCanvasAgg(figure)
         # The figure is laid out once and drawn once for each format; Figure.savefig would lay it out for each format.
         layout = figure.get_layout_engine()
         assert layout is not None
         layout.execute(figure)
         figure.set_layout_engine("none")
-        printers = {"png": png, "pdf": FigureCanvasPdf(figure).print_pdf, "svg": FigureCanvasSVG(figure).print_svg}
         # A name may contain dots (rough-1.75), so the suffix is appended, not replaced.
         written = [
-            write_whole(directory / f"{drawing.name}.{form}", partial(printers[form], metadata=metadata))
-            for form, metadata in _METADATA.items()
+            write_whole(directory / f"{drawing.name}.{suffix}", _printer(figure, suffix, drawing))
+            for suffix in output.suffixes
         ]
     return [*written, write_text(directory / f"{drawing.name}.txt", caption_text(drawing))]
 
 
+def _printer(figure: Figure, suffix: str, drawing: Drawing) -> Callable[[Path], None]:
+    """Return the function that writes a figure in a format, with its alternative text.
+
+    Dates and versions are left out, so that equal data give equal files.
+    """
+    text = drawing.alternative
+    if suffix == "png":
+        figure.set_dpi(rcParams["figure.dpi"])  # print_svg and print_pdf change it
+        described = {"Software": None, "Title": drawing.name, "Description": text}
+        return partial(FigureCanvasAgg(figure).print_png, metadata=described)
+    if suffix == "pdf":
+        described = {"CreationDate": None, "Creator": None, "Producer": None, "Title": drawing.name, "Subject": text}
+        return partial(FigureCanvasPdf(figure).print_pdf, metadata=described)
+    if suffix == "svg":
+        described = {"Date": None, "Creator": None, "Title": drawing.name, "Description": text}
+        return partial(FigureCanvasSVG(figure).print_svg, metadata=described)
+    canvas = FigureCanvasPgf(figure)
+
+    def write(part: Path) -> None:
+        try:
+            canvas.print_pgf(part)
+        except (RuntimeError, LatexError) as error:
+            raise UsageError(f"--format pgf measures its texts with {rcParams['pgf.texsystem']}: {error}") from error
+
+    return write
+
+
 def caption_text(drawing: Drawing) -> str:
-    """Return the text of the file with the caption of a figure."""
-    return textwrap.fill(drawing.caption, 100) + "\n"
+    """Return the text of the file with the caption and the alternative text of a figure."""
+    return (
+        "\n\n".join(textwrap.fill(text, 100) for text in (drawing.caption, f"Alternative text: {drawing.alternative}"))
+        + "\n"
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,15 +20,50 @@ from numpy.typing import NDArray
 
 from study.ledger.codes import Codes
 from study.ledger.datafiles import DataError, made_by, read_csv, read_rates, read_table
+from study.ledger.files import UsageError
 from study.present import body, charts, contact
 from study.present.body import GAP
 from study.present.charts import Array, Chart, draw_chart
-from study.present.drawing import COLUMN, PAGE, Drawing, dots, draw_figures, draw_one, entry, legend
+from study.present.drawing import (
+    SHEET,
+    Drawing,
+    Output,
+    column_width,
+    dots,
+    draw_figures,
+    draw_one,
+    entry,
+    is_slide,
+    legend,
+    page_width,
+)
 from study.present.notation import counted
 from study.present.palette import BLACK, BLUE, DARK, FOUNDATION, FOUNDATION_EDGE, GREEN, GREY, RAMPS, VERMILLION, Style
 from study.present.picture import Energy, Picture, read_pictures
 
-__all__ = ["AdaptedMesh", "Drawing", "adapted_mesh", "draw_figures", "draw_one", "drawings", "enclosure", "overview"]
+__all__ = [
+    "AdaptedMesh",
+    "Drawing",
+    "Output",
+    "adapted_mesh",
+    "draw_figures",
+    "draw_one",
+    "drawings",
+    "drawings_of",
+    "enclosure",
+    "for_slides",
+    "overview",
+]
+
+
+PICTURES: dict[str, tuple[Callable[[Picture], Figure], Callable[[Picture], str], str]] = {
+    "body": (body.draw_body, body.caption_body, "The deformed body on its foundation, with stresses and contact"),
+    "zone": (contact.draw_zone, contact.caption_zone, "The contact zone in space and time, exact and computed"),
+    "fronts": (contact.draw_fronts, contact.caption_fronts, "Maps of the contact zone, exact and computed"),
+    "profiles": (contact.draw_profiles, contact.caption_profiles, "Gap and pressure along the contact boundary"),
+    "maps": (contact.draw_maps, contact.caption_maps, "Maps of gap and pressure on the contact boundary"),
+}
+"""The functions that draw a picture and write its caption, and what they draw in a few words."""
 
 
 def drawings(directory: Path) -> list[Drawing]:
@@ -45,30 +80,39 @@ def drawings(directory: Path) -> list[Drawing]:
     orders = _expected_orders(directory, rates)
     for (scheme, case), rows in rates.groupby(["scheme", "case"], sort=False):
         name = f"convergence-{case}{_suffix(rates, scheme)}"
-        found.append(_of_chart(name, charts.convergence_chart(rows, orders[str(case)])))
+        found.append(_of_chart(name, charts.convergence_chart(rows, orders[str(case)]), str(case)))
     columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
     for case, chart in charts.enclosure_charts(read_csv(directory, "enclosures.csv", columns)):
-        found.append(_of_chart(f"enclosure-{case}", chart))
+        found.append(_of_chart(f"enclosure-{case}", chart, case))
     for picture in read_pictures(directory):
         # Contact faces are lines in 2D and maps in 3D.
-        kinds: dict[str, tuple[Callable[[Picture], Figure], Callable[[Picture], str]]] = {
-            "body": (body.draw_body, body.caption_body),
-            "energy": (draw_energy, caption_energy),
-            "zone": (contact.draw_zone, contact.caption_zone),
-            "profiles": (contact.draw_profiles, contact.caption_profiles),
-        }
-        if not picture.segments:
-            kinds["zone"] = contact.draw_fronts, contact.caption_fronts
-            kinds["profiles"] = contact.draw_maps, contact.caption_maps
-        for kind, (draw, caption) in kinds.items():
-            found.append(Drawing(f"{kind}-{picture.case}", partial(draw, picture), caption(picture)))
+        zone, profiles = ("zone", "profiles") if picture.segments else ("fronts", "maps")
+        kinds = {"body": PICTURES["body"], "zone": PICTURES[zone], "profiles": PICTURES[profiles]}
+        kinds["energy"] = draw_energy, caption_energy, "The balance of energy over time, and its defect"
+        for kind, (draw, caption, summary) in kinds.items():
+            name, about = f"{kind}-{picture.case}", f"{summary}: {picture.case}"
+            found.append(Drawing(name, partial(draw, picture), caption(picture), about, picture.case))
     return found
+
+
+def drawings_of(directory: Path, cases: Sequence[str]) -> list[Drawing]:
+    """Return the figures of some cases.
+
+    Raises:
+        UsageError: the data have no figures of a case.
+        DataError: a data file is missing or damaged.
+    """
+    found = drawings(directory)
+    known = dict.fromkeys(drawing.case for drawing in found if drawing.case)
+    if unknown := [case for case in cases if case not in known]:
+        raise UsageError(f"--case {unknown[0]}: {directory} has no such case, only {', '.join(known)}")
+    return [drawing for drawing in found if drawing.case in cases]
 
 
 def overview(directory: Path) -> list[Drawing]:
     """Return the figures over all cases; raises the errors of ``drawings``.
 
-    The figures are ``problem``, a sketch; ``collapsed`` and ``convergence`` for the cases of Prop. 5.4 and
+    The figures are ``problem``, a sketch; ``orders``, ``collapsed`` and ``convergence`` for the cases of Prop. 5.4 and
     ``convergence-prop-5-3`` for the rough cases; ``contact-work`` and ``rollers`` if they were measured;
     ``effectivity`` from ``bounds.csv``; ``growth`` from ``benchmarks/growth.csv`` and ``codes`` from ``codes/`` if
     these exist.
@@ -84,6 +128,7 @@ def overview(directory: Path) -> list[Drawing]:
             found[f"convergence{name}{suffix}"] = charts.overview_chart(of_claim, orders)
         smooth = rows[rows["claim"] == "Prop. 5.4"]
         found[f"collapsed{suffix}"] = charts.collapsed_chart(smooth) if len(smooth) else None
+        found[f"orders{suffix}"] = charts.orders_chart(rows, orders)
     # Runs of a user's own cases have no statements.csv.
     if (directory / "data" / "statements.csv").is_file():
         columns = ("label", "case", "family", "level", "h", "quantity", "value")
@@ -100,8 +145,14 @@ def overview(directory: Path) -> list[Drawing]:
     bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
     known = bounds[bounds["upper"].notna()]
     if len(known):
-        figures.append(Drawing("effectivity", partial(draw_effectivity, known), caption_effectivity(known)))
-    return [*figures, Drawing("problem", draw_sketch, SKETCH)]
+        about = "Bounds of the error divided by the error, for each case"
+        figures.append(Drawing("effectivity", partial(draw_effectivity, known), caption_effectivity(known), about))
+    return [*figures, Drawing("problem", draw_sketch, SKETCH, "Sketch of a body on a rigid foundation")]
+
+
+def for_slides(figures: Iterable[Drawing]) -> list[Drawing]:
+    """Return the figures that can be read on a slide: all but sheets with a subplot for each of many cases."""
+    return [figure for figure in figures if not figure.sheet]
 
 
 def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
@@ -109,8 +160,8 @@ def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
     return _of_chart(name, charts.enclosure_chart(series, title))
 
 
-def _of_chart(name: str, chart: Chart) -> Drawing:
-    return Drawing(name, partial(draw_chart, chart), chart.caption)
+def _of_chart(name: str, chart: Chart, case: str = "") -> Drawing:
+    return Drawing(name, partial(draw_chart, chart), chart.caption, chart.summary, case, len(chart.subplots) > SHEET)
 
 
 def _suffix(rates: pd.DataFrame, scheme: object) -> str:
@@ -132,24 +183,26 @@ SCHEMES = {"backward-euler": Style(VERMILLION, "s"), "bdf2": Style(GREEN, "^"), 
 
 
 def draw_effectivity(known: pd.DataFrame) -> Figure:
-    """Draw a line per case: left the bound from u_h alone over the error, right both ends of the enclosure over the
-    error.
+    """Draw the bound from u_h alone over the error on the left, both ends of the enclosure over the error on the right.
+
+    There is a line per case with a marker per scheme, mesh family and level, larger on finer levels.
 
     Parameters:
         known: the rows of ``bounds.csv`` whose error is known, with ``upper`` and ``lower``, the worst over the second
-        half
-            of time. There is a marker per scheme, mesh family and level, larger on finer levels.
+            half of time.
     """
-    cases = list(dict.fromkeys(known["case"]))
-    row = {case: len(cases) - 1 - i for i, case in enumerate(cases)}
+    # A slide has room for a line per scheme.
+    line, shift = ("scheme", 0.0) if is_slide() else ("case", 0.22)
+    names = list(dict.fromkeys(known[line]))
+    row = {name: len(names) - 1 - i for i, name in enumerate(names)}
     used = {scheme: style for scheme, style in SCHEMES.items() if (known["scheme"] == scheme).any()}
-    figure = Figure(figsize=(PAGE, 1.2 + 0.15 * len(cases)))
+    figure = Figure(figsize=(page_width(), 1.2 + 0.15 * len(names)))
     left, right = figure.subplots(1, 2, sharey=True)
     for axes, trajectory, columns in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
         for scheme, style in used.items():
             rows = known[(known["trajectory"] == trajectory) & (known["scheme"] == scheme)]
             # The markers of each scheme are shifted vertically, because they would hide each other.
-            y = rows["case"].map(row) + 0.22 * (list(SCHEMES).index(scheme) - 1)
+            y = rows[line].map(row) + shift * (list(SCHEMES).index(scheme) - 1)
             for column in columns:
                 look: dict[str, Any] = {"s": _marker_area(rows["level"]), "marker": style.marker, "linewidth": 0.6}
                 face = style.colour if column == "upper" else "white"
@@ -157,12 +210,13 @@ def draw_effectivity(known: pd.DataFrame) -> Figure:
         axes.axvline(1, color=BLACK, lw=0.7)
         axes.grid(True)
     left.set_xscale("log")
-    ticks = [tick for tick in (1, 1.5, 2, 3, 5, 7, 10, 20, 50) if tick <= 1.1 * left.get_xlim()[1]]
+    candidates = (1, 2, 5, 10, 20, 50) if is_slide() else (1, 1.5, 2, 3, 5, 7, 10, 20, 50)
+    ticks = [tick for tick in candidates if tick <= 1.1 * left.get_xlim()[1]]
     left.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
     left.minorticks_off()
     left.set_yticks(list(row.values()), list(row))
-    left.set(ylim=(-0.7, len(cases) - 0.3), xlabel="bound from $u_h$ alone / error")
-    right.set(xlim=(0, None), xlabel="ends of the enclosure / error")
+    left.set(ylim=(-0.7, len(names) - 0.3), xlabel="bound / error" if is_slide() else "bound from $u_h$ alone / error")
+    right.set(xlim=(0, None), xlabel="enclosure / error" if is_slide() else "ends of the enclosure / error")
     handles = [dots(scheme, color=style.colour, marker=style.marker) for scheme, style in used.items()]
     ends = ("upper", DARK), ("lower", "white")
     handles += [dots(f"{end} end of the bound", color=DARK, mfc=fill) for end, fill in ends]
@@ -206,7 +260,7 @@ def draw_energy(picture: Picture) -> Figure:
     The defect is relative to the largest of these energies.
     """
     energy = picture.energy
-    figure = Figure(figsize=(COLUMN, 3.4))
+    figure = Figure(figsize=(column_width(), 3.4))
     above, below = figure.subplots(2, sharex=True, height_ratios=(3, 1))
     handles = [
         *above.plot(energy.times, energy.work, color=BLACK, label=r"work of the load"),
@@ -281,11 +335,12 @@ def adapted_mesh(name: str, found: AdaptedMesh, norm: str) -> Drawing:
         f"{name}: the last mesh, {contact}and the bound of {norm} from u_h alone over unknowns{against}. The slope "
         "−1/2 is the best there is for P1."
     )
-    return Drawing("adaptive", partial(_draw_adapted, found), caption)
+    summary = f"An adapted mesh, and the bound of the error over the unknowns: {name}"
+    return Drawing("adaptive", partial(_draw_adapted, found), caption, summary)
 
 
 def _draw_adapted(found: AdaptedMesh) -> Figure:
-    figure, rows, thick = Figure(figsize=(PAGE, 0.5 * PAGE), layout="constrained"), found.rows, 2.5
+    figure, rows, thick = Figure(figsize=(page_width(), 0.5 * page_width()), layout="constrained"), found.rows, 2.5
     mesh, bounds = figure.subplots(1, 2)
     mesh.triplot(Triangulation(*found.p, found.t.T), color=DARK, lw=0.25)
     for which, colour in ((found.closed, VERMILLION), (~found.closed, BLUE)):
@@ -295,7 +350,10 @@ def _draw_adapted(found: AdaptedMesh) -> Figure:
     mesh.set_axis_off()
     mesh.set_title(f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
 
-    contact = [entry("Γ3 in contact", color=VERMILLION, lw=thick), entry("Γ3 open", color=BLUE, lw=thick)]
+    contact = [
+        entry(r"$\Gamma_3$ in contact", color=VERMILLION, lw=thick),
+        entry(r"$\Gamma_3$ open", color=BLUE, lw=thick),
+    ]
     handles = [*(contact if found.closed.size else []), entry("adaptive", color=BLUE, marker="o")]
     bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o")
     if len(found.uniform):
@@ -308,7 +366,7 @@ def _draw_adapted(found: AdaptedMesh) -> Figure:
     y = 0.7 * rows["bound"].iloc[-1] * (x / ends[-1]) ** -0.5
     bounds.loglog(ends, y[::2], color=DARK, ls="--", lw=0.8)
     text: dict[str, Any] = {"textcoords": "offset points", "xytext": (-5, -5), "ha": "right", "va": "top"}
-    bounds.annotate("slope −1/2", (x[1], y[1]), **text)
+    bounds.annotate("slope $-1/2$", (x[1], y[1]), **text)
     bounds.set(xlabel="unknowns", ylabel="bound of the error")
     legend(figure, handles, len(handles))
     return figure
@@ -327,7 +385,7 @@ def draw_sketch() -> Figure:
     Near a front c the gap is (s − c)_+² and the pressure (c − s)_+.
     """
     wide, high, front = 1.5, 0.62, 0.75
-    figure = Figure(figsize=(COLUMN, 1.75))
+    figure = Figure(figsize=(column_width(), 1.75))
     axes = figure.subplots()
     s = np.linspace(0, wide, 61)
     gap = 0.28 * np.maximum(s - front, 0) ** 2

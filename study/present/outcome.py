@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -13,7 +14,7 @@ from tabulate import tabulate
 
 from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, read_csv, read_rates
 from study.ledger.files import write_text
-from study.ledger.text import cell, is_narrow, significant, width
+from study.ledger.text import above, below, cell, is_narrow, significant, width
 from study.ledger.verdict import (
     BECAUSE,
     FAILS,
@@ -26,8 +27,11 @@ from study.ledger.verdict import (
     VERDICTS,
     Verdict,
 )
+from study.present.charts import order_differences
 from study.present.notation import counted
 
+FEW_CASES = 3
+"""The largest number of cases whose reported checks are printed."""
 CONTACT_TEST = "case", "family", "levels", "defect", "what", "holding", "noticed", "noticed_by"
 """Columns of ``contact-test.csv``."""
 
@@ -36,25 +40,51 @@ def rates_text(directory: Path) -> str:
     """Return one row per case and mesh family from ``rates.csv``, as wide as the terminal, at most 110 columns.
 
     A row has the finest level n and its error, the order of the discrete error between the two finest levels, the
-    largest time share of all levels, and the orders from level to level; only the last orders if not all fit.
+    largest time share of all levels, the predicted order of the error, and the orders from level to level; only the
+    last orders if not all fit.
     """
-    rates = read_rates(directory)
+    rates, predicted = read_rates(directory), predicted_orders(directory)
     schemes = rates["scheme"].nunique() > 1
-    head = ("case", "meshes", "n", "error", "disc. order", "largest time %", "orders level by level")
-    words = (13, 13, 16) if is_narrow() else (20, 25, 21) if schemes else (28, 13, 25)
-    widths = (*words[:2], 5, 9, 5 if is_narrow() else 11, 7, words[2])
+    predicted_head, words = ("pred.", (11, 12, 14)) if is_narrow() else ("predicted", (22, 13, 25))
+    if schemes and not is_narrow():
+        words = (20, 21, 21)
+    head = ("case", "meshes", "n", "error", "disc. order", "time %", predicted_head, "orders level by level")
+    widths = (*words[:2], 5, 9, 5, 5, len(predicted_head), words[2])
     lines: list[str] = []
     for claim, of_claim in rates.groupby("claim", sort=False):
-        rows = [_rates_row(series, schemes, (words[2] + 1) // 5) for _, series in of_claim.groupby(SERIES, sort=False)]
-        lines += [str(claim), _aligned(head, rows, widths, numbers=slice(2, 6)), ""]
+        rows = [
+            _rates_row(series, predicted, schemes, (words[2] + 1) // 5)
+            for _, series in of_claim.groupby(SERIES, sort=False)
+        ]
+        lines += [str(claim), _aligned(head, rows, widths, numbers=slice(2, 7)), ""]
     return "\n".join(lines)
 
 
-def ledger_text(claims: pd.DataFrame) -> str:
+def predicted_orders(directory: Path) -> dict[str, float]:
+    """Return the predicted order of the error of every case of a directory."""
+    cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
+    return dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
+
+
+def orders_text(directory: Path) -> str:
+    """Return by how much the observed orders of the error differ from the predicted ones; empty without orders.
+
+    Observed orders are those over the last two refinements. Meshes graded towards a singularity are left out, because
+    the predicted orders hold for quasi-uniform meshes.
+    """
+    differences = order_differences(read_rates(directory), predicted_orders(directory))["difference"]
+    if differences.empty:
+        return ""
+    low, high = below(differences.min(), 2), above(differences.max(), 2)
+    return f"observed orders of the error differ from the predicted ones by {low} to {high}"
+
+
+def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
     """Return one row per statement of the ledger, then every check that does not hold, and a summary.
 
-    A row has the number of cases, and the numbers of checks by verdict. The summary counts the checks that hold by the
-    kind of their evidence, and ends with a conclusion.
+    A row has the number of cases, and the numbers of checks by verdict. Checks that are only reported are listed for
+    few cases, whose user wants to read them. The summary counts the checks that hold by the kind of their evidence, and
+    ends with a conclusion, to which ``orders`` of ``orders_text`` is added.
     """
     rows = [
         [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]
@@ -62,7 +92,8 @@ def ledger_text(claims: pd.DataFrame) -> str:
     ]
     words = (11, 17) if is_narrow() else (22, 36)
     lines = [_aligned(("statement", "", "cases", *VERDICTS), rows, (*words, 5, 5, 8, 6, 9, 5), numbers=slice(2, 8)), ""]
-    for verdict in (MISSED, UNDECIDED, FAILS):
+    few = claims["case"].nunique() <= FEW_CASES
+    for verdict in (*([REPORTED] if few else []), MISSED, UNDECIDED, FAILS):
         for _, row in claims[claims["verdict"] == verdict].iterrows():
             lines += _finding(row)
     count = count_verdicts(claims)
@@ -70,7 +101,7 @@ def ledger_text(claims: pd.DataFrame) -> str:
         f"{counted(len(claims), 'check')}: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
         f"{count[MISSED]} missed (our own prediction was wrong), {count[REPORTED]} reported without a claim"
     )
-    for text in (counts, *([kinds_text(claims)] if count[HOLDS] else []), conclusion(count)):
+    for text in (counts, *([kinds_text(claims)] if count[HOLDS] else []), conclusion(count, orders)):
         lines += textwrap.wrap(text, width(), break_on_hyphens=False)
     return "\n".join(lines) + "\n"
 
@@ -81,14 +112,16 @@ def kinds_text(claims: pd.DataFrame) -> str:
     return f"evidence of the checks that hold: {counts} ({THEOREM} and {IDENTITY} fail only if the code is broken)"
 
 
-def conclusion(count: Mapping[str, int]) -> str:
-    """Return one sentence on whether the statements are confirmed."""
+def conclusion(count: Mapping[str, int], orders: str = "") -> str:
+    """Return one sentence on whether the statements are confirmed, and on the observed orders."""
+    seen = f"; {orders}" if orders else ""
     if count[FAILS]:
-        return f"Conclusion: {counted(count[FAILS], 'check')} contradicted a statement."
+        return f"Conclusion: {counted(count[FAILS], 'check')} contradicted a statement{seen}."
     if not count[HOLDS]:
         return "Conclusion: nothing was decided."
     rest = f"; {counted(count[UNDECIDED], 'check')} could not be decided" if count[UNDECIDED] else ""
-    return f"Conclusion: no statement was contradicted, {counted(count[HOLDS], 'check')} confirmed their claims{rest}."
+    confirmed = f"{counted(count[HOLDS], 'check')} confirmed {'its claim' if count[HOLDS] == 1 else 'their claims'}"
+    return f"Conclusion: no statement was contradicted, {confirmed}{rest}{seen}."
 
 
 def contact_test_text(directory: Path) -> str:
@@ -122,8 +155,7 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
     for verdict in verdicts:
         names = {"classname": f"{verdict.label}.{verdict.case}", "name": verdict.quantity}
         case = ElementTree.SubElement(suite, "testcase", names)
-        interval = f"[{verdict.low:.6g}, {verdict.high:.6g}]"
-        message = f"expected {verdict.expected}, observed {verdict.observed:.6g} in {interval}"
+        message = f"expected {verdict.expected}, observed {observed_text(verdict.observed, verdict.low, verdict.high)}"
         if verdict.verdict == FAILS:
             ElementTree.SubElement(case, "failure", message=message)
         elif verdict.verdict != HOLDS:
@@ -132,7 +164,16 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
     write_text(path, ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n")
 
 
-def _rates_row(series: pd.DataFrame, schemes: bool, shown: int) -> list[str]:
+def observed_text(observed: float, low: float, high: float) -> str:
+    """Return an observed value with its range, or the one-sided bound that is known of it."""
+    if math.isnan(observed) or (math.isinf(low) and math.isinf(high)):
+        return "no number" if math.isnan(observed) else cell(observed)
+    if math.isinf(low):
+        return f"at most {cell(high)}"
+    return f"at least {cell(low)}" if math.isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
+
+
+def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[str]:
     finest = series.iloc[-1]
     orders = [f"{order:.2f}" for order in series["order"].dropna()]
     return [
@@ -142,6 +183,7 @@ def _rates_row(series: pd.DataFrame, schemes: bool, shown: int) -> list[str]:
         significant(finest["error"]),
         "" if pd.isna(finest["discrete_order"]) else f"{finest['discrete_order']:.2f}",
         f"{100 * series['time_share'].max():.2f}",
+        f"{predicted[str(finest['case'])]:.3g}",
         " ".join(["…"] * (len(orders) > shown) + orders[-shown:]),
     ]
 
@@ -149,9 +191,9 @@ def _rates_row(series: pd.DataFrame, schemes: bool, shown: int) -> list[str]:
 def _finding(row: pd.Series) -> list[str]:
     """Return the lines of a verdict that does not hold, with its quantity, folded to the terminal width."""
     expected, _, why = str(row["expected"]).partition(BECAUSE)
-    observed = f"{cell(row['observed'])} in [{cell(row['low'])}, {cell(row['high'])}]"
+    observed = observed_text(*(float(row[name]) for name in ("observed", "low", "high")))
     where = f"{row['label']}, {row['case']}" if row["case"] else str(row["label"])
-    values = f"expected {expected}, observed {'no number' if pd.isna(row['observed']) else observed}"
+    values = f"expected {expected}, observed {observed}"
     text = f"{row['verdict']}: {where}: {row['quantity']}: {values}{f'; because {why}' if why else ''}"
     return textwrap.wrap(text, width(), subsequent_indent="    ", break_on_hyphens=False)
 

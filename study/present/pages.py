@@ -102,6 +102,7 @@ def refreshed(page: Path, data: FullRun) -> str:
     """
     text = page.read_text(encoding="utf-8")
     for table in (
+        short,
         answer,
         headline,
         results,
@@ -218,6 +219,17 @@ def answer(data: FullRun) -> str:
         "([Problem][problem], [error bounds][bounds])",
     }
     return "".join(f"- **{lead}.** {_literal(text)}\n" for lead, text in said.items())
+
+
+def short(data: FullRun) -> str:
+    """Return the main result in one sentence, in Markdown."""
+    failing = count_verdicts(data.claims[data.claims["label"].map(is_of_the_paper)])[FAILS]
+    contradict = f"{failing} of its checks contradict" if failing else "none of its checks contradicts"
+    orders = _range(data.rows("Prop. 5.4", "order-extrapolated"))
+    return (
+        f"In short: this study computes what the paper proves, and {contradict} the paper. The order of convergence, "
+        f"proved to be 1 for smooth solutions, was observed as {orders}.\n"
+    )
 
 
 def headline(data: FullRun) -> str:

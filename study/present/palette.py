@@ -39,7 +39,7 @@ PAGE = {"light": _LIGHT, "dark": _LIGHT | _DARK}
 """CSS variables of the report page for readers who prefer light or dark pages."""
 
 
-Stroke = Literal["solid", "dashed", "dotted", "band"]
+Stroke = Literal["solid", "dashed", "dotted", "none", "band"]
 
 
 @dataclass(frozen=True)

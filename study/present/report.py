@@ -32,6 +32,7 @@ from study.present.charts import (
     finest_orders,
 )
 from study.present.notation import typeset, typeset_svg
+from study.present.outcome import conclusion, orders_text
 from study.present.palette import BLACK, DARK, Style, family_styles
 from study.present.picture import FaceHistory, Polygon, Segment, over_time, with_every_shape
 from study.present.tables import (
@@ -177,6 +178,7 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         letters=LETTERS,
         meanings=MEANINGS,
         counts=count_verdicts(claims),
+        conclusion=conclusion(count_verdicts(claims), orders_text(directory)),
         # The page opens with the 2D case that has the most contact faces.
         shown=max(cases, key=lambda case: (len(case.film["view"]) == 2) * len(case.film["faces"])),
         collapsed=svg_chart(collapsed_chart(smooth)) if len(smooth) else "",

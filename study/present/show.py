@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import meshio  # type: ignore[import-untyped]
 import numpy as np
+from matplotlib import rcParams
 from matplotlib.animation import FFMpegWriter
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -23,7 +26,7 @@ from study.ledger.files import write_text, write_whole
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_keys, draw_shapes
 from study.present.contact import draw_map, paint_values
-from study.present.drawing import PAGE, dots, entry, in_style
+from study.present.drawing import dots, entry, in_style, page_width
 from study.present.palette import BLACK, RAMPS, RIM, SKY, VERMILLION
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, with_every_shape
 
@@ -34,6 +37,9 @@ COLOURS = 128
 """The number of colours of a GIF: enough that small arrows keep their colour next to the shades of the stress."""
 PER_SECOND, HOLD = 8, 1000
 """Frames per second, and the milliseconds for which a GIF shows the last time."""
+
+
+NO_FFMPEG = "ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`, and run the command again"
 
 
 @dataclass(frozen=True)
@@ -72,7 +78,7 @@ def draw_show(
         written.append(write_gif(directory / "animation.gif", picture, notify))
         mp4 = write_mp4(directory / "animation.mp4", picture)
     written += [mp4] if mp4 else []
-    left_out = [] if mp4 else ["animation.mp4: there is no ffmpeg on this machine; install it and run again"]
+    left_out = [] if mp4 else [f"animation.mp4: {NO_FFMPEG}"]
     return Shown([*written, *write_vtk(directory / "vtk", picture.case, series)], left_out)
 
 
@@ -80,8 +86,8 @@ def draw_storyboard(picture: Picture) -> Figure:
     """Draw six shapes of a picture, from the first to the last: the deformed body with stress and contact."""
     chosen = np.linspace(0, len(picture.shapes) - 1, MOMENTS).round().astype(int)
     picture = replace(picture, shapes=[picture.shapes[n] for n in chosen])
-    rows, width = MOMENTS // COLUMNS, (PAGE - 0.8) / COLUMNS
-    figure = Figure(figsize=(PAGE, 0.8 + rows * (0.2 + width * BodyScale.of(picture).aspect)))
+    rows, width = MOMENTS // COLUMNS, (page_width() - 0.8) / COLUMNS
+    figure = Figure(figsize=(page_width(), 0.8 + rows * (0.2 + width * BodyScale.of(picture).aspect)))
     draw_shapes(figure, figure.subplots(rows, COLUMNS).ravel(), picture, width, 4, fraction=0.04, shrink=0.8)
     return figure
 
@@ -105,10 +111,22 @@ def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: i
     )
 
 
+def find_ffmpeg() -> str | None:
+    """Return the path of ffmpeg: of the system, else of the package imageio-ffmpeg; None without both."""
+    if system := shutil.which("ffmpeg"):
+        return system
+    try:
+        return str(import_module("imageio_ffmpeg").get_ffmpeg_exe())
+    except (ImportError, RuntimeError):
+        return None
+
+
 def write_mp4(path: Path, picture: Picture) -> Path | None:
     """Write the same frames as a film; return None if ffmpeg is not installed."""
-    if not FFMpegWriter.isAvailable():
+    ffmpeg = find_ffmpeg()
+    if not ffmpeg:
         return None
+    rcParams["animation.ffmpeg_path"] = ffmpeg
     figure = Figure(figsize=_size(picture), dpi=FILM_DPI)
     FigureCanvasAgg(figure)
     # The file has a temporary name that does not tell ffmpeg the format.
@@ -124,7 +142,9 @@ def write_mp4(path: Path, picture: Picture) -> Path | None:
 
 def _size(picture: Picture) -> tuple[float, float]:
     """Return width and height in inches, with room for the body and for a panel for every face."""
-    return PAGE, 1.2 + max(0.45 * PAGE * min(BodyScale.of(picture).aspect, 1.2), 1.2 * len(picture.faces))
+    return page_width(), 1.2 + max(
+        0.45 * page_width() * min(BodyScale.of(picture).aspect, 1.2), 1.2 * len(picture.faces)
+    )
 
 
 def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
@@ -149,7 +169,7 @@ def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
     draw_keys(figure, [left], picture, scale, 4, more, **bars)
     for number, shape in enumerate(picture.shapes):
         left.clear()
-        draw_deformed_mesh(left, picture, shape, scale, 0.5 * PAGE)
+        draw_deformed_mesh(left, picture, shape, scale, 0.5 * page_width())
         for axes, face in zip(panels, picture.faces, strict=True):
             axes.clear()
             _draw_pressure(axes, face, picture, picture.nearest(shape.time), scale)

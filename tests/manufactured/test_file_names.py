@@ -78,5 +78,5 @@ def test_an_endless_name_of_a_mesh_family_is_refused() -> None:
 
 def test_a_figure_is_not_drawn_under_a_name_from_damaged_data(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="contains a path separator or NUL: the data were edited"):
-        draw_one(tmp_path, Drawing("zone-../../evil", Figure, "no figure"))
+        draw_one(tmp_path, Drawing("zone-../../evil", Figure, "no figure", "none"))
     assert [*tmp_path.iterdir()] == []

@@ -14,12 +14,15 @@ from committed import CORNER, SMOOTH, copy_results
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import NDArray
+from PIL import Image
 
+from study.cli.main import main
 from study.ledger.datafiles import DataError, read_rates
+from study.ledger.files import UsageError
 from study.present.body import caption_body, draw_body
 from study.present.contact import caption_fronts, caption_maps, draw_fronts, draw_maps
-from study.present.drawing import COLUMN, PAGE, Drawing, in_style
-from study.present.figures import drawings
+from study.present.drawing import Drawing, Output, column_width, draw_one, in_style, page_width
+from study.present.figures import drawings, drawings_of, for_slides, overview
 from study.present.picture import Picture, read_pictures
 from study.present.tables import controls_table, write_tables
 
@@ -96,9 +99,11 @@ def figures(measured: Path) -> list[tuple[Drawing, Figure]]:
 def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(
     figures: list[tuple[Drawing, Figure]],
 ) -> None:
-    assert {"effectivity", "growth", f"energy-{CORNER}"} <= {drawing.name for drawing, _ in figures}
+    assert {"effectivity", "growth", "orders", f"energy-{CORNER}"} <= {drawing.name for drawing, _ in figures}
+    with in_style():
+        narrowest, widest = column_width(), page_width()
     for drawing, figure in figures:
-        assert COLUMN <= figure.get_figwidth() <= PAGE, drawing.name
+        assert narrowest <= figure.get_figwidth() <= widest, drawing.name
         for text in figure.findobj(Text):
             if text.get_visible() and text.get_text().strip():
                 assert text.get_fontsize() >= SMALLEST, (drawing.name, text.get_text())
@@ -141,7 +146,7 @@ def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(solid: Pict
     values = {"level": level, "pressure": max(level, 0.0), "pressure_exact": max(level, 0.0), "gap": 0.0}
     shown = with_faces(solid, **values, gap_exact=0.0)
     for draw, caption in ((draw_fronts, caption_fronts), (draw_maps, caption_maps), (draw_body, caption_body)):
-        drawn(Drawing("extreme", partial(draw, shown), caption(shown)))
+        drawn(Drawing("extreme", partial(draw, shown), caption(shown), "An extreme case"))
         assert "nan" not in caption(shown)
 
 
@@ -182,3 +187,76 @@ def test_the_caption_of_a_convergence_has_the_last_orders_of_the_data(measured: 
     last = read_rates(measured).query("case == @SMOOTH").groupby("family").tail(1)["order"]
     seen = f"the order is {last.min():.3g} … {last.max():.3g}, expected 1"
     assert seen in named(measured, f"convergence-{SMOOTH}").caption
+
+
+# Uses: articles, slides, pages.
+
+
+def size_of(png: Path) -> tuple[int, int]:
+    with Image.open(png) as image:
+        return image.size
+
+
+def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_that_are_not_cut_off(
+    measured: Path, tmp_path: Path
+) -> None:
+    slides = Output("slides", ("png",))
+    chosen = [drawing for drawing in for_slides(drawings(measured)) if drawing.case in ("", CORNER)]
+    assert {"orders", "collapsed", f"profiles-{CORNER}", f"body-{CORNER}"} <= {drawing.name for drawing in chosen}
+    for drawing in chosen:
+        png, _ = draw_one(tmp_path, drawing, slides)
+        assert size_of(png) == (1920, 1080), drawing.name
+        with in_style(slides):
+            figure = drawing.draw()
+            figure.set_size_inches(4.8, 2.7)
+            figure.draw_without_rendering()
+            for text in figure.findobj(Text):
+                if text.get_visible() and text.get_text().strip():
+                    assert text.get_fontsize() >= SMALLEST, (drawing.name, text.get_text())
+            for legend in figure.legends:
+                box = legend.get_window_extent()
+                assert (box.x0 >= 0, box.x1 <= figure.bbox.x1) == (True, True), drawing.name
+
+
+def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_for_slides() -> None:
+    committed = Path(__file__).parents[2] / "results"
+    names = {drawing.name for drawing in overview(committed)}
+    assert {"convergence", "convergence-prop-5-3", "orders"} <= names
+    slides = {drawing.name for drawing in for_slides(overview(committed))}
+    assert names - slides == {"convergence", "convergence-prop-5-3"}
+
+
+def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(measured: Path, tmp_path: Path) -> None:
+    drawing = named(measured, f"body-{CORNER}")
+    assert drawing.alternative.startswith(f"The deformed body on its foundation, with stresses and contact: {CORNER}. ")
+    png, svg, pdf, txt = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
+    with Image.open(png) as image:
+        assert image.info["Description"] == drawing.alternative
+    assert drawing.alternative[:60] in svg.read_text(encoding="utf-8")
+    assert b"/Subject" in pdf.read_bytes()
+    assert "Alternative text: The deformed body" in txt.read_text(encoding="utf-8")
+
+
+def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_width_of_a_column(
+    alone: Path, tmp_path: Path
+) -> None:
+    style = tmp_path / "journal.mplstyle"
+    style.write_text("figure.figsize: 5.0, 4.0\nfont.size: 10\n")
+    png, _ = draw_one(tmp_path, named(alone, "orders"), Output(formats=("png",), dpi=100, style=style))
+    assert size_of(png)[0] == 500
+    style.write_text("figure.fgsize: 5.0, 4.0\n")
+    with (
+        pytest.raises(UsageError, match=r"--style .*journal.mplstyle is not a Matplotlib style file"),
+        in_style(Output(style=style)),
+    ):
+        pass
+
+
+def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(
+    alone: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert {drawing.case for drawing in drawings_of(alone, [SMOOTH])} == {SMOOTH}
+    with pytest.raises(UsageError, match=rf"--case nobody: {alone} has no such case, only {SMOOTH}"):
+        drawings_of(alone, ["nobody"])
+    assert main(["figures", "--dpi", "1", "--out", str(alone)]) == 2
+    assert "--dpi must be 10 to 2400, got 1" in capsys.readouterr().err

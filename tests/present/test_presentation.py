@@ -21,7 +21,7 @@ from study.ledger.files import StoreError, write_text, write_whole
 from study.present import outcome
 from study.present.figures import draw_figures, drawings
 from study.present.notation import encode
-from study.present.outcome import rates_text
+from study.present.outcome import observed_text, orders_text, rates_text
 from study.present.tables import write_tables
 
 ROOT = Path(__file__).parents[2]
@@ -70,7 +70,7 @@ def replace(path: Path, old: str, new: str) -> None:
 
 def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over(drawn: Path) -> None:
     assert files(drawn / "tables") == [f"{name}.{form}" for name in NAMES for form in ("csv", "md", "tex")]
-    names = ["problem", "collapsed", "convergence", "convergence-prop-5-3", "effectivity"]
+    names = ["problem", "collapsed", "orders", "convergence", "convergence-prop-5-3", "effectivity"]
     names += [f"convergence-{case}" for case in CASES]
     enclosed = committed("enclosures").query("trajectory == 'enclosure'")
     names += [f"enclosure-{case}" for case in enclosed["case"].unique()]
@@ -178,7 +178,39 @@ def test_the_rate_text_has_one_line_per_case_and_family(tables: Path) -> None:
     finest = series.iloc[-1]
     assert len([line for line in lines if line.startswith(CASES)]) == len(rates.groupby(["case", "family"]))
     assert line.split()[2:5] == [str(finest["level"]), f"{finest['error']:#.4g}", f"{finest['discrete_order']:.2f}"]
-    assert line.split()[6:] == [f"{order:.2f}" for order in series["order"].dropna()][-len(line.split()[6:]) :]
+    assert line.split()[6] == "1", "the predicted order"
+    assert line.split()[7:] == [f"{order:.2f}" for order in series["order"].dropna()][-len(line.split()[7:]) :]
+
+
+@pytest.mark.parametrize(
+    ("values", "text"),
+    [
+        ((3.0, -np.inf, 3.2724), "at most 3.272"),
+        ((3.0, 1.5, np.inf), "at least 1.500"),
+        ((0.98, 0.97, 1.01), "0.9800 in [0.9700, 1.010]"),
+        ((np.nan, -np.inf, np.inf), "no number"),
+    ],
+)
+def test_a_range_with_one_end_is_a_bound(values: tuple[float, float, float], text: str) -> None:
+    assert observed_text(*values) == text
+
+
+def test_the_conclusion_says_how_far_observed_orders_are_from_the_predicted_ones(tables: Path) -> None:
+    claims = read_claims(tables)
+    last = outcome.ledger_text(claims, orders_text(tables)).replace("\n", " ").rpartition("Conclusion: ")[2]
+    assert re.fullmatch(
+        r"1 check contradicted a statement; observed orders of the error differ from the predicted ones by "
+        r"-?\d\.\d\d to -?\d\.\d\d\. ",
+        last,
+    )
+
+
+def test_reported_checks_are_printed_for_few_cases(data: Path) -> None:
+    claims = read_claims(data)
+    reported = claims.assign(verdict=claims["verdict"].where(claims.index != 0, "reported"))
+    assert re.search(r"^reported: ", outcome.ledger_text(reported), re.MULTILINE)
+    many = pd.concat([reported.assign(case=f"case {n}") for n in range(5)])
+    assert not re.search(r"^reported: ", outcome.ledger_text(many), re.MULTILINE)
 
 
 def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_hold(tables: Path) -> None:

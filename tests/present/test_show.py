@@ -19,7 +19,7 @@ from study.fem.naming import resolve
 from study.ledger.pictures import STEPS
 from study.present.palette import VERMILLION
 from study.present.picture import Picture, with_every_shape
-from study.present.show import Shown, count_images, draw_show, mesh_of
+from study.present.show import NO_FFMPEG, Shown, count_images, draw_show, mesh_of, write_mp4
 from study.run.showcase import EVERY, mesh_series, solve_showcase
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures
@@ -44,7 +44,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Shown]:
     directory, case, notified = tmp_path_factory.mktemp("shows"), resolve("hexagon"), []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("study.run.showcase.STEPS", 8)
-        patch.setenv("PATH", "")
+        patch.setattr("study.present.show.find_ffmpeg", lambda: None)
         solved = solve_showcase(case, 6, directory, lambda: notified.append("frame"))
         found = draw_show(solved.picture, solved.series, directory, lambda: notified.append("image"))
     assert notified == ["frame"] * 9 + ["image"] * count_images(solved.picture)
@@ -56,7 +56,7 @@ def test_everything_written_is_reported_and_what_is_left_out_has_its_reason(show
     assert sorted(found.written) == sorted(path for path in directory.rglob("*") if path.is_file())
     names = {path.name for path in found.written}
     assert {"storyboard.png", "animation.gif", "hexagon.pvd", "hexagon-004.vtu"} <= names
-    assert found.left_out == ["animation.mp4: there is no ffmpeg on this machine; install it and run again"]
+    assert found.left_out == [f"animation.mp4: {NO_FFMPEG}"]
 
 
 def test_the_collection_lists_every_file_with_its_time(shown: tuple[Path, Shown]) -> None:
@@ -121,6 +121,25 @@ def test_the_shapes_of_an_animation_are_those_of_the_motion() -> None:
         ([shape.von_mises for shape in shown.shapes], [von_mises(frame.stress) for frame in frames]),
     ):
         np.testing.assert_allclose(found, expected, atol=0.51 * np.max(np.abs(expected)) / STEPS)
+
+
+def test_a_film_is_written_by_the_ffmpeg_of_a_package_where_the_system_has_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("imageio_ffmpeg")
+    monkeypatch.setenv("PATH", "")
+    path = write_mp4(tmp_path / "film.mp4", shapes_of(moved("advance-recede")))
+    assert path is not None
+    assert path.read_bytes()[4:8] == b"ftyp"
+
+
+def test_a_film_that_is_insisted_on_is_refused_without_ffmpeg(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("study.cli.show.find_ffmpeg", lambda: None)
+    assert main(["show", "hexagon", "--mp4", "--out", str(tmp_path / "out")]) == 2
+    assert "--mp4: ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(

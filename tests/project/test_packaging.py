@@ -27,7 +27,14 @@ PINS = {
     path.stem: dict(re.findall(r"^([\w-]+)==([\w.]+)", path.read_text(encoding="utf-8"), re.MULTILINE))
     for path in (ROOT / "requirements").iterdir()
 }
-EXTRAS = {"study": "runtime", "orders": "runtime", "dev": "development", "docs": "documentation", "cluster": "cluster"}
+EXTRAS = {
+    "study": "runtime",
+    "orders": "runtime",
+    "dev": "development",
+    "docs": "documentation",
+    "cluster": "cluster",
+    "film": "film",
+}
 
 
 def names(requirements: list[str]) -> set[str]:
