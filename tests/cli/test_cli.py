@@ -203,20 +203,6 @@ def test_a_data_file_that_ends_within_a_line_is_refused_by_name(finished: Path, 
         assert f"{path} is truncated" in refused(capsys, "check", "--out", str(tmp_path))
 
 
-def test_check_judges_the_data_on_disk_and_nothing_else(finished: Path, tmp_path: Path, capsys) -> None:
-    report = tmp_path / "ledger.xml"
-    assert main(["check", "--out", str(finished), "--junit", str(report)]) == 0
-    assert 'failures="0"' in report.read_text()
-    rates = finished / "data" / "rates.csv"
-    original = rates.read_text()
-    table = pd.read_csv(rates)
-    table["error"] *= table["h"] ** 0.5
-    table.to_csv(rates, index=False)
-    assert "edited or damaged" in refused(capsys, "check", "--out", str(finished), "--junit", str(report))
-    rates.write_text(original)
-    assert main(["check", "--out", str(finished)]) == 0
-
-
 def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(finished: Path, monkeypatch) -> None:
     data = finished / "data"
     before = {path: path.read_bytes() for path in data.rglob("*") if path.is_file()}

@@ -172,6 +172,7 @@ def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(
     ids=lambda case: case.name,
 )
 def test_sharing_coordinates_changes_the_mean_strains_by_less_than_the_rule_itself_leaves(case) -> None:
+    """Cases of every kind. In rough-2 and softening coordinates that are moved change up to 1.7e-4 of the strains."""
     solution = case.solution
     mesh = next(family for family in FAMILIES if family.serves(solution.body))(solution.body, 8)
     time, found = 0.7 * solution.body.T, {}

@@ -60,7 +60,14 @@ def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int
             assert again[column] == pytest.approx(row[column], rel=1e-5, abs=1e-9), (row["family"], column)
 
 
-@pytest.mark.parametrize("case", EQUIVALENCE["case"].unique())
+AGREEING = ("advance-recede", "corner", "cube-disc", "layered", "softening", "yield-on-a-part")
+"""Cases whose formulations are compared again here, with several laws and faces; the nightly job compares all."""
+
+
+@pytest.mark.parametrize(
+    "case",
+    [pytest.param(case, marks=() if case in AGREEING else pytest.mark.slow) for case in EQUIVALENCE["case"].unique()],
+)
 def test_both_formulations_agree_again(case: str) -> None:
     committed = EQUIVALENCE.query(f"case == '{case}'").iloc[0]
     row = compare(resolve(case), family_named(committed["family"]), int(committed["level"]), int(committed["steps"]))

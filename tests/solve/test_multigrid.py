@@ -101,9 +101,9 @@ def test_oblique_normals_at_one_vertex_bound_both() -> None:
     ("name", "family", "levels"),
     [
         ("cube-disc", Shaken(), (4, 8)),
-        ("cube-two-faces", OneDiagonal(), (6, 9)),
+        pytest.param("cube-two-faces", OneDiagonal(), (6, 9), marks=pytest.mark.slow),
         ("yield-and-release", Shaken(), (16, 32)),
-        ("re-entrant", Graded(), (16, 32)),
+        pytest.param("re-entrant", Graded(), (16, 32), marks=pytest.mark.slow),
     ],
 )
 def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(
