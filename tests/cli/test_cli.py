@@ -193,7 +193,7 @@ def test_what_misses_a_claim_is_told_with_the_reason(finished: Path, tmp_path: P
     assert message in " ".join(ledger_text(claims(verdicts(tmp_path))).split())
 
 
-@pytest.mark.parametrize("name", ["rates", "equivalence", "stresses", "statements", "bounds", "enclosures", "cases"])
+@pytest.mark.parametrize("name", ["rates", "statements", "cases"])
 def test_a_data_file_that_ends_within_a_line_is_refused_by_name(finished: Path, tmp_path: Path, capsys, name) -> None:
     shutil.copytree(finished / "data", tmp_path / "data")
     path = tmp_path / "data" / f"{name}.csv"

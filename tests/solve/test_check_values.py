@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from manufactured import catalogue
+from manufactured import named
 from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
 from study.solve.tableau import BACKWARD_EULER
 
-CASE = next(case for case in catalogue() if case.name == "advance-recede")
+CASE = named("advance-recede")
 
 
 @pytest.mark.parametrize(
