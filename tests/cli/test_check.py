@@ -410,9 +410,14 @@ def test_an_edit_of_the_committed_run_is_refused(
 
 
 def test_the_committed_run_passes_and_every_file_is_compared_or_named(
-    committed: Path, capsys: pytest.CaptureFixture[str]
+    committed: Path,
+    committed_texts: dict[Path, tuple[str, str]],
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A file of an unknown kind is named, too."""
+    # The texts are those that the command makes, made once for all tests.
+    monkeypatch.setattr(check, "expected_texts", lambda _: committed_texts)
     write_text(committed / "new" / "kind.dat", "?")
     told = " ".join(refusal(committed, capsys, code=0).split())
     cases = len(pd.read_csv(committed / "data" / "cases.csv"))

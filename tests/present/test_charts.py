@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from committed import RESULTS
+from committed import RESULTS, SMOOTH
 from numpy.typing import NDArray
 
 from study.ledger.datafiles import read_rates
@@ -33,13 +33,13 @@ Array = NDArray[np.float64]
 
 @pytest.fixture(scope="module")
 def errors() -> pd.DataFrame:
-    return read_rates(RESULTS).query("case == @SMOOTH and level <= 32")
+    return read_rates(RESULTS).query(f"case == {SMOOTH!r} and level <= 32")
 
 
 @pytest.fixture(scope="module")
 def enclosed() -> pd.DataFrame:
     rows = pd.read_csv(RESULTS / "data" / "enclosures.csv")
-    rows = rows.query("trajectory == 'enclosure' and case == @SMOOTH and family == 'shaken'")
+    rows = rows.query(f"trajectory == 'enclosure' and case == {SMOOTH!r} and family == 'shaken'")
     return rows[rows["level"] == rows["level"].min()]
 
 
