@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
+from random_examples import COSTLY
 
 from manufactured import (
     PARABOLA,
@@ -137,6 +138,7 @@ def test_renaming_axes_rounds_nothing(order: tuple[int, ...]) -> None:
     assert np.array_equal(turned @ turned.T, np.eye(6))
 
 
+@COSTLY
 @given(st.floats(0.05, 0.95), st.floats(0.05, 0.95), st.floats(0.1, 50), st.floats(0.1, 50))
 def test_the_memory_solves_its_differential_equation(place, time, a, g) -> None:
     """Against Gauss–Legendre on each side of the times at which the front passes; fast and slow decay."""
@@ -234,6 +236,7 @@ def labelled(gap: sp.Expr, label: Regularity, pressure: sp.Expr | int = 0, **ini
 eighths = st.integers(13, 40).map(lambda n: sp.Rational(n, 8))
 
 
+@COSTLY
 @given(eighths, eighths, eighths, st.booleans())
 def test_exactly_the_exponents_in_the_formulas_are_accepted_as_a_label(alpha, m, other, moving) -> None:
     c = sp.Rational(1, 3) + (t / 4 if moving else 0)
@@ -353,6 +356,7 @@ def test_powers_and_logarithms_that_are_smooth_on_the_face_are_accepted(formula:
     assert labelled(formula, Regularity()).proposition == "Prop. 5.4"
 
 
+@COSTLY
 @given(st.integers(-15, 25), st.sampled_from([3 * HALF, sp.Rational(7, 4), -HALF, sp.Integer(-1)]), st.booleans())
 def test_a_power_is_accepted_exactly_if_its_base_has_no_zero_on_the_closed_face(tenths, exponent, moves) -> None:
     """The base s − c in absolute value above 0, c = c_0 + t/10."""

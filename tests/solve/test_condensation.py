@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import scipy.sparse as sps
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from random_examples import COSTLY
 from scipy.sparse.linalg import splu
 
 from manufactured import Kind, named, polygon
@@ -147,8 +148,8 @@ def sparse_problems(draw) -> Matrices:
     return sps.csc_array(A @ A.T + sps.eye_array(n)), sps.csr_array(rng.normal(size=(m, n)) * (rng.random(n) < 0.1))
 
 
+@COSTLY
 @given(sparse_problems())
-@settings(deadline=None)
 def test_any_sparse_positive_definite_matrix_is_factorised(problem: Matrices) -> None:
     S, N = problem
     b = np.arange(S.shape[0]) + 1.0

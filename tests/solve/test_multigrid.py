@@ -9,6 +9,7 @@ import pytest
 import scipy.sparse as sps
 from hypothesis import given
 from hypothesis import strategies as st
+from random_examples import COSTLY
 from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured import Kind, named, polygon
@@ -223,6 +224,7 @@ def problems(draw):
     return sps.csc_array(root @ root.T + 0.1 * sps.eye_array(n)), N, rng.standard_normal((d, vertices)), rng
 
 
+@COSTLY
 @given(problems())
 def test_any_positive_definite_matrix_with_any_normals_is_served(problem) -> None:
     S, N, x, rng = problem

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 import scipy.sparse as sps
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from random_examples import COSTLY
 from scipy.linalg import eigh, null_space
 from scipy.sparse.linalg import splu
 from skfem import MeshTri
@@ -57,12 +58,14 @@ shapes = st.sampled_from(list(TRIANGLES.values()))
 tensors = st.sampled_from(list(TENSORS.values()))
 
 
+@COSTLY
 @given(shapes, tensors, st.floats(1e-4, 1e3), st.sampled_from([1, 2, 3]))
 def test_constants_of_cells_grow_like_the_size_and_those_of_sides_like_its_root(F, C, size, q) -> None:
     assert cell(size * F, C, q) == pytest.approx(size * cell(F, C, q), rel=1e-8)
     assert sides(size * F, C) == pytest.approx(np.sqrt(size) * np.array(sides(F, C)), rel=1e-8)
 
 
+@COSTLY
 @given(shapes, tensors, st.floats(0.01, 100), st.sampled_from([1, 2, 3]))
 def test_constants_fall_like_the_root_of_the_tensor(F, C, scale, q) -> None:
     assert cell(F, scale * C, q) == pytest.approx(cell(F, C, q) / np.sqrt(scale), rel=1e-8)
@@ -70,7 +73,7 @@ def test_constants_fall_like_the_root_of_the_tensor(F, C, scale, q) -> None:
 
 
 @pytest.mark.parametrize("numbering", NUMBERINGS)
-@settings(max_examples=6)
+@COSTLY
 @given(shapes, tensors, st.tuples(st.floats(-5, 5), st.floats(-5, 5)), st.sampled_from([1, 2, 3]))
 def test_constants_know_no_numbers_of_vertices_and_no_place(numbering, F, C, shift, q) -> None:
     plain = F @ CORNERS
@@ -81,6 +84,7 @@ def test_constants_know_no_numbers_of_vertices_and_no_place(numbering, F, C, shi
     assert sides(again, C) == pytest.approx([sides(F, C)[i] for i in numbering], rel=1e-6)
 
 
+@COSTLY
 @given(shapes, tensors, st.floats(0, 2 * np.pi), st.sampled_from([1, 2, 3]))
 def test_constants_turn_with_the_triangle_and_its_tensor(F, C, angle, q) -> None:
     R = turn(angle)
