@@ -216,7 +216,7 @@ def test_a_full_disk_behind_another_error_is_called_a_full_disk(
 @pytest.mark.parametrize(
     ("command", "code", "says"),
     [
-        ("cases", 0, "full-contact"),
+        pytest.param("cases", 0, "full-contact", marks=pytest.mark.slow),  # compiles SymPy without docstrings
         ("rates examples/errors.csv", 0, "converges with order"),
         ("check", 2, "study: python -OO removes docstrings, and pyamg, which this command needs, cannot be imported"),
     ],
