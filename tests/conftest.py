@@ -11,7 +11,9 @@ from threadpoolctl import threadpool_limits
 
 # Machines differ in speed: a deadline would test the machine, not the mathematics.
 settings.register_profile("study", deadline=None, max_examples=25, derandomize=True)
-settings.load_profile("study")
+# The nightly job sets HYPOTHESIS_PROFILE=nightly: more examples, and others each night.
+settings.register_profile("nightly", deadline=None, max_examples=200)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "study"))
 
 # What is printed is laid out for the terminal that the tests are watched in.
 os.environ["COLUMNS"] = "110"

@@ -124,14 +124,14 @@ def check_enclosed(found: Enclosure, moments: Array, errors: Array, name: str) -
 
 
 @pytest.mark.parametrize("evolving", [False, True], ids=["static", "evolving"])
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_displacements_of_an_independent_solver_are_enclosed(seed: int, evolving: bool) -> None:
     check_random_problem(seed, evolving)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("evolving", [False, True], ids=["static", "evolving"])
-@pytest.mark.parametrize("seed", range(6, 36))
+@pytest.mark.parametrize("seed", range(4, 34))
 def test_sixty_random_problems_have_no_error_outside(seed: int, evolving: bool) -> None:
     check_random_problem(seed, evolving)
 

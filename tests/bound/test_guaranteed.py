@@ -14,7 +14,7 @@ from sympy import Expr, Rational, exp, pi, sin
 
 from benchmarks.trials.known import Feature, Known, Trial, random_trial
 from benchmarks.trials.random_problems import ENCLOSED, TIMES, outcome
-from manufactured import FrobeniusBall, KelvinVoigt, Kind, Linear, Yield, catalogue, isotropic, pos, t, unit_square
+from manufactured import FrobeniusBall, KelvinVoigt, Kind, Linear, Yield, isotropic, named, pos, t, unit_square
 from manufactured.compiled import function
 from manufactured.data import Data
 from manufactured.factor import layers, x1, x2
@@ -119,7 +119,6 @@ def test_remainders_of_smooth_data_fall_faster_than_the_error() -> None:
 # ---- what is not guaranteed says so
 
 
-CASES = {case.name: case for case in catalogue()}
 SQUARE, ISOTROPIC = unit_square(), isotropic(1, 1)
 LAYERS = Linear(ISOTROPIC.matrix, layers((1.0, 0.0), 0.5, 2.0))
 
@@ -131,7 +130,7 @@ def of_law(A, G) -> Data:
 @pytest.mark.parametrize(
     ("data", "reason"),
     [
-        (Data.of(CASES["full-contact"].solution), "known at points and times only"),
+        (Data.of(named("full-contact").solution), "known at points and times only"),
         (Data.formulas(SQUARE, LAW, f0=(sp.atan(1 + x1), 0)), "atan"),
         (of_law(ISOTROPIC, Yield(1.0, FrobeniusBall(1.0))), "nonlinear G"),
         (of_law(LAYERS, ISOTROPIC), "varies in x"),

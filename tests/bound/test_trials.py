@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import numpy as np
 import pandas as pd
 import pytest
 
 from benchmarks.trials import random_problems, stiff
-from benchmarks.trials.record import OUT, PAGE, made
-from study.present.pages import markdown, put
+from benchmarks.trials.record import OUT, PAGE
+from study.present.pages import put
 
 RANDOM, EFFECTIVITY = (pd.read_csv(OUT / name) for name in ("random.csv", "effectivity.csv"))
 
@@ -43,7 +40,8 @@ def test_effectivities_are_bounded_for_all_materials_and_were_not_before() -> No
     assert (wide[["enclosure", "plain"]] >= 1).all(axis=None)
 
 
-@pytest.mark.parametrize("trial", ["G 10000 10000", pytest.param("A 1 1", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("trial", ["G 10000 10000", "A 1 1"])
 def test_the_record_is_what_the_program_gives(trial: str) -> None:
     (kept,) = EFFECTIVITY[EFFECTIVITY["trial"] == trial].itertuples()
     found = dict(zip(("low", "high", "plain"), stiff.bounds(trial, stiff.USUAL), strict=True))
@@ -56,25 +54,3 @@ def test_the_page_shows_the_record() -> None:
     for name, table in tables.items():
         assert put(text, name, table) == text, "run: make trials"
         assert f"<!-- {name} -->" in text
-
-
-def test_an_error_outside_is_counted() -> None:
-    worse = RANDOM.copy()
-    worse.loc[0, "outcome"] = random_problems.OUTSIDE
-    (before, after) = (random_problems.summary(one).splitlines() for one in (RANDOM, worse))
-    assert before != after
-    assert after[5].split(" | ")[4] == "1"
-
-
-def test_rows_on_disk_are_not_made_again(tmp_path: Path) -> None:
-    asked: list[int] = []
-
-    def row(key: int) -> dict[str, float]:
-        asked.append(key)
-        return {"value": np.sqrt(key)}
-
-    file = tmp_path / "some.csv"
-    made(file, [2, 1], row)
-    assert list(made(file, [1, 2, 3], row)["trial"]) == [1, 2, 3]
-    assert asked == [2, 1, 3]
-    assert markdown(["a"], [["b"]]) == "| a |\n| --- |\n| b |\n"

@@ -16,7 +16,6 @@ from manufactured import (
     FrobeniusBall,
     KelvinVoigt,
     Kind,
-    Linear,
     Yield,
     isotropic,
     polygon,
@@ -221,10 +220,3 @@ def test_meshes_are_those_of_the_families_up_to_a_little(family: MeshFamily, pro
     exact = checker.Mesh.of(rational_mesh(mesh, body), checker.Problem(statement(problem("wedge"))))
     moved = abs(in_doubles(exact).p - mesh.p).max()
     assert moved < 0.02
-
-
-def test_the_law_in_voigt_and_in_mandel_is_one() -> None:
-    tensor = Linear(np.array([[3, 1, 0.2], [1, 2, 0.1], [0.2, 0.1, 1.5]]))
-    C = np.array([[float(c) for c in row] for row in voigt(tensor.matrix)])
-    strain = np.array([0.3, -0.2, 0.5])
-    assert C @ (strain * [1, 1, 2**0.5]) == pytest.approx(tensor.matrix @ strain / [1, 1, 2**0.5])

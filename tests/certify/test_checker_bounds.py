@@ -396,23 +396,6 @@ def test_an_element_with_jumps_inside_is_refused(more: Any, message: str) -> Non
         checker.Element.of(data)
 
 
-def test_tractions_are_decoded(element: checker.Element) -> None:
-    stresses = stresses_on(QUADRANGLE, "clamped loaded contact clamped", element, 2)
-    assert (stresses.contact, stresses.loaded, stresses.free) == ([(2, 3)], [(1, 2)], [(0, 2), (0, 1), (3, 0)])
-    assert stresses.unit == 2 * element.over * 2
-    numbers = [-1, -2, 0, -4, *range(8), *([0] * 24)]
-    numbers[12:20] = [1, 10, 2, 20, 3, 30, 4, 40]
-    found, normal = stresses.tractions(numbers)
-    assert normal == [[-1, -2, 0, -4]]
-    assert found[2, 3] == [(1 * c, 3 * c) for c in (-1, -2, 0, -4)]  # N = (1, 3)/2, times h
-    assert found[1, 2] == [(0, 2), (4, 6), (8, 10), (12, 14)]
-    # Modes (1, 1, 1, 1), (−3, −1, 1, 3), (1, −1, −1, 1), (−1, 3, −3, 1), the last two four times as coarse.
-    assert found[0, 2] == [
-        (2 * c, 20 * c) for c in (1 - 6 + 12 - 16, 1 - 2 - 12 + 48, 1 + 2 - 12 - 48, 1 + 6 + 12 + 16)
-    ]
-    assert found[0, 1] == [(0, 0)] * 4
-
-
 @pytest.mark.parametrize("place", range(4))
 def test_a_stress_that_pulls_on_the_foundation_is_refused(place: int, element: checker.Element) -> None:
     stresses = stresses_on(TRIANGLE, "clamped contact clamped", element, loads={})
@@ -629,19 +612,6 @@ def on_grid(grid: int, call: Callable[[], Any]) -> Any:
 
 def piece_of(certificate: checker.Certificate) -> Piece:
     return list(checker.pieces(certificate.nodes, certificate.problem.T))[3]
-
-
-def test_distances_are_taken_at_control_points(bracket: checker.Certificate) -> None:
-    """Those of the halves of a piece, at equal distances in time."""
-    piece, spy = piece_of(bracket), []
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(bracket, "_distance", lambda v, more, time: spy.append((v, more, time)))
-        list(bracket._distances(piece))
-    c = np.array(piece.values, dtype=object)
-    wanted = [4 * c[0], 2 * (c[0] + c[1]), c[0] + 2 * c[1] + c[2], 2 * (c[1] + c[2]), 4 * c[2]]
-    for n, (v, more, time) in enumerate(spy):
-        assert (list(v), more, time) == (list(wanted[n]), 4, piece.a + n * (piece.b - piece.a) / 4)
-    assert len(spy) == 5
 
 
 def test_distances_are_rounded_outward(bracket: checker.Certificate) -> None:
@@ -957,15 +927,6 @@ def test_orders_are_enclosed(coarse: Enclosure, fine: Enclosure, low: int, high:
     assert span is not None
     assert low - Q(1, 2**55) < span[0] <= low
     assert high <= span[1] < high + Q(1, 2**55)
-
-
-@pytest.mark.parametrize(("E", "low", "high"), [(Q(3, 5), Q(-2, 3), Q(-1, 4)), (Q(5, 3), Q(1, 4), Q(2, 3))], ids=str)
-def test_ends_of_orders_are_quotients_of_the_right_ends(E: Q, low: Q, high: Q, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Logarithms that are known badly: of E/E' in ±[1/2, 1], of the cells in [3, 4]."""
-    sign = 1 if E > 1 else -1
-    ends = {E: tuple(sorted((sign * Q(1, 2), sign * Q(1)))), Q(4): (Q(3), Q(4))}
-    monkeypatch.setattr(checker, "logarithm", ends.__getitem__)
-    assert checker.order(proved(8, E, E), proved(32, 1, 1)) == (low, high)
 
 
 def test_no_order_without_two_meshes_and_positive_errors() -> None:

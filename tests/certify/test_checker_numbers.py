@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import mpmath
-import numpy as np
 import pytest
 
 from study.certify import checker
@@ -134,30 +133,6 @@ SEMIDEFINITE: list[tuple[list[list[Any]], bool]] = [
 def test_semidefinite_matrices_are_known(matrix: list[list[Any]], wanted: bool) -> None:
     """Leading minors are not enough: those of [[0, 0], [0, −1]] are 0."""
     assert checker.semidefinite([[Q(x) for x in row] for row in matrix]) is wanted
-
-
-def test_matrices_are_those_of_numpy() -> None:
-    rng = np.random.default_rng(2)
-    M, N = (rng.integers(-9, 9, (3, 3)) for _ in range(2))
-    v = [int(x) for x in rng.integers(-9, 9, 3)]
-    m, n = ([[Q(int(x)) for x in row] for row in some] for some in (M, N))
-    assert float(checker.determinant(m)) == pytest.approx(np.linalg.det(M))
-    assert np.array(checker.inverse(m), dtype=float) == pytest.approx(np.linalg.inv(M))
-    assert (np.array(checker.congruent(m, n)) == M @ N @ M.T).all()
-    assert (np.array(checker.applied(m, v)) == M @ v).all()
-    assert (np.array(checker.combined(m, n, Q(-3, 2))) == M - Q(3, 2) * N).all()
-    assert checker.traced(m, n) == (M * N).sum()
-    assert (np.array(checker.mixed(v, M.tolist())) == v @ M).all()
-
-
-def test_small_vectors_are_those_of_textbooks() -> None:
-    assert checker.common([[Q(1, 2)], [Q(1, 3), Q(5)]]) == ([[3], [2, 30]], 6)
-    assert checker.pairs([1, 2, 3, 4]) == [(1, 2), (3, 4)]
-    assert checker.cross((2, 3), (5, 11)) == 7
-    assert checker.minus((Q(2), Q(3)), (Q(5), Q(11))) == (-3, -8)
-    assert checker.summed([[1, 2], [10, 20], [100, 200]]) == [[1, 2], [12, 24], [123, 246]]
-    with pytest.raises(RefusedError, match="must have equal lengths"):
-        checker.summed([[1, 2], [3]])
 
 
 # Polynomials

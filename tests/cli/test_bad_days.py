@@ -44,20 +44,25 @@ def run_of_two(made: Path, tmp_path: Path) -> Path:
     return tmp_path
 
 
-READERS = (["check"], ["tables"], ["figures"], ["report"], ["compare"])
+WORDS = [("error", "small"), ("error", "nan"), ("order", "steep"), ("error", "")]
+READERS = [
+    *(("check", *cell) for cell in WORDS),
+    *((command, *WORDS[0]) for command in ("tables", "figures", "report")),
+]
 
 
-@pytest.mark.parametrize("command", READERS, ids=lambda command: command[0])
-@pytest.mark.parametrize(("column", "word"), [("error", "small"), ("error", "nan"), ("order", "steep"), ("error", "")])
+@pytest.mark.parametrize(
+    ("command", "column", "word"), [*READERS, ("compare", *WORDS[0]), ("compare", *WORDS[1])], ids=str
+)
 def test_words_and_nan_in_a_data_file_are_named_by_file_and_line(
-    command: list[str], column: str, word: str, run_of_two: Path, capsys: pytest.CaptureFixture[str]
+    command: str, column: str, word: str, run_of_two: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = run_of_two / "new" / "data" / "rates.csv"
     table = pd.read_csv(path, dtype=str, keep_default_na=False)
     table.loc[2, column] = word
     table.to_csv(path, index=False)
-    if command != ["compare"]:
-        said = told(capsys, *command, "--out", str(run_of_two / "new"))
+    if command != "compare":
+        said = told(capsys, command, "--out", str(run_of_two / "new"))
         assert f"{path}, line 4, column {column}: found {word!r}, expected a number" in said
         assert f"--levels 8 16 32 --out {run_of_two / 'new'}`" in said
         return
@@ -151,7 +156,12 @@ READ_ONLY = "Read-only file system; give a directory you may write with --out"
 @pytest.mark.parametrize(
     ("command", "code", "says"),
     [
-        *((command, errno.ENOSPC, FULL.format(os.strerror(errno.ENOSPC))) for command in NAMES),
+        *(
+            pytest.param(command, errno.ENOSPC, FULL.format(os.strerror(errno.ENOSPC)), marks=marks)
+            for command in NAMES
+            # These start processes or solve before they write as the others do.
+            for marks in [pytest.mark.slow if command in ("controls", "seeds", "sensitivity", "show corner") else ()]
+        ),
         ("tables", errno.EDQUOT, FULL.format(os.strerror(errno.EDQUOT))),
         ("tables", errno.EROFS, READ_ONLY),
     ],
@@ -206,7 +216,7 @@ def test_a_full_disk_behind_another_error_is_called_a_full_disk(
 @pytest.mark.parametrize(
     ("command", "code", "says"),
     [
-        ("cases", 0, "full-contact"),
+        pytest.param("cases", 0, "full-contact", marks=pytest.mark.slow),  # compiles SymPy without docstrings
         ("rates examples/errors.csv", 0, "converges with order"),
         ("check", 2, "study: python -OO removes docstrings, and pyamg, which this command needs, cannot be imported"),
     ],

@@ -197,10 +197,6 @@ def test_a_users_data_that_make_no_problem_are_refused_with_the_reason(
     assert not out.exists()
 
 
-def test_a_file_that_is_not_there_is_refused(capsys, tmp_path) -> None:
-    assert "there is no file" in refused(capsys, f"{tmp_path}/none.py:press", "--out", str(tmp_path / "out"))
-
-
 STATIC = """
 from manufactured import Kind, plane_stress, polygon, static, x2
 

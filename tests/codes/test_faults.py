@@ -205,37 +205,6 @@ def test_the_last_line_names_the_cause_that_explains_most_cases() -> None:
     assert judge.summary(found[:1]) == []
 
 
-def with_gap(task: Any) -> Any:
-    """The task with an initial gap: its solutions plus w, the gap on Γ3, solve it with the loads of w added."""
-    data = json.loads(json.dumps(task.data))
-    w = np.zeros_like(task.vertices)
-    for piece, (normal, vertices, _) in zip(data["contact"], task.pieces(), strict=True):
-        gap = 0.1 + 0.05 * np.arange(len(vertices)) / len(vertices)
-        piece["gap"] = gap.tolist()
-        w[vertices] += gap[:, None] * normal
-    strain = task.strain(w)
-    forces = task.internal(np.einsum("cij,cj->ci", task.stiffness, strain))
-    forces[task.clamped] = 0
-    for step, one in zip(data["steps"], data["judge"], strict=True):
-        step["load"] = (np.array(step["load"]) + forces).tolist()
-        for key in ("displacement", "reference"):
-            one[key] = (np.array(one[key]) + w).tolist()
-        one["strain"] = (np.array(one["strain"]) + strain).tolist()
-    return judge.Task(task.name, data)
-
-
-@pytest.mark.parametrize(
-    ("factor", "cause"),
-    [(1.0, ""), (0.0, "the initial gap is forgotten"), (-1.0, "the initial gap is taken with the reversed sign")],
-)
-def test_an_initial_gap_is_judged(factor: float, cause: str) -> None:
-    task = with_gap(exported("layered"))
-    gap = (1 - factor) * task.constraints()[3]
-    found = judged(faults.in_contact(lambda W, free, _: judge.active_set(W, free + gap)), task)
-    assert (found.verdict == "exact for P1") == (factor == 1)
-    assert cause in found.cause
-
-
 def test_springs_that_stiffen_with_the_mesh_are_consistent_where_contact_meets_the_clamp() -> None:
     """*junction*: the error has the order 0.48, and the distance of springs k/h falls with the order 0.4."""
     found = judged(faults.springs(lambda task: 10 / task.data["h"]), *(exported("junction", n) for n in (8, 16, 32)))

@@ -31,8 +31,6 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.tasks import Task
 from study.statements.thm_4_2 import problems
 
-GAPS = {case.name for case in catalogue() if case.solution.has_initial_gap}
-
 
 def loaded() -> tuple:
     """S, N, a load that closes some gaps and opens others, g and the vertices of a cube."""
@@ -97,9 +95,10 @@ def test_bounds_refuse_a_gap() -> None:
         check_problem(Data.of(named("closing-gap").solution), None, Refined(0, 1))
 
 
-@pytest.mark.parametrize("scope", [quick(), full()], ids=lambda scope: scope.name)
+@pytest.mark.parametrize("scope", [quick, full])
 def test_no_statement_but_its_own_is_measured_on_a_gap(scope) -> None:
-    about = {type(job.statement) for job in Plan.of(scope).jobs if getattr(job.setting, "case", None) in GAPS}
+    gaps = {case.name for case in catalogue() if case.solution.has_initial_gap}
+    about = {type(job.statement) for job in Plan.of(scope()).jobs if getattr(job.setting, "case", None) in gaps}
     assert about == {InitialGap, Pictures}
 
 

@@ -10,7 +10,7 @@ import pytest
 from skfem import Basis, BilinearForm, ElementTetP1, ElementVector
 from skfem.helpers import ddot, sym_grad, trace
 
-from manufactured import Body, BodyError, Kind, Part, box, catalogue, isotropic, unit_square
+from manufactured import Body, BodyError, Kind, Part, box, isotropic, named, unit_square
 from manufactured.tensors import mandel
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm, load_from_forces
@@ -297,7 +297,7 @@ def test_contact_constraints_of_a_solid_are_v_dot_nu_and_their_weights_cover_the
 def test_the_two_loads_and_the_two_interpolation_errors_of_a_solid_meet_under_refinement() -> None:
     """Green's formula (2.14), f_0 with a jump across the moving circle, and the leading term of the interpolation
     error, in dimension 3."""
-    solution = {case.name: case for case in catalogue()}["cube-disc"].solution
+    solution = named("cube-disc").solution
     loads, shares = [], []
     for n in (4, 12):
         v_norm = ErrorNorm(solution, Space(Shaken()(solution.body, n), solution.body), raised=2)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from operator import attrgetter
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from entrywise import near
 from hypothesis import given
 from hypothesis import strategies as st
 
-from manufactured.catalogue import catalogue, named
+from manufactured.catalogue import NAMES, named
 from manufactured.law import LawError, Linear
 from manufactured.multiscale import multiscale, rollers
 from manufactured.natural_motion import natural_motion
@@ -23,14 +22,20 @@ from study.fem.naming import resolve
 from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
 from study.fem.space import Space
 
-NAME = attrgetter("name")
-PLANE = [case for case in catalogue() if case.solution.body.dim == 2]
+OUTSIDE = {
+    "trains": lambda: multiscale()[0],
+    "breathing-trains": lambda: multiscale()[1],
+    "roller": lambda: rollers(8)[0],
+    "standing": lambda: rollers(8)[3],
+    "natural-motion": natural_motion,
+}
+"""Exact solutions that are not in the catalogue, which are made when a test needs them."""
 
 
-@pytest.mark.parametrize("case", catalogue(), ids=lambda case: case.name)
+@pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("rate", [False, True], ids=["strain", "rate"])
-def test_the_modes_of_a_solution_sum_to_its_strain(case, rate: bool) -> None:
-    solution = case.solution
+def test_the_modes_of_a_solution_sum_to_its_strain(name: str, rate: bool) -> None:
+    solution = named(name).solution
     x = solution.body.sample(np.random.default_rng(1), 300)
     fields, time = solution.at(x), 0.37 * solution.body.T
     expected = fields.strain_rate(time) if rate else fields.strain(time)
@@ -41,9 +46,10 @@ def test_the_modes_of_a_solution_sum_to_its_strain(case, rate: bool) -> None:
     assert abs(found - expected).max() <= 1e-13 * abs(expected).max()
 
 
-@pytest.mark.parametrize("case", [case for case in catalogue() if isinstance(case.solution.law.G, Linear)], ids=NAME)
-def test_the_modes_of_a_force_sum_to_f_0(case) -> None:
-    solution = case.solution
+@pytest.mark.parametrize("name", [name for name in NAMES if not name.startswith("yield") and name != "double-well"])
+def test_the_modes_of_a_force_sum_to_f_0(name: str) -> None:
+    solution = named(name).solution
+    assert isinstance(solution.law.G, Linear)
     x = solution.body.sample(np.random.default_rng(3), 300)
     fields, time = solution.at(x), 0.37 * solution.body.T
     expected, modes = fields.body_force(time), fields.force_modes()
@@ -61,12 +67,10 @@ def test_a_law_that_yields_has_no_modes_of_a_force() -> None:
         solution.at(np.array([[0.5], [0.5]])).force_modes()
 
 
-@pytest.mark.parametrize(
-    "case", [*catalogue(), *multiscale(), *rollers(8), natural_motion()], ids=lambda case: case.name
-)
+@pytest.mark.parametrize("name", [*NAMES, *OUTSIDE])
 @pytest.mark.parametrize("rate", [False, True], ids=["strain", "rate"])
-def test_amplitudes_at_many_times_are_those_at_each(case, rate: bool) -> None:
-    solution = case.solution
+def test_amplitudes_at_many_times_are_those_at_each(name: str, rate: bool) -> None:
+    solution = (OUTSIDE[name]() if name in OUTSIDE else named(name)).solution
     times = solution.body.T * np.linspace(0, 1, 7)
     for part in solution.at(solution.body.sample(np.random.default_rng(2), 40)).modes():
         each = np.array([part.amplitudes(float(time), rate) for time in times])
@@ -165,14 +169,11 @@ def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(
 
 
 @pytest.mark.parametrize(
-    "case",
-    map(
-        named, ("full-contact", "advance-recede", "load-w11", "heterogeneous", "hexagon", "layered-unmet", "re-entrant")
-    ),
-    ids=lambda case: case.name,
+    "name", ["full-contact", "advance-recede", "load-w11", "heterogeneous", "hexagon", "layered-unmet", "re-entrant"]
 )
-def test_sharing_coordinates_changes_the_mean_strains_by_less_than_the_rule_itself_leaves(case) -> None:
-    solution = case.solution
+def test_sharing_coordinates_changes_the_mean_strains_by_less_than_the_rule_itself_leaves(name: str) -> None:
+    """Cases of every kind. In rough-2 and softening coordinates that are moved change up to 1.7e-4 of the strains."""
+    solution = named(name).solution
     mesh = next(family for family in FAMILIES if family.serves(solution.body))(solution.body, 8)
     time, found = 0.7 * solution.body.T, {}
     for name, degree, lines in (("plain", 4, []), ("shared", 4, shared_lines(solution)), ("fine", 12, [])):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from manufactured import Body, Kind, catalogue, polygon, unit_square, x1, x2
+from manufactured import Body, Kind, named, polygon, unit_square, x1, x2
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.data import Data
 from manufactured.problems import problems
@@ -27,10 +27,7 @@ BODIES = {
     "square": (unit_square(), Shaken()),
     "criss-cross": (unit_square(), CrissCross()),
     "corner of Γ3": (polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [CONTACT, LOADED, CLAMPED, CONTACT]), OneDiagonal()),
-    "hexagon": (
-        next(case.solution.body for case in catalogue() if case.name == "hexagon"),
-        Unstructured(),
-    ),
+    "hexagon": (named("hexagon").solution.body, Unstructured()),
     "bracket": (next(p.data.body for p in problems() if p.name == "bracket"), Unstructured()),
 }
 LEVEL = 4

@@ -10,9 +10,8 @@ from types import ModuleType
 import pytest
 from case_docstrings import missing_parts
 
-from manufactured import Case, cases, catalogue
-
-CASES = {case.name: case for case in catalogue()}
+from manufactured import Case, cases, catalogue, named
+from manufactured.catalogue import NAMES
 
 
 def module_named(name: str) -> ModuleType:
@@ -24,19 +23,19 @@ def own(case: Case) -> ModuleType:
     return module_named(re.sub(r"\W", "_", case.name))
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", NAMES)
 def test_every_case_is_made_by_the_module_named_after_it(name: str) -> None:
-    assert own(CASES[name]).case().name == name
+    assert own(named(name)).case().name == name
 
 
 def test_every_module_that_makes_a_case_is_in_the_catalogue() -> None:
     makers = {info.name for info in iter_modules(cases.__path__) if hasattr(module_named(info.name), "case")}
-    assert makers == {own(case).__name__.rpartition(".")[2] for case in CASES.values()}
+    assert makers == {own(case).__name__.rpartition(".")[2] for case in catalogue()}
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", NAMES)
 def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_predict(name: str) -> None:
-    assert missing_parts(own(CASES[name]).__doc__, CASES[name]) == []
+    assert missing_parts(own(named(name)).__doc__, named(name)) == []
 
 
 @pytest.mark.parametrize(
@@ -55,6 +54,6 @@ def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_p
 def test_a_docstring_that_leaves_something_out_is_noticed(
     name: str, before: str, after: str, missing: list[str]
 ) -> None:
-    docstring = str(own(CASES[name]).__doc__)
+    docstring = str(own(named(name)).__doc__)
     assert before in docstring
-    assert missing_parts(docstring.replace(before, after), CASES[name]) == missing
+    assert missing_parts(docstring.replace(before, after), named(name)) == missing

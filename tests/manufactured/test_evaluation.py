@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from manufactured import Case, Kind, catalogue, evaluate, named
+from manufactured import Kind, evaluate, named
 from manufactured.body import Body
+from manufactured.catalogue import NAMES
 from manufactured.tensors import Array, mandel, traction
 
 TIME = 0.4
@@ -20,8 +21,9 @@ def inside(body: Body, count: int = 5) -> Array:
     return np.asarray(points[:, body.contains(points)][:, :count])
 
 
-@pytest.mark.parametrize("case", catalogue(), ids=lambda case: case.name)
-def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_the_fields_say(case: Case) -> None:
+@pytest.mark.parametrize("name", NAMES)
+def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_the_fields_say(name: str) -> None:
+    case = named(name)
     x, body = inside(case.solution.body), case.solution.body
     found, fields = evaluate(case, x, TIME), case.solution.at(x)
     size = abs(found.gradient).max()
@@ -46,4 +48,4 @@ def test_the_gradient_is_the_difference_of_displacements() -> None:
 
 def test_points_with_too_few_coordinates_are_refused() -> None:
     with pytest.raises(ValueError, match=r"shape \(2, n\)"):
-        evaluate(catalogue()[0], [[0.5]], TIME)
+        evaluate(named("full-contact"), [[0.5]], TIME)

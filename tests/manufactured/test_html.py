@@ -4,7 +4,8 @@ from html.parser import HTMLParser
 
 import pytest
 
-from manufactured import Kind, catalogue
+from manufactured import Kind, named
+from manufactured.catalogue import NAMES
 
 VOID = {"line"}
 
@@ -30,9 +31,9 @@ class Nesting(HTMLParser):
         self.text += data
 
 
-@pytest.mark.parametrize("case", catalogue(), ids=lambda case: case.name)
-def test_a_case_is_shown_with_its_prediction_and_every_piece_of_the_contact_face(case) -> None:
-    html = Nesting()
+@pytest.mark.parametrize("name", NAMES)
+def test_a_case_is_shown_with_its_prediction_and_every_piece_of_the_contact_face(name: str) -> None:
+    case, html = named(name), Nesting()
     html.feed(case._repr_html_())
     assert html.open == []
     for text in (case.name, case.reason, f"{case.order:g}", case.solution.law.name):

@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
+from random_examples import COSTLY
 from scipy.integrate import quad
 
 from manufactured import (
@@ -73,6 +74,7 @@ def test_a_polynomial_motion_gives_the_same_times_and_strains_either_way() -> No
             np.testing.assert_allclose(two[index], value, rtol=0, atol=1e-14 * sizes[index])
 
 
+@COSTLY
 @given(st.floats(0.31, 0.64), st.floats(0.02, 1.0))
 def test_the_strain_behind_a_front_that_swings_solves_its_differential_equation(place: float, time: float) -> None:
     """Against adaptive quadrature between the times at which the front passes, known in closed form."""

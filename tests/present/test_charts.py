@@ -29,19 +29,32 @@ from study.present.palette import Style
 from study.present.report import BETWEEN, HEIGHTS, LEFT, RIGHT, TOP, svg_chart
 
 Array = NDArray[np.float64]
-RATES = read_rates(RESULTS)
-ERRORS = RATES[(RATES["case"] == SMOOTH) & (RATES["level"] <= 32)]
-ENCLOSURES = pd.read_csv(RESULTS / "data" / "enclosures.csv").query("trajectory == 'enclosure' and case == @SMOOTH")
-ENCLOSED = ENCLOSURES[(ENCLOSURES["family"] == "shaken") & (ENCLOSURES["level"] == ENCLOSURES["level"].min())]
-CHARTS = {
-    "convergence": convergence_chart(ERRORS, 1.0),
-    "enclosure": enclosure_chart(ENCLOSED, "advance-recede, shaken"),
-    "unknown error": enclosure_chart(ENCLOSED.assign(error=np.nan, plain=4.0), "ramp, shaken"),
-}
 
 
-@pytest.mark.parametrize("chart", CHARTS.values(), ids=CHARTS)
-def test_figure_and_page_show_the_same_curves_ticks_and_legend(chart: Chart) -> None:
+@pytest.fixture(scope="module")
+def errors() -> pd.DataFrame:
+    return read_rates(RESULTS).query(f"case == {SMOOTH!r} and level <= 32")
+
+
+@pytest.fixture(scope="module")
+def enclosed() -> pd.DataFrame:
+    rows = pd.read_csv(RESULTS / "data" / "enclosures.csv")
+    rows = rows.query(f"trajectory == 'enclosure' and case == {SMOOTH!r} and family == 'shaken'")
+    return rows[rows["level"] == rows["level"].min()]
+
+
+@pytest.fixture(scope="module")
+def charts(errors: pd.DataFrame, enclosed: pd.DataFrame) -> dict[str, Chart]:
+    return {
+        "convergence": convergence_chart(errors, 1.0),
+        "enclosure": enclosure_chart(enclosed, "advance-recede, shaken"),
+        "unknown error": enclosure_chart(enclosed.assign(error=np.nan, plain=4.0), "ramp, shaken"),
+    }
+
+
+@pytest.mark.parametrize("name", ["convergence", "enclosure", "unknown error"])
+def test_figure_and_page_show_the_same_curves_ticks_and_legend(name: str, charts: dict[str, Chart]) -> None:
+    chart = charts[name]
     with in_style():
         figure = draw_chart(chart)
     page, top = svg_chart(chart), TOP
@@ -72,11 +85,13 @@ def test_figure_and_page_show_the_same_curves_ticks_and_legend(chart: Chart) -> 
     assert page.count("aria-hidden") == len(entries)
 
 
-def test_where_the_error_is_unknown_the_distance_to_a_more_accurate_displacement_takes_its_place() -> None:
-    known, unknown = CHARTS["enclosure"], CHARTS["unknown error"]
+def test_where_the_error_is_unknown_the_distance_to_a_more_accurate_displacement_takes_its_place(
+    charts: dict[str, Chart], enclosed: pd.DataFrame
+) -> None:
+    known, unknown = charts["enclosure"], charts["unknown error"]
     assert "lines are the error itself" in known.caption
     assert "lines are the distance to a more accurate displacement" in unknown.caption
-    np.testing.assert_array_equal(unknown.subplots[0].curves[-1].y, ENCLOSED["distance"])
+    np.testing.assert_array_equal(unknown.subplots[0].curves[-1].y, enclosed["distance"])
     assert "bound from u_h alone" in [entry.text for entry in unknown.legend[1]]
 
 
@@ -111,10 +126,10 @@ def test_orders_over_two_refinements_are_those_of_a_power_of_h() -> None:
     assert finest_orders(frame.assign(error=0.0), 2) == {}
 
 
-def test_the_last_orders_are_consecutive_ones_and_graded_meshes_are_kept_apart() -> None:
-    graded = ERRORS[ERRORS["family"] == "shaken"].assign(family="graded")
-    plain, on_graded = last_orders(pd.concat([ERRORS, graded]))
-    groups = ERRORS.groupby("family", sort=False)
+def test_the_last_orders_are_consecutive_ones_and_graded_meshes_are_kept_apart(errors: pd.DataFrame) -> None:
+    graded = errors[errors["family"] == "shaken"].assign(family="graded")
+    plain, on_graded = last_orders(pd.concat([errors, graded]))
+    groups = errors.groupby("family", sort=False)
     expected = {family: orders(rows["h"], rows["error"])[-1] for family, rows in groups}
     assert plain == list(expected.values())
     assert on_graded == [expected["shaken"]]

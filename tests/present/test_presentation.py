@@ -17,7 +17,6 @@ from committed import CASES, CORNER, ROUGH, SMOOTH, committed, copy_results, wri
 from matplotlib.mathtext import MathTextParser
 
 from study.ledger.datafiles import DataError, read_claims, read_rates
-from study.ledger.files import StoreError, write_text, write_whole
 from study.present import outcome
 from study.present.figures import draw_figures, drawings
 from study.present.notation import encode
@@ -54,9 +53,9 @@ def drawn(tables: Path) -> Path:
 
 
 @pytest.fixture
-def data(tmp_path: Path) -> Path:
+def data(tables: Path, tmp_path: Path) -> Path:
     """A directory with the same data only, to damage."""
-    write_ledger(copy_results(tmp_path, pictures=(CORNER,)))
+    shutil.copytree(tables / "data", tmp_path / "data")
     return tmp_path
 
 
@@ -280,15 +279,3 @@ def test_a_damaged_file_is_named(data: Path, name: str, old: str, new: str, comp
     with pytest.raises(DataError, match=complaint):
         (write_tables if name == "claims.csv" else draw_all)(data)
     assert files(data) == ["data"]
-
-
-def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
-    def stumble(part: Path) -> None:
-        part.write_text("half")
-        raise OSError("disk full")
-
-    path = write_text(tmp_path / "table.md", "whole")
-    with pytest.raises(StoreError, match="disk full"):
-        write_whole(path, stumble)
-    assert files(tmp_path) == ["table.md"]
-    assert path.read_text() == "whole"

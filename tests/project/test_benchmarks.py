@@ -37,6 +37,7 @@ def test_a_level_of_the_growth_table_is_measured(solver: str) -> None:
     assert growth.exponent(dofs, 3e-5 * dofs**1.17) == pytest.approx(1.17)
 
 
+@pytest.mark.slow
 def test_programs_that_are_installed_solve_the_same_problem(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     problem = compare.export(8, tmp_path / "problem.npz")
     given = exchange.load(tmp_path / "problem.npz")
@@ -64,6 +65,7 @@ def test_programs_that_are_installed_solve_the_same_problem(tmp_path: Path, monk
         assert failed.remark == remark
 
 
+@pytest.mark.slow
 def test_on_a_curved_face_exact_normals_give_the_smaller_distance_to_the_interpolant() -> None:
     coarse, fine = curved.errors(8, 0), curved.errors(16, 0)
     assert all(1.5 < before["error"] / after["error"] < 2.5 for before, after in zip(coarse, fine, strict=True))

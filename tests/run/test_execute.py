@@ -34,15 +34,13 @@ from study.statements.thm_4_2 import SameMesh
 from study.statements.thm_4_2_own_space import OwnSpace
 
 LEVELS = Levels((2, 4))
-SMALL = replace(
-    quick(),
-    cases=("advance-recede", "yield-on-a-part"),
-    plane=LEVELS,
-    rough=LEVELS,
-    equivalence=(2,),
-    every_family=False,
-    statements=False,
-)
+
+
+def small() -> Scope:
+    cases, few = ("advance-recede", "yield-on-a-part"), {"every_family": False, "statements": False}
+    return replace(quick(), cases=cases, plane=LEVELS, rough=LEVELS, equivalence=(2,), **few)
+
+
 ROOMY = 64 * GIB
 
 
@@ -69,7 +67,7 @@ def computed(scope: Scope, directory: Path, executor: Executor) -> dict[str, byt
 @pytest.fixture(scope="module")
 def by_processes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     with Processes(2) as executor:
-        return computed(SMALL, tmp_path_factory.mktemp("processes"), executor)
+        return computed(small(), tmp_path_factory.mktemp("processes"), executor)
 
 
 class AtOnce(Executor):
@@ -91,7 +89,7 @@ class AtOnce(Executor):
 @pytest.mark.parametrize("executor", [lambda: ThreadPoolExecutor(2), AtOnce], ids=["threads", "none"])
 def test_every_executor_gives_the_same_files_byte_for_byte(tmp_path, by_processes, executor) -> None:
     with executor() as chosen:
-        assert computed(SMALL, tmp_path, chosen) == by_processes
+        assert computed(small(), tmp_path, chosen) == by_processes
     assert any(name.startswith("data/jobs/rates__advance-recede") for name in by_processes)
 
 

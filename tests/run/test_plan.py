@@ -30,16 +30,21 @@ from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
 from study.statements.rollers import Rollers
 from study.statements.shared.base import Setting
 from study.statements.shared.meshes import BODIES, BODIES_WITH_LAWS, BODIES_WITH_VISCOSITIES, LAWS
-from study.statements.shared.scope import Levels
+from study.statements.shared.scope import Levels, Scope
 from study.statements.thm_4_2 import SameMesh
 
-SCOPES = {"quick": quick(), "full": full()}
+SCOPES = ("quick", "full")
+
+
+@cache
+def scope(name: str) -> Scope:
+    """The quick or the full study."""
+    return quick() if name == "quick" else full()
 
 
 @cache
 def plan(name: str) -> Plan:
-    """The quick or the full study."""
-    return Plan.of(SCOPES[name])
+    return Plan.of(scope(name))
 
 
 def rates(name: str) -> list[RateSetting]:
@@ -50,7 +55,7 @@ def rates(name: str) -> list[RateSetting]:
 @pytest.mark.parametrize("name", SCOPES)
 def test_every_case_has_enough_levels_for_its_verdict_and_both_formulations_compared(name: str) -> None:
     compared = {job.setting.case for job in plan(name).jobs if isinstance(job.statement, SameMesh)}
-    for case in SCOPES[name].resolved():
+    for case in scope(name).resolved():
         enough = 3 if case.regularity.satisfies_5_36 else 4
         mine = [setting for setting in rates(name) if setting.case == case.name]
         assert mine, case.name
@@ -70,8 +75,8 @@ def test_the_quick_study_measures_a_case_on_the_families_it_names_and_a_twin_on_
     found: dict[str, set[str]] = {}
     for setting in rates("quick"):
         found.setdefault(setting.case, set()).add(setting.family)
-    for case in SCOPES["quick"].resolved():
-        assert found[case.name] == set(case.families or [SCOPES["quick"].families_of(case)[0].name])
+    for case in scope("quick").resolved():
+        assert found[case.name] == set(case.families or [scope("quick").families_of(case)[0].name])
         if case.twin:
             assert found[case.name] == found[case.twin]
 
@@ -88,8 +93,8 @@ def test_a_case_inserted_into_the_catalogue_changes_no_measurement_of_another_ca
     monkeypatch.setitem(sys.modules, "manufactured.cases.inserted", inserted)
     for module in ("manufactured.catalogue", "study.fem.naming"):
         monkeypatch.setattr(sys.modules[module], "NAMES", more)
-    studied = tuple(case for case in more if case in (*SCOPES[name].cases, "inserted"))
-    jobs = Plan.of(replace(SCOPES[name], cases=studied)).jobs
+    studied = tuple(case for case in more if case in (*scope(name).cases, "inserted"))
+    jobs = Plan.of(replace(scope(name), cases=studied)).jobs
     others = {job.identity for job in jobs if job.setting.case != "inserted"}
     assert others == before
     assert len(jobs) > len(others)
@@ -101,8 +106,8 @@ def test_another_mesh_family_adds_measurements_and_changes_none(position: int, m
     before = {name: {job.identity for job in plan(name).jobs} for name in SCOPES}
     for module in ("study.statements.shared.scope", "study.fem.naming"):
         monkeypatch.setattr(f"{module}.FAMILIES", more)
-    for name, scope in SCOPES.items():
-        after = {job.identity for job in Plan.of(scope).jobs}
+    for name in SCOPES:
+        after = {job.identity for job in Plan.of(scope(name)).jobs}
         assert before[name] <= after
         assert all("another" in added for added in after - before[name])
 
@@ -110,7 +115,7 @@ def test_another_mesh_family_adds_measurements_and_changes_none(position: int, m
 def test_a_case_that_names_a_family_that_cannot_mesh_its_body_is_refused() -> None:
     hexagon = replace(resolve("hexagon"), families=("shaken",))
     with pytest.raises(UsageError, match="hexagon: shaken meshes cannot fit its body; name one of unstructured"):
-        SCOPES["quick"].families_of(hexagon)
+        scope("quick").families_of(hexagon)
 
 
 def shape(case: Case) -> Hashable:
@@ -149,20 +154,20 @@ def test_a_case_is_made_without_making_any_other_case() -> None:
 
 
 def test_both_formulations_are_compared_on_one_family_of_a_case_in_the_quick_study_and_on_all_in_the_full_one() -> None:
-    for name, scope in SCOPES.items():
+    for name in SCOPES:
         mine = [job.setting for job in plan(name).jobs if isinstance(job.statement, SameMesh)]
-        for case in scope.of_the_paper().resolved():
+        for case in scope(name).of_the_paper().resolved():
             found = {setting.family for setting in mine if setting.case == case.name}
-            serving = {family.name for family in scope.families_of(case)}
+            serving = {family.name for family in scope(name).families_of(case)}
             assert found <= serving
             assert len(found) == (1 if name == "quick" else len(serving)), case.name
 
 
 def test_cases_with_levels_of_their_own_have_those_unless_levels_are_asked_for() -> None:
-    own = {name: levels.on_regular for name, levels in SCOPES["full"].own}
+    own = {name: levels.on_regular for name, levels in scope("full").own}
     for setting in rates("full"):
         assert setting.level in own.get(setting.case, (*range(6, 129),))
-    asked = replace(SCOPES["full"], plane=Levels((4, 8)), own=())
+    asked = replace(scope("full"), plane=Levels((4, 8)), own=())
     assert asked.levels_of(resolve("layered")).on_regular == (4, 8)
 
 

@@ -15,7 +15,7 @@ from scipy.optimize import minimize
 from skfem import Basis, BilinearForm, ElementTriP1, ElementVector
 from skfem.helpers import ddot, sym_grad, trace
 
-from manufactured import Kind, catalogue, isotropic, polygon, unit_square
+from manufactured import Kind, isotropic, named, polygon, unit_square
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm, load_from_forces
 from study.fem.mesh import FAMILIES, Graded, MeshError, OneDiagonal, Shaken, Unstructured
@@ -29,7 +29,6 @@ from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements.shared.experiment import Experiment
 
 FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
-CASES = {case.name: case for case in catalogue()}
 TURNED = polygon([(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT])
 PENTAGON = polygon(
     [(0, 0), (1, 0), (1.3, 0.7), (0.5, 1.2), (-0.2, 0.6)],
@@ -111,7 +110,7 @@ def test_the_normal_displacement_at_contact_vertices_is_v_dot_nu_on_every_piece(
 
 @pytest.mark.parametrize("case", ["advance-recede", "travelling-patch", "yield-on-a-part", "rough-2"])
 def test_the_interpolant_of_an_admissible_displacement_is_admissible(case: str) -> None:
-    solution = CASES[case].solution
+    solution = named(case).solution
     space = Space(Shaken()(solution.body, 12), solution.body)
     v_norm = ErrorNorm(solution, space)
     for time in np.linspace(0, 1, 7):
@@ -121,7 +120,7 @@ def test_the_interpolant_of_an_admissible_displacement_is_admissible(case: str) 
 def test_the_load_from_stresses_is_the_load_from_forces() -> None:
     """Green's formula (2.14): where f_0 is smooth the two assemblies agree to quadrature error."""
     for name in ("full-contact", "no-contact"):
-        solution = CASES[name].solution
+        solution = named(name).solution
         for family in (OneDiagonal(), Shaken(), Unstructured()):
             v_norm = ErrorNorm(solution, Space(family(solution.body, 8), solution.body), raised=4)
             by_stress, by_force = (
@@ -132,7 +131,7 @@ def test_the_load_from_stresses_is_the_load_from_forces() -> None:
 
 
 def test_the_two_loads_meet_under_refinement_where_the_force_is_only_bounded() -> None:
-    solution = CASES["advance-recede"].solution
+    solution = named("advance-recede").solution
     gaps = []
     for n in (8, 32):
         v_norm = ErrorNorm(solution, Space(Shaken()(solution.body, n), solution.body), raised=4)
@@ -260,7 +259,7 @@ def test_a_mesh_that_crosses_an_interface_is_refused() -> None:
 
 def test_the_predicted_interpolation_error_is_the_measured_one_for_quadratics() -> None:
     """The leading term is the whole error as h → 0: ratio 1 + O(h²) on a smooth case."""
-    solution = CASES["full-contact"].solution
+    solution = named("full-contact").solution
     for family in FOR_SQUARES:
         v_norm = ErrorNorm(solution, Space(family(solution.body, 24), solution.body))
         sample = v_norm.sample(1.0)
@@ -348,7 +347,7 @@ def trajectory(case, scheme, steps: int, n: int = 8):
 )
 def test_a_scheme_converges_in_time_with_its_order(name: str, scheme, low: float, high: float) -> None:
     """Predicted: 1 for backward Euler; 2, falling to 3/2 where vertices change state, for the others."""
-    case = CASES[name]
+    case = named(name)
     problem, reference = trajectory(case, MIDPOINT, 640)
     errors = []
     for steps in (20, 40, 80):
@@ -361,7 +360,7 @@ def test_a_scheme_converges_in_time_with_its_order(name: str, scheme, low: float
 
 def test_the_schemes_agree_on_one_trajectory() -> None:
     """Theorem 5.2: uniqueness, seen from three directions."""
-    case = CASES["travelling-patch"]
+    case = named("travelling-patch")
     problem, u = trajectory(case, MIDPOINT, 400)
     _, v = trajectory(case, BDF2, 400)
     size = max(np.sqrt(w @ (problem.M @ w)) for w in u)
@@ -374,14 +373,14 @@ def test_a_midpoint_step_of_a_nonlinear_law_takes_at_most_six_solves_on_the_coar
     name: str, family
 ) -> None:
     """There steps are longest. Backward Euler and BDF2 take more: the share of G in a step is twice as large."""
-    case = CASES[name]
+    case = named(name)
     setup = Experiment.of(case.solution, family, 8, MIDPOINT, rate_steps(case.solution.body.T, 8, case.pace))
     solves = [state.iterations for state in setup.scheme.march(setup.problem, setup.steps)][1:]
     assert max(solves) <= 6
 
 
 def test_a_fixed_point_that_does_not_settle_says_so() -> None:
-    case = CASES["yield-and-release"]
+    case = named("yield-and-release")
     solution = case.solution
     space = Space(OneDiagonal()(solution.body, 4), solution.body)
     v_norm = ErrorNorm(solution, space)

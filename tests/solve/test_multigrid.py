@@ -9,9 +9,10 @@ import pytest
 import scipy.sparse as sps
 from hypothesis import given
 from hypothesis import strategies as st
+from random_examples import COSTLY
 from scipy.sparse.linalg import LinearOperator, cg
 
-from manufactured import Kind, catalogue, polygon
+from manufactured import Kind, named, polygon
 from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space, form
@@ -21,7 +22,6 @@ from study.solve.signorini import Signorini
 from study.solve.solver_choice import FACTORED, SHARE, contact_solver, residual
 from study.solve.tableau import MIDPOINT
 
-CASES = {case.name: case for case in catalogue()}
 EXACT = 1e-10
 """A tolerance far below the discretisation error."""
 SETTINGS: list[tuple[str, MeshFamily, int]] = [
@@ -37,7 +37,7 @@ SETTINGS: list[tuple[str, MeshFamily, int]] = [
 
 
 def of_a_step(name: str, space: Space) -> sps.csc_array:
-    law = CASES[name].solution.law
+    law = named(name).solution.law
     return sps.csc_array(20 * form(space, law.A) + form(space, law.G))
 
 
@@ -52,7 +52,7 @@ def disturbed(S: sps.csc_array, N: sps.csr_array, count: int = 3) -> list:
 def setting(request):
     """S of a time step, large enough for coarse levels, N, and the free vertices."""
     name, family, n = request.param
-    body = CASES[name].solution.body
+    body = named(name).solution.body
     space = Space(family(body, n), body)
     assert space.dofs > COARSEST * space.dim
     return of_a_step(name, space), space.N, space.free_points
@@ -100,9 +100,9 @@ def test_oblique_normals_at_one_vertex_bound_both() -> None:
     ("name", "family", "levels"),
     [
         ("cube-disc", Shaken(), (4, 8)),
-        ("cube-two-faces", OneDiagonal(), (6, 9)),
+        pytest.param("cube-two-faces", OneDiagonal(), (6, 9), marks=pytest.mark.slow),
         ("yield-and-release", Shaken(), (16, 32)),
-        ("re-entrant", Graded(), (16, 32)),
+        pytest.param("re-entrant", Graded(), (16, 32), marks=pytest.mark.slow),
     ],
 )
 def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(
@@ -110,7 +110,7 @@ def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(
 ) -> None:
     """In the norm of V over a trajectory, with the tolerance that a space of that size is given."""
     monkeypatch.setattr("study.solve.solver_choice.FACTORED", {2: 0, 3: 0})
-    solution, shares = CASES[name].solution, []
+    solution, shares = named(name).solution, []
     for n in levels:
         space = Space(family(solution.body, n), solution.body)
         v_norm = ErrorNorm(solution, space)
@@ -152,7 +152,7 @@ def holding(S: sps.csc_array, N: sps.csr_array, x, every: int | None) -> Multigr
 
 def iterations(name: str, n: int, every: int | None) -> int:
     """Conjugate gradients from 1 to 1e-8 where none, some or all unknowns of N are held."""
-    body = CASES[name].solution.body
+    body = named(name).solution.body
     space = Space(OneDiagonal()(body, n), body)
     solve = holding(of_a_step(name, space), space.N, space.free_points, every)
     b, count = solve.free * np.random.default_rng(2).standard_normal(space.dofs), []
@@ -223,6 +223,7 @@ def problems(draw):
     return sps.csc_array(root @ root.T + 0.1 * sps.eye_array(n)), N, rng.standard_normal((d, vertices)), rng
 
 
+@COSTLY
 @given(problems())
 def test_any_positive_definite_matrix_with_any_normals_is_served(problem) -> None:
     S, N, x, rng = problem
@@ -233,7 +234,7 @@ def test_any_positive_definite_matrix_with_any_normals_is_served(problem) -> Non
 
 
 def test_rigid_motions_have_no_strain() -> None:
-    body = CASES["cube-disc"].solution.body
+    body = named("cube-disc").solution.body
     space = Space(Shaken()(body, 3), body)
     motions = rigid_motions(space.mesh.p)
     assert motions.shape[1] == np.linalg.matrix_rank(motions) == 6
@@ -269,7 +270,7 @@ def test_a_tolerance_below_rounding_is_refused(setting) -> None:
 
 
 def test_the_solver_is_chosen_by_size(monkeypatch: pytest.MonkeyPatch) -> None:
-    body = CASES["cube-disc"].solution.body
+    body = named("cube-disc").solution.body
     space = Space(OneDiagonal()(body, 4), body)
     S = of_a_step("cube-disc", space)
     assert isinstance(contact_solver(space)(S, space.N), Signorini)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from manufactured import catalogue
+from manufactured import named
 from study.fem.mesh import OneDiagonal, Shaken
 from study.solve import stress_problem
 from study.solve.evolution import SemiDiscrete
@@ -17,11 +17,9 @@ from study.solve.stress_problem import StressError, StressProblem
 from study.statements.shared.base import Setting
 from study.statements.thm_4_2 import StandsAlone, beyond, gaps, problems
 
-CASES = {case.name: case for case in catalogue()}
-
 
 def case_on(name: str, family, n: int) -> tuple[SemiDiscrete, StressProblem]:
-    return problems(CASES[name].solution, family, n)
+    return problems(named(name).solution, family, n)
 
 
 @pytest.mark.parametrize("family", [OneDiagonal(), Shaken()], ids=lambda f: f.name)

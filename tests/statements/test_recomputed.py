@@ -17,7 +17,7 @@ from study.statements.prop_5_4 import RATES, measure
 from study.statements.recomputed import Recomputed, recompute
 from study.statements.shared.experiment import Experiment
 
-CASES = "full-contact", "no-contact", "advance-recede", "yield-and-release", "corner", "natural-front"
+CASES = "full-contact", "yield-and-release", "corner", "natural-front"
 LEVEL = 8
 
 
@@ -47,9 +47,8 @@ def test_both_ways_agree(case: str) -> None:
     assert set(verdicts(small_run(case)).values()) == {HOLDS}
 
 
-FACTORS = [("error", factor) for factor in (1.01, 1.02, 1.05, 0.99)]
-FACTORS += [("discrete_error", factor) for factor in (0.8, 0.95, 1.05, 1.1)]
-FACTORS += [("interpolation_error", factor) for factor in (0.97, 0.99, 1.01, 1.04)]
+FACTORS = [("error", 1.01), ("error", 0.99), ("discrete_error", 0.95), ("discrete_error", 1.05)]
+FACTORS += [("interpolation_error", 0.99), ("interpolation_error", 1.01)]
 
 
 @pytest.mark.parametrize("case", CASES)

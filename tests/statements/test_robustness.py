@@ -27,9 +27,9 @@ from manufactured import (
     Part,
     Prescribed,
     Yield,
-    catalogue,
     isotropic_matrix,
     layered,
+    named,
     prove,
     s,
     s1,
@@ -48,6 +48,7 @@ from manufactured.cases import (
     yield_on_a_part,
 )
 from manufactured.cases.laws import lame
+from manufactured.catalogue import NAMES
 from manufactured.factor import UNIFORM, layers
 from study.fem.mesh import FAMILIES, Graded, MeshFamily, OneDiagonal
 from study.ledger.verdict import HOLDS, REPORTED
@@ -58,9 +59,9 @@ from study.solve.tableau import MIDPOINT
 from study.statements.from_rates import SizeOfInterpolation
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder, measure_case
-from study.statements.shared.scope import of_the_paper
 
-CASES = {case.name: case for case in of_the_paper(catalogue())}
+CASES = [name for name in NAMES if name not in ("closing-gap", "parabolic-gap", "cube-bowl")]
+"""Without an initial gap, which the paper does not have."""
 
 
 @dataclass(frozen=True)
@@ -252,13 +253,13 @@ def alarms(case: Case) -> list[str]:
 
 def alone(name: str, constant: str) -> Case:
     """A case with one constant changed; speed on the side that ``tied`` leaves free."""
-    return changed(CASES[name], Constants(**{constant: 1 - FIFTH if constant == "speed" else 1 + FIFTH}))
+    return changed(named(name), Constants(**{constant: 1 - FIFTH if constant == "speed" else 1 + FIFTH}))
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_unchanged_constants_leave_a_case_as_it_is(name: str) -> None:
     """Nothing is lost when a case is made again from its parts."""
-    assert by_value(changed(CASES[name], Constants()).solution) == by_value(CASES[name].solution)
+    assert by_value(changed(named(name), Constants()).solution) == by_value(named(name).solution)
 
 
 COMMON = {"gap", "pressure", "A", "G", "ratio_A", "ratio_G", "speed", "place"}
@@ -277,20 +278,20 @@ FREE = {
 
 @pytest.mark.parametrize("name", FREE)
 def test_the_constants_of_a_case_are_those_that_make_another_solution(name: str) -> None:
-    own = by_value(CASES[name].solution)
+    own = by_value(named(name).solution)
     assert {constant for constant in CONSTANTS if by_value(alone(name, constant).solution) != own} == FREE[name]
 
 
 @pytest.mark.parametrize("name", ["yield-on-a-part", "natural-front", "layered-unmet"])
 def test_every_constant_changes_the_error(name: str) -> None:
     """Otherwise it would prove nothing that the verdicts stay."""
-    cases = [CASES[name], *(alone(name, constant) for constant in FREE[name])]
+    cases = [named(name), *(alone(name, constant) for constant in FREE[name])]
     assert len({measure_case(case, OneDiagonal(), 2, MIDPOINT, 2)["error"] for case in cases}) == len(cases)
 
 
-@pytest.mark.parametrize("name", ["fixed-front-off-vertex", "anisotropic", "natural-front"])
+@pytest.mark.parametrize("name", ["anisotropic", "natural-front"])
 def test_no_alarm_for_other_constants(name: str) -> None:
-    case = changed(CASES[name], joint(0))
+    case = changed(named(name), joint(0))
     prove(case.solution, name)
     assert alarms(case) == []
 
@@ -300,6 +301,6 @@ def test_no_alarm_for_other_constants(name: str) -> None:
 @pytest.mark.parametrize("by", [joint(1), joint(1, -1)], ids=["one side", "the other"])
 def test_no_alarm_for_constants_a_fifth_larger_or_smaller(name: str, by: Constants) -> None:
     """All at once; both sides together have every constant larger and smaller."""
-    case = changed(CASES[name], by)
+    case = changed(named(name), by)
     prove(case.solution, name)
     assert alarms(case) == []

@@ -9,9 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 import scipy.sparse as sps
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from measured_rows import measured, verdicts, wrong_values
+from random_examples import COSTLY
 
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
 from study.solve.evolution import SemiDiscrete
@@ -45,7 +46,7 @@ def flow_of(problem: SemiDiscrete) -> GradientFlow:
     return GradientFlow(problem, np.array([problem.load(t) for t in np.arange(FINE + 1) / FINE]))
 
 
-@settings(max_examples=10)
+@COSTLY
 @given(seed=st.integers(0, 2**32))
 def test_both_bounds_hold_for_any_gradient_flow_and_the_one_with_the_solution_is_the_smaller(seed: int) -> None:
     problem = random_flow(seed)
@@ -58,7 +59,7 @@ def test_both_bounds_hold_for_any_gradient_flow_and_the_one_with_the_solution_is
         assert bound <= flow.a_priori(steps) * (1 + 1e-9)
 
 
-@settings(max_examples=5)
+@COSTLY
 @given(seed=st.integers(0, 2**32))
 def test_between_nodes_any_trajectory_is_as_near_as_its_velocities_are_to_each_other(seed: int) -> None:
     problem = random_flow(seed)
@@ -140,7 +141,7 @@ def test_a_scheme_that_sees_the_load_of_another_time_is_not_within_the_bounds() 
 
 
 @pytest.mark.parametrize("scheme", [BACKWARD_EULER, MIDPOINT], ids=lambda scheme: scheme.name)
-@pytest.mark.parametrize("j", range(1, 13))
+@pytest.mark.parametrize("j", [1, 2, 3, 4, 5, 6, 8, 10])
 def test_two_unknowns_leave_second_order_schemes_the_order_one(scheme, j: int) -> None:
     """√2 (1 − θ)·3k/40 for a landing at (n + θ)k, θ ≥ 3/20, exactly."""
     k = 2.0**-j

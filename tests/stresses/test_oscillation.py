@@ -13,6 +13,7 @@ import pytest
 import scipy.sparse as sps
 from hypothesis import given
 from hypothesis import strategies as st
+from random_examples import COSTLY
 from scipy.linalg import eigh, null_space
 from scipy.sparse.linalg import splu
 from skfem import MeshTri
@@ -57,12 +58,14 @@ shapes = st.sampled_from(list(TRIANGLES.values()))
 tensors = st.sampled_from(list(TENSORS.values()))
 
 
+@COSTLY
 @given(shapes, tensors, st.floats(1e-4, 1e3), st.sampled_from([1, 2, 3]))
 def test_constants_of_cells_grow_like_the_size_and_those_of_sides_like_its_root(F, C, size, q) -> None:
     assert cell(size * F, C, q) == pytest.approx(size * cell(F, C, q), rel=1e-8)
     assert sides(size * F, C) == pytest.approx(np.sqrt(size) * np.array(sides(F, C)), rel=1e-8)
 
 
+@COSTLY
 @given(shapes, tensors, st.floats(0.01, 100), st.sampled_from([1, 2, 3]))
 def test_constants_fall_like_the_root_of_the_tensor(F, C, scale, q) -> None:
     assert cell(F, scale * C, q) == pytest.approx(cell(F, C, q) / np.sqrt(scale), rel=1e-8)
@@ -70,6 +73,7 @@ def test_constants_fall_like_the_root_of_the_tensor(F, C, scale, q) -> None:
 
 
 @pytest.mark.parametrize("numbering", NUMBERINGS)
+@COSTLY
 @given(shapes, tensors, st.tuples(st.floats(-5, 5), st.floats(-5, 5)), st.sampled_from([1, 2, 3]))
 def test_constants_know_no_numbers_of_vertices_and_no_place(numbering, F, C, shift, q) -> None:
     plain = F @ CORNERS
@@ -80,6 +84,7 @@ def test_constants_know_no_numbers_of_vertices_and_no_place(numbering, F, C, shi
     assert sides(again, C) == pytest.approx([sides(F, C)[i] for i in numbering], rel=1e-6)
 
 
+@COSTLY
 @given(shapes, tensors, st.floats(0, 2 * np.pi), st.sampled_from([1, 2, 3]))
 def test_constants_turn_with_the_triangle_and_its_tensor(F, C, angle, q) -> None:
     R = turn(angle)
@@ -199,9 +204,16 @@ def on_side(F: Array, C: Array, side: int, times: int) -> float:
     return refined.largest(moments, full.T @ moments)
 
 
+EVERY = [
+    pytest.param(shape, tensor, marks=() if (i + j) % 3 == 0 else pytest.mark.slow)
+    for i, shape in enumerate(TRIANGLES)
+    for j, tensor in enumerate(TENSORS)
+]
+"""Every triangle with one tensor; the nightly job takes every tensor."""
+
+
 @pytest.mark.parametrize("q", [1, 2, 3])
-@pytest.mark.parametrize("tensor", TENSORS)
-@pytest.mark.parametrize("shape", TRIANGLES)
+@pytest.mark.parametrize(("shape", "tensor"), EVERY)
 def test_the_constant_of_a_cell_bounds_what_loads_can_do_and_not_by_much(shape: str, tensor: str, q: int) -> None:
     F, C = TRIANGLES[shape], TENSORS[tensor]
     found, least = cell(F, C, q), on_cell(F, C, q, 3)
@@ -209,8 +221,7 @@ def test_the_constant_of_a_cell_bounds_what_loads_can_do_and_not_by_much(shape: 
 
 
 @pytest.mark.parametrize("side", range(3))
-@pytest.mark.parametrize("tensor", TENSORS)
-@pytest.mark.parametrize("shape", TRIANGLES)
+@pytest.mark.parametrize(("shape", "tensor"), EVERY)
 def test_the_constant_of_a_side_bounds_what_loads_can_do_and_not_by_much(shape: str, tensor: str, side: int) -> None:
     F, C = TRIANGLES[shape], TENSORS[tensor]
     found, least = sides(F, C)[side], on_side(F, C, side, 4)
