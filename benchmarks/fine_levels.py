@@ -23,11 +23,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from study.fem.material import form
 
 from manufactured.multiscale.roller import START
 from manufactured.natural_motion import NAME
 from study.fem.error_norm import ErrorNorm
-from study.fem.material import form
 from study.fem.naming import resolve
 from study.solve.signorini import Signorini
 from study.statements.contact_work import Resolved
