@@ -62,7 +62,7 @@ def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
     return OK if verdicts and found == known else UNCLEAR
 
 
-class ProgressBar(tqdm):
+class ProgressBar(tqdm):  # type: ignore[misc]
     """A progress bar whose estimate of the remaining time follows from the mean speed since the start.
 
     An estimate is shown once ``SURE`` of the work is done. Speeds of single jobs differ by a factor of ten, so that an
