@@ -711,6 +711,14 @@ def test_distances_are_integrals(name: str) -> None:
     assert low <= exact <= high <= low + Q(1, 2**80)
 
 
+def test_the_distance_of_a_displacement_from_itself_is_not_above_0_and_not_below() -> None:
+    data = checker.load(EXAMPLES / "bracket-4.json.gz")
+    data["computed"] = [[0.0] * len(row) for row in data["computed"]]
+    certificate = checker.Certificate(data)
+    low, high = certificate._distance([0] * len(piece_of(certificate).values[1]), 2, Q(5, 16))
+    assert low == 0 <= high <= Q(1, 2**80)
+
+
 def start_on_two_cells() -> checker.Certificate:
     """A certificate in which both components of u_0 count."""
     certificate = object.__new__(checker.Certificate)

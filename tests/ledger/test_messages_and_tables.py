@@ -1,0 +1,108 @@
+"""What tables contain, what is refused in them, and what messages say about differences and full disks."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study.ledger.chance import Tail, tail
+from study.ledger.codes import _table
+from study.ledger.compare import Tolerance, as_text, compare, difference
+from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, read_rates, read_table
+from study.ledger.files import StoreError, write_whole
+from study.ledger.orders import RatesError, orders
+from study.ledger.text import cell
+
+RESULTS = Path(__file__).parents[2] / "results"
+
+
+def fails(path: Path) -> None:
+    raise RuntimeError("a defect")
+
+
+def test_only_a_full_disk_is_called_full(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(RuntimeError, match="a defect"):
+        write_whole(tmp_path / "a.csv", fails)
+    monkeypatch.setattr(shutil, "disk_usage", lambda path: SimpleNamespace(free=0))
+    with pytest.raises(StoreError, match="the disk is full"):
+        write_whole(tmp_path / "a.csv", fails)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(np.nan, ""), (None, ""), (3, "3"), ("-3", "-3"), (0.05, "0.05000"), ("case", "case")]
+)
+def test_cells_of_tables_are_words_whole_numbers_or_four_digits(value: object, text: str) -> None:
+    assert cell(value) == text
+
+
+def test_a_tail_of_equal_places_or_beyond_the_end_is_counted() -> None:
+    assert tail(np.repeat([0.0, 0.9], [12, 8]), two_sided=False) == Tail("Pareto", 0.0, 1.0)
+    assert tail(np.append(np.zeros(20), np.linspace(1.1, 1.9, 20)), two_sided=False) == Tail("Pareto", 0.5, 1.0)
+    assert tail(np.append(np.zeros(20), np.linspace(2.0, 3.0, 9)), two_sided=False).rate == pytest.approx(9 / 29)
+
+
+def test_orders_of_equal_mesh_sizes_are_refused() -> None:
+    with pytest.raises(RatesError, match="must decrease"):
+        orders(np.array([0.5, 0.25, 0.25]), np.array([3.0, 2.0, 1.0]))
+
+
+def test_committed_rates_are_read_with_the_orders_of_the_discrete_error() -> None:
+    assert read_rates(RESULTS)["discrete_order"].notna().any()
+
+
+def test_the_words_na_and_none_are_text_and_not_empty_cells(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("label,h\nNA,1\nNone,2\n,3\n", encoding="utf-8")
+    assert read_table(tmp_path / "a.csv", ["label", "h"], "study run")["label"].tolist() == ["NA", "None", ""]
+
+
+def test_errors_of_other_codes_without_a_number_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("code,distance\na,\n", encoding="utf-8")
+    with pytest.raises(DataError, match="distance"):
+        _table(tmp_path / "a.csv", ["code", "distance"], ["code"])
+
+
+def test_the_summary_of_alarms_counts_claimed_checks_without_the_rows_about_all() -> None:
+    both = {"label": ALL_ROWS, "claimed": "yes", "seeds": 10, "alarms": 0}
+    rates = {"rate_low": 0.0, "rate_high": 0.3, "rate_tail": 0.1}
+    rows = [{**both, "key": "every"}, {**both, "key": "light"}]
+    rows += [{**both, "label": "(1.1)", "key": str(i), "claimed": "yes" if i < 3 else "no"} for i in range(5)]
+    assert alarm_summary(pd.DataFrame(rows).assign(**rates)).rows == 3
+
+
+def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_path: Path) -> None:
+    path, close = tmp_path / "a.csv", frozenset({"x"})
+    path.write_text("name,x\na,1.0000001\nb,2\n", encoding="utf-8")
+    assert difference(path, "name,x\na,1\nb,2\n", close) is None
+    assert difference(path, "name,x\na,1\nb,3\n", close) == f"{path}, line 3, column x: found '2', expected '3'"
+    assert difference(path, "name,x\na,1\nb,\n", close) == f"{path}, line 3, column x: found '2', expected ''"
+    path.write_text("name,x\n" + 100 * "a" + "b,2\n", encoding="utf-8")
+    said = difference(path, "name,x\n" + 100 * "a" + "c,2\n", close)
+    assert said == f"{path}, line 2, column name: found …'{30 * 'a'}b', expected …'{30 * 'a'}c'"
+
+
+def test_the_report_of_a_comparison_is_known_word_for_word(tmp_path: Path) -> None:
+    for name, rows in (("old", "a,p\nb,p\nc,p\n"), ("new", "a,q\nb,q\n")):
+        (tmp_path / name / "data" / "pictures").mkdir(parents=True)
+        (tmp_path / name / "data" / "cases.csv").write_text(f"case,zone\n{rows}", encoding="utf-8")
+        (tmp_path / name / "data" / "same.csv").write_text("case,zone\na,b\n", encoding="utf-8")
+        (tmp_path / name / "data" / "pictures" / "a.json").write_text('{"level": 1}\n', encoding="utf-8")
+    assert as_text(compare(tmp_path / "old", tmp_path / "new", Tolerance())) == "\n".join(
+        [
+            "verdicts: none changed",
+            "",
+            "cases.csv: differs",
+            "  rows only in OLD: 1",
+            "    c",
+            "  zone: 2 of 2 differ, 2 beyond tolerance",
+            "    a: p → q",
+            "same.csv: identical",
+            "pictures/: 1 identical",
+            "",
+            "3 files: 2 identical, 0 within 1e-12 relative + 0, 1 differ, 0 left out",
+        ]
+    )
