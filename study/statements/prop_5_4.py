@@ -92,7 +92,7 @@ class RateSetting(Setting):
 
 
 class Rates(Statement):
-    """Base class of the statements for Propositions 5.3 and 5.4: measures errors of Problem 5.1 for the cases of one."""
+    """Base class of the statements for Propositions 5.3 and 5.4: measures errors of Problem 5.1 for its cases."""
 
     file = RATES
     of_every_case = True
