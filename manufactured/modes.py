@@ -49,5 +49,5 @@ def at_each(time: Array | complex, of: Callable[[Any], Array]) -> Array:
     if not (isinstance(time, np.ndarray) and time.ndim):
         return of(time)
     found = [of(one) for one in time]
-    # On fine meshes one time is evaluated at a time, and a copy would take noticeable time.
+    # On fine meshes each call has a single time; np.stack would copy the array, which is noticeably slower.
     return found[0][..., None] if len(found) == 1 else np.stack(found, axis=-1)

@@ -51,7 +51,7 @@ class InStrip:
         return replace(found, points=np.flatnonzero(self.inside)[found.points])
 
     def _everywhere(self, values: Array, inner: int) -> Array:
-        """Return values at all points from values at points of the strip; points follow the first ``inner`` axes."""
+        """Extend values at points of the strip by 0 to all points; the axis of points comes after ``inner`` axes."""
         found = np.zeros((*values.shape[:inner], *self.inside.shape, *values.shape[inner + 1 :]), dtype=values.dtype)
         found[(slice(None),) * inner + (self.inside,)] = values
         return found

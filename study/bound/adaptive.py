@@ -47,7 +47,7 @@ SHOWN = 4
 
 @dataclass(frozen=True, eq=False)
 class Adapted:
-    """The solution u_h on one mesh, the bound of its error and the shares of the bound."""
+    """The solution u_h on one mesh, the bound of its error, and what each cell contributes to the bound."""
 
     mesh: Mesh
     computed: DiscreteSolution

@@ -260,7 +260,10 @@ class Sampling:
 
     @cached_property
     def _remainders(self) -> Callable[[float, float], tuple[Array, Array]]:
-        """Function from (a, b) to e, p, q in L² norms, of f_0 on cells, (3, cells), and of f_2 on edges, (3, edges)."""
+        """Function that maps a time interval (a, b) to L² norms of three remainders.
+
+        The norms are of f_0 on each cell, (3, cells), and of f_2 on each edge, (3, edges).
+        """
         # Several callers use the same pieces; for loads that do not depend on time all pieces have the same remainders.
         at_rest = not any(formula.has(t) for formula in _loads(self._expressions))
         cached = lru_cache(maxsize=CACHED)(self._compute_remainders)

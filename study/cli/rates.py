@@ -59,7 +59,7 @@ def _rates(options: argparse.Namespace) -> int:
 
 
 def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
-    """Return the results of all columns of errors.
+    """Compare the observed order of every column of errors with its expected order, and return the results.
 
     The expected order of a column is looked up by its name and case, then by its name, then by its case.
     """

@@ -129,7 +129,7 @@ def write_sensitivity(directory: Path, table: pd.DataFrame) -> Path:
 
 
 def sensitivity_text(table: pd.DataFrame) -> str:
-    """Return a table as text: amounts in per cent, with a row for each defect and a column for each mesh family."""
+    """Return the smallest noticed defects in per cent as text: a row for each defect, a column for each mesh family."""
     wide = table.assign(percent=[f"{100 * amount:.2g}" for amount in table["amount"]])
     wide = wide.pivot(index=["case", "defect"], columns="family", values="percent")
     order = list(dict.fromkeys(zip(table["case"], table["defect"], strict=True)))

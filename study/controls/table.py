@@ -181,7 +181,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("solid: contact dropped", "V^h instead of K^h", SOLID, "problem", wrong.no_contact, "order-finest"),
     Control("solid: energy for norm", "½‖·‖_V² instead of ‖·‖_V", SOLID, DISTANCE, wrong.energy, "interpolation-order-finest"),
     Control("not graded", "meshes that are no finer at a corner", CORNERED, "fem.mesh:Graded.__call__", wrong.ungraded, "order-graded"),
-    # The contact force, which hardly affects an error in V.
+    # The next defects change the contact force. Errors in V hardly show them, so that other checks must.
     Control("contact load", "1.2 ∫ σ_ν v_ν in (3.7)", PRESSED, "", wrong.contact_work_times(1.2), "resultant"),
     Control("contact in places", "v_ν ≤ 0 at every other vertex", PRESSED, SOLVER, wrong.in_places, "penetration"),
     Control("force: elasticity dropped", "A u̇ = F without G(u)", PRESSED, "scheme", wrong.no_elasticity, "order-pressure"),

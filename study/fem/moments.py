@@ -48,7 +48,7 @@ class QuadraturePoints:
 
     Attributes:
         x: the points, (d, n).
-        sums: the number of the sum to which each point contributes, (n,).
+        sums: for each point, the index of the sum to which it contributes, (n,).
         weights: the quadrature weights, (n,).
         count: the number of sums.
     """
@@ -135,11 +135,11 @@ class StrainSums:
 
 
 class PointwiseSums:
-    """Computes the sums Σ w_p S(ε(x_p, t)), (m, sums), for a nonlinear function S from strains (D, n) to (m, n).
+    """Computes several sums over points p, Σ w_p S(ε(x_p, t)), for a nonlinear function S of the strain.
 
     Args:
         modes: the terms of ε at the points.
-        sums: the number of the sum to which each point contributes, (n,).
+        sums: for each point, the index of the sum to which it contributes, (n,).
         weights: w_p, (n,).
         count: the number of sums.
     """

@@ -290,7 +290,7 @@ def greatest(values: Array) -> Measured:
 
 
 def or_none(measure: Measure) -> Measure:
-    """Return the function with NaN as its value, so that the check fails, if errors have no order."""
+    """Return a function that does the same, but returns NaN if no order can be computed; then the check fails."""
 
     def measured(table: pd.DataFrame) -> Measured | None:
         try:

@@ -344,7 +344,7 @@ class _Grid:
         return [RawTable(_FORMS[self.separator], names, rows, numbers, _short(caption, 100))]
 
     def _aligned(self, block: list[int]) -> tuple[list[list[str]], int]:
-        """Return rows with equally many cells; missing cells between blanks are recognised by position."""
+        """Return the lines of a block as rows of equal length; an empty cell is recognised by its position."""
         lengths = [len(self.split[i]) for i in block]
         width = max(lengths) if self.separator == " " else Counter(lengths).most_common(1)[0][0]
         model = self.split[block[lengths.index(width)]]

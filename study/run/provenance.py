@@ -118,7 +118,7 @@ class Complete:
     claim: str = "all planned measurements are present"
 
     def judge(self, planned: set[tuple[str, ...]], measured: set[tuple[str, ...]]) -> Verdict:
-        """Return the check, which is undecided if measurements are missing.
+        """Return the verdict on completeness: undecided if the tables lack rows that were planned.
 
         Parameters:
             planned: the keys of the planned rows.

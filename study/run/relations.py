@@ -141,9 +141,9 @@ def orders(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that ``time_share`` and ``discrete_time_share`` belong to the same error of the time discretisation.
+    """Check that both columns of time shares give the same error of the time discretisation.
 
-    The first is relative to the error, the second to the discrete error.
+    ``time_share`` is relative to the error, ``discrete_time_share`` to the discrete error.
     """
     rates = tables[RATES]
     expected = rates["time_share"] * rates["error"] / rates["discrete_error"]

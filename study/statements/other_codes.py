@@ -138,5 +138,5 @@ class OtherCodes(ListedNumbers):
 
 
 def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:
-    """Return the rows with the errors of a code in the mode of the problem."""
+    """Return the rows of one variant of a code that measure the quantity which its mode defines."""
     return rows[(rows[MODE] == rows["quantity"]) & (rows[CODE] == code) & (rows[VARIANT] == variant)]

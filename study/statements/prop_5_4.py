@@ -92,7 +92,7 @@ class RateSetting(Setting):
 
 
 class Rates(Statement):
-    """Base class of Propositions 5.3 and 5.4, which measures the errors of Problem 5.1 for the cases of each."""
+    """Base class of the statements for Propositions 5.3 and 5.4: measures errors of Problem 5.1 for its cases."""
 
     file = RATES
     of_every_case = True

@@ -113,7 +113,7 @@ def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[S
 
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
-    """Return the largest gaps between both problems over all time steps.
+    """Return the largest differences, over all time steps, between the solutions of both problems.
 
     Raises:
         StepsError: the steps are so long that the problem of a step may have no or several solutions.
@@ -192,7 +192,7 @@ SHARP = positive_at_most(
 
 
 class SameMesh(Statement):
-    """Measures the gaps over their bounds, and properties of Problem 3.2 that its solver does not impose.
+    """Measures how much both discrete problems differ, over bounds, and what the solver of Problem 3.2 does not impose.
 
     The time scheme is backward Euler with k ~ h/2. The membership is 0 for a displacement inside K^h.
     """

@@ -58,7 +58,8 @@ class DividedTriangle:
     Attributes:
         inner: the matrix of the jumps of tractions across the sides of the middle child, (equations, unknowns).
         outer: the matrix of |ê| σν on the halves of the sides, (3 sides, 2 halves, k + 1, 2, unknowns).
-        divergence: the matrix of Div in Bernstein form of degree k − 1, (4 children · 3 thirds · lower · 2, unknowns).
+        divergence: the matrix of the Bernstein coefficients of the divergence, of degree k − 1, on the three parts of
+            each child, (4 · 3 · coefficients · 2, unknowns).
         values: the matrix of values in Mandel form at the points of a quadrature rule, (points, 3, unknowns).
         weights: the weights of this rule, (points,).
     """

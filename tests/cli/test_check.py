@@ -214,7 +214,7 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "an error at the start": (edit(RATES, "initial_error", times(50), rows=1), r"column initial_error.*largest error"),
     "a level that is a word": (edit(RATES, "level", to("x"), rows=1), r"rates.csv, line 2, column level: found 'x'"),
     "a row twice": (twice(RATES), r"rates.csv, line \d+: the row case pocket, .* is also in line 3"),
-    "a row of the other formulation twice": (twice(EQUIVALENCE), r"equivalence.csv, line \d+: .* in line 3 already"),
+    "a row of the other formulation twice": (twice(EQUIVALENCE), r"equivalence.csv, line \d+: .* is also in line 3"),
     "a line of the catalogue twice": (twice(CASES, 0), r"cases.csv, line 3, .*: found 'pocket', expected nothing"),
     "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
     "tables and plan emptied": (emptied, r"provenance.json has an empty plan"),

@@ -247,7 +247,7 @@ solid = rough("cube-two-faces", 0.3)
         ("across", 8, r"mine, one-diagonal, level 8: the cell around \(0\.\d+, 0\.\d+\) meets two lines"),
         ("near", 8, r"mine, one-diagonal, level 8: .* \{1 x1 = 0\.3\} and \{1 x1 = 0\.32\}.*take a finer level"),
         ("near", 128, r"mine, unstructured, level 20: .*take a finer level"),
-        ("solid", 6, r"mine, one-diagonal, level 6: .*2D only.*\{1 x1 = 0\.3\}.*without `rough`"),
+        ("solid", 6, r"mine, one-diagonal, level 6: .*\{1 x1 = 0\.3\}.*2D only.*without `rough`"),
     ],
 )
 def test_rough_places_that_no_cell_rule_serves_are_refused_before_the_run(tmp_path, case, level, message) -> None:

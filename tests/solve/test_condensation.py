@@ -23,7 +23,7 @@ SETTINGS: list[tuple[str, MeshFamily, int]] = [
     ("corner", OneDiagonal(), 12),
     ("hexagon", Unstructured(), 10),
     ("re-entrant", Graded(), 8),
-    ("cube-two-faces", OneDiagonal(), 5),
+    ("cube-two-faces", OneDiagonal(), 6),
 ]
 Matrices = tuple[sps.csc_array, sps.csr_array]
 
