@@ -353,7 +353,7 @@ def _rollers(data: FullRun) -> Result:
     )
     return Result(
         "Beyond the paper: the error that contact adds if a narrow contact patch rolls along the floor",
-        "order ½ or more, up to a logarithm (proved); 1 if all vertices on Γ3 have equal neighbourhoods, ½ if not",
+        "order ½ or more (proved); 1 if all vertices on Γ3 have equal neighbourhoods, ½ if not",
         f"observed orders {equal} on one-diagonal and criss-cross meshes, {alternating} with alternating diagonals, "
         f"{shaken} for the mean over random meshes",
         _verdict(data, label),
