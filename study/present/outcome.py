@@ -168,6 +168,8 @@ def observed_text(observed: float, low: float, high: float) -> str:
     """Return an observed value with its range, or the one-sided bound that is known of it."""
     if math.isnan(observed) or (math.isinf(low) and math.isinf(high)):
         return "no number" if math.isnan(observed) else cell(observed)
+    if low == high == observed:
+        return cell(observed)
     if math.isinf(low):
         return f"at most {cell(high)}"
     return f"at least {cell(low)}" if math.isinf(high) else f"{cell(observed)} in [{cell(low)}, {cell(high)}]"
@@ -193,7 +195,8 @@ def _finding(row: pd.Series) -> list[str]:
     expected, _, why = str(row["expected"]).partition(BECAUSE)
     observed = observed_text(*(float(row[name]) for name in ("observed", "low", "high")))
     where = f"{row['label']}, {row['case']}" if row["case"] else str(row["label"])
-    values = f"expected {expected}, observed {observed}"
+    # Of a row without a claim only the number matters here; the ledger has the reason why nothing is claimed.
+    values = f"observed {observed}" if row["verdict"] == REPORTED else f"expected {expected}, observed {observed}"
     text = f"{row['verdict']}: {where}: {row['quantity']}: {values}{f'; because {why}' if why else ''}"
     return textwrap.wrap(text, width(), subsequent_indent="    ", break_on_hyphens=False)
 
