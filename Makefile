@@ -131,7 +131,7 @@ docs: $(DOCUMENTATION)  ## build the documentation with notebooks, gallery and A
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
-		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.controls\.(seeded|contact_test)'
+		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.statements\.thm_4_2$$' '!study\.controls\.(seeded|contact_test)'
 
 LATEX := latexmk -cd -pdf -halt-on-error -interaction=nonstopmode -outdir=build
 
