@@ -302,6 +302,13 @@ def test_the_supplement_has_the_formulas_of_every_case() -> None:
     assert r"w=20 (s - 2 t (1 - t) - 1 / 4)_+^{4}" in line
 
 
+def test_the_example_of_the_study_paper_defines_a_case(tmp_path: Path) -> None:
+    (listing,) = re.findall(r"\\begin\{verbatim\}\n(from .*?)\\end\{verbatim\}", text(PAPER / "study.tex"), re.DOTALL)
+    path = tmp_path / "pocket.py"
+    path.write_text(listing, encoding="utf-8")
+    assert runpy.run_path(str(path))["pocket"].order == 1
+
+
 def test_a_statement_belongs_to_the_group_with_the_longest_beginning() -> None:
     assert group_of("(5.36)") == group_of("Prop. 5.4") != group_of("(5.23)")
     assert group_of("beyond: rollers") == group_of("a statement of tomorrow") == BEYOND
