@@ -19,7 +19,7 @@ import pytest
 
 from study.ledger.datafiles import DataError, read_claims
 from study.ledger.files import write_text
-from study.ledger.verdict import FAILS, HOLDS, window_share, worst_value
+from study.ledger.verdict import FAILS, HOLDS, ORDER, kind, window_share, worst_value
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.present.article import ACCOUNTS, BEYOND, account, article, group_of, window_ends
 from study.present.full_run import FullRun
@@ -263,6 +263,13 @@ def test_the_class_of_a_prediction_is_the_one_that_its_row_states() -> None:
     stated = claims["expected"].str.extract(r"\((met|undecided|wrong)\)")[0].dropna()
     assert len(stated) > 100
     assert (claims.loc[stated.index].apply(account, axis=1) == stated).all()
+
+
+def test_an_order_of_the_source_that_is_wrong_by_one_would_fail() -> None:
+    claims = read_claims(RESULTS)
+    orders = claims[(claims.apply(account, axis=1) == "source") & (claims.apply(kind, axis=1) == ORDER)]
+    assert len(orders) > 100
+    assert (orders["window_high"] - orders["window_low"] < 1).all()
 
 
 def program(name: str) -> SimpleNamespace:
