@@ -45,7 +45,7 @@ NEGLIGIBLE = 1e-6
 """A defect whose smallest noticed size is below this value is noticed at any size: the start must be Π^h u_0."""
 WIDE = 0.5
 """A window of an order that is wider is counted separately."""
-PROGRAMS = "the same numbers from other programs"
+PROGRAMS = "the same numbers from our second implementation, a few from other people's codes"
 """The group of rows that compare two programs."""
 GROUPS = {
     "material, spaces and operators: (2.14)--(4.5)": ("(2", "(3", "(4", "Thm 2.2"),

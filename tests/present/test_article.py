@@ -19,7 +19,7 @@ import pytest
 
 from study.ledger.datafiles import DataError, read_claims
 from study.ledger.files import write_text
-from study.ledger.verdict import FAILS, HOLDS, window_share, worst_value
+from study.ledger.verdict import FAILS, HOLDS, ORDER, kind, window_share, worst_value
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.present.article import ACCOUNTS, BEYOND, account, article, group_of, window_ends
 from study.present.full_run import FullRun
@@ -265,6 +265,13 @@ def test_the_class_of_a_prediction_is_the_one_that_its_row_states() -> None:
     assert (claims.loc[stated.index].apply(account, axis=1) == stated).all()
 
 
+def test_an_order_of_the_source_that_is_wrong_by_one_would_fail() -> None:
+    claims = read_claims(RESULTS)
+    orders = claims[(claims.apply(account, axis=1) == "source") & (claims.apply(kind, axis=1) == ORDER)]
+    assert len(orders) > 100
+    assert (orders["window_high"] - orders["window_low"] < 1).all()
+
+
 def program(name: str) -> SimpleNamespace:
     """The names of a program in the directory of the papers."""
     return SimpleNamespace(**runpy.run_path(str(PAPER / f"{name}.py")))
@@ -300,6 +307,13 @@ def test_the_supplement_has_the_formulas_of_every_case() -> None:
     assert names == [prose(name) for name in pd.read_csv(RESULTS / "data" / "cases.csv")["case"]]
     (line,) = (line for line in formulas.splitlines() if "textbf{advance-recede}" in line)
     assert r"w=20 (s - 2 t (1 - t) - 1 / 4)_+^{4}" in line
+
+
+def test_the_example_of_the_study_paper_defines_a_case(tmp_path: Path) -> None:
+    (listing,) = re.findall(r"\\begin\{verbatim\}\n(from .*?)\\end\{verbatim\}", text(PAPER / "study.tex"), re.DOTALL)
+    path = tmp_path / "pocket.py"
+    path.write_text(listing, encoding="utf-8")
+    assert runpy.run_path(str(path))["pocket"].order == 1
 
 
 def test_a_statement_belongs_to_the_group_with_the_longest_beginning() -> None:
