@@ -11,8 +11,8 @@ Predicted for n = 512 before the run, from what was seen up to n = 256: the numb
 most 1/200 (excess) and 1/90 (neighbours) from n = 256, the nodal errors near the front by at most 1/30, and their sign
 stays negative.
 
-Usage: .venv/bin/python -m benchmarks.fine_levels [LEVEL …]. Writes results/benchmarks/fine-levels.csv, half an hour and
-10 GB of memory for level 512.
+Usage: .venv/bin/python -m benchmarks.fine_levels [LEVEL …]. Writes results/benchmarks/fine-levels.csv.
+Level 512 has not been run.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from study.fem.material import form
 
 from manufactured.multiscale.roller import START
 from manufactured.natural_motion import NAME
 from study.fem.error_norm import ErrorNorm
 from study.fem.naming import resolve
+from study.fem.space import form
 from study.solve.signorini import Signorini
 from study.statements.contact_work import Resolved
-from study.statements.rollers import OnContact, Trajectories, passing
+from study.statements.rollers import PER_H, OnContact, Trajectories
 from study.statements.shared.base import Setting
 from study.statements.shared.meshes import space_of
 
@@ -44,18 +44,17 @@ PLACES = 8
 def rollers(n: int) -> dict[str, float]:
     """Return the excess and the difference of neighbours on alternating diagonals at level n."""
     solution, space = resolve(f"roller-{n}").solution, space_of(Setting(f"roller-{n}", "alternating", n))
-    found = Trajectories.of(OnContact(Resolved.of(solution, space)), passing(space, n))
-    excesses, (_, vertices) = found.excesses(), space.contact[0]
-    (face,) = solution.faces
-    s = face.part.coordinates(space.mesh.p[:, vertices])[0][0]
+    T = solution.body.T
+    found = Trajectories.of(OnContact(Resolved(solution, space)), round(PER_H * n * T))
+    excess, (s,) = found.excess(), found.on.places
     order = np.argsort(s)
-    kept, s, T = (found.contact - found.linear)[-1][order], s[order], solution.body.T
-    # A vertex at s has been passed at the time s − START; what it keeps fades like e^{−t}.
+    kept, s = (found.contact - found.linear)[-1][order], s[order]
+    # The roller passes the vertex at s at the time s − START; the displacement that remains there fades like e^{−t}.
     between = (kept[1:-1] - (kept[:-2] + kept[2:]) / 2) / 2 * np.exp(T + float(START) - s[1:-1])
     passed = (s[1:-1] > float(START) + 4 / n) & (s[1:-1] < float(START) + T - 4 / n)
     return {
-        "largest excess / h^(1/2)": excesses.max() * math.sqrt(n),
-        "excess at T / h^(1/2)": excesses[-1] * math.sqrt(n),
+        "largest excess / h^(1/2)": excess.max() * math.sqrt(n),
+        "excess at T / h^(1/2)": excess[-1] * math.sqrt(n),
         "difference of neighbours / 2h": float(np.median(abs(between[passed]))) * n,
     }
 
@@ -64,15 +63,16 @@ def natural_front(n: int) -> dict[str, float]:
     """Return the largest nodal errors of P_hu near the front and farther away at level n, one diagonal."""
     solution, space = resolve(NAME).solution, space_of(Setting(NAME, "one-diagonal", n))
     v_norm, (face,), (_, vertices) = ErrorNorm(solution, space), solution.faces, space.contact[0]
+    front = face.field.place_at
     condensed = Signorini(form(space, solution.law.A), space.N)
     s = face.part.coordinates(space.mesh.p[:, vertices])[0][0]
     near, far, highest = [], [], []
     for place in range(PLACES):
-        time = 0.5 + place / PLACES / n / 0.4  # the front has the speed 2/5
-        theta, front = 0.25 + time, 0.25 + 0.4 * time
+        time = 0.5 + place / PLACES / n / (front(1.0) - front(0.0))  # the front has a constant speed
+        theta = 0.25 + time
         projected = condensed.gap(v_norm.space.functional(solution.law.A.matrix @ v_norm.means(time)))
         error = (projected + face.gap_jet(s[None], time)[(0,)]) / theta
-        close = abs(s - front) <= 0.2
+        close = abs(s - front(time)) <= 0.2
         near.append(abs(error[close]).max())
         far.append(abs(error[~close]).max())
         highest.append(error[close].max())

@@ -9,8 +9,6 @@ lifting, so that p = (a + g t)(1 + 4s(1 − s)) > 0 with a = 5/2, g = 7. The dis
 
 from __future__ import annotations
 
-import gzip
-import json
 import sys
 from fractions import Fraction
 from pathlib import Path
@@ -19,7 +17,7 @@ import numpy as np
 from sympy import Expr, Matrix, Rational, diff, expand, eye, lambdify
 
 from manufactured import Data, KelvinVoigt, Kind, isotropic, polygon, t, x1, x2
-from study.certify.checker import Certificate
+from study.certify import checker
 from study.ledger.text import above, below
 
 CERTIFICATE = Path(__file__).with_name("certified-4.json.gz")
@@ -83,8 +81,8 @@ def true_error(certificate: dict[str, object]) -> float:
 
 def interval_and_error() -> tuple[Fraction, Fraction, float, int]:
     """Return the certified interval, the true error and the number of cells."""
-    certificate = json.loads(gzip.decompress(CERTIFICATE.read_bytes()))
-    found = Certificate(json.loads(gzip.decompress(CERTIFICATE.read_bytes()))).check()
+    certificate = checker.load(CERTIFICATE)
+    found = checker.verified(certificate)
     return found.low, found.high, true_error(certificate), found.cells
 
 

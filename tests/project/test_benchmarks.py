@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks import compare, curved, growth, report
+from benchmarks import compare, curved, fine_levels, growth, report
 from benchmarks.peers import problem as exchange
 from study.solve.tableau import BACKWARD_EULER
 
@@ -71,3 +71,9 @@ def test_on_a_curved_face_exact_normals_give_the_smaller_distance_to_the_interpo
     assert all(1.5 < before["error"] / after["error"] < 2.5 for before, after in zip(coarse, fine, strict=True))
     exact, averaged = fine
     assert exact["distance"] == 0 < averaged["distance"] < averaged["error"]
+
+
+def test_numbers_on_finer_meshes_are_measured_again_on_the_coarsest() -> None:
+    committed = pd.read_csv(fine_levels.FILE).set_index("level").loc[16]
+    for name, value in {**fine_levels.natural_front(16), **fine_levels.rollers(16)}.items():
+        assert value == pytest.approx(committed[name], rel=1e-4), name
