@@ -128,7 +128,9 @@ def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series])
     """Yield settings that together have all quantities: the cheapest of the settings with most new quantities."""
     missing = {quantity for values in numbers.values() for quantity in values.index}
     while missing:
-        by_worth = [(-len(missing & {*values.index}), statement.cost(place), place) for place, values in numbers.items()]
+        by_worth = [
+            (-len(missing & {*values.index}), statement.cost(place), place) for place, values in numbers.items()
+        ]
         *_, place = min(by_worth)
         yield place
         missing -= {*numbers[place].index}

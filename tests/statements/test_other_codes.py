@@ -71,10 +71,14 @@ def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name
     assert task.resultants(time) == pytest.approx(expected, rel=1e-3)
 
 
-@pytest.mark.parametrize("name", ["corner", "hexagon", "cube-two-faces"])
+@pytest.mark.parametrize("name", ["corner", "hexagon", pytest.param("cube-two-faces", marks=pytest.mark.slow)])
 def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_the_normal(name: str) -> None:
     """On several faces with different normals."""
-    family, level = {"corner": (OneDiagonal(), 4), "hexagon": (Unstructured(), 4), "cube-two-faces": (OneDiagonal(), 3)}[name]
+    family, level = {
+        "corner": (OneDiagonal(), 4),
+        "hexagon": (Unstructured(), 4),
+        "cube-two-faces": (OneDiagonal(), 3),
+    }[name]
     task = Task(resolve(name), family, level)
     mesh, time = task.space.mesh, 0.61 * task.solution.body.T
     at_vertices = task.solution.at(mesh.p)
