@@ -26,7 +26,7 @@ def test_time_steps_that_are_not_positive_or_longer_than_T_are_refused(k: float)
 
 
 def test_a_step_of_a_softening_law_that_may_have_several_solutions_is_refused_with_the_name_of_the_case() -> None:
-    with pytest.raises(UsageError, match="^softening: .*backward-euler"):
+    with pytest.raises(UsageError, match=r"^softening: .*backward-euler"):
         replace(SOFT, k=1.0).check()
 
 
