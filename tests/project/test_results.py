@@ -149,7 +149,7 @@ def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(stat
     assert again == set(committed)
 
 
-@pytest.mark.parametrize("case", ["advance-recede", "corner"])
+@pytest.mark.parametrize("case", ["advance-recede", pytest.param("corner", marks=pytest.mark.slow)])
 def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_ones(case: str) -> None:
     """Differences of both solvers are quadrature errors of the load, and belong to the rules of both."""
     committed = pd.read_csv(RESULTS / "data" / "recomputed.csv").query("case == @case")
