@@ -213,27 +213,27 @@ has v_ν = 1 on the whole face."""
 STRIP = between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2")
 PRESSURE = order("order-pressure", "order of ‖p − p^h‖_{L²(Γ3)}", STRIP, "pressure")
 OF_CHANCE = replace(PRESSURE, key="order-pressure-random", quantity=f"{PRESSURE.quantity}, random meshes")
-FEW_EDGES = "on random meshes it depends on a few long edges where p has a kink"
-SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "as the discrete error, on one-diagonal meshes")
-OTHERS = between(1, 2, 0.15, 0.2, "as the discrete error, on other meshes")
+FEW_EDGES = "on random meshes the pressure error depends on a few long edges where p has a kink"
+SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on one-diagonal meshes")
+OTHERS = between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes")
 DUAL = "order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h"
 DUAL_ORDERS = {
     True: order("order-dual-superclose", f"{DUAL}, superclose", SUPERCLOSE, "dual"),
     False: order("order-dual-other", f"{DUAL}, other families", OTHERS, "dual"),
 }
 """On one-diagonal meshes (True) and on others."""
-RESULTANT = at_least(1, "order of the dual norm; 2 if the zone is known")
+RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
 """No upper end: the error of the resultant has a sign, parts of it may cancel, and its order may exceed 2."""
 SIZE = at_most(0.05, "of the exact resultant, on the finest level")
-TIME = at_most(0.5, "of each error, by half as many steps")
+TIME = at_most(0.5, "of each error; half as many steps show the error in time")
 NORMS = (
-    order("order-resultant", "order of the resultant on each face", RESULTANT, "resultant"),
-    finest("resultant", "error of the resultant on each face", SIZE, "resultant"),
+    order("order-resultant", "order of the error of the contact resultant on each face", RESULTANT, "resultant"),
+    finest("resultant", "error of the contact resultant on each face", SIZE, "resultant"),
     # The time share of the resultant is not judged: time steps can only lower its order, which has no upper end, and on
     # symmetric meshes its discretisation error in space may vanish.
-    largest("time-share", "time shares of both norms", TIME, *SHARES[:2]),
+    largest("time-share", "error in time / error, for both norms of p − p^h", TIME, *SHARES[:2]),
 )
-ROUND_OFF = at_most(1e-10, "straight faces and P1 elements: only rounding")
+ROUND_OFF = at_most(1e-10, "only rounding, because faces are straight and elements linear")
 EXACT = (
     largest("penetration", "max (u^h_ν)_+ between vertices / max |u^h|", ROUND_OFF, "penetration"),
     largest("pulling", "max λ_− / max |λ|", ROUND_OFF, "pulling"),
