@@ -50,7 +50,7 @@ class Expectation:
 
     def __post_init__(self) -> None:
         if self.expected is not None and self.at_least is not None:
-            raise OrderError("give an expected order or a least one, not both")
+            raise OrderError("give an expected order or a lower limit of the order, not both")
         for what, value in (("expected order", self.expected), ("least order", self.at_least)):
             if value is not None and not (math.isfinite(value) and value > 0):
                 raise OrderError(f"the {what} must be positive, got {value:g}")
