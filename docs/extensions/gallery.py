@@ -38,8 +38,8 @@ INSTRUCTIVE = (
     "layered",
 )
 """The cases that come first: moving fronts, several faces, space, a gap, a rough solution, and other laws."""
-HEAD = """This page shows every exact solution of the catalogue; the most instructive ones come first. Select cases by their
-properties, and click a picture to see the film, the formulas and the observed orders of a case.
+HEAD = """This page shows every exact solution of the catalogue; the most instructive ones come first. Select cases by
+their properties, and click a picture to see the film, the formulas and the observed orders of a case.
 """
 CHOICES = {
     "dimension": ("dim", {"2": "2", "3": "3"}),

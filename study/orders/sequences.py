@@ -321,9 +321,7 @@ def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, 
     stop = int(low[0]) if low.size else stall
     if stop < 4:
         if kind in ("round-off", "exactly zero"):
-            return Diagnosis(
-                0, stop, kind, f"{words}; fewer than three orders before: add coarser meshes", UNDECIDED
-            )
+            return Diagnosis(0, stop, kind, f"{words}; fewer than three orders before: add coarser meshes", UNDECIDED)
         return Diagnosis(0, len(e), "stagnates" if kind == "floor" else kind, words, FAILS)
     first, verdict = _judge(h[:stop], e[:stop], expectation)
     orders = consecutive_orders(h[:stop], e[:stop])[first:]
