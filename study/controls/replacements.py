@@ -97,8 +97,7 @@ def at_time(time: float, change: Function) -> Replacement:
 
 
 def row_times(calls: tuple[int, ...], row: int, factor: float) -> Replacement:
-    """Deliberate defect: a function that returns displacements over time returns them multiplied by a factor at one
-    time.
+    """Deliberate defect: displacements that a function returns for all times are multiplied by a factor at one time.
 
     Args:
         calls: numbers of the calls of the function that have this defect, counted from 0; () for all calls.
@@ -317,8 +316,7 @@ def _times_parts(state: Any, factors: dict[str, float]) -> Any:
 
 
 def rival_off(which: str) -> Replacement:
-    """Deliberate defect: solutions computed by other methods, for comparison, are wrong by a thousandth at one time
-    node.
+    """Deliberate defect: solutions by other methods, for comparison, are wrong by a thousandth at one time node.
 
     Args:
         which: "first", "odd", "even" or "last", as for ``node``.
@@ -437,9 +435,7 @@ def constraint_relaxed(setup: Any) -> Any:
 
 
 def nearest_axis(N: Any) -> Any:
-    """Deliberate defect: normals on the contact boundary of a plane body are replaced by the nearest coordinate
-    axis.
-    """
+    """Deliberate defect: normals of a plane contact boundary are replaced by the nearest coordinate axis."""
     N = N.copy()
     normals = N.data.reshape(-1, 2)
     nearest = np.arange(2) == abs(normals).argmax(axis=1)[:, None]
@@ -786,14 +782,13 @@ def companion_off(companion: Function) -> Function:
 
 
 def inadmissible_once(kind: str, call: int) -> Replacement:
-    """Deliberate defect: in one time step a stress violates an equilibrium or contact condition by thousandths of its
-    size.
+    """Deliberate defect: in one time step a stress slightly violates an equilibrium or contact condition.
 
     Args:
         kind: the violated condition. "jumps": the stress jumps between two cells. "misses f_2": it differs from the
             given
             traction. "tangential": it has friction on the contact boundary. "pulls": it pulls there.
-        call: number of the time step.
+        call: number of the time step. The violation is this number of thousandths of the largest traction.
     """
 
     def spoiled(space: Any, state: Any) -> Any:
@@ -852,9 +847,7 @@ def ungraded(graded: Function) -> Function:
 
 
 def over_vertices(h1_product: Function) -> Function:
-    """Deliberate defect: the inner product (v, w) of L² is replaced by the sum of v·w over the vertices, without
-    areas.
-    """
+    """Deliberate defect: the inner product of L² is the sum of v·w over the vertices, without areas as weights."""
     return lambda space: sps.csc_array(h1_product(space) - mass(space) + sps.eye_array(space.dofs))
 
 
@@ -881,8 +874,7 @@ class Misstated:
 
 
 def law(tensor: str, change: Replacement) -> Replacement:
-    """Deliberate defect: one operator of the material law of a case is changed, but not the constants that the case
-    states.
+    """Deliberate defect: one operator of a material law is changed, but not its stated constants.
 
     Args:
         tensor: "A" for the viscosity, "G" for the elasticity.
@@ -950,9 +942,7 @@ def no_work_on_loaded(work_on: Function) -> Function:
 
 
 def no_rate(on_cells: Function) -> Function:
-    """Deliberate defect: the stress of the discrete solution lacks the viscous part, which depends on the strain
-    rate.
-    """
+    """Deliberate defect: computed stresses lack the viscous part, which depends on the strain rate."""
 
     def found(*given: Any) -> Any:
         right = on_cells(*given)
@@ -1019,9 +1009,7 @@ def times_width(right: Function) -> Function:
 
 
 def times_h(power: int) -> Replacement:
-    """Deliberate defect: interpolation errors on the contact boundary are multiplied by h^``power``, with the mesh size
-    h.
-    """
+    """Deliberate defect: interpolation errors on the contact boundary are multiplied by a power of the mesh size h."""
     return lambda right: (
         lambda solution, space, face: {n: e * space.h**power for n, e in right(solution, space, face).items()}
     )
@@ -1144,10 +1132,12 @@ def constant_halved(bounds: Function) -> Function:
 
 
 def always_steps(most: int) -> Replacement:
-    """Deliberate defect: the solution with half as many time steps is copied from the solution with ``most`` time
-    steps.
+    """Deliberate defect: the solution with half as many time steps is copied from another solution.
 
     Both are compared in order to estimate the error in time, which then appears to be 0.
+
+    Args:
+        most: number of time steps of the other solution.
     """
     return lambda path: (
         lambda problem, scheme, steps: (
@@ -1157,7 +1147,5 @@ def always_steps(most: int) -> Replacement:
 
 
 def near_vertices(spikes: Function) -> Function:
-    """Deliberate defect: a field with narrow spikes at vertices is shifted by an eighth of the radius of the
-    narrowest.
-    """
+    """Deliberate defect: a field with spikes at vertices is shifted by an eighth of the smallest spike radius."""
     return lambda x, last: spikes(x + 4.0**-last / 8, last)
