@@ -1,4 +1,7 @@
-"""``study controls`` tests that deliberate defects are noticed; ``study sensitivity`` finds the smallest ones."""
+"""``study controls`` tests that deliberate defects of the study are noticed by its checks.
+
+``study sensitivity`` finds the smallest defects that are noticed.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,11 @@ from study.run.store import Store
 
 
 def do_controls(options: argparse.Namespace) -> int:
-    """Measure all settings with and without defects, write the outcomes; return 0 if all are noticed, else 1."""
+    """Measure with and without each deliberate defect, and write which defects the checks noticed.
+
+    Returns:
+        0 if all defects are noticed, else 1.
+    """
     check_jobs(options.jobs)
     store = Store(options.out)
     store.check()
@@ -29,7 +36,11 @@ def do_controls(options: argparse.Namespace) -> int:
 
 
 def do_sensitivity(options: argparse.Namespace) -> int:
-    """Find the smallest defect of each part that makes a check fail, write them; return 0 if all are found, else 1."""
+    """Find for each part of the problem the smallest defect that makes a check fail, and write these defects.
+
+    Returns:
+        0 if each part has such a defect, else 1.
+    """
     check_jobs(options.jobs)
     store = Store(options.out)
     store.check()
