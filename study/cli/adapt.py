@@ -55,7 +55,7 @@ def do_adapt(options: argparse.Namespace) -> int:
     with store.locked():
         while True:
             number = len(results)
-            # The tolerance only decides when to stop. It is not part of the cache key, so that stored meshes can be used
+            # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
             # with another tolerance.
             cache_key = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
             results.append(_stage(store, number, cache_key, partial(adaptive.adapted, data, case, stage, scheme)))
