@@ -37,8 +37,7 @@ def do_adapt(options: argparse.Namespace) -> int:
 
     Returns:
         0 if the tolerance is reached, otherwise 1. If the exact solution is known and an error lies outside its
-            enclosure,
-        1 is returned as well.
+        enclosure, 1 is returned as well.
     """
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)

@@ -42,8 +42,7 @@ def do_check(options: argparse.Namespace) -> int:
 
     Returns:
         0 if everything agrees, 1 if a check fails or a repeated measurement differs, 3 if a check is undecided. A file
-            with
-        an unexpected content raises an error, for which the command returns 2.
+        with an unexpected content raises an error, for which the command returns 2.
     """
     _require_sample(options)
     with Store(options.out).steady():

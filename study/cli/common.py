@@ -74,8 +74,7 @@ class ProgressBar(tqdm):  # type: ignore[misc]
     """A progress bar that estimates the remaining time from the mean speed since the start.
 
     An estimate is shown once ``SURE`` of the work is done. The estimates of tqdm follow from the speed of the last
-    jobs.
-    This speed varies by a factor of ten, so that these estimates jump.
+    jobs. This speed varies by a factor of ten, so that these estimates jump.
     """
 
     @property
@@ -93,8 +92,7 @@ class ProgressBar(tqdm):  # type: ignore[misc]
         """Return a function that is called with the cost of finished jobs and moves the bar.
 
         Its first call must give the cost of all jobs with stored results. They take no time, so they are left out of
-        the
-        speed.
+        the speed.
         """
         first = True
 

@@ -66,8 +66,7 @@ def do_seeds(options: argparse.Namespace) -> int:
 
     Returns:
         0 if the false-alarm rate is at most the permitted one, 1 if it is larger, 3 if this is undecided. With
-            ``--seed``:
-        0 if all claimed checks hold, otherwise 1.
+        ``--seed``: 0 if all claimed checks hold, otherwise 1.
     """
     check_jobs(options.jobs)
     if options.minutes < 0:

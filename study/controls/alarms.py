@@ -160,8 +160,7 @@ def text(table: pd.DataFrame) -> str:
     """Return the text that ``study seeds`` prints.
 
     It has the false-alarm rates of all checks together, the checks with false alarms or with a high extrapolated rate,
-    and
-    the verdict.
+    and the verdict.
     """
     ledger, rows = table[table["label"] == ALL_ROWS], table[table["label"] != ALL_ROWS]
     lines = [

@@ -43,8 +43,7 @@ class Baseline(Protocol[S]):
     """A setting in which deliberate defects are measured.
 
     S is the type of the object that is measured, such as an experiment; a defect changes this object. Settings are
-    compared
-    by value, so that defects with the same setting share the measurement without a defect.
+    compared by value, so that defects with the same setting share the measurement without a defect.
     """
 
     def __str__(self) -> str: ...
@@ -247,8 +246,7 @@ class Twins:
     Attributes:
         case: name of the case with the rotated body.
         levels: numbers of cells along a unit length, coarse to fine. Several are needed, because on one mesh the digits
-            may
-            agree by chance.
+            may agree by chance.
     """
 
     case: str

@@ -32,8 +32,7 @@ class Control:
         place: the part of the study that is replaced. With a colon it is a name in a module:
             "fem.error_norm:ErrorNorm.distance" in a module of ``study``, "green:work_on" in a module of
             ``study.statements``. Without a colon it is an attribute of the measured object, such as "problem.solver",
-                or ""
-            for the whole object.
+            or "" for the whole object.
         replacement: function that returns the wrong part, given the correct one.
         checks: the key of the check that must fail, or the keys of several checks that all must fail.
         others: further parts that are replaced at the same time, as pairs (place, replacement).

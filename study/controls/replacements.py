@@ -138,8 +138,7 @@ def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
 
     Args:
         rule: function that returns the contact forces. Its arguments are the solver and the gaps that would exist
-            without
-            contact forces.
+            without contact forces.
     """
 
     def solver(S: Any, N: Any, *points: Any) -> Any:
@@ -490,8 +489,7 @@ def start_at_projection(setup: Any) -> Any:
     """Deliberate defect: the computation starts from the best approximation of the initial displacement.
 
     The correct start is the interpolant. The best approximation is the projection in the energy norm, for a viscosity
-    that
-    is constant in space.
+    that is constant in space.
     """
     return replaced(setup, "problem.u0", replaced_by(projection(setup, 0.0)))
 
@@ -570,8 +568,7 @@ def sum_of_roots(setup: Any) -> Any:
     """Deliberate defect: the norm of an error is the sum over all cells of the norms on the cells.
 
     The correct norm is the square root of the sum of squares. The part of the error that is only known for the whole
-    mesh
-    is divided evenly among the cells.
+    mesh is divided evenly among the cells.
     """
 
     def distance(sample: Any, v: Any) -> float:
@@ -645,8 +642,7 @@ def balance_alone(residual: Function) -> Function:
     """Deliberate defect: the residual of a contact problem only tests the balance of forces.
 
     It ignores whether contact forces press or pull, whether they act only where the gap is closed, and whether the gap
-    is
-    negative.
+    is negative.
     """
     size = np.linalg.norm
     return lambda step, u, multipliers, b: float(size(step.S @ u + step.forces @ multipliers - b) / size(b))
@@ -656,8 +652,7 @@ def every_second_time(measure: Function) -> Function:
     """Deliberate defect: diagnostics skip times.
 
     Errors are measured at every second time only. The residual of the contact problems and the estimated error of the
-    time
-    discretisation are measured at the last time only.
+    time discretisation are measured at the last time only.
     """
 
     def found(setup: Any) -> Any:
@@ -786,8 +781,7 @@ def inadmissible_once(kind: str, call: int) -> Replacement:
 
     Args:
         kind: the violated condition. "jumps": the stress jumps between two cells. "misses f_2": it differs from the
-            given
-            traction. "tangential": it has friction on the contact boundary. "pulls": it pulls there.
+            given traction. "tangential": it has friction on the contact boundary. "pulls": it pulls there.
         call: number of the time step. The violation is this number of thousandths of the largest traction.
     """
 

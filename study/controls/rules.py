@@ -35,8 +35,7 @@ def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
     """Return for each check the fingerprint of the rule by which it is judged.
 
     A check is left out if some of its measurements are missing in ``plan``. For example, a check about all cases is
-    left
-    out if ``plan`` has only some of the cases.
+    left out if ``plan`` has only some of the cases.
 
     Parameters:
         directory: the directory with the data of ``plan``.
@@ -91,8 +90,7 @@ def _texts(verdict: Verdict) -> list[str]:
     """Return the texts and numbers of a verdict for its fingerprint.
 
     The name of the mesh family is left out, because it contains the seed. Numbers have six digits, which are the same
-    on
-    all machines.
+    on all machines.
     """
     words = [*row_of(verdict), verdict.quantity.removesuffix(f", {verdict.family} meshes"), verdict.expected]
     numbers = verdict.observed, verdict.low, verdict.high, verdict.window_low, verdict.window_high

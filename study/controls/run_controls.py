@@ -41,12 +41,10 @@ class Outcome:
         what: a description of the defect, in one line.
         setting: name of the case, meshes and statement.
         row: the check that is shown. With a defect, it is the first check that should fail and does not, or the first
-            one if
-            all fail. Without a defect, it is the first check that does not hold, or the first one if all hold.
+            one if all fail. Without a defect, it is the first check that does not hold, or the first one if all hold.
         caught: whether all checks that should fail do fail; None without a defect.
         other_faults: other faults in words. For example, no defect of the table tests some check, or two defects give
-            the
-            same numbers.
+            the same numbers.
     """
 
     defect: str
@@ -81,8 +79,7 @@ class Outcome:
         """Return the outcome of a measurement without a defect, for which all checks must hold.
 
         There is a fault if two checks have the same key. There is also a fault if no defect tests some check, because
-        then the
-        check could be weakened or removed unnoticed.
+        then the check could be weakened or removed unnoticed.
 
         Parameters:
             setting: the case, meshes and statement.
@@ -181,8 +178,7 @@ def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
     """Measure in a setting with the named defect, or without a defect for an empty name; return the checks.
 
     The defect is given by its name, because a ``Control`` contains functions, which cannot be sent to another process.
-    One
-    thread is used, because the processes already use all cores.
+    One thread is used, because the processes already use all cores.
     """
     named = [one for one in table.CONTROLS if one.name == name and one.setting == setting]
     with threadpool_limits(1):

@@ -69,8 +69,7 @@ def seeded(seed: int, part: str = WHOLE) -> Plan:
 
     Cases that are not smooth are measured on the levels of the full study. The plan leaves out pictures, error bounds
     (which are proved for every mesh), errors of other codes (which were run on the meshes of one seed), and the cases
-    in
-    ``SLOW``, which only the full study measures.
+    in ``SLOW``, which only the full study measures.
 
     Parameters:
         seed: the seed.
@@ -97,8 +96,7 @@ def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
     """Return the settings (case, mesh family, level) in which a statement is measured on random meshes with one seed.
 
     They are the settings of the quick study on such meshes. If the quick study has none, they are the settings of the
-    full
-    study on such meshes, up to the finest level of the quick study. The stress formulation on its own stress space
+    full study on such meshes, up to the finest level of the quick study. The stress formulation on its own stress space
     (``OwnSpace``) has all settings of the full study. The interpolation of displacements on the contact boundary is
     measured, too, although nothing is claimed about it on random meshes.
     """

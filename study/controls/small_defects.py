@@ -38,8 +38,7 @@ def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callabl
 
     Parameters:
         more: function that returns for an experiment the part as a function of time, t ↦ (n_dofs,). This part, times
-            the
-            relative size of the defect, is added to the load.
+            the relative size of the defect, is added to the load.
     """
 
     def apply(setup: Experiment, amount: float) -> Experiment:

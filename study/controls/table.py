@@ -1,9 +1,9 @@
 # ruff: noqa: E501, one line for each defect
 """All deliberate defects, in one table: each must make a named check of the study fail.
 
-Each line of the table has the name and the description of a defect, the case and mesh on which it is measured, the
-part of the study that is replaced (``Control.place``), the function of ``study.controls.replacements`` that returns
-the wrong part, and the key of the check that must fail.
+Each line of the table has the name and the description of a defect, the case and mesh on which it is measured, the part
+of the study that is replaced (``Control.place``), the function of ``study.controls.replacements`` that returns the
+wrong part, and the key of the check that must fail.
 
 The second half of the table tests diagnostics, which are numbers that show how accurate a computation is. Suppose that
 a residual ignores the sign of the contact forces, or that a maximum over time skips every second time. Such a

@@ -66,8 +66,7 @@ class Codes:
         The columns of the quotients are:
 
         * ``share``: the distance of the code's displacement from the finite-element solution with exact contact
-          constraints,
-          divided by the error of this solution.
+          constraints, divided by the error of this solution.
         * ``excess``: the error of the code's contact pressure, divided by the error of the pressure of this solution.
         """
         finest = self.errors.sort_values("level").groupby(SERIES, sort=False).tail(1)
@@ -80,9 +79,8 @@ class Codes:
         """Return a table with one row for each code with fixed parameters, over all cases and mesh families.
 
         Its columns are ``KEY``; ``classes``, the number of series in each class as text; ``order_low`` and
-        ``order_high``, the
-        extreme observed orders of the displacement in the energy norm; and the largest ``share``, ``excess`` and
-        ``invariance``.
+        ``order_high``, the extreme observed orders of the displacement in the energy norm; and the largest ``share``,
+        ``excess`` and ``invariance``.
         """
         found = []
         for key, mine in self.series().groupby(KEY, sort=False):

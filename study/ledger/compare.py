@@ -89,9 +89,8 @@ class Difference:
         beyond: number of differences that count: numbers that differ by more than the tolerance, and texts that differ,
             except in the columns PROSE.
         cells: differing cells as dictionaries with the keys ``row``, ``old``, ``new`` and ``relative``. For text they
-            are
-            the first MOST cells, with ``relative`` None. For numbers there is only the cell with the largest relative
-            difference |a − b| / max(|a|, |b|); ``relative`` is None if a or b is not finite.
+            are the first MOST cells, with ``relative`` None. For numbers there is only the cell with the largest
+            relative difference |a − b| / max(|a|, |b|); ``relative`` is None if a or b is not finite.
     """
 
     what: str
@@ -198,8 +197,7 @@ def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
 
     Returns:
         A list. The first two entries are the tables, with only the rows that both have. Further entries are
-            differences:
-        rows that only one table has, and rows whose key was changed but whose numbers are the same.
+        differences: rows that only one table has, and rows whose key was changed but whose numbers are the same.
     """
     key, numbers = KEYS.get(name, ()), NUMBERS.get(name, ())
     tables = [read_csv(directory, name, (*key, *numbers)) for directory in directories]

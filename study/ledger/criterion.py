@@ -56,8 +56,7 @@ def by_case(rows: pd.DataFrame) -> Iterator[tuple[str, Groups]]:
 
     Yields:
         Pairs (case, tables). The dictionary has for each mesh family a table with one row for each level and one column
-            for
-        each quantity.
+        for each quantity.
     """
     for case, of_case in rows.groupby("case", sort=False):
         groups = {}

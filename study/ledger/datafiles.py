@@ -63,8 +63,7 @@ def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFra
 
     Raises:
         DataError: the file is missing or damaged, or a column of numbers contains text; the message names file, line
-            and
-            column.
+            and column.
     """
     command, path = COMMANDS.get(name), directory / "data" / name
     again = f"{command} --out {directory}" if command else made_by(directory)
@@ -250,8 +249,7 @@ def read_rates(directory: Path) -> pd.DataFrame:
     """Return the table ``rates.csv``, sorted by levels, with a new column ``discrete_order``.
 
     This column has the observed orders of the discrete error, the distance between the interpolant of the exact
-    solution
-    and the computed solution.
+    solution and the computed solution.
 
     Raises:
         DataError: the file is missing or damaged, a number is missing or infinite, or a row is repeated.

@@ -1,7 +1,7 @@
 """The numbered formulas and statements of the paper, and which of them belong to a check.
 
-The label of a check names the formulas and statements that the check tests, for example
-"(3.9)–(3.11), (4.14), (4.15)" or "Thm 4.1, 5.2". No other place has this information.
+The label of a check names the formulas and statements that the check tests, for example "(3.9)–(3.11), (4.14), (4.15)"
+or "Thm 4.1, 5.2". No other place has this information.
 """
 
 from __future__ import annotations

@@ -46,10 +46,8 @@ def extrapolated_order(h: Array, error: Array) -> float:
     """Return the observed order for h → 0, extrapolated from the three finest levels.
 
     For errors e = C h^p (1 + c h + …), the order between two consecutive levels i and i + 1 is p + c' (h_i h_{i+1})^½ +
-    …
-    with a constant c'. The term with c' is eliminated from the orders p_1 and p_2 between the three levels. If each
-    mesh
-    size is half of the one before, the result is 2 p_2 − p_1.
+    … with a constant c'. The term with c' is eliminated from the orders p_1 and p_2 between the three levels. If each
+    mesh size is half of the one before, the result is 2 p_2 − p_1.
 
     Raises:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.

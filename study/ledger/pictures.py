@@ -52,8 +52,7 @@ class Packed:
         """Return the rounded values as a dictionary that can be written as JSON; ``read`` reads it.
 
         The whole numbers are stored as differences from one time to the next, compressed by zlib, as base-64 text. The
-        script
-        of the report page reads this format, too.
+        script of the report page reads this format, too.
         """
         changes = np.diff(self.multiples, axis=0, prepend=np.int16(0)).astype("<i2")
         return {
@@ -87,10 +86,8 @@ class Facets:
     """The facets of a contact face in 3D: the triangles of the surface mesh whose corners are all vertices of the face.
 
     A data file lists the vertices of the face, here called nodes. At the nodes and at the midpoints of edges, it stores
-    a
-    function that is positive in the exact contact zone. Writer and reader of the file use this class, so that both
-    number
-    the edges in the same way.
+    a function that is positive in the exact contact zone. Writer and reader of the file use this class, so that both
+    number the edges in the same way.
 
     Attributes:
         cells: indices of the facets among the triangles of the surface, (k,).

@@ -73,8 +73,7 @@ class Verdict:
         key: short name of the quantity, which never changes.
         family: the mesh family; empty for a check about all families.
         window_low, window_high: the ends of the window. If a check holds although its range reaches beyond the window,
-            its
-            observed value was judged. If this value lies outside as well, ``expected`` says what was judged.
+            its observed value was judged. If this value lies outside as well, ``expected`` says what was judged.
     """
 
     label: str
@@ -186,8 +185,7 @@ def _judged(row: pd.Series) -> list[float]:
     """Return the values of a check that were compared with its tolerance window.
 
     These are both ends of the range. If the check holds although its range reaches beyond the window, it is the
-    observed
-    value alone.
+    observed value alone.
     """
     low, high = float(row["window_low"]), float(row["window_high"])
     if not low < high or (low <= 0 and math.isinf(high)):

@@ -61,8 +61,7 @@ class Window:
         """Return the worst of some values.
 
         In a window with two ends, the worst value is the one farthest from the middle. If only large values are bad, it
-        is the
-        largest one; if only small values are bad, the smallest one. NaN is worse than any number.
+        is the largest one; if only small values are bad, the smallest one. NaN is worse than any number.
         """
         if math.isinf(self.high):
             distances = [-value for value in values]

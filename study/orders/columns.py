@@ -79,8 +79,7 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
 
     Raises:
         OrderError: there is no table, no mesh size or no errors; the column of mesh sizes is ambiguous; or a cell is
-            not a
-            positive number.
+            not a positive number.
     """
     raw = read_tables(data)
     names = list(dict.fromkeys(name for table in raw for name in _distinct(table.names)))
@@ -336,8 +335,7 @@ def _split_by_case(columns: Columns) -> list[Columns]:
     """Divide a table into one table for each case, if the mesh sizes in the whole table are repeated.
 
     A case is a value of some column, such as the degree of the elements, for which all mesh sizes differ. If there is
-    no
-    such column, the table itself is returned in a list.
+    no such column, the table itself is returned in a list.
     """
     table, size, rows = columns.table, columns.size, range(len(columns.table.rows))
     numbers = columns.values.get(size or "", [])

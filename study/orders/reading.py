@@ -390,7 +390,7 @@ class _Grid:
 
         Returns:
             The names of the columns, and the indices of the lines of the header; two empty lists if no line is a
-                header.
+            header.
         """
         units = [i for i in above if all(map(_TYPE_OR_UNIT.fullmatch, self.texts[i]))]
         for i in (i for i in reversed(above) if i not in units):

@@ -218,8 +218,7 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
 
     Raises:
         OrderError: the numbers of mesh sizes and errors differ, mesh sizes are not positive or are repeated, an error
-            is
-            negative, or the expected order is not positive.
+            is negative, or the expected order is not positive.
     """
     expectation = Expectation(expected, at_least, tolerance)
     sizes, e = _coarse_first(h, errors, name)
@@ -318,8 +317,7 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
     """Return the diagnosis if errors tend to a positive limit, otherwise None.
 
     Errors a + C h^p are fitted to the last three meshes, and to the three meshes before the last one. The limits a and
-    the
-    orders p of both fits must agree.
+    the orders p of both fits must agree.
     """
     n, orders = len(e), consecutive_orders(h, e)
     if n < 4 or not orders[-1] < orders[-2] < orders[-3]:

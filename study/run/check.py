@@ -161,8 +161,7 @@ def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
     """Return a random sample of jobs without repetition.
 
     A job is drawn with a probability proportional to 1 / cost. So the expected time of one draw is the harmonic mean of
-    all
-    costs, about 0.4 s for the full study, even if some jobs take very long.
+    all costs, about 0.4 s for the full study, even if some jobs take very long.
 
     Parameters:
         jobs: all jobs of the plan.

@@ -156,8 +156,7 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
     """Return the rows by which a statement is judged.
 
     Some statements compare their measurements with the measurements in another file. Then the columns of the other file
-    are
-    added, with the suffix ``REPORTED`` in their names.
+    are added, with the suffix ``REPORTED`` in their names.
 
     Parameters:
         statement: the statement.
@@ -175,8 +174,7 @@ def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdi
     """Judge the checks of users' cases again, and return all checks.
 
     A check of a user's case only fails if the data contradict the statement. Otherwise, the text of the check says why
-    it is
-    undecided.
+    it is undecided.
 
     Parameters:
         verdicts: all checks.

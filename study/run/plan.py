@@ -109,8 +109,7 @@ class Plan:
             UsageError: the scope cannot be run, or a user's case has the name of a case of the catalogue.
             SelfProofError: the solution of a case violates an equation or a contact condition.
             MeshError: a mesh does not fit the boundary parts of a body. Or there is no quadrature rule for a cell in
-                which the
-                solution is not smooth.
+                which the solution is not smooth.
         """
         self.scope.check()
         # Solutions in 3D take longest. They are checked first, so that no process works alone at the end.

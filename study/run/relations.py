@@ -117,8 +117,7 @@ def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """Check the numbers of time steps, the dimension, and the times of the largest errors in ``rates.csv``.
 
     The numbers of time steps must follow from the plan. Times must be ends or midpoints of time steps, at which errors
-    are
-    evaluated.
+    are evaluated.
     """
     rates = tables[RATES]
     cases = rates["case"].map(expectation.cases)

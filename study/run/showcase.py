@@ -78,8 +78,7 @@ def mesh_series(motion: Motion, every: int) -> MeshSeries:
 
     Fields at the vertices are ``displacement``, ``velocity``, and on the contact boundary ``gap`` and ``pressure``
     (``gap_1``, ``gap_2``, … if this boundary has several faces). Fields on the cells, constant on each, are ``stress``
-    and
-    ``von_mises``.
+    and ``von_mises``.
     """
     weights, mesh = pictures.contact_weights(motion.space), motion.space.mesh
     return MeshSeries(mesh.p, mesh.t, [_fields(motion, frame, weights) for frame in motion.frames[::every]])

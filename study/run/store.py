@@ -97,8 +97,7 @@ class Store:
         """Lock the directory against other runs, and remove temporary files of killed runs.
 
         The operating system releases the lock when this process ends for any reason. Child processes do not inherit the
-        lock.
-        Windows has no such locks: there, two runs on one directory are not noticed.
+        lock. Windows has no such locks: there, two runs on one directory are not noticed.
 
         Raises:
             StoreError: another run works on the directory, or it cannot be written.

@@ -292,8 +292,7 @@ def plain(value: Any, digits: int = DIGITS) -> Any:
     """Return nested data for JSON: arrays become lists of rounded numbers.
 
     The largest number of an array is rounded to ``digits`` significant digits. All other numbers of the array have the
-    same
-    number of decimal places.
+    same number of decimal places.
     """
     if isinstance(value, dict):
         return {key: plain(one, FINER.get(key, DIGITS)) for key, one in value.items()}
