@@ -50,7 +50,7 @@ def do_bound(options: argparse.Namespace) -> int:
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
     check_force(case)
-    # The memory is checked first, because ``check_bound`` makes meshes, which may need too much.
+    # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)

@@ -34,7 +34,7 @@ def do_certify(options: argparse.Namespace) -> int:
         raise UsageError(f"{name} has no contact side, for which there are no certificates: take `study bound`")
     making = Making(data, family, scheme, refined)
     making.check()
-    # The memory is checked first, because ``check_bound`` makes meshes, which may need too much.
+    # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)

@@ -43,8 +43,7 @@ class Outcome:
         row: the check that is shown. With a defect, it is the first check that should fail and does not, or the first
             one if all fail. Without a defect, it is the first check that does not hold, or the first one if all hold.
         caught: whether all checks that should fail do fail; None without a defect.
-        other_faults: other faults in words. For example, no defect of the table tests some check, or two defects give
-            the same numbers.
+        other_faults: other faults in words: a check is tested by no defect, or two defects give the same numbers.
     """
 
     defect: str
@@ -78,8 +77,9 @@ class Outcome:
     def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict], named: set[str]) -> Outcome:
         """Return the outcome of a measurement without a defect, for which all checks must hold.
 
-        There is a fault if two checks have the same key. There is also a fault if no defect tests some check, because
-        then the check could be weakened or removed unnoticed.
+        There is a fault if two checks have the same key. There is also a fault if a check is tested by no defect,
+        because then
+        it could be weakened or removed unnoticed.
 
         Parameters:
             setting: the case, meshes and statement.

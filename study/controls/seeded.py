@@ -31,7 +31,7 @@ from study.statements.thm_4_2_own_space import OwnSpace
 WHOLE, LIGHT = "whole", "light"
 """Names of the two parts of the measurements for a seed: all of them, or only the cheap ones."""
 EVERY = 5
-"""All measurements are made on every fifth seed, the cheap ones on each. Then both kinds take about the same time."""
+"""Costly measurements are made on every fifth seed only, so that they take about as long as the cheap ones in total."""
 NOT_CLAIMED = {"(5.24)": "orders of a trace hang on few edges of random length"}
 """Label of a statement that is not claimed to hold on meshes with random vertices ↦ the reason."""
 TRACES = ("no-contact", "advance-recede")

@@ -34,7 +34,7 @@ from study.statements.shared.experiment import Experiment
 LEAST, MOST = 1e-12, 1.0
 """The range of relative sizes in which the smallest noticed defect is searched."""
 CLOSE = 1.05
-"""Bisection ends when this factor is between the smallest size with a failing check and the largest one without."""
+"""The search ends when the smallest noticed size is at most this multiple of the largest size that is not noticed."""
 CASES = "full-contact", "advance-recede"
 FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 LEVEL = 8

@@ -81,12 +81,12 @@ def changed(place: str, change: Callable[[Any, float], Any]) -> Callable[[Experi
 
 
 def shear(tensor: Linear) -> Array:
-    """Return the shear part 2μ I of an isotropic tensor."""
+    """Return the shear part 2μ I of an isotropic tensor with the shear modulus μ, (D, D)."""
     return (tensor.matrix[0, 0] - tensor.matrix[0, 1]) * np.eye(len(tensor.matrix))
 
 
 def bulk(tensor: Linear) -> Array:
-    """Return the volumetric part λ 1 ⊗ 1 of an isotropic tensor."""
+    """Return the volumetric part λ 1 ⊗ 1 of an isotropic tensor with the first Lamé constant λ, (D, D)."""
     unit = identity(tensor.dim)
     return tensor.matrix[0, 1] * np.multiply.outer(unit, unit)
 

@@ -123,12 +123,12 @@ misses one of these defects."""
 
 
 def zero(right: Any) -> Any:
-    """Deliberate defect: a number or an array is 0."""
+    """Deliberate defect: a number or an array, such as the initial displacement, is replaced by 0."""
     return 0 * right
 
 
 def negative(right: Any) -> Any:
-    """Deliberate defect: a number, an array or a matrix has the wrong sign."""
+    """Deliberate defect: a number, an array or a matrix is multiplied by −1."""
     return -right
 
 

@@ -1,22 +1,22 @@
 """Estimates how often a check fails by chance although the program is correct (its false-alarm rate).
 
 Checks are measured on meshes with random vertices, so their values depend on the seed of the mesh. For each seed, the
-value v of a check has a *position* in its tolerance window. In a window [low, high] the position is (2v − low −
-high)/(high − low), so that the ends are −1 and 1. If only one end is finite, the position is v/high or low/v, and the
-end is 1. A position beyond an end is a false alarm. The rate of false alarms is estimated in two ways.
+value v of a check has a *position* in its tolerance window [low, high], whose ends have the positions −1 and 1:
+position = (2v − low − high)/(high − low). If only one end is finite, it has the position 1, and position = v/high or
+low/v. A position beyond an end is a false alarm. The rate of false alarms is estimated in two ways.
 
-The first way counts false alarms. The confidence interval of Clopper and Pearson at 95 % belongs to the rate. No alarm
-on 100 seeds only shows that the rate is at most 3.6 %.
+First, by counting false alarms, with the 95 % confidence interval of Clopper and Pearson. No alarm on 100 seeds only
+shows that the rate is at most 3.6 %.
 
-The second way extrapolates the tail of the distribution of positions with one of two models:
+Second, by extrapolating the tail of the distribution of positions with one of two models:
 
 * *normal*, if the test of Shapiro and Wilk does not reject a normal distribution at 1 %. For N positions with mean m
-  and standard deviation s, the next position lies beyond an end at the distance d from m with the probability P(t_{N−1}
-  > d/(s √(1 + 1/N))) of Student's distribution, which accounts for m and s being estimates.
+  and standard deviation s, the next position lies beyond an end at the distance d from m with the probability
+  P(t_{N−1} > d/(s √(1 + 1/N))) of Student's distribution, which accounts for m and s being estimates.
 * *Pareto* otherwise: the excesses of the largest quarter of the positions over a threshold follow a generalised Pareto
-  distribution, which includes bounded and heavy tails. Shape and scale come from probability-weighted moments (J. R. M.
-  Hosking, J. R. Wallis, Parameter and quantile estimation for the generalized Pareto distribution, Technometrics 29
-  (1987) 339–349). The test of Kolmogorov and Smirnov tells how well the model fits.
+  distribution, which includes bounded and heavy tails. Shape and scale come from probability-weighted moments
+  (J. R. M. Hosking, J. R. Wallis, Parameter and quantile estimation for the generalized Pareto distribution,
+  Technometrics 29 (1987) 339–349). The test of Kolmogorov and Smirnov tells how well the model fits.
 
 A check whose position is the same for all seeds has no false alarms. The rate of the whole ledger is at most the sum of
 the rates of its checks, whether or not they are independent.
@@ -43,7 +43,7 @@ AGAINST = 0.01
 UPPER = 0.25
 """This fraction of all values, the largest ones, is used for the Pareto model of the tail."""
 FEWEST = 8
-"""The least number of seeds for a model of the distribution."""
+"""The least number of seeds for a model of the distribution of a checked value."""
 SAME = 2e-3
 """Positions in the tolerance window that differ by at most this number count as equal. It is twice the resolution with
 which positions are stored."""

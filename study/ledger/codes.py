@@ -57,7 +57,7 @@ class Codes:
         errors = _table(place / "errors.csv", ERRORS, ["series", "level"])
         classes = _table(place / "classes.csv", CLASSES, ["series"], empty=True)
         refuse_repeated(place / "classes.csv", classes, SERIES, AGAIN)
-        # Rows whose series is unknown remain, with empty names, so that ``study check`` reports them.
+        # Errors whose series is missing in ``classes`` are kept with empty names, so that ``study check`` reports them.
         return cls(errors.merge(classes[["series", *SERIES]], on="series", how="left"), classes)
 
     def series(self) -> pd.DataFrame:

@@ -268,16 +268,19 @@ def between_levels(key: str, quantity: str, window: Window, column: str, refinem
 
 
 def order(key: str, quantity: str, window: Window, column: str, last: int = 0, levels: int = ENOUGH) -> Criterion:
-    """Return the criterion for the least-squares order of a column of errors over its ``last`` levels, or all if 0."""
+    """Return the criterion for the observed order of a column of errors, by least squares.
+
+    Only the ``last`` finest levels are used; 0 stands for all levels.
+    """
     return of_errors(key, quantity, window, column, levels, lambda h, e: exactly(fit(h, e)), last)
 
 
 def weighted(
     key: str, quantity: str, window: Window, column: str, power: int, last: int = 0, levels: int = ENOUGH
 ) -> Criterion:
-    """Return the criterion for the least-squares order of a column of errors with weights h^−``power``.
+    """Return the criterion for the observed order of a column of errors, by least squares with weights h^−``power``.
 
-    Only the ``last`` levels are used, or all if it is 0.
+    Only the ``last`` finest levels are used; 0 stands for all levels.
     """
     return of_errors(key, quantity, window, column, levels, lambda h, e: exactly(weighted_order(h, e, power)), last)
 

@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 STEPS = 999
-"""Values for pictures are rounded to the largest value divided by this number: three digits, enough for a tenth of a
+"""Values for pictures are rounded to multiples of their largest value / 999: three digits, enough for a tenth of a
 pixel."""
 FINE = 32_000
-"""Values that are read as numbers are rounded to the largest value divided by this number, to use 16 bits."""
+"""Values that are read as numbers are rounded to multiples of their largest value / 32 000, as fine as 16 bits
+permit."""
 
 
 @dataclass(frozen=True, eq=False)

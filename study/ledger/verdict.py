@@ -153,18 +153,24 @@ def is_of_the_paper(label: str) -> bool:
 
 
 def window_share(row: pd.Series) -> float:
-    """Return how much of its tolerance window a check uses, from a row of ``claims.csv``.
+    """Return how near a check is to the end of its tolerance window, as a share of the window.
 
     The result is 1 for a value at an end of the window. It is 0 for a value in the middle of a window with two ends. If
     the lower end is 0 or negligible next to the upper end, it is 0 for the value 0. It is NaN if no end is finite.
+
+    Parameters:
+        row: a row of ``claims.csv``.
     """
     return max((_share(value, row) for value in _judged(row)), default=math.nan)
 
 
 def worst_value(row: pd.Series) -> float:
-    """Return the value of a check that uses most of its tolerance window, from a row of ``claims.csv``.
+    """Return the worst value of a check: nearest to an end of its tolerance window, or farthest outside.
 
-    Without a window, it is the observed value.
+    If there is no window, it is the observed value.
+
+    Parameters:
+        row: a row of ``claims.csv``.
     """
     return max(_judged(row), key=lambda value: _share(value, row), default=float(row["observed"]))
 

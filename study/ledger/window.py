@@ -13,7 +13,7 @@ MIN_POSITIVE = 1e-20
 least by rounding, about 1e-16 of the quantity. So a difference of exactly 0 means that a quantity was compared with
 itself."""
 SMALL = 1e-3
-"""If the lower end of a window is less than this fraction of the upper end, only large values are bad."""
+"""If the lower end of a window is less than this fraction of the upper end, only the upper end is regarded."""
 STEEPER = 0.15
 """Half the width of the tolerance window for the observed order of a solution that is not smooth enough for the
 propositions of the paper (assumption (5.36))."""

@@ -99,7 +99,12 @@ def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
 
 
 def judge(directory: Path) -> list[Verdict]:
-    """Judge the data in a result directory, write ``claims.csv`` and return its checks; raises as ``verdicts``."""
+    """Judge the data in a result directory, write the checks into ``claims.csv`` and return them.
+
+    Raises:
+        UsageError: the directory has no data.
+        StoreError, DataError: data are of another format, missing or damaged.
+    """
     found = verdicts(directory)
     write_csv(claims_file(directory), claims(found))
     return found

@@ -30,8 +30,8 @@ Numbers = NDArray[np.float64]
 DIGITS = 1e-10
 """Relative tolerance for columns that are written with twelve digits."""
 SAMPLED_RTOL = 2e-5
-"""Relative tolerance for values over time, which have six digits. Rounding three numbers in a quotient changes it by 3
-· 5e-6."""
+"""Relative tolerance for values over time, which have six digits; rounding changes a quotient of three of them by
+1.5e-5."""
 MIN_SAMPLED_MAX = 0.9
 """The largest error at TIMES equidistant times must be at least this fraction of the largest error at all times."""
 ORIGIN = 1e-9
