@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import secrets
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from study.cli.common import check_jobs, code_of, known_undecided, progress_bar
@@ -136,26 +136,19 @@ def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:
     return set(expected)
 
 
-def files_of(directory: Path) -> Iterator[Path]:
-    """Yield the files of a result directory.
+def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list[Path]]:
+    """Return the files of a result directory that were checked in part, and the files that were not checked.
 
     Hidden files, stored results of jobs, and result directories inside this one are left out.
-    """
-    inside = (path.parent.parent for path in directory.rglob("data/provenance.json"))
-    left_out = {directory / "data" / "jobs", *inside} - {directory}
-    for path in sorted(directory.rglob("*")):
-        if path.is_file() and not path.name.startswith(".") and not left_out & {*path.parents}:
-            yield path
-
-
-def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list[Path]]:
-    """Return the files that were checked in part, and the files that were not checked.
 
     Parameters:
         directory: the result directory.
         compared: the files that were checked completely.
     """
-    rest = [path for path in files_of(directory) if path not in compared]
+    inside = (path.parent.parent for path in directory.rglob("data/provenance.json"))
+    left_out = {directory / "data" / "jobs", *inside} - {directory}
+    files = [path for path in sorted(directory.rglob("*")) if path.is_file() and not path.name.startswith(".")]
+    rest = [path for path in files if path not in compared and not left_out & {*path.parents}]
     tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
     in_part = {directory / name for name in (*IN_PART, *tables)}
     return [path for path in rest if path in in_part], [path for path in rest if path not in in_part]

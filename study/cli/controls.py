@@ -11,7 +11,8 @@ from study.cli.common import check_jobs, progress_bar
 from study.cli.options import FAILED, OK
 from study.controls import table
 from study.controls.run_controls import controls_text, run_controls, settings, write_controls
-from study.controls.sensitivity import MOST, PLACES, run_sensitivity, sensitivity_text, write_sensitivity
+from study.controls.sensitivity import MOST, PLACES, SENSITIVITY, run_sensitivity, sensitivity_text
+from study.ledger.datafiles import write_csv
 from study.run.executor import Processes
 from study.run.store import Store
 
@@ -47,7 +48,7 @@ def do_sensitivity(options: argparse.Namespace) -> int:
     with Processes(min(options.jobs, len(PLACES))) as executor, store.locked():
         with progress_bar(len(PLACES)) as bar:
             amounts = run_sensitivity(executor, bar.update)
-        written = write_sensitivity(options.out, amounts)
+        written = write_csv(options.out / "data" / SENSITIVITY.name, amounts)
     print(f"\n{sensitivity_text(amounts)}")
     print(f"data: {written}")
     return OK if (amounts["amount"] < MOST).all() else FAILED

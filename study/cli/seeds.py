@@ -16,11 +16,12 @@ from tqdm import tqdm
 
 from study.cli.common import check_jobs, progress_bar
 from study.cli.options import FAILED, OK, UNCLEAR
-from study.controls.alarms import tally, text, verdict, write_seeds
+from study.controls.alarms import tally, text, verdict
 from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
 from study.fem.naming import family_named
+from study.ledger.datafiles import write_csv
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute
@@ -93,7 +94,7 @@ def do_seeds(options: argparse.Namespace) -> int:
         print("no seed was finished; run the same command again to finish the one that was begun")
         return UNCLEAR
     table = tally(record)
-    written = write_seeds(options.out, table)
+    written = write_csv(options.out / "data" / "seeds.csv", table)
     print(f"\n{text(table)}\ndata: {written}, {written.parent}/seeds/")
     return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[verdict(table)]
 

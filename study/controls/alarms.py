@@ -26,7 +26,7 @@ from study.controls.record import Line, Record, RowKey, fingerprint, two_sided, 
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.chance import PROMISE, interval, seeds_needed, tail
 from study.ledger.compare import difference
-from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, table_text, write_csv
+from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, table_text
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
 COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
@@ -186,13 +186,6 @@ def text(table: pd.DataFrame) -> str:
             f"alone ({seeds_needed()} seeds without an alarm are enough; the tails judge nothing)",
         ]
     )
-
-
-def write_seeds(directory: Path, table: pd.DataFrame) -> Path:
-    """Write the table into ``data/seeds.csv`` and return the path."""
-    path = directory / "data" / "seeds.csv"
-    write_csv(path, table)
-    return path
 
 
 def compare_record(directory: Path) -> set[Path]:

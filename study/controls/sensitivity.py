@@ -14,7 +14,6 @@ from collections.abc import Callable
 from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -24,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from study.controls.baselines import experiment
 from study.controls.small_defects import DEFECTS, START, SmallDefect
 from study.fem.naming import resolve
-from study.ledger.datafiles import CsvFile, Row, write_csv
+from study.ledger.datafiles import CsvFile, Row
 from study.ledger.verdict import FAILS
 from study.statements.recomputed import TRAJECTORIES, Recomputed, gaps
 from study.statements.recomputed_solver import PlainProblem, Trajectory
@@ -121,13 +120,6 @@ def run_sensitivity(executor: Executor, notify: Callable[[], object]) -> pd.Data
     for _ in as_completed(waiting):
         notify()
     return pd.DataFrame([row for future in waiting for row in future.result()], columns=list(SENSITIVITY.columns))
-
-
-def write_sensitivity(directory: Path, table: pd.DataFrame) -> Path:
-    """Write the table into ``data/sensitivity.csv`` and return the path."""
-    path = directory / "data" / SENSITIVITY.name
-    write_csv(path, table)
-    return path
 
 
 def sensitivity_text(table: pd.DataFrame) -> str:

@@ -77,11 +77,6 @@ class Tail:
     rate: float
     fit: float = float("nan")
 
-    @property
-    def serves(self) -> bool:
-        """Whether the model can be used: all values are equal, or the test accepts the model."""
-        return self.model == "constant" or self.fit >= AGAINST
-
 
 def tail(places: Array, two_sided: bool) -> Tail:
     """Return the model of the distribution of a checked value on random meshes.

@@ -162,9 +162,12 @@ def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: s
         )
 
 
-def write_csv(path: Path, table: pd.DataFrame) -> None:
-    """Write a table as CSV with 12 digits and Unix line ends; if writing is interrupted, the old file remains."""
-    write_text(path, table_text(table))
+def write_csv(path: Path, table: pd.DataFrame) -> Path:
+    """Write a table as CSV with 12 digits and Unix line ends, and return the path.
+
+    If writing is interrupted, the old file remains.
+    """
+    return write_text(path, table_text(table))
 
 
 def table_text(table: pd.DataFrame) -> str:
@@ -209,8 +212,7 @@ class CsvFile:
 
     def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
         """Write all rows into the file in the folder ``data`` and return its path, as a list."""
-        write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=list(self.columns))))
-        return [data / self.name]
+        return [write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=list(self.columns))))]
 
     def read(self, directory: Path) -> pd.DataFrame:
         """Return the table from the file in a result directory; raises DataError if it is missing or damaged."""

@@ -38,13 +38,3 @@ EXACT_QUOTIENTS: dict[str, tuple[str, ...]] = {
 }
 """Label ↦ keys of the checks of quotients that are exactly 1 without any discretisation error: by linear algebra, or by
 integrals of the exact solution alone. Their tolerance windows are wider than rounding errors."""
-
-
-def is_theorem(label: str, key: str) -> bool:
-    """Return whether a check, given by its label and key, tests a proved relation between computed numbers."""
-    return key in THEOREMS.get(label, ())
-
-
-def is_exact_quotient(label: str, key: str) -> bool:
-    """Return whether a check, given by its label and key, compares two computations of the same exact number."""
-    return key in EXACT_QUOTIENTS.get(label, ())

@@ -19,7 +19,7 @@ from typing import Protocol
 import pandas as pd
 
 from study.ledger.numbered import named
-from study.ledger.theorems import is_exact_quotient, is_theorem
+from study.ledger.theorems import EXACT_QUOTIENTS, THEOREMS
 from study.ledger.window import SMALL, Window
 
 HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
@@ -138,9 +138,9 @@ def kind(row: pd.Series) -> str:
     label, key = str(row["label"]), str(row["key"])
     low, high = float(row["window_low"]), float(row["window_high"])
     one_sided = math.isinf(low) or math.isinf(high) or 0 <= low < SMALL * high or high == 0
-    if high - low <= EXACT or (one_sided and high <= EXACT) or is_exact_quotient(label, key):
+    if high - low <= EXACT or (one_sided and high <= EXACT) or key in EXACT_QUOTIENTS.get(label, ()):
         return IDENTITY
-    if is_theorem(label, key):
+    if key in THEOREMS.get(label, ()):
         return THEOREM
     if one_sided:
         return ONE_SIDED

@@ -29,7 +29,7 @@ from study.ledger.files import write_text
 from study.ledger.verdict import Verdict
 from study.run.case_line import describe
 from study.run.plan import Plan
-from study.run.provenance import SUMS, Complete, provenance, read_provenance, sums_of
+from study.run.provenance import SUMS, Complete, provenance, read_provenance, text_sum
 from study.run.store import Store
 from study.statements import STATEMENTS
 from study.statements.enclosure import BOUNDS, ENCLOSURES
@@ -74,7 +74,8 @@ def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
     for file, rows_of_file in rows.items():
         written += file.write(store.data, rows_of_file)
     write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.scope.resolved()]))
-    content = {**provenance(plan, store.directory), SUMS: sums_of(store.data, written)}
+    sums = {path.relative_to(store.data).as_posix(): text_sum(path) for path in sorted(written)}
+    content = {**provenance(plan, store.directory), SUMS: sums}
     write_text(store.data / "provenance.json", json.dumps(content, separators=(",", ":")) + "\n")
 
 

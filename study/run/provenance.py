@@ -12,7 +12,7 @@ import hashlib
 import inspect
 import os
 import platform
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -224,11 +224,6 @@ def read_scope(values: Mapping[str, Any]) -> Scope:
 def text_sum(path: Path) -> str:
     """Return the SHA-256 of a text file with Unix line ends, because git may change line ends."""
     return hashlib.sha256(path.read_bytes().replace(b"\r\n", b"\n")).hexdigest()
-
-
-def sums_of(data: Path, paths: Iterable[Path]) -> dict[str, str]:
-    """Return the checksums of files, as a dictionary: name relative to the folder ``data`` ↦ SHA-256."""
-    return {path.relative_to(data).as_posix(): text_sum(path) for path in sorted(paths)}
 
 
 def compare_sums(directory: Path) -> set[Path]:
