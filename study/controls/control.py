@@ -111,7 +111,7 @@ def within(place: str, replacement: Replacement) -> Replacement:
     """Return a replacement of the class ``Experiment`` that makes one attribute of every new experiment wrong.
 
     Parameters:
-        place: name of the attribute, as for ``replaced``.
+        place: name of the attribute, such as "problem.solver".
         replacement: function that returns the wrong attribute, given the correct one.
     """
 

@@ -170,8 +170,7 @@ ROUNDING = 1e-9
 BOUND = at_most(1 + ROUNDING, low=-math.inf)
 """Tolerance window of quotients that are at most 1 by theory."""
 SHARP = Window(0.99, 1 + ROUNDING, "≥ 0.99 shows that the constant is the best possible")
-"""Tolerance window of the quotient (largest measured value) / (proved upper bound), if the measured functions attain
-the bound up to rounding."""
+"""Tolerance window of the largest measured value divided by its proved upper bound, which should be attained."""
 
 
 def largest(key: str, quantity: str, window: Window, *columns: str) -> Criterion:

@@ -202,7 +202,8 @@ class CsvFile:
         name: name of the file in the folder ``data``.
         key: the columns that identify a row.
         columns: the measured columns.
-        derive: function that adds the columns which are computed from measured ones to a table.
+        derive: function that returns the table to be written, given the table of measured columns. It may add columns
+            that are computed from measured ones, such as observed orders.
     """
 
     name: str
