@@ -246,7 +246,11 @@ def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:
 
 
 def _content(name: str, directory: Path) -> bytes:
-    """Return the content of a data file, uncompressed; raises DataError if it cannot be read."""
+    """Return the content of a data file, uncompressed.
+
+    Raises:
+        DataError: the file cannot be read or is damaged.
+    """
     try:
         return read_uncompressed(directory / "data" / name)
     except OSError as error:

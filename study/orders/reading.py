@@ -23,7 +23,7 @@ MAX_CELL = 2_000
 MOST_GROUPED = 1_000
 """Largest number of names in a header of two rows; with more names, reading would take too long."""
 UNNAMED = ""
-"""The name of a column that has no name."""
+"""Stands in place of the name of a column without a name."""
 EXAMPLE = (
     "expected a header such as 'h error' and one line for each mesh, for example 'h,error', '0.5,0.1', '0.25,0.025'"
 )

@@ -22,7 +22,7 @@ CLEAR = 10.0
 """If errors stagnate at a floor, only errors above this multiple of the floor are judged. A floor of a tenth of an
 error changes the order by at most 0.15."""
 ROUND_OFF = 1e-10
-"""A floor below this number, relative to the coarsest error or to 1, is attributed to round-off."""
+"""If errors stagnate below this number, relative to the coarsest error or to 1, the cause is taken to be round-off."""
 SAME_SIZE = 1e-6
 """Mesh sizes with a smaller relative difference count as equal, because an order between them would be meaningless."""
 
