@@ -1,7 +1,6 @@
 """Problems whose solution and contact zone are not known, given by their data.
 
-* ramp: a wedge that is clamped in a wall on its left side and rests on the ground, with a load that travels down its
-top
+* ramp: a wedge that is clamped in a wall on its left side and rests on the ground. A load travels down its top,
 
       f_2 = −8 a(t) (1 − ((x_1 − c(t))/w)²)_+³ ν,   a = t²(3 − 2t),   c = 4/5 + 7t/5,   w = 4/5,
 
@@ -27,7 +26,7 @@ from manufactured.symbols import pos, t
 
 
 def _bump(x: Expr) -> Expr:
-    """Return the formula (1 − x²)_+³."""
+    """Return the formula (1 − x²)_+³ of a load that is concentrated on |x| < 1."""
     return pos(1 - x**2, 3)
 
 
@@ -57,7 +56,8 @@ class OpenProblem:
     """A problem whose solution is not known, with the predicted order of convergence.
 
     Attributes:
-        name, summary: name and one line of description, for tables.
+        name: the name for tables and commands.
+        summary: a description in one line.
         data: the data of the problem.
         order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}, or None.
         reason: the reason for this prediction.
