@@ -125,8 +125,10 @@ def _rounded_stresses(
 def _stresses(
     encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
 ) -> Iterator[tuple[Array, Load]]:
-    """Yield the stress σ̃ on the cells and the load that it balances, at all knots and control points of the spline
-    ũ in turn."""
+    """Yield the stress σ̃ on the cells and the load that it balances.
+
+    They belong to the knots of the spline ũ and to a control point between any two knots, in the order of time.
+    """
     T = encoder.problem.T
     k = T / (len(nodes) - 1)
     knots = [Fraction(0), *(k * Fraction(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]

@@ -48,7 +48,7 @@ TERMS = 300  # most monomials of a polynomial, most terms of a load; in use: 6. 
 VERTICES = 100  # most vertices of the polygon; in use: 6. The limit is low because every pair of sides is compared
 REFINEMENTS = 8  # most refinements from the mesh of u_h to the mesh of ũ; in use: 2
 LISTS = 1 << 20  # most lists in a file; in use: 10 000. In memory an empty list takes 20 times its two characters
-PACKED, UNPACKED = 1 << 28, 1 << 30  # most bytes of the packed file, most characters of its text; in use: 35 and 80 million
+PACKED, UNPACKED = 1 << 28, 1 << 30  # most packed bytes, most characters of the text; in use: 35 and 80 million
 PACKING, SMALL = (
     20,
     1 << 24,
@@ -681,7 +681,7 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
         divergence = [scale * (d * dX[k] - c * dY[k] + a * dY[k + 1] - b * dX[k + 1]) for k in range(3)]
         for v in cell.v:
             p, q, r, s = (x * unit for x in field[v])
-            square = congruent([[p, r, q], [q, s, r]], compliance)  # the rows on the left are the stresses Φe_1 and Φe_2
+            square = congruent([[p, r, q], [q, s, r]], compliance)  # rows: the stresses Φe_1 and Φe_2
             left = [[divergence[i + j] - square[i][j] - mu * (i == j) for j in (0, 1)] for i in (0, 1)]
             require(semidefinite(left), "the tensor field does not prove the constant of forces in Ω")
     for edge, side in mesh.boundary.items():
@@ -860,7 +860,7 @@ class Loads:
             stress = combination(shapes, coefficients) * Q(-1, self.unit * self.mesh.h)
             line = [p(UNIT_X) for p in between(*map(self.mesh.place, edge))]
             load = [term(*line, clock(a, b)) for term in self.mesh.boundary[edge].load[d]]
-            slack = sum((term.size() for term in load), Q(0)) / (1 << GRID)  # compensates that the length is rounded down
+            slack = sum((term.size() for term in load), Q(0)) / (1 << GRID)  # as the length is rounded down
             longer = [Term(term.p * length, term.g, term.q) for term in load]
             mean_square = missed([*longer, Term(stress, Poly(), 0)], HALVINGS)
             found += up((root(mean_square) + slack) ** 2 / length)
@@ -1288,7 +1288,8 @@ class Certificate:
         """Yield bounds of ‖ũ − u_h‖²_V at five control points of a time interval, the last of which is its end.
 
         The interval is halved, so that u_h is linear in time on each half. There ũ − u_h is a parabola, and its squared
-        norm is at most the largest value at a control point, because the square is convex.
+        norm is at most the largest value at a control point, because the square is convex. If u_h has a node
+        elsewhere than in the middle, the certificate is refused.
         """
         quarter = (piece.b - piece.a) / 4
         for t in (piece.a, piece.a + 2 * quarter):
