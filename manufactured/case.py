@@ -24,8 +24,7 @@ from manufactured.symbols import t
 from manufactured.tensors import Array
 
 FIXED = 2.5
-"""A contact front that does not move lowers the regularity only if the strain q on the face has an exponent m up to
-this.
+"""A front that does not move lowers the regularity only if the strain on the face has an exponent up to this number.
 
 Such fronts occur if the body starts in elastic equilibrium, since then q(0) = −p(0)/g.
 """

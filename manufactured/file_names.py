@@ -12,8 +12,10 @@ File systems allow 255 for a file name, which also contains the mesh family, the
 RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-9¹²³]) *(\..*)?", re.IGNORECASE | re.DOTALL)
 """Names of devices, with any suffix. Windows opens the device instead of a file of this name."""
 FORBIDDEN = re.compile(r'[/\\:*?"<>|\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]')
-"""Characters that file names must not contain: path separators, control characters, characters that Windows refuses,
-and text that UTF-8 cannot encode."""
+"""Characters that must not be in file names.
+
+They are path separators, control characters, characters that Windows refuses, and text that UTF-8 cannot encode.
+"""
 
 
 def file_name_fault(name: str) -> str:

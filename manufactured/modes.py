@@ -36,8 +36,7 @@ class Modes:
     amplitudes: Callable[[Array | float, bool], Array]
 
     def among(self, first: int, stop: int) -> Modes:
-        """Return the same strain at the points with the numbers first, …, stop − 1 only; they are numbered again
-        from 0."""
+        """Return the strain at the points with the numbers first, …, stop − 1, which are numbered again from 0."""
         # The point numbers increase, so the chosen points are one slice and no array is copied.
         chosen = slice(*np.searchsorted(self.points, (first, stop)))
         return replace(

@@ -1,5 +1,4 @@
-"""Clamped and contact boundary meet on a straight side, with contact everywhere: a singularity u ~ r^{1/2} at the
-junction.
+"""Clamped and contact boundary meet on a straight side, with contact everywhere: a singularity u ~ r^{1/2}.
 
 The gap w, the contact pressure p, the contact zone {ψ ≥ 0} and the function of time θ are
 

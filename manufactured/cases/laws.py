@@ -22,8 +22,9 @@ from manufactured.tensors import Array, rotation
 
 
 def proportional(ratio: float = 1.0, factor: Factor = UNIFORM) -> KelvinVoigt:
-    """Return an isotropic law whose elasticity is proportional to its viscosity, G = ``ratio`` · A with A τ = α (2τ +
-    (tr τ) I).
+    """Return an isotropic law whose elasticity is proportional to its viscosity.
+
+    A τ = α (2τ + (tr τ) I) and G = ``ratio`` · A.
 
     Args:
         ratio: the ratio G/A.
@@ -92,8 +93,7 @@ def kolosov_constant(tensor: Linear) -> float:
 
 
 def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
-    """Return the factor 2μ_A θ̇ + 2μ_G θ, which turns a plane elastic stress field into the stress of a viscoelastic
-    motion.
+    """Return 2μ_A θ̇ + 2μ_G θ, the factor from a plane elastic stress field to the stress of a viscoelastic motion.
 
     A and G must be isotropic with the same Kolosov constant κ. If U is the displacement with the potentials Φ and Ψ
     (``singular.kolosov``), then the stress of θ(t) U is this factor times the stress that Φ and Ψ give.

@@ -1,5 +1,4 @@
-"""A face under the nonlinear law (3.3): all of Γ3 is pressed from rest, leaves the set K point by point, and is
-released.
+"""A face under the nonlinear law (3.3) is pressed from rest, leaves the set K point by point, and is released.
 
 The gap w, the contact pressure p and the contact zone {ψ ≥ 0} are
 

@@ -1,5 +1,4 @@
-"""A face under the nonlinear law (3.3): only x < c is in contact; its strain leaves the set K at once; then it is
-released.
+"""A face under the nonlinear law (3.3): only x < c is in contact, its strain leaves the set K at once; then release.
 
 The gap w, the contact pressure p and the contact zone {ψ ≥ 0} are
 

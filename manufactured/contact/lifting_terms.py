@@ -76,6 +76,6 @@ def plus(*indices: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def first_indices(variables: int) -> tuple[tuple[int, ...], list[tuple[int, ...]]]:
-    """Return the multi-index 0 of the value, and the multi-indices of the first derivatives."""
+    """Return the multi-index of a function itself, (0, …), and the multi-indices of its first derivatives."""
     unit = np.eye(variables, dtype=int)
     return (0,) * variables, [tuple(int(i) for i in row) for row in unit]

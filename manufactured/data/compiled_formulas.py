@@ -21,8 +21,8 @@ SMALLEST, LARGEST = float(np.finfo(float).tiny), float(np.finfo(float).max)
 def compiled(
     formulas: Sequence[sp.Expr | float], count: int, name: str, symbols: tuple[sp.Symbol, ...]
 ) -> Callable[..., Vectors]:
-    """Return a function that evaluates formulas at points (d, ...) and, if t is among the symbols, at a time: (count,
-    ...).
+    """Return a function that evaluates formulas at points, (d, ...) → (count, ...), and at a time if t is among the
+    symbols.
 
     Args:
         formulas: the formulas.

@@ -32,8 +32,7 @@ class Contribution(Protocol):
 
 
 class Face(Contribution, Protocol):
-    """The interface of a displacement field with contact on one part of Γ3, such as ``ContactFace`` or
-    ``SingularFace``.
+    """The interface of a displacement field with contact on one part of Γ3, such as ``ContactFace``.
 
     Attributes:
         gap, level: the formulas of the gap w and of the level function ψ, where {ψ ≥ 0} is the contact zone.

@@ -1,5 +1,4 @@
-"""The body force f_0 of a linear law as a sum of fixed fields times functions of time and of the coordinate s on a
-face.
+"""The body force f_0 of a linear law as a sum of fixed fields times functions of time and of the face coordinate s.
 
 For a linear operator C, −Div(α C ε(u)) is linear in u. The displacement of a contact face is linear in the derivatives
 of w, q and r (gap, normal and shear strain) along the face. So f_0 is a sum over these derivatives, each multiplied by
@@ -70,8 +69,7 @@ def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
 
 @dataclass
 class _Fields:
-    """Collects the force fields −Div(α C ε), (d, n), that belong to the single derivatives of w, q and r along the
-    face.
+    """Collects the force fields −Div(α C ε), (d, n), that belong to single derivatives of w, q and r along the face.
 
     The field of a derivative (``Trace``) is the force if this derivative is 1 and all others are 0.
     """

@@ -112,8 +112,8 @@ class ExactSolution:
         return Fields(self, points)
 
     def on(self, face: Face, s: ArrayLike) -> FaceFields:
-        """Return gap, pressure and contact zone at fixed points s of a contact face, (d − 1, ...), as functions of t ∈
-        [0, T].
+        """Return gap, pressure and zone at fixed points s of a contact face, (d − 1, ...), as functions of t ∈ [0,
+        T].
 
         Raises:
             ValueError: s has another shape, or a point lies outside the body. The methods of the result raise it for

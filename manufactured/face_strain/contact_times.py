@@ -1,5 +1,4 @@
-"""Divides the pressure at a point of a contact face into intervals of contact, in each of which it is smooth in
-time."""
+"""Divides the pressure at a point of a face into intervals of contact, in each of which it is smooth in time."""
 
 from __future__ import annotations
 

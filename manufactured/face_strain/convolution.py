@@ -17,8 +17,7 @@ from manufactured.tensors import Array
 
 
 class Started(Protocol):
-    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points, for a fixed start a, as functions
-    of b."""
+    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points, as functions of b for a fixed a."""
 
     def upto(self, upper: Array, chosen: Array) -> Values:
         """Return the integrals up to given times, at some of the points.
@@ -34,8 +33,10 @@ class Started(Protocol):
 
 
 class Integral(Protocol):
-    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr, where P is a smooth part of p/a, pressure over
-    viscosity."""
+    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time.
+
+    P is a smooth part of p/a, pressure over viscosity.
+    """
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
         """Prepare the integrals for given points and starting times.
@@ -50,8 +51,7 @@ class Integral(Protocol):
 
 
 class Convolution:
-    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a function P that is a polynomial of the time r, of
-    degree m.
+    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a polynomial P of the time r, of degree m.
 
     With τ = b − a, Taylor's formula at a gives
 
@@ -81,8 +81,7 @@ class Convolution:
 
 @dataclass(frozen=True, eq=False)
 class _Taylor:
-    """The integrals from the starting times a, (N,), with the Taylor coefficients of P at a, (m + 1, N) for each
-    multi-index."""
+    """The integrals from starting times a, (N,), with the Taylor coefficients at a, (m + 1, N) for each multi-index."""
 
     decay: float
     degree: int

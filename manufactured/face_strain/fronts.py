@@ -15,8 +15,7 @@ from manufactured.tensors import Array
 
 
 class Front(Protocol):
-    """The interface of contact fronts. A front is given by a function ψ(s, t) that is positive where there is
-    contact."""
+    """The interface of contact fronts, each given by a function ψ(s, t) that is positive where there is contact."""
 
     def passes(self, points: Array, T: float) -> Array:
         """Return the times in (0, T) at which the front passes N points, that is, ψ changes its sign there.
@@ -50,8 +49,7 @@ def within(begin: Array, end: Array) -> Array:
 
 
 def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
-    """Return the contact front for a formula ψ: a ``PolynomialFront`` if ψ is a polynomial of t, else a
-    ``SmoothFront``."""
+    """Return the contact front for a formula ψ, a ``PolynomialFront`` if ψ is a polynomial of t."""
     if formula.is_polynomial(t):
         return PolynomialFront(function(variables, coefficients_in_t(formula)))
     symbols = (*variables, t)
@@ -129,8 +127,7 @@ class SmoothFront:
         return fine
 
     def _between(self, grid: Array, points: Array, T: float) -> Array:
-        """Return the times at which ψ changes its sign; they are searched between grid times and turning points of
-        ψ."""
+        """Return the times at which ψ changes its sign, searched between grid times and turning points of ψ."""
         turns = self._changes(self.slope, points, grid, T)
         return self._changes(self.level, points, np.sort(np.concatenate([grid, turns]), axis=0), T)
 

@@ -136,7 +136,7 @@ class MemoryAtPoints:
 
 
 class _ContactIntervals:
-    """Computes the integrals ∫ e^{−λ(t−r)} ∂_s^i P dr of one term of the pressure over all intervals of contact before
+    """Computes the integrals ∫ e^{−λ(t−r)} ∂_s^i P dr of a term of the pressure over all intervals of contact before
     t.
 
     Attributes:
@@ -174,8 +174,7 @@ class _ContactIntervals:
                 total.reshape(-1)[places] -= found[index]
 
     def _started(self, order: int) -> tuple[Started, Values]:
-        """Return the integrals from the beginning of contact on, as functions of the time, and their values at the
-        end of contact."""
+        """Return the integrals since the beginning of contact, as functions of time, and their values at its end."""
         if order not in self._found:
             started = self.integral.started(self.points, self.entry, self.exit, order)
             self._found[order] = started, started.upto(self.exit, np.arange(self.exit.size))

@@ -30,8 +30,7 @@ class Prescribed:
 
     @property
     def formula(self) -> sp.Expr:
-        """The formula from which the smoothness of the strain is read off: the sum of the formulas of all time
-        intervals."""
+        """The formula from which the smoothness of the strain is read off: the sum over all time intervals."""
         return sum((formula for _, formula in self.phases), sp.Integer(0))
 
     @cached_property

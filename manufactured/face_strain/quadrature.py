@@ -19,8 +19,7 @@ POINTS = 40
 PIECES = (1, 4)
 """Numbers of equal pieces of an interval of contact that are tried in turn. A long contact may contain many periods."""
 ACCURACY = 1e-13
-"""Largest accepted difference between Gauss's rule on an interval and on its halves, relative to the largest
-integral."""
+"""Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
 TINY = float(np.finfo(float).tiny)
 
 

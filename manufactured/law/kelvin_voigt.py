@@ -54,8 +54,7 @@ class KelvinVoigt:
 
     @property
     def growth(self) -> float:
-        """The rate at which differences of solutions may grow: max(−m, 0)/m_A, where m is the monotonicity constant of
-        G.
+        """The rate at which differences of solutions may grow, max(−m, 0)/m_A with the monotonicity constant m of G.
 
         It is at most ``kappa``, and 0 if G is monotone.
         """

@@ -1,5 +1,4 @@
-"""Interfaces of constitutive operators: elasticity operators that satisfy (3.2), and operators at fixed points of a
-body."""
+"""Interfaces of constitutive operators: elasticity operators that satisfy (3.2), and operators at fixed points."""
 
 from __future__ import annotations
 
@@ -74,6 +73,5 @@ class Elasticity(Protocol):
         ...
 
     def scaled(self, factor: Array) -> AtPoints:
-        """Return the operator α G for given values of α, (...), such as values of ``factor`` at points or its means
-        over cells."""
+        """Return the operator α G for given values of α, (...), for example means of ``factor`` over cells."""
         ...

@@ -31,8 +31,7 @@ y = sp.Symbol("y", real=True)
 
 @lru_cache
 def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
-    """Return a function that computes the derivatives of u_s and u_n up to an order, or of their rates if ``rate`` is
-    true.
+    """Return a function that computes the derivatives of u_s and u_n up to an order, or of their rates.
 
     Its arguments are y and the derivatives along the face of w (up to order + 1), q and D (up to the order). For rates,
     the time derivatives of these follow. All faces share these long formulas.
@@ -109,8 +108,7 @@ class FadingFace:
 
     @cached_property
     def traces(self) -> tuple[Jet, Jet, Jet]:
-        """The gap w, the strain q and the depth D, which determine the displacement, as formulas with their
-        derivatives."""
+        """Gap w, strain q and depth D, which determine the displacement, as formulas with their derivatives."""
         return self.gap_jet, Jet(self.strain), self.depth_jet
 
     @cached_property
@@ -157,8 +155,10 @@ class FadingFace:
 
 
 class Fading:
-    """The displacement field of a ``FadingFace`` at fixed points; formulas are evaluated only at points within its
-    depth."""
+    """The displacement field of a ``FadingFace`` at fixed points.
+
+    Formulas are evaluated only at points within the depth of the face.
+    """
 
     def __init__(self, face: FadingFace, x: Points) -> None:
         self.face, self.frame = face, face.part.frame

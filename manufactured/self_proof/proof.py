@@ -13,7 +13,7 @@ from manufactured.self_proof.interior import equilibrium, history, kinematics
 
 
 def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
-    """Check every condition of Problem 2.1 and return the largest violation of each, or raise an error if one is too
+    """Check every condition of Problem 2.1 and return the largest violation of each; raise an error if one is too
     large.
 
     >>> from manufactured import named

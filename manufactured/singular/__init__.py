@@ -1,5 +1,4 @@
-"""Singular displacement fields at a point of the boundary: a corner, a junction of boundary conditions, or a natural
-front.
+"""Singular displacement fields at a corner, a junction of boundary conditions, or a natural contact front.
 
 Every singular field of plane elasticity at such a point is a sum of terms y^m Re(c z^β) with m ∈ {0, 1}, where z = x +
 iy in axes at the point. With Kolosov's potentials Φ = a z^λ and Ψ = b z^λ the displacement is given by

@@ -222,7 +222,7 @@ def text(
     sentences: Sequence[str],
     norm: str = MOVING,
 ) -> list[str]:
-    """Return the printed lines: whether the tolerance is reached, whether the bound is guaranteed, and a line for each
+    """Return the printed lines: whether the tolerance is reached and the bound is guaranteed, and a line for each
     mesh.
 
     Args:

@@ -245,8 +245,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
 
 
 def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Return the table ``levels.csv``: for each level intervals of the error max_t ‖u − u_h‖_V and of two observed
-    orders.
+    """Return the table ``levels.csv``: for each level intervals of the largest error and of two observed orders.
 
     The columns ``order_…`` compare a level with the first one, the columns ``pair_…`` with the previous one. On the
     first level, and if a mesh is not finer than the mesh to compare with, the order is NaN.
@@ -270,8 +269,7 @@ def text(
     norm: str = MOVING,
     names: Sequence[str] | None = None,
 ) -> str:
-    """Return the printed text: the interval of the error, whether the bounds are guaranteed, and one line for each
-    mesh.
+    """Return the printed text: the interval of the error, whether it is guaranteed, and one line for each mesh.
 
     Args:
         name: the name of the problem.

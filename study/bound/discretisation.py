@@ -57,7 +57,7 @@ class Discretisation:
     def __post_init__(self) -> None:
         refuse_unserved(self.data)
         refuse_jumps_in_cells(self.data, self.mesh)
-        self.moduli  # noqa: B018
+        self.moduli  # an unusable law is refused here, before anything is computed  # noqa: B018
 
     @cached_property
     def moduli(self) -> Moduli:
@@ -165,7 +165,7 @@ class Discretisation:
         return self._law[1](self.strain(u))
 
     def nearest_stress(self, loads: Loads, target: Tensors, u: Array) -> EquilibratedStress:
-        """Return the equilibrated stress σ̃ that is nearest to a given stress, in the norm that ``Moduli.compliance``
+        """Return the equilibrated stress σ̃ nearest to a given stress, in the norm that ``Moduli.compliance``
         defines.
 
         Among all stresses that balance the loads, σ̃ minimises ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν. The attribute

@@ -1,5 +1,4 @@
-"""Lower and upper bounds of the error ‖u(t) − u_h(t)‖_V of a displacement u_h, although the exact solution u is
-unknown.
+"""Lower and upper bounds of the error ‖u(t) − u_h(t)‖_V of a displacement u_h for an unknown exact solution u.
 
 A second displacement ũ is computed (``study.bound.trajectory``), and an upper bound y of its error ‖u(t) − ũ(t)‖_V
 (``study.bound.terms``). The distance d = ‖ũ − u_h‖_V can be computed exactly. The triangle inequality gives
@@ -258,7 +257,7 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
 def squared_distances(
     discretisation: Discretisation, strain: Callable[[Points], Tensors], v: Array, rough: Sequence[Hyperplane]
 ) -> Array:
-    """Return, on each cell T, the squared energy norm ∫_T A(ε − ε(v))·(ε − ε(v)) of the difference of two strains,
+    """Return the squared energy norm ∫_T A(ε − ε(v))·(ε − ε(v)) of the difference of two strains on every cell,
     (cells,).
 
     Args:
@@ -278,8 +277,7 @@ def squared_distances(
 
 
 def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio: float) -> tuple[float, float]:
-    """Return the interval that contains the order log(E/E')/log(h/h') of two errors E and E' that are known as
-    intervals.
+    """Return the interval of the order log(E/E')/log(h/h') of two errors E and E' that are known as intervals.
 
     If the lower bound of an error is 0, an end of the result is infinite.
 

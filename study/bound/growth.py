@@ -55,8 +55,7 @@ class Sizes:
     rest: float
 
     def joined(self, share: Array) -> float:
-        """Return (Σ_T (‖ρ_A‖_T + η_T)²)^½, the norm of a part ρ_A of the residual and of the oscillation on all cells
-        T.
+        """Return (Σ_T (‖ρ_A‖_T + η_T)²)^½, the norm of a part ρ_A of the residual together with the oscillation η.
 
         Args:
             share: the fraction of the residual ρ that belongs to ρ_A, for every direction, (directions,).

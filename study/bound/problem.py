@@ -67,8 +67,7 @@ class Moduli:
     directions: Array
 
     def decay(self, k: float) -> float:
-        """Return the factor e^{−mk} by which the error changes over a step of length k, where m is the least
-        modulus."""
+        """Return e^{−mk} with the least modulus m, the factor by which the error changes over a step of length k."""
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:
@@ -162,8 +161,7 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
 
 
 def _largest_ratio(equilibrium: Equilibrium, loads: Loads, mass: Array) -> float:
-    """Return the largest λ = min ‖τ‖²_{A⁻¹}/‖load‖² over all loads in a space, where τ are the stresses that balance a
-    load.
+    """Return the largest λ = min ‖τ‖²_{A⁻¹}/‖load‖² over the loads in a space; the stresses τ balance the load.
 
     Args:
         equilibrium: finds the stress with the smallest norm.

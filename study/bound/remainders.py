@@ -272,8 +272,7 @@ class Sampling:
 
     @cached_property
     def _loaded(self) -> list[tuple[Array, Regions, list[sp.Expr]]]:
-        """For each part of Γ2: the numbers of its edges, the subintervals of the edges, and f_2 as formulas in the
-        arc length."""
+        """For each part of Γ2: its edges, the subintervals of these edges, and f_2 as formulas in the arc length."""
         space, found, loads = self.space, [], dict(self._expressions.loads)
         for part, edges in space.on(Kind.LOADED):
             corners = space.mesh.p[:, space.mesh.facets[:, edges]]

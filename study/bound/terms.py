@@ -278,8 +278,7 @@ class Majorant:
         return Knots(snapshots, viscous, elastic, residual, normal)
 
     def _block(self, pieces: list[Parabola], knots: Knots) -> Iterator[Terms]:
-        """Yield the terms of the error bound on consecutive time intervals, from ũ on them and from the data at
-        their ends."""
+        """Yield the terms of the error bound on consecutive time intervals, given the data at their ends."""
         d, control = self.discretisation, np.array([piece.control for piece in pieces])
         middle = [d.snapshot((piece.a + piece.b) / 2) for piece in pieces]
         a, m, b = (together([at.loads for at in some]) for some in (knots.snapshots[:-1], middle, knots.snapshots[1:]))
@@ -325,8 +324,9 @@ class Majorant:
         return self._in_directions(nearest.values), -d.equilibrium.pressure(nearest)
 
     def _in_directions(self, stress: Tensors) -> Array:
-        """Return the components v_i·τ of a stress τ times roots of the quadrature weights, (3, ..., Q) → (directions,
-        ..., Q).
+        """Return the components v_i·τ of a stress τ times roots of the quadrature weights.
+
+        The shape is (3, ..., Q) → (directions, ..., Q).
 
         With these factors (w/α)^½, a sum of products over the points is an integral ∫_T (v_i·σ)(v_i·τ)/α.
         """
@@ -335,8 +335,9 @@ class Majorant:
         return found
 
     def products(self, stresses: Sequence[Array]) -> Array:
-        """Return the inner products on every cell of any two of n stresses, for each direction, (n, n, directions, ...,
-        cells).
+        """Return the inner products on every cell of any two of n stresses, for each direction.
+
+        The shape is (n, n, directions, ..., cells).
 
         Args:
             stresses: stresses as ``_in_directions`` returns them.
@@ -404,8 +405,7 @@ class Majorant:
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:
-    """Return which fraction of the mean square of a parabola in time is due to its change in time, between 0 and 1,
-    (n,).
+    """Return which fraction of the mean square of a parabola in time is due to its change, from 0 to 1, (n,).
 
     Args:
         products: the products of any two Bernstein coefficients of each of n parabolas, (3, 3, n).

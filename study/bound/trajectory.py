@@ -85,8 +85,7 @@ class DiscreteSolution:
 
 @dataclass(frozen=True, eq=False)
 class GivenDisplacement:
-    """A displacement u_h of another program, piecewise linear in time. ``study.bound.given.given`` makes it from
-    arrays.
+    """A displacement u_h of another program, piecewise linear in time; ``study.bound.given.given`` makes it.
 
     Attributes:
         mesh: the mesh.
@@ -151,7 +150,7 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Discr
 
 
 def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
-    """Return the matrix that maps P1 displacements to coefficients of degree 2 on the same or a finer mesh, (dofs,
+    """Return the matrix from P1 displacements to coefficients of degree 2 on the same or a finer mesh, (dofs,
     n_dofs).
 
     Raises:
@@ -249,8 +248,7 @@ Trajectory = SmoothedInTime | Refined
 
 
 def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete:
-    """Return the semi-discrete problem (Problem 5.1) in the space of displacements of degree 2, with the projected
-    loads P f."""
+    """Return the semi-discrete problem (Problem 5.1) for displacements of degree 2, with projected loads P f."""
     G, V = discretisation.data.law.G, discretisation.displacements
     factor = G.factor(V.points)
     return SemiDiscrete(

@@ -150,8 +150,7 @@ def _stresses(
 
 
 def differences(rows: Sequence[list[int]]) -> list[list[int]]:
-    """Return the second differences in time of rows of integers. They have fewer digits, so the file becomes
-    smaller."""
+    """Return second differences in time of rows of integers; they have fewer digits and make the file smaller."""
     for _ in range(2):
         rows = [rows[0], *([y - x for x, y in zip(p, q, strict=True)] for p, q in pairwise(rows))]
     return list(rows)

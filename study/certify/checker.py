@@ -320,8 +320,7 @@ def semidefinite(matrix: Matrix) -> bool:
 
 
 class Poly(dict[tuple[int, int, int], Q]):
-    """A polynomial in X, Y and S with rational coefficients: a dict from exponents to coefficients, none of which is
-    0."""
+    """A polynomial in X, Y and S: a dict from exponents to rational coefficients, none of which is 0."""
 
     @classmethod
     def of(cls, terms: Iterable[tuple[tuple[int, ...], Q]]) -> Poly:
@@ -542,8 +541,7 @@ class Problem:
                 require(one.is_apart(other), f"two sides of the polygon meet, one is side {i}")
 
     def _check_start(self, side: Side) -> None:
-        """Refuse an initial displacement that is not 0 on a clamped side, or that may penetrate the foundation on a
-        contact side."""
+        """Refuse an initial displacement that is not 0 on a clamped side, or may penetrate the foundation."""
         u = [p(*between(side.start, side.end)) for p in self.start]
         require(side.kind != "clamped" or not any(u), "u_0 does not vanish on Γ1")
         if side.kind == "contact":
@@ -639,8 +637,7 @@ class Mesh:
         return [*(2 * x for x in values), *sums]
 
     def refined(self) -> Mesh:
-        """Return the mesh with every cell divided into four at the midpoints of its sides; the nodes become
-        vertices."""
+        """Return the mesh in which every cell is divided into four; the nodes of this mesh become vertices."""
         flat = self.middles([x for point in self.points for x in point], 2)
         cells = []
         for cell in self.cells:
@@ -715,8 +712,7 @@ class Element:
 
     @classmethod
     def of(cls, data: Any) -> Element:
-        """Return the reference element that a certificate states. If several certificates state the same element, it
-        is checked once."""
+        """Return the reference element that a certificate states; equal elements are checked once."""
         return checked(data["over"], tuple(map(tuple, data["columns"])))
 
     def _divergence(self, number: int, column: Sequence[int]) -> list[int]:
@@ -745,8 +741,7 @@ class Element:
         return [int(p.get(key, 0)) for p in one for key in LINEAR]
 
     def _products(self) -> tuple[list[list[int]], int]:
-        """Return the integrals of products of two cubic monomials on each third, as integers (30, 10) over one
-        denominator."""
+        """Return integrals of products of two cubic monomials on each third: integers (30, 10) and a denominator."""
         found = []
         for i in range(3):
             (p, q), (r, s) = CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3]
@@ -793,8 +788,7 @@ def tractions(stress: Sequence[Sequence[Any]], a: Vector, b: Vector) -> list[Pol
 
 
 class Loads:
-    """The approximate loads f̃ that the stresses of a certificate balance, and bounds of their difference from the
-    loads f.
+    """The approximate loads f̃ that the stresses of a certificate balance, and bounds of their difference from f.
 
     In time f̃_0 is the parabola through the body force f_0 at the ends and in the middle of a time interval. On a cell
     it has the terms of degree at most 2. Twice the area of the cell times f̃_0 is rounded to multiples of 1/unit.
@@ -831,10 +825,11 @@ class Loads:
         return found
 
     def missed_inside(self, a: Q, b: Q) -> Q:
-        """Return an upper bound of the body force that is not represented: the root mean square of ‖f_0 − f̃_0‖ for
-        a ≤ t ≤ b."""
+        """Return an upper bound of the root mean square over a ≤ t ≤ b of the body force that is not represented,
+        f_0 − f̃_0."""
         # Rounding changes each of the six coefficients by at most 1/2, so a component changes by at most 3, and both
-        # together by 18^{1/2}. This refers to twice the area of the cell.
+        # together by 18^{1/2}. These are changes of twice the area of the
+        # cell times the force.
         rounded = root(sum((up(Q(9 * self.mesh.h**2, cell.det)) for cell, _ in self.cells), Q(0))) / self.unit
         if all(i + j <= 2 >= k for f in self.problem.force for i, j, k in f):
             return rounded
@@ -847,8 +842,8 @@ class Loads:
         return root(square) + rounded
 
     def missed_outside(self, a: Q, b: Q, given: Sequence[Tractions]) -> Q:
-        """Return an upper bound of the traction that is not balanced: the root mean square of ‖f_2 − σ̃ν‖ for a ≤ t ≤
-        b.
+        """Return an upper bound of the root mean square over a ≤ t ≤ b of the traction that is not balanced, f_2 −
+        σ̃ν.
 
         Args:
             a, b: the ends of the time interval.
@@ -1234,8 +1229,7 @@ class Certificate:
         return [[(x + lacking * (i == j)) * scale for j, x in enumerate(row)] for i, row in enumerate(total)]
 
     def _products(self, R: list[list[int]]) -> list[list[int]]:
-        """Return the mean in time of the integrals ∫ R Rᵀ over the reference triangle, times 30 and ``unit`` of the
-        element.
+        """Return the mean in time of ∫ R Rᵀ over the reference triangle, times 30 and times ``unit`` of the element.
 
         Args:
             R: the transformed residual, for each of the three Bernstein coefficients in time.
@@ -1313,8 +1307,7 @@ class Certificate:
 
 
 def voigt(a: int, b: int, c: int, d: int) -> list[list[int]]:
-    """Return the matrix of the transformation σ ↦ F σ Fᵀ of stresses in Voigt's components (11, 22, 12), F = (a b; c
-    d)."""
+    """Return the matrix of σ ↦ F σ Fᵀ in Voigt's components (11, 22, 12) of stresses, for F = (a b; c d)."""
     return [[a * a, b * b, 2 * a * b], [c * c, d * d, 2 * c * d], [a * c, b * d, a * d + b * c]]
 
 

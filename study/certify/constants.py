@@ -44,8 +44,7 @@ from study.certify.checker import CENTRE, CORNERS, CUBIC, SQUARE, Poly, X, Y
 from study.stresses.composite import indices
 
 GIVEN, INNER = 36, 9
-"""Numbers of inputs of the reference element: 36 prescribed ones (24 of tractions, 12 of forces), and 9 free
-coefficients."""
+"""Numbers of inputs of the reference element: 36 prescribed tractions and forces, and 9 free coefficients."""
 RIGID = ((checker.ONE, Poly()), (Poly(), checker.ONE), (Y * -1, X))
 BITS = 28
 """Number of binary digits of the tensor field Φ: it is rounded to multiples of 2^−BITS."""
@@ -59,11 +58,12 @@ Without f_0, the constant C_Ω is needed for rounding errors only, so μ can be 
 SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
 """Fractions by which κ is reduced until the rounded field Φ proves it; they are tried in turn."""
 ENTRIES = ((0, 0), (0, 1), (1, 1))
-"""Positions of the entries of a symmetric 2 × 2 matrix. The k-th entry of Φv contains the components k and k + 1 of
-Φ."""
+"""Positions of the entries of a symmetric 2 × 2 matrix.
+
+The k-th entry of Φv contains the components k and k + 1 of the tensor field Φ.
+"""
 Field = list[list[Poly]]
-"""A stress on the reference triangle: its three components as polynomials on each of three thirds,
-[third][component]."""
+"""A stress on the reference triangle: its components as polynomials on each third, [third][component]."""
 
 
 # ---- the reference element: the stress for each prescribed traction and force
@@ -260,8 +260,8 @@ def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
 
 
 def _triangle(linear: Array, constant: Array) -> tuple[sps.csr_matrix, Array]:
-    """Return a condition ``constant + linear · x`` ⪰ 0 in the format of the solver Clarabel, as a matrix and a
-    right-hand side.
+    """Return a condition ``constant + linear · x`` ⪰ 0 in the format of the solver Clarabel: matrix and right-hand
+    side.
 
     The format is the upper triangle by columns, with off-diagonal entries multiplied by √2.
     """

@@ -136,8 +136,7 @@ def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
 
 
 def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
-    """Split a summand p · pos(g, q) of a formula into the polynomial p and the pair (g, q); ``name`` is for
-    messages."""
+    """Split a summand p · pos(g, q) of a formula into p and the pair (g, q); ``name`` is for messages."""
     plain, truncated = sp.Integer(1), []
     for factor in sp.Mul.make_args(summand):
         if not factor.has(pos):
@@ -203,8 +202,7 @@ def in_doubles(mesh: checker.Mesh) -> Mesh:
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """One mesh in two programs: translates the numbers of its vertices, edges and cells between the checker and
-    scikit-fem.
+    """One mesh in two programs: translates numbers of vertices, edges and cells between the checker and scikit-fem.
 
     Attributes:
         skfem: the mesh in scikit-fem.

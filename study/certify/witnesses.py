@@ -49,8 +49,7 @@ def bits_below(size: float, digits: int) -> int:
 
 @dataclass(frozen=True, eq=False)
 class AdmissibleRounding:
-    """Rounds displacements to integers over 2^bits such that they remain exactly admissible: 0 on Γ1, and v·ν ≤ 0 on
-    Γ3.
+    """Rounds displacements to integers over 2^bits that are exactly admissible: v = 0 on Γ1, and v·ν ≤ 0 on Γ3.
 
     Attributes:
         mesh: the mesh of the checker.
@@ -90,8 +89,7 @@ class AdmissibleRounding:
 
     @staticmethod
     def _admissible(value: list[int], normals: list[tuple[int, int]]) -> list[int]:
-        """Return an integer vector near ``value`` that satisfies value·N ≤ 0 for one or two normals N; 0 without
-        normals."""
+        """Return an integer vector near ``value`` with value·N ≤ 0 for one or two normals N; 0 if there are none."""
         if not normals:
             return [0, 0]
         x, y = normals[0]
@@ -253,8 +251,7 @@ class StressEncoder:
 
     @staticmethod
     def _flipped(values: Array, edges: list[Edge]) -> Array:
-        """Reverse tractions of edges whose first vertex has the higher number, so that they run in the other
-        direction."""
+        """Reverse the direction of tractions on edges whose first vertex has the higher number."""
         flip = np.array([a > b for a, b in edges], dtype=bool)[:, None, None]
         return np.where(flip, -values[:, ::-1], values)
 
@@ -280,8 +277,7 @@ class StressEncoder:
         return found
 
     def tractions(self, stress: Array) -> Array:
-        """Return the tractions of all edges as Bernstein coefficients, from the vertex of lower number on, (edges, 4,
-        2).
+        """Return the tractions of all edges in Bernstein form, from the vertex of lower number on, (edges, 4, 2).
 
         On an inner edge it is the mean of the tractions of both cells.
 
@@ -303,8 +299,8 @@ class StressEncoder:
         return found / count[:, None, None]
 
     def inner(self, stress: Array, T: Array, force: Array) -> Array:
-        """Return the nine inner numbers of every cell, which determine a stress together with tractions and loads,
-        (cells, 9).
+        """Return the nine inner numbers of every cell, which with tractions and loads determine a stress, (cells,
+        9).
 
         The part of the stress that tractions and loads determine is subtracted. The inner numbers are the coordinates
         of the rest, by best approximation in L².
@@ -343,8 +339,10 @@ def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
 
 
 PLACES = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0)]
-"""The points at which a quadratic function is given: the vertices of the reference triangle, then the midpoints of
-the opposite sides in the same order."""
+"""The points at which a quadratic function is given.
+
+They are the vertices of the reference triangle, then the midpoints of the opposite sides in the same order.
+"""
 
 
 def _square(place: tuple[float, float]) -> Array:

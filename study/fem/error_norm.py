@@ -158,8 +158,7 @@ class ErrorNorm:
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:
-    """Return quadrature rules for all cells, adapted to lines and points at which the strain of a solution is never
-    smooth.
+    """Return quadrature rules for all cells, adapted to lines and points at which the exact strain is never smooth.
 
     Args:
         solution: gives the lines (``rough``) along which cells are cut, and the points (``singular``) towards which the
@@ -186,8 +185,7 @@ def shared_lines(solution: ExactSolution) -> list[Line]:
 
 
 def gaps_at_vertices(solution: ExactSolution, space: Space) -> Array | float:
-    """Return the initial gap at the contact vertices, in the order of the rows of the constraint matrix ``space.N``,
-    (m,).
+    """Return the initial gap at the contact vertices, in the order of the rows of the constraint matrix, (m,).
 
     If no contact face has an initial gap, as in the paper, the number 0.0 is returned.
     """

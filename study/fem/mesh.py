@@ -259,8 +259,7 @@ def lowest_corners(n: int, dim: int) -> Array:
 
 
 def kuhn(n: int, dim: int) -> Array:
-    """Divide every cube of a grid into d! simplices and return their vertex numbers, positively oriented, (d+1, d!
-    n^d).
+    """Divide every cube of a grid into d! simplices; return their vertices, positively oriented, (d+1, d! n^d).
 
     Each simplex belongs to an order of the axes. Its vertices lie on the path along the axes in this order from the
     lowest to the highest corner of the cube.

@@ -74,8 +74,7 @@ class QuadraturePoints:
 
     @classmethod
     def on_facets(cls, rule: FacetRule, part: Part, mesh: Mesh) -> tuple[QuadraturePoints, Array]:
-        """Return the points of a quadrature rule on facets, with one sum for each vertex, and the numbers of these
-        vertices.
+        """Return the points of a quadrature rule on facets, with one sum for each vertex, and these vertices.
 
         The weights contain the shape function of the vertex, so a point of a facet occurs once for each of its d
         vertices.

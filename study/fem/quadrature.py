@@ -208,8 +208,7 @@ class Line:
 
 
 def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> list[Array]:
-    """Return the numbers of the cells in which lines or points make the integrand rough, (n,) for each line, then each
-    point.
+    """Return the cells in which lines or points make the integrand rough, (n,) for each line, then each point.
 
     Raises:
         MeshError: two lines or points meet the same cell, a point is not a vertex of the mesh, or lines or points are

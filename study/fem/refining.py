@@ -23,8 +23,7 @@ MOST = 40
 
 
 def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.csr_array]:
-    """Refine a mesh until its cells are small enough, and return it with the matrix that interpolates P1 functions to
-    it.
+    """Refine a mesh until its cells are small enough; return also the matrix that interpolates P1 functions to it.
 
     Args:
         mesh: a mesh of triangles.

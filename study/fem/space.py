@@ -152,8 +152,7 @@ class Displacements(MeshedBody, ABC):
 
     @cached_property
     def contact(self) -> list[tuple[Part, Array]]:
-        """For every contact part of the boundary, the numbers of its free basis functions, in the order of the rows of
-        ``N``.
+        """For every contact part of the boundary, its free basis functions, in the order of the rows of ``N``.
 
         If a function belongs to two parts with the same normal, it is listed for the first part only, so that ``N`` has
         no equal rows.
@@ -175,8 +174,7 @@ class Displacements(MeshedBody, ABC):
         return self.normal_components(self.contact)
 
     def normal_components(self, on: Sequence[tuple[Part, Array]]) -> sps.csr_array:
-        """Return the matrix from a displacement to the normal components ν·c of some of its coefficients c, (Σ n,
-        dofs).
+        """Return the matrix from displacements to the normal components ν·c of some coefficients c, (Σ n, dofs).
 
         Args:
             on: pairs of a boundary part, which gives the normal ν, and the numbers of basis functions, (n,).

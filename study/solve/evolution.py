@@ -74,8 +74,7 @@ class SemiDiscrete:
         u0: Array,
         gap: Array | float = 0.0,
     ) -> SemiDiscrete:
-        """Return the semi-discrete problem (Problem 5.1) on a space for a law, a load and an initial value; see
-        ``SemiDiscrete``."""
+        """Return Problem 5.1 on a space for a law, a load and an initial value; see ``SemiDiscrete``."""
         factor = means(space, law.G.factor)
         return cls(
             M=form(space, law.A),
@@ -91,8 +90,7 @@ class SemiDiscrete:
         )
 
     def contact(self, S: sps.csc_array) -> ContactSolver:
-        """Return the solver of a contact problem with the matrix S: a function of b that minimises ½ vᵀSv − bᵀv over
-        K^h."""
+        """Return the contact solver for a matrix S: a function of b that minimises ½ vᵀSv − bᵀv over K^h."""
         return self.solver(S, self.N, gap=self.gap) if np.any(self.gap) else self.solver(S, self.N)
 
     def initial(self) -> State:

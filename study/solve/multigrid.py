@@ -108,8 +108,7 @@ class Multigrid:
         self.hold(np.zeros(N.shape[0], dtype=bool))
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
-        """Solve the contact problem for a right-hand side b: return u ∈ K^h, (n,), and the nodal contact forces λ ≥ 0,
-        (m,).
+        """Solve the contact problem for a load b: return u ∈ K^h, (n,), and the nodal contact forces λ ≥ 0, (m,).
 
         Raises:
             MultigridError: the tolerance was not reached.
@@ -146,7 +145,7 @@ class Multigrid:
         self.cut = without(self.A, self.free)
 
     def _corrected(self, w: Array, r: Array, reduction: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Return the iterate after one correction, (n,), and for each row of N whether to hold or release its unknown,
+        """Return the iterate after one correction, (n,), and which unknowns to hold, as flags for the rows of N,
         (m,).
 
         Args:
@@ -162,8 +161,7 @@ class Multigrid:
         return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > self.highest)
 
     def cycle(self, r: Array) -> Array:
-        """Apply the preconditioner, a symmetric V-cycle, to a residual that is 0 on the unknowns held at their
-        bounds."""
+        """Apply the preconditioner, a symmetric V-cycle, to a residual that is 0 on the held unknowns."""
         if self.coarse is None:
             return r
         x = np.zeros_like(r)

@@ -44,8 +44,7 @@ def last(states: Array, steps: int) -> tuple[Array, Array]:
 
 
 def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
-    """Return the largest difference ‖v̇(r) − v̇(s)‖_V of the velocities of a solution at two times r and s in the same
-    step.
+    """Return the largest difference ‖v̇(r) − v̇(s)‖_V of the velocities of a solution within one time step.
 
     Args:
         problem: gives the norm of V and the final time.

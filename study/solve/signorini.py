@@ -32,8 +32,7 @@ from study.solve.factorisation import Cholesky
 
 
 class ContactSolver(Protocol):
-    """The interface of contact solvers: a function from the load b, (n,), to displacement u, (n,), and contact
-    forces λ, (m,)."""
+    """The interface of contact solvers: a function from a load b, (n,), to u, (n,), and contact forces λ, (m,)."""
 
     def __call__(self, b: Array) -> tuple[Array, Array]: ...
 
@@ -82,8 +81,7 @@ class Signorini:
         return self.factor.forward(b)[..., self.contact] @ self.Y
 
     def complementarity(self, gap: Array) -> Array:
-        """Solve the linear complementarity problem λ ≥ 0, gap − Wλ ≤ 0, λ·(gap − Wλ) = 0 for the contact forces λ,
-        (m,).
+        """Solve the complementarity problem λ ≥ 0, gap − Wλ ≤ 0, λ·(gap − Wλ) = 0 for the contact forces λ, (m,).
 
         Args:
             gap: the penetration without contact forces, N S⁻¹ b − g, (m,).

@@ -75,8 +75,7 @@ def require_steps(steps: int) -> None:
 
 
 def rate_steps(T: float, level: int, pace: float = PACE) -> int:
-    """Return the number of steps for solutions whose error in space is of order h: ⌈pace · T · n^{2/3}⌉, so that k ~
-    h^{2/3}.
+    """Return the number of time steps for an error in space of order h: ⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}.
 
     The time error is then of order h for a scheme of order 3/2 (midpoint if u̇ jumps), and of order h^{4/3} for a
     scheme of order 2.
@@ -85,8 +84,7 @@ def rate_steps(T: float, level: int, pace: float = PACE) -> int:
 
 
 def stress_steps(T: float, level: int, pace: float = PACE) -> int:
-    """Return the number of steps for solutions whose error in space is of order h²: about pace/2 · T · n, so that k ~
-    h.
+    """Return the number of time steps for an error in space of order h²: about pace/2 · T · n, so that k ~ h.
 
     It is at least T · n, at most 4 T · n, and even, because a solution with half as many steps is computed, too. The
     difference of both solutions shows which part of the error is due to time.

@@ -1,5 +1,4 @@
-"""Problem 3.2, whose unknown is the stress, on the strains of V^h; every time step is solved by an interior-point
-method.
+"""Problem 3.2, whose unknown is the stress, on the strains of V^h, solved in steps by an interior-point method.
 
 Stresses are constant on cells. The admissible stresses are (3.9) with V^h in place of V,
 
@@ -99,8 +98,7 @@ class Potential:
         return np.vstack([self.released(strain), rest])
 
     def strain(self, y: Array, old: Tensors) -> Tensors:
-        """Return the new strain ε_n from the solution y of a step, (p, cells), and the previous strain ε_{n−1}, (D,
-        cells)."""
+        """Return the new strain ε_n from the solution y of a step, (p, cells), and the strain ε_{n−1}, (D, cells)."""
         return self.released(old) + _act(self.compliance, y[: len(old)])
 
 

@@ -61,8 +61,7 @@ class Tableau:
     kept: int = 3
 
     def known(self, before: Sequence[Array]) -> Array:
-        """Return Σ_{j≥1} w_j u_{n−j}, the part of the difference quotient from the earlier values (…, u_{n−2},
-        u_{n−1})."""
+        """Return Σ_{j≥1} w_j u_{n−j}, the part of the difference quotient from earlier values (…, u_{n−2}, u_{n−1})."""
         return reduce(add, (w * u for w, u in zip(self.past, reversed(before), strict=False)))
 
     def rate(self, u: Array, before: Sequence[Array], k: float) -> Array:
@@ -83,7 +82,7 @@ class Tableau:
         return (1 - self.theta) * ((n - 1) * k) + self.theta * (n * k)
 
     def longest(self, growth: float) -> float:
-        """Return the step size below which all steps, including the first ones, have a unique solution; see
+        """Return the step size below which every step has a unique solution, also the first ones; see
         ``longest_step``."""
         mine = longest_step(growth, self.newest, self.theta)
         return min(mine, self.starting.longest(growth)) if self.starting else mine

@@ -125,8 +125,7 @@ class CompositeElement:
         return found
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
-        """Return the matrix from stresses to the traction |e| σν on an edge e of a third, in Bernstein form along the
-        edge.
+        """Return the matrix from stresses to the traction |e| σν on an edge e of a third, in Bernstein form.
 
         Args:
             third: the number of the third.
@@ -146,8 +145,7 @@ class CompositeElement:
 
     @cached_property
     def jumps(self) -> Array:
-        """The matrix from stresses to the jumps of their tractions across the inner edges, (equations; 3, polynomials,
-        3).
+        """The matrix from stresses to the jumps of tractions across the inner edges, (equations; 3, polynomials, 3).
 
         The stresses of the element are those without jumps.
         """
@@ -160,8 +158,7 @@ class CompositeElement:
 
     @cached_property
     def tractions(self) -> Array:
-        """The matrix from stresses to their tractions |ê| σ̂ν̂ on the sides of the triangle, in Bernstein form along
-        ``SIDES``.
+        """The matrix from stresses to their tractions |ê| σ̂ν̂ on the sides, in Bernstein form along ``SIDES``.
 
         The shape is (3 sides, k + 1, 2; 3 thirds, polynomials, 3).
         """
@@ -169,8 +166,7 @@ class CompositeElement:
 
     @cached_property
     def space(self) -> Array:
-        """A basis of the stresses of the element, with orthonormal coefficient vectors, (3 thirds, polynomials, 3;
-        dimension)."""
+        """A basis of the element with orthonormal coefficient vectors, (3 thirds, polynomials, 3; dimension)."""
         equations = self.jumps.reshape(len(self.jumps), -1)
         return null_space(equations).reshape(3, self.polynomials, 3, -1)
 
@@ -186,8 +182,7 @@ class CompositeElement:
 
     @cached_property
     def lift(self) -> Array:
-        """The matrix from a divergence to a stress of the element with this divergence; of all, the one with least
-        coefficients.
+        """The matrix from a divergence to the stress of the element with this divergence and the least coefficients.
 
         The shape is (3 thirds, polynomials, 3; 3 thirds, lower, 2).
         """

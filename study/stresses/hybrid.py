@@ -68,8 +68,7 @@ class EquilibratedStress:
 
 
 class Equilibrium:
-    """Computes the stress τ of least complementary energy ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q among the stresses that balance
-    loads.
+    """Computes the stress τ that balances loads and has the least complementary energy ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q.
 
     Several pairs of a strain ε* and loads can be given at once. They then have one more axis, written ``...`` in the
     shapes.
@@ -174,8 +173,10 @@ class Equilibrium:
         return self._joined(values, tractions, known, v, v - shift)
 
     def _released(self, values: Tensors) -> Array:
-        """Return the functional (C⁻¹τ, ·)_Q of a stress τ on the stresses with Div σ = 0: (3, ..., cells, Q) → (...,
-        cells, p)."""
+        """Return the functional (C⁻¹τ, ·)_Q of a stress τ on the stresses with Div σ = 0.
+
+        The shape is (3, ..., cells, Q) → (..., cells, p).
+        """
         if self.compliance.ndim == 2:
             return self.space.tested(values, self.compliance)
         return self.space.tested(act(self.compliance, values))
@@ -216,8 +217,7 @@ class Equilibrium:
         return m
 
     def pressure(self, stress: EquilibratedStress) -> Array:
-        """Return the contact pressure −τ_ν ≥ 0 of a stress as Bernstein coefficients on the edges of Γ3, (...,
-        edges, n)."""
+        """Return the contact pressure −τ_ν ≥ 0 as Bernstein coefficients on the edges of Γ3, (..., edges, n)."""
         return -self.space.boundary_tractions(self.contact, stress.tractions)[..., 0]
 
 
@@ -262,8 +262,7 @@ class DualState:
 
 
 def tensor_at(C: Linear, x: Array) -> Array:
-    """Return a linear tensor at points (2, ...) as matrices in Mandel form, (..., 3, 3); (3, 3) if the material is
-    homogeneous."""
+    """Return a linear tensor at points (2, ...) in Mandel form, (..., 3, 3); (3, 3) for a homogeneous material."""
     return C.matrix if C.factor is UNIFORM else np.multiply.outer(C.factor(x), C.matrix)
 
 

@@ -1,5 +1,4 @@
-"""The projected loads P f_0 and P f_2, which composite stresses can balance exactly, and their distances from f_0 and
-f_2.
+"""The projected loads P f_0 and P f_2, which composite stresses can balance, and their distances from f_0 and f_2.
 
 P is the L² projection for stresses of degree k: of the body force f_0 onto polynomials of degree k − 1 on the thirds of
 cells, and of the traction f_2 onto polynomials of degree k on the edges of Γ2.
@@ -125,8 +124,7 @@ class ProjectedLoads:
 
     @cached_property
     def _blocks(self) -> list[tuple[_Block, ForceInTime]]:
-        """All thirds of cells in blocks, each with the function from a time to f_0 at its quadrature points, (2,
-        thirds, q)."""
+        """All thirds of cells in blocks, each with a function from a time to f_0 at its points, (2, thirds, q)."""
         rules = cell_rules(self._thirds, self._degree, self._lines, self.data.points)
         blocks = [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
         return [(block, _force_at(self.data, block.rule.points)) for block in blocks]
@@ -191,7 +189,7 @@ class _Block:
 
     @cached_property
     def _whole(self) -> Array:
-        """The Bernstein polynomials of degree k of the whole cells at the points, as one matrix for each third, (n,
+        """The Bernstein polynomials of degree k of the whole cells at the points, as a matrix for each third, (n,
         more, q)."""
         return np.ascontiguousarray(np.moveaxis(self._make_whole(), 0, 1))
 
@@ -246,8 +244,7 @@ class _Edges:
         return np.einsum("naq,dnq->nad", self.projection, load)
 
     def split(self, time: float) -> tuple[Array, Array]:
-        """Return the projected traction P f_2 at a time, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e on the edges,
-        (n,)."""
+        """Return the projected traction P f_2 at a time, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e, (n,)."""
         values = self.load(time)
         coefficients = self.projected(values)
         rest = values - np.einsum("nad,anq->dnq", coefficients, self.shapes)

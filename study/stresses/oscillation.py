@@ -47,8 +47,7 @@ BLOCK = 256
 CHILDREN = np.stack([*((np.eye(3) + np.eye(3)[i]) / 2 for i in range(3)), (1 - np.eye(3)) / 2])
 """Vertices of the four children of a triangle, in barycentric coordinates of the triangle, (4, 3 vertices, 3)."""
 ROUNDING = 1e-9
-"""Equations on the reference triangle count as dependent if a singular value is below this fraction of the largest
-one."""
+"""Equations count as dependent if a singular value is below this fraction of the largest one."""
 
 
 class DividedTriangle:
@@ -139,8 +138,8 @@ class BalancingStresses:
         return cls(divided.values @ free, divided.values @ lifts, divided.weights, products)
 
     def constants(self, F: Array, compliance: Array, scale: Array) -> Array:
-        """Return √λ for triangles x = F x̂ + b, (cells,): the largest ratio ‖τ‖_{A⁻¹}/‖load‖ of a load and its least
-        stress τ.
+        """Return √λ for triangles x = F x̂ + b: the largest ratio ‖τ‖_{A⁻¹}/‖load‖ of a load and its least stress τ,
+        (cells,).
 
         Args:
             F: the matrices F, (cells, 2, 2).
@@ -223,8 +222,8 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
 
 
 def by_length(F: Array) -> Array:
-    """Sort the vertices of each cell by the lengths of the opposite sides, and return the matrices F after that,
-    (cells, 2, 2)."""
+    """Sort the vertices of each cell by the lengths of the opposite sides: matrices F, (cells, 2, 2) → (cells, 2,
+    2)."""
     corners = F @ CORNERS
     opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
     sorted_corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
@@ -260,8 +259,7 @@ def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Arr
 
 
 class Oscillation:
-    """Computes the oscillation η_T of every cell T, which bounds the work of the loads that the projection P leaves
-    out:
+    """Computes the oscillation η_T of every cell T, which bounds the work of loads that the projection P leaves out:
 
     (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T}, where e are the sides of T on Γ2.
 

@@ -34,8 +34,7 @@ In the mesh, facet i of a cell joins its vertices i and i + 1 modulo 3.
 
 @dataclass(frozen=True, eq=False)
 class StressSpace(MeshedBody):
-    """Composite stresses of degree k on the cells of a triangular mesh. A cell is x = F x̂ + b with the reference
-    triangle x̂.
+    """Composite stresses of degree k on the cells x = F x̂ + b of a triangular mesh, x̂ in the reference triangle.
 
     Letters in shapes: Q is the number of quadrature points in a cell (all thirds together), p the number of basis
     functions with Div σ = 0 in a cell, n = k + 1 the number of Bernstein polynomials on an edge.
@@ -79,8 +78,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def frames(self) -> Array:
-        """The axes of the components of tractions on every edge, as rows: (ν, τ) on Γ3, Cartesian elsewhere, (edges,
-        2, 2)."""
+        """The axes of tractions on every edge, as rows: (ν, τ) on Γ3, Cartesian elsewhere, (edges, 2, 2)."""
         found = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
         for part, edges in self.on(Kind.CONTACT):
             found[edges] = np.array([part.normal, part.tangent])
@@ -106,8 +104,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _piola(self) -> Array:
-        """The Piola transformation σ̂ ↦ F σ̂ Fᵀ / det F of stresses from the reference triangle, in Mandel form,
-        (cells, 3, 3)."""
+        """The Piola transformation σ̂ ↦ F σ̂ Fᵀ / det F from the reference triangle, in Mandel form, (cells, 3, 3)."""
         F, E = self.map, basis(2)
         pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / self.determinant[:, None, None, None]
         return np.einsum("Iil,cJil->cIJ", E, pushed)
@@ -181,8 +178,10 @@ class StressSpace(MeshedBody):
         return pulled.reshape(*pulled.shape[:-2], -1) @ (np.tile(self.shares, 3)[:, None] * self._reference)
 
     def combined(self, coefficients: Array) -> Tensors:
-        """Return stresses with Div σ = 0 at the quadrature points, from coefficients: (..., cells, p) → (3, ...,
-        cells, Q)."""
+        """Return stresses with Div σ = 0 at the quadrature points, from their coefficients in the basis.
+
+        The shape is (..., cells, p) → (3, ..., cells, Q).
+        """
         return self._pushed(coefficients @ self._reference.T)
 
     def _pushed(self, reference: Array) -> Tensors:
@@ -211,16 +210,17 @@ class StressSpace(MeshedBody):
         return (self.frames[self.edges] @ self.map[:, None] / length[..., None, None]).swapaxes(2, 3), turned
 
     def _to_edges(self, reference: Array) -> Array:
-        """Transform tractions |ê| σ̂ν̂ on the sides of the reference triangle to σν on the edges, both (..., cells,
-        3, n, 2)."""
+        """Transform tractions |ê| σ̂ν̂ on the sides of the reference triangle to tractions σν on the edges.
+
+        Both have the shape (..., cells, 3, n, 2).
+        """
         onto, turned = self._onto_edges
         pushed: Array = reference @ onto
         pushed[..., turned, :, :] = pushed[..., turned, ::-1, :]
         return pushed
 
     def coefficients(self, values: Tensors) -> Array:
-        """Return the Bernstein coefficients of stresses of degree k from their values at the quadrature points, (3,
-        cells, Q).
+        """Return the Bernstein coefficients of stresses from their values at the quadrature points, (3, cells, Q).
 
         The shape is (3 components, thirds of all cells, polynomials).
         """
@@ -229,8 +229,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def force_shapes(self) -> Array:
-        """The Bernstein polynomials of degree k − 1, in which forces are stored, at the points of a third, (lower,
-        q)."""
+        """The Bernstein polynomials of degree k − 1, for forces, at the quadrature points of a third, (lower, q)."""
         return bernstein(self.degree - 1, self._rule[0])
 
     def lift(self, coefficients: Array) -> tuple[Tensors, Array]:
@@ -251,8 +250,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _pulled(self) -> Array:
-        """The transposed matrices −det F F⁻¹ from P f_0 on a cell to the divergence on the reference triangle,
-        (cells, 2, 2)."""
+        """The transposed matrices −det F F⁻¹ from P f_0 to the divergence on the reference triangle, (cells, 2, 2)."""
         return -self.determinant[:, None, None] * np.linalg.inv(self.map).swapaxes(1, 2)
 
     @cached_property
