@@ -10,8 +10,8 @@ conditions on both sides of the front. So u̇ ~ r^{1/2} and
 
     p = 3μ_A θ ċ (c − x)_+^{−1/2} + 6 (μ_A θ̇ + μ_G θ) (c − x)_+^{1/2}.
 
-p is not bounded, and for ċ < 0 it would be negative. The body force f_0 is due to the cut-off only. Near the front f_0
-~ r^{1/2} and ḟ_0 ~ r^{−1/2}, and the tractions f_2 are smooth, so (3.4) holds as it is printed.
+p is not bounded, and for ċ < 0 it would be negative. The body force f_0 is due to the cut-off only. Near the front
+f_0 ~ r^{1/2} and ḟ_0 ~ r^{−1/2}, and the tractions f_2 are smooth, so (3.4) holds as it is printed.
 
 Predicted order 1: u(t) ∈ H^{1+s} for s < 3/2, so that the interpolation error of u has order 1. But u̇(t) ∈ H^{1+s} for
 s < 1/2 only, and p ∉ L²(Γ3). This violates both parts of (5.36). The order 1/2 is proved, by the proof of Prop. 5.4 and

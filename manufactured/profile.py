@@ -159,9 +159,9 @@ def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
     """Return a profile for a body of two layers that keeps the traction continuous at the interface.
 
-    The clamped boundary must be at the depth ℓ. On the interface y = y_0 the tangential displacement vanishes, so ε =
-    sym(β ⊗ n) there. If also ε⁺ = ε⁻/κ, where κ is the ratio of the layers, then the traction is continuous for any A
-    and G and at all times. This requires
+    The clamped boundary must be at the depth ℓ. On the interface y = y_0 the tangential displacement vanishes, so
+    ε = sym(β ⊗ n) there. If also ε⁺ = ε⁻/κ, where κ is the ratio of the layers, then the traction is continuous for any
+    A and G and at all times. This requires
 
         ∂_y u_n⁺ = ∂_y u_n⁻/κ,      ∂_y u_s⁺ + ∇_s u_n = (∂_y u_s⁻ + ∇_s u_n)/κ.
 

@@ -19,9 +19,9 @@ s < λ − 1, and σ_ν ~ r^{λ−2} lies in L²(Γ3) if λ > 3/2.
 **Interfaces.** If the strain jumps across a line that the mesh does not follow, s < 1/2.
 
 **Orders.** On meshes that are not refined towards singular points, the predicted order of ‖u − u^h‖_{L∞(0,T;V)} for P1
-is the order of interpolation, (5.23) between H¹ and H²: min(1, s) for u(t) ∈ H^{1+s}. The order that the proof of Prop.
-5.4 gives, ``proved_order``, may be lower. For u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3) it is min(1, s', τ/2), from
-‖u̇ − Π^h u̇‖_V and ‖u_ν − Π^h u_ν‖^{1/2}_{L²(Γ3)} in (5.42). If σ_ν ∉ L²(Γ3), it is min(1, s', s/2), from (5.28).
+is the order of interpolation, (5.23) between H¹ and H²: min(1, s) for u(t) ∈ H^{1+s}. The order that the proof of
+Prop. 5.4 gives, ``proved_order``, may be lower. For u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3) it is min(1, s', τ/2), from ‖u̇ −
+Π^h u̇‖_V and ‖u_ν − Π^h u_ν‖^{1/2}_{L²(Γ3)} in (5.42). If σ_ν ∉ L²(Γ3), it is min(1, s', s/2), from (5.28).
 """
 
 from __future__ import annotations
@@ -110,8 +110,8 @@ class Regularity:
     def proved_order(self) -> float:
         """The order of convergence that the proof of Prop. 5.4 gives.
 
-        It is min(1, s', τ/2) for u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3); if σ_ν ∉ L²(Γ3), it is min(1, s', s/2) for u ∈
-        H^{1+s}.
+        It is min(1, s', τ/2) for u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3); if σ_ν ∉ L²(Γ3), it is min(1, s', s/2) for
+        u ∈ H^{1+s}.
         """
         contact = self.trace / 2 if self.on_contact - self.moving > 0.5 else self.smoothness / 2
         return min(1.0, self.rate_smoothness, contact)

@@ -24,8 +24,8 @@ def static(body: Body, G: Linear, f0: Formulas, f2: Mapping[int, Formulas] | Non
 
     Args:
         body: the body with its boundary parts; its final time is not used.
-        G: the elasticity: ``plane_strain`` or ``plane_stress`` of Young's modulus and Poisson's ratio, ``isotropic(mu,
-            lam)``, or any ``Linear``.
+        G: the elasticity: ``plane_strain`` or ``plane_stress`` of Young's modulus and Poisson's ratio,
+            ``isotropic(mu, lam)``, or any ``Linear``.
         f0: the components of the body force.
         f2: a dict from numbers of parts in ``body.parts`` to the components of the traction on them.
 

@@ -64,9 +64,9 @@ def box(
 ) -> Body:
     """Return the box (0,X) × (0,Y) × (0,Z) with a boundary condition on every face.
 
-    By default it is clamped on top and loaded on its sides, with contact at the bottom. The faces left and right are x
-    = 0 and x = X, front and back y = 0 and y = Y, bottom and top z = 0 and z = Z. The coordinates (s1, s2) along a face
-    are (x, y) on the bottom, (y, z) on the left, (z, x) on the front, and in reverse order on the opposite faces.
+    By default it is clamped on top and loaded on its sides, with contact at the bottom. The faces left and right are
+    x = 0 and x = X, front and back y = 0 and y = Y, bottom and top z = 0 and z = Z. The coordinates (s1, s2) along a
+    face are (x, y) on the bottom, (y, z) on the left, (z, x) on the front, and in reverse order on the opposite faces.
     """
     parts = []
     for face, kind in enumerate((left, right, front, back, bottom, top)):

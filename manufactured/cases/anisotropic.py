@@ -8,8 +8,8 @@ on the bottom of the unit square. The body starts in elastic equilibrium. Viscos
 with different axes (``laws.anisotropic``), so they couple the normal strain q = ε_nn with ε_sn. A shear strain r(x, t)
 on Γ3 keeps σ_τ = 0.
 
-Predicted order 1: the front moves. q and r have the exponent m = 2 > 3/2 of p at the front, and w has the exponent α =
-4 > 7/2. This gives (5.36), so that Prop. 5.4 applies.
+Predicted order 1: the front moves. q and r have the exponent m = 2 > 3/2 of p at the front, and w has the exponent
+α = 4 > 7/2. This gives (5.36), so that Prop. 5.4 applies.
 """
 
 from manufactured.body import unit_square

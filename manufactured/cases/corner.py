@@ -10,8 +10,8 @@ square. Their displacements reach to the depths 1 and 3/4. Γ1 is the right quar
 two sides do not disturb each other. The reason is that p is even in ρ: so the displacement of one side is symmetric
 about the other side and causes no shear there. And A and G do not couple normal strains (``laws.without_contraction``).
 
-Predicted order 1: both fronts move. On both sides the exponents of gap and pressure at the front are α = 4 > 7/2 and m
-= 2 > 3/2, and u is smooth at the corner. This gives (5.36), so that Prop. 5.4 applies.
+Predicted order 1: both fronts move. On both sides the exponents of gap and pressure at the front are α = 4 > 7/2 and
+m = 2 > 3/2, and u is smooth at the corner. This gives (5.36), so that Prop. 5.4 applies.
 """
 
 from sympy import Expr, Rational

@@ -8,10 +8,10 @@ are
 on the bottom of the unit cube, with the coordinates (x, y) and g = G_nnnn. Viscosity A and elasticity G are not
 proportional. The front is parallel to no edge of the meshes. This is the case ``moving-rough`` in 3D.
 
-Predicted order 1: the exponents of gap and pressure at the front are α = 13/4 and m = 2. So u(t) ∈ H^{1+s} for s <
-min(α − 3/2, m − 1/2) = 3/2, and the interpolation error of u has order 1. α < 7/2 violates (5.36), so Prop. 5.4 gives
-no order. The observed orders are predicted to rise towards 1 from below: on the coarsest meshes the cells are as large
-as the layer in which w and p change.
+Predicted order 1: the exponents of gap and pressure at the front are α = 13/4 and m = 2. So u(t) ∈ H^{1+s} for
+s < min(α − 3/2, m − 1/2) = 3/2, and the interpolation error of u has order 1. α < 7/2 violates (5.36), so Prop. 5.4
+gives no order. The observed orders are predicted to rise towards 1 from below: on the coarsest meshes the cells are as
+large as the layer in which w and p change.
 """
 
 from sympy import Rational

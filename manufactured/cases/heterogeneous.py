@@ -9,8 +9,8 @@ on the unit square, with contact on its bottom. The body starts in elastic equil
 proportional. At y = 0 both factors are equal, so the relaxation rate G_nnnn/A_nnnn is constant on Γ3, which the exact
 solution needs. Inside the body the factors differ.
 
-Predicted order 1: the front moves. The coefficients are smooth, so the exponents of gap and pressure at the front, α =
-4 > 7/2 and m = 2 > 3/2, give (5.36), and Prop. 5.4 applies.
+Predicted order 1: the front moves. The coefficients are smooth, so the exponents of gap and pressure at the front,
+α = 4 > 7/2 and m = 2 > 3/2, give (5.36), and Prop. 5.4 applies.
 """
 
 from manufactured.body import unit_square

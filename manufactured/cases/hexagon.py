@@ -12,8 +12,8 @@ sides meet the clamped boundary Γ1. On them z is the distance from the end at �
 displacement vanishes on Γ1. The displacements of the sides have the depth 4/5 and do not reach from one contact side to
 another.
 
-Predicted order 1: the fronts move. On every side the exponents of gap and pressure at the front, α = 4 > 7/2 and m = 2
-> 3/2, give (5.36), so that Prop. 5.4 applies.
+Predicted order 1: the fronts move. On every side the exponents of gap and pressure at the front, α = 4 > 7/2 and
+m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
 
 The denominator of w makes the gap flatter away from the fronts.
 """

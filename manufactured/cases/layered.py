@@ -8,8 +8,8 @@ on the bottom of the unit square. The body starts in elastic equilibrium. Viscos
 proportional, and for y > 1/2 both are 4 times as large. At y = 1/2 the displacement has a kink that keeps σν continuous
 (``profile.layered``). In the upper layer u_s contains ∇_s q, the derivative of the normal strain q.
 
-Predicted order 1: the front moves, and the gap has the exponent α = 4 > 7/2 there. The term ∇_s q lowers the exponent m
-= 3 of the pressure by one, to 2 > 3/2. This gives (5.36) in each layer, but not across the interface. That is enough:
+Predicted order 1: the front moves, and the gap has the exponent α = 4 > 7/2 there. The term ∇_s q lowers the exponent
+m = 3 of the pressure by one, to 2 > 3/2. This gives (5.36) in each layer, but not across the interface. That is enough:
 the proof of Prop. 5.4 uses H² in (5.23) cell by cell, and no cell lies in both layers.
 """
 

@@ -6,8 +6,9 @@ The gap w, the contact pressure p and the contact zone {ψ ≥ 0} with the front
 
 on the bottom of the unit square. The elasticity is G = 2A, so κ = (λ_L + 3μ)/(λ_L + μ) is the same for A and G. At the
 point between contact and separation without friction, a plane elastic body has Williams' field with the exponent 3/2,
-which is half of the symmetric mode of a crack. Its potentials are Φ = i z^{3/2}, Ψ = −(i/2) z^{3/2} with z = (x − c) +
-iy (``singular.kolosov``), and Div σ = 0. The displacement is this field times θ(t) and the cut-off (1 − y)²(1 + 2y).
+which is half of the symmetric mode of a crack. Its potentials are Φ = i z^{3/2}, Ψ = −(i/2) z^{3/2} with
+z = (x − c) + iy (``singular.kolosov``), and Div σ = 0. The displacement is this field times θ(t) and the cut-off
+(1 − y)²(1 + 2y).
 
 Predicted order 1: u(t) ∈ H^{1+s} for s < 3/2, so interpolation has order 1. The trace is u_ν(t) ∈ H^τ(Γ3) for τ < 2
 only, which just violates (5.36), so Prop. 5.4 gives no order.

@@ -5,13 +5,13 @@ The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c,
     w = (x − c)_+^4,   p = 5 (c − x)_+²,   ψ = c − x,   c(t) = 3/5 + t/2,   q(0) = −p(0)/g
 
 on the bottom of the body with the corners (0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2), where g = G_nnnn. The
-elasticity is G = 2A, and the displacement of the contact face has the depth 9/10. The interior angle at the corner (1,
-1) is ω = 3π/2. There Williams' symmetric singular field U for sides free of traction is added, with a cut-off,
+elasticity is G = 2A, and the displacement of the contact face has the depth 9/10. The interior angle at the corner
+(1, 1) is ω = 3π/2. There Williams' symmetric singular field U for sides free of traction is added, with a cut-off,
 
     4t (1 − (r/R)²)_+³ U,   R = 9/10,   Φ = z^λ,   Ψ = b z^λ,   b = −(cos λω + λ cos ω).
 
-U has the potentials Φ and Ψ (``singular.kolosov``), and λ ≈ 0.5445 is the smallest positive root of sin λω + λ sin ω =
-0. Both sides of the corner are free of traction at all times because A and G are proportional.
+U has the potentials Φ and Ψ (``singular.kolosov``), and λ ≈ 0.5445 is the smallest positive root of sin λω + λ sin
+ω = 0. Both sides of the corner are free of traction at all times because A and G are proportional.
 
 Predicted order 0.5445 (λ): u(t) ∈ H^{1+s} for s < λ at the corner, so interpolation has the order λ on uniform meshes,
 and 1 on graded ones. Prop. 5.3 gives no order.

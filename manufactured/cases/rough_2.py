@@ -6,8 +6,8 @@ The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c,
 
 on the bottom of the unit square. Viscosity A and elasticity G are not proportional.
 
-Predicted order 1/2: the exponents of gap and pressure are α = 2 and m = 1. So u(t) ∈ H^{1+s} for s < min(α − 3/2, m −
-1/2) = 1/2, and interpolation has the order 1/2. Prop. 5.3 gives no order.
+Predicted order 1/2: the exponents of gap and pressure are α = 2 and m = 1. So u(t) ∈ H^{1+s} for
+s < min(α − 3/2, m − 1/2) = 1/2, and interpolation has the order 1/2. Prop. 5.3 gives no order.
 """
 
 from functools import partial

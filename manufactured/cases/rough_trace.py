@@ -4,16 +4,16 @@ The gap w, the contact pressure p and the contact zone {ψ ≥ 0} with the front
 
     w = W θ (x − c)_+^α,   p = Q (A_nnnn θ̇ + G_nnnn θ) (c − x)_+^{α−1},   ψ = c − x,   c = 2/5,   θ(t) = 1/4 + 2t
 
-on the bottom of the unit square with α = 5/4, W = 4, Q = 3. Viscosity A and elasticity G are not proportional, A_nnnn =
-5/2, G_nnnn = 7. The displacement is
+on the bottom of the unit square with α = 5/4, W = 4, Q = 3. Viscosity A and elasticity G are not proportional,
+A_nnnn = 5/2, G_nnnn = 7. The displacement is
 
     u_s = −α y Re(a z^{α−1}),   u_n = Re(a z^α) + y Re(b z^{α−1}),   z = (x − c) + iy,
 
 times θ(t) and the cut-off (1 − y)²(1 + 2y). The complex numbers a = W (1 + i cot πα) and b = iQ/sin π(α − 1) − iαa are
 such that u_n = W (x − c)_+^α and ε_nn = −Q (c − x)_+^{α−1} on y = 0. This works for any α > 1 and any isotropic A, G.
 
-Predicted order 1: u(t) ∈ H^{1+s} for s < α = 5/4, so interpolation has order 1. The trace is u_ν(t) ∈ H^τ(Γ3) for τ < α
-+ 1/2 = 7/4 only, which violates (5.36), so Prop. 5.4 gives no order. Its proof gives τ/2, that is 7/8.
+Predicted order 1: u(t) ∈ H^{1+s} for s < α = 5/4, so interpolation has order 1. The trace is u_ν(t) ∈ H^τ(Γ3) for
+τ < α + 1/2 = 7/4 only, which violates (5.36), so Prop. 5.4 gives no order. Its proof gives τ/2, that is 7/8.
 """
 
 import numpy as np

@@ -8,8 +8,8 @@ on the bottom of the unit square. The viscosity is A τ = 2τ + (tr τ)/2 I with
 τ) I has the eigenvalues 1 in shear and −2 in volume. The normal moduli are a = 5/2 and g = −1/2.
 
 Predicted order 1: the front moves. The exponents of gap and pressure at the front, α = 5 > 7/2 and m = 3 > 3/2, give
-(5.36), so that Prop. 5.4 applies, for which it is enough that G is Lipschitz. The exponents also satisfy α > 9/2 and m
-> 5/2, so (3.4) holds as it is printed.
+(5.36), so that Prop. 5.4 applies, for which it is enough that G is Lipschitz. The exponents also satisfy α > 9/2 and
+m > 5/2, so (3.4) holds as it is printed.
 
 G is not monotone, and L_G/m_A = 1. The strain that the pressure has caused does not decay but grows like e^{t/5}.
 Errors may grow like e^{2t/3}. A time step is known to have a unique solution for k < 1.

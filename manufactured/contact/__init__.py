@@ -1,9 +1,9 @@
 """Exact solutions with contact: the displacement in the body is made from the gap and the pressure on a contact face.
 
 This construction is called lifting. Near a flat part of the contact boundary Γ3 let s be coordinates along the face, y
-the distance from it into the body, and n = −ν. Given are an initial gap g(s) ≥ 0, the remaining gap w(s, t) = g − u_ν ≥
-0 and a pressure p(s, t) = −σ_ν ≥ 0 with w p = 0. Let q = ε_nn and r = 2ε_sn be the strain on the face that p produces
-(``manufactured.face_strain``). The displacement is
+the distance from it into the body, and n = −ν. Given are an initial gap g(s) ≥ 0, the remaining gap
+w(s, t) = g − u_ν ≥ 0 and a pressure p(s, t) = −σ_ν ≥ 0 with w p = 0. Let q = ε_nn and r = 2ε_sn be the strain on the
+face that p produces (``manufactured.face_strain``). The displacement is
 
     u_s = −y ∇_s (w − g) φ(y/ℓ) + y r φ(y/ℓ),     u_n = (w − g + y q) φ(y/ℓ),
 

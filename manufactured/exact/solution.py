@@ -27,8 +27,8 @@ from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, ba
 class ExactSolution:
     """An exact solution of Problem 2.1, and the loads that belong to it.
 
-    The displacement u is the sum of displacement fields. The stress is σ = A ε(u̇) + G ε(u), and the loads are f_0 =
-    −Div σ and f_2 = σν.
+    The displacement u is the sum of displacement fields. The stress is σ = A ε(u̇) + G ε(u), and the loads are
+    f_0 = −Div σ and f_2 = σν.
 
     Attributes:
         body: the body with its boundary parts and the final time T.

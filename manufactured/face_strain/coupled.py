@@ -16,9 +16,9 @@ from manufactured.tensors import Array
 class Coupled:
     """The strain on a contact face for a linear law that couples the normal strain q with the shear strain r.
 
-    y = (q, r) satisfies 𝒜 ẏ + 𝒢 y = (−p, 0) with the contact pressure p and matrices 𝒜, 𝒢 of moduli. The solution is y
-    = Σ_i x_i η_i with the eigenvectors x_i, for which 𝒢 x_i = λ_i 𝒜 x_i and Xᵀ𝒜X = I. Each η_i is the solution of η̇_i
-    + λ_i η_i = −(x_i)_0 p, a scalar equation that ``Memory`` solves.
+    y = (q, r) satisfies 𝒜 ẏ + 𝒢 y = (−p, 0) with the contact pressure p and matrices 𝒜, 𝒢 of moduli. The solution is
+    y = Σ_i x_i η_i with the eigenvectors x_i, for which 𝒢 x_i = λ_i 𝒜 x_i and Xᵀ𝒜X = I. Each η_i is the solution of
+    η̇_i + λ_i η_i = −(x_i)_0 p, a scalar equation that ``Memory`` solves.
 
     Attributes:
         pressure: the formula of p(s, t).

@@ -15,8 +15,8 @@ from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped,
 
 
 class ConvexSet(Protocol):
-    """The interface of closed convex sets K = {τ : |Pτ| ≤ r} of symmetric tensors; P is an orthogonal projector, (D,
-    D)."""
+    """The interface of closed convex sets K = {τ : |Pτ| ≤ r} of symmetric tensors; P is an orthogonal projector,
+    (D, D)."""
 
     @property
     def dim(self) -> int: ...

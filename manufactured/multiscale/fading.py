@@ -4,8 +4,8 @@ For the gap w and the normal strain q on the face, the displacement is
 
     u_s = −y ∂_s w φ(y/D),   u_n = (w + y q) φ(y/D),   φ(η) = (1 − η)²(1 + 2η) for η < 1, zero beyond,
 
-where y is the distance into the body and n = −ν. Since φ'(0) = 0, the variation of D has no effect at y = 0. There u_n
-= w, u_s = 0, ε_ss = ε_sn = 0 and ε_nn = q, as for a constant depth (``manufactured.contact``).
+where y is the distance into the body and n = −ν. Since φ'(0) = 0, the variation of D has no effect at y = 0. There
+u_n = w, u_s = 0, ε_ss = ε_sn = 0 and ε_nn = q, as for a constant depth (``manufactured.contact``).
 """
 
 from __future__ import annotations

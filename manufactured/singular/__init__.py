@@ -1,7 +1,7 @@
 """Singular displacement fields at a corner, a junction of boundary conditions, or a natural contact front.
 
-Every singular field of plane elasticity at such a point is a sum of terms y^m Re(c z^β) with m ∈ {0, 1}, where z = x +
-iy in axes at the point. With Kolosov's potentials Φ = a z^λ and Ψ = b z^λ the displacement is given by
+Every singular field of plane elasticity at such a point is a sum of terms y^m Re(c z^β) with m ∈ {0, 1}, where
+z = x + iy in axes at the point. With Kolosov's potentials Φ = a z^λ and Ψ = b z^λ the displacement is given by
 
     2μ (u_x + i u_y) = κ Φ − z conj(Φ') − conj(Ψ),      z conj(z^{λ−1}) = conj(z^λ) + 2iy conj(z^{λ−1}),
 

@@ -379,8 +379,8 @@ def trajectory_file(directory: Path, level: int) -> Path:
 def write_displacement(path: Path, computed: Computed, **more: Array) -> Path:
     """Write the displacement u_h to an .npz file and return its path.
 
-    The file contains the mesh, p (2, vertices) and t (3, cells), the times (steps + 1,), the nodal values u (steps + 1,
-    2, vertices), and the arrays ``more``.
+    The file contains the mesh, p (2, vertices) and t (3, cells), the times (steps + 1,), the nodal values u
+    (steps + 1, 2, vertices), and the arrays ``more``.
     """
     assert isinstance(computed, DiscreteSolution)
     space = computed.space

@@ -291,8 +291,8 @@ class Sampling:
     def _remainders(self) -> Callable[[float, float], tuple[Array, Array]]:
         """Function from the ends of a time interval to the L² norms of the bounds e, p and q of the module.
 
-        The result is a pair: the norms for f_0 on each cell, (3, cells), and the norms for f_2 on each edge, (3,
-        edges).
+        The result is a pair: the norms for f_0 on each cell, (3, cells), and the norms for f_2 on each edge,
+        (3, edges).
         """
         # Results are cached, because several callers need the same intervals. If the loads do not depend on time, all
         # intervals have the same result.

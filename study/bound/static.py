@@ -1,16 +1,16 @@
 """Static linear elasticity: lower and upper bounds of the error of u_h in the energy norm ‖v‖² = (Gε(v), ε(v))_Q.
 
 Let ũ ∈ K be any displacement that does not penetrate the foundation. Let the stress σ̃ balance the projected loads f̃,
-with σ̃_τ = 0 (no friction) and σ̃_ν ≤ 0 (no pulling) on Γ3. Testing as in ``study.bound.terms`` gives for the error e =
-u − ũ
+with σ̃_τ = 0 (no friction) and σ̃_ν ≤ 0 (no pulling) on Γ3. Testing as in ``study.bound.terms`` gives for the error
+e = u − ũ
 
     ‖e‖² ≤ R ‖e‖ + c,    R = (Σ_T (‖σ̃ − Gε(ũ)‖_{G⁻¹,T} + η_T)²)^½ + remainder of the data,   c = ∫_{Γ3} σ̃_ν ũ_ν,
 
 where η_T bounds the loads that the projection leaves out on a cell T. So ‖e‖ ≤ y = R/2 + (R²/4 + c)^½. This is the
 bound of Prager and Synge with contact. Without a contact side c is 0, and the bound is y = R, as in textbooks.
 
-With ũ = u_h this is an upper bound of the error of u_h. With a displacement ũ of degree 2 on a refined mesh and d = ‖ũ
-− u_h‖ it gives both ends, d − y ≤ ‖u − u_h‖ ≤ d + y.
+With ũ = u_h this is an upper bound of the error of u_h. With a displacement ũ of degree 2 on a refined mesh and
+d = ‖ũ − u_h‖ it gives both ends, d − y ≤ ‖u − u_h‖ ≤ d + y.
 
 Source: W. Prager, J. L. Synge, Approximations in elasticity based on the concept of function space, Quart. Appl. Math.
 5 (1947) 241–269.
@@ -91,8 +91,8 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     Args:
         coarse: the problem and the mesh of u_h.
         computed: u_h.
-        refinements: how often the mesh is refined to compute the more accurate displacement ũ of degree 2. If None, ũ =
-            u_h is used.
+        refinements: how often the mesh is refined to compute the more accurate displacement ũ of degree 2. If None,
+            ũ = u_h is used.
 
     Returns:
         The bounds, as an enclosure at one time, and how much each cell contributes to the bound of ‖u − ũ‖.

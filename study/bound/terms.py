@@ -1,8 +1,8 @@
 """The terms of a bound of the error ‖u(t) − ũ(t)‖_V of an admissible displacement ũ, without the exact solution u.
 
 Let ũ(t) ∈ K and e = u − ũ. Let the stress σ̃(t) balance the projected loads f̃(t), with σ̃_τ = 0 and σ̃_ν ≤ 0 on Γ3.
-The residual of the law is ρ = σ̃ − Aε(ũ̇) − Gε(ũ). Testing (3.13) for u with ũ gives (Aε(u̇) + Gε(u), ε(e))_Q ≤ (f,
-e)_V. Green's formula for σ̃, with u_ν ≤ 0 on Γ3, gives
+The residual of the law is ρ = σ̃ − Aε(ũ̇) − Gε(ũ). Testing (3.13) for u with ũ gives (Aε(u̇) + Gε(u),
+ε(e))_Q ≤ (f, e)_V. Green's formula for σ̃, with u_ν ≤ 0 on Γ3, gives
 
     (σ̃, ε(e))_Q = (f̃, e)_V + ∫_{Γ3} σ̃_ν e_ν ≥ (f̃, e)_V − c,     c = ∫_{Γ3} σ̃_ν ũ_ν ≥ 0.
 
@@ -197,8 +197,8 @@ class Knots:
     Attributes:
         snapshots: the projected loads at each knot.
         viscous, elastic: the stresses Aε(ũ̇) and Gε(ũ) at the quadrature points, (3, knots, cells, Q).
-        residual: the residual of the law in every direction, times roots of the quadrature weights, (directions, knots,
-            cells, Q).
+        residual: the residual of the law in every direction, times roots of the quadrature weights,
+            (directions, knots, cells, Q).
         normal: Bernstein coefficients of the normal stress σ̃_ν on Γ3, (knots, edges of Γ3, n).
     """
 
@@ -352,8 +352,8 @@ class Majorant:
         """Approximate the elastic stress Gε(ũ) on each time interval by a parabola in time.
 
         Returns:
-            The middle Bernstein coefficients of the parabolas, and bounds of the mean distances ‖Gε(ũ) −
-            parabola‖_{A⁻¹}, which are 0 for linear G.
+            The middle Bernstein coefficients of the parabolas, and bounds of the mean distances
+            ‖Gε(ũ) − parabola‖_{A⁻¹}, which are 0 for linear G.
         """
         d, elastic = self.discretisation, self.discretisation.elastic(control)
         A, G = d.data.law.A, d.data.law.G

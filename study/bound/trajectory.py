@@ -150,8 +150,7 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Discr
 
 
 def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
-    """Return the matrix from P1 displacements to coefficients of degree 2 on the same or a finer mesh, (dofs,
-    n_dofs).
+    """Return the matrix from P1 displacements to coefficients of degree 2 on the same or a finer mesh, (dofs, n_dofs).
 
     Raises:
         BoundError: the mesh of degree 2 is no uniform refinement of the mesh of degree 1.

@@ -842,8 +842,7 @@ class Loads:
         return root(square) + rounded
 
     def missed_outside(self, a: Q, b: Q, given: Sequence[Tractions]) -> Q:
-        """Return an upper bound of the root mean square over a ≤ t ≤ b of the traction that is not balanced, f_2 −
-        σ̃ν.
+        """Return an upper bound of the root mean square over a ≤ t ≤ b of the traction that is not balanced, f_2 − σ̃ν.
 
         Args:
             a, b: the ends of the time interval.

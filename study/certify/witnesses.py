@@ -299,8 +299,7 @@ class StressEncoder:
         return found / count[:, None, None]
 
     def inner(self, stress: Array, T: Array, force: Array) -> Array:
-        """Return the nine inner numbers of every cell, which with tractions and loads determine a stress, (cells,
-        9).
+        """Return the nine inner numbers of every cell, which with tractions and loads determine a stress, (cells, 9).
 
         The part of the stress that tractions and loads determine is subtracted. The inner numbers are the coordinates
         of the rest, by best approximation in L².

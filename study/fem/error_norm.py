@@ -144,9 +144,9 @@ class ErrorNorm:
     def load(self, time: float) -> Array:
         """Return the load vector of an exact solution, v ↦ (f(t), v)_V for the basis functions v, (dofs,).
 
-        It is computed from the exact stress σ: Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0 gives (f, v)_V =
-        (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν. No derivative of σ is needed, so this also holds for solutions whose body force is
-        not in L².
+        It is computed from the exact stress σ: Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0 gives
+        (f, v)_V = (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν. No derivative of σ is needed, so this also holds for solutions whose
+        body force is not in L².
         """
         strains, rates = self._amplitudes(time, False), self._amplitudes(time, True)
         return self.space.tested(self._cells(strains, rates)) + self._contact_work(strains, rates)

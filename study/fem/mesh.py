@@ -400,10 +400,10 @@ class Unstructured:
 class Graded:
     """Unstructured meshes that are refined towards the points c of ``body.refine``.
 
-    First an unstructured mesh is made. Then its vertices with |x − c| < R are moved by the map x ↦ c + (x − c)(|x −
-    c|/R)^{e−1}. The size of cells becomes h ϱ^{1−1/e} at the distance ϱ from c, and h^e at c. P1 functions then
-    approximate |x − c|^λ in H¹ with order 1 if 1/e < λ. The exponent e = 5/2 is sufficient for λ ≥ 1/2, which covers
-    re-entrant corners and changes of the boundary condition.
+    First an unstructured mesh is made. Then its vertices with |x − c| < R are moved by the map
+    x ↦ c + (x − c)(|x − c|/R)^{e−1}. The size of cells becomes h ϱ^{1−1/e} at the distance ϱ from c, and h^e at c. P1
+    functions then approximate |x − c|^λ in H¹ with order 1 if 1/e < λ. The exponent e = 5/2 is sufficient for λ ≥ 1/2,
+    which covers re-entrant corners and changes of the boundary condition.
 
     Attributes:
         exponent: the exponent e.

@@ -94,8 +94,8 @@ def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
 def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
     """Return Duffy's rule on a triangle, graded towards its first vertex v_0.
 
-    Gauss rules in ξ and η on the unit square are mapped to the triangle by x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η (v_2 −
-    v_0)), with dx = 2|T| g ξ^{2g−1} dξ dη.
+    Gauss rules in ξ and η on the unit square are mapped to the triangle by x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η
+    (v_2 − v_0)), with dx = 2|T| g ξ^{2g−1} dξ dη.
 
     Args:
         along: number of points in ξ, the direction away from v_0.

@@ -116,8 +116,8 @@ class Displacements(MeshedBody, ABC):
         """Return the virtual work of a stress for every basis function: the vector of v ↦ (σ, ε(v))_Q.
 
         Args:
-            stress: σ at the quadrature points, (D, cells, points), or its cell means if cells have one point, (D,
-                cells). For n stresses there is one more axis, the last.
+            stress: σ at the quadrature points, (D, cells, points), or its cell means if cells have one point,
+                (D, cells). For n stresses there is one more axis, the last.
 
         Returns:
             (dofs,), or (dofs, n) for n stresses.
@@ -129,8 +129,8 @@ class Displacements(MeshedBody, ABC):
         """Return the virtual work of a stress as ``functional`` does, from integrals instead of values, (dofs,).
 
         Args:
-            integrals: the integrals of the stress σ over the cells, (D, cells), or weights times σ at the points, (D,
-                cells, points).
+            integrals: the integrals of the stress σ over the cells, (D, cells), or weights times σ at the points,
+                (D, cells, points).
         """
         return self._transposed @ integrals.reshape(self.E.shape[0], *integrals.shape[self.weights.ndim + 1 :])
 

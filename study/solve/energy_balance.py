@@ -35,8 +35,8 @@ class Power:
 def density(G: Elasticity, strain: Tensors, stress: Tensors) -> Array:
     """Return the density W(ε) of the stored energy at points, (...).
 
-    For a linear law W = ½ G ε·ε. For law (3.3) W = β/2 dist(ε, K)² = |G(ε)|²/(2β), because ½ dist² has the gradient ε −
-    P_K ε. For a ``Combined`` G, W is the sum of both and of S·ε with the stress at rest S.
+    For a linear law W = ½ G ε·ε. For law (3.3) W = β/2 dist(ε, K)² = |G(ε)|²/(2β), because ½ dist² has the gradient
+    ε − P_K ε. For a ``Combined`` G, W is the sum of both and of S·ε with the stress at rest S.
 
     Args:
         G: the elasticity operator.
@@ -64,9 +64,10 @@ def balance(times: Array, powers: Sequence[Power]) -> dict[str, Array]:
 
     Returns:
         ``times``; ``stored``, the stored energy; ``dissipated``, ``contact`` and ``work``, the integrals over time of
-        the dissipation, of the power of contact and of the power of the loads; and ``defect`` = stored − stored(0) +
-        dissipated + contact − work. The defect is of second order in the time step. It is not zero, because the time
-        scheme does not conserve energy exactly and powers are integrated by the trapezoidal rule.
+        the dissipation, of the power of contact and of the power of the loads; and
+        ``defect`` = stored − stored(0) + dissipated + contact − work. The defect is of second order in the time step.
+        It is not zero, because the time scheme does not conserve energy exactly and powers are integrated by the
+        trapezoidal rule.
     """
 
     def since_start(name: str) -> Array:

@@ -1,10 +1,11 @@
 """Error bounds for backward Euler with steps of variable size; Problem 5.1 need not be a gradient flow.
 
-The semi-discrete problem (Problem 5.1) is u̇ + Bu + N_K(u) ∋ f in V^h with ‖Bv − Bw‖ ≤ κ ‖v − w‖ and (Bv − Bw, v − w) ≥
-−γ ‖v − w‖², 0 ≤ γ ≤ κ, in the norm and inner product of V. N_K is the normal cone of the admissible set. Backward Euler
-on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and γk < 1 gives U_n, δ_n = (U_n − U_{n−1})/k_n and ξ_n =
-f(t_n) − BU_n − δ_n ∈ N_K(U_n). Let û be the piecewise linear interpolant of the U_n, V = Var f, z = u̇(0+), F_n =
-∫_{t_{n−1}}^{t_n} ‖f(t) − f(t_n)‖ dt and P = Π_n (1 − γk_n)^{−1}. Then max_t ‖u(t) − û(t)‖ is at most
+The semi-discrete problem (Problem 5.1) is u̇ + Bu + N_K(u) ∋ f in V^h with ‖Bv − Bw‖ ≤ κ ‖v − w‖ and
+(Bv − Bw, v − w) ≥ −γ ‖v − w‖², 0 ≤ γ ≤ κ, in the norm and inner product of V. N_K is the normal cone of the admissible
+set. Backward Euler on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and γk < 1 gives U_n,
+δ_n = (U_n − U_{n−1})/k_n and ξ_n = f(t_n) − BU_n − δ_n ∈ N_K(U_n). Let û be the piecewise linear interpolant of the
+U_n, V = Var f, z = u̇(0+), F_n = ∫_{t_{n−1}}^{t_n} ‖f(t) − f(t_n)‖ dt and P = Π_n (1 − γk_n)^{−1}. Then max_t
+‖u(t) − û(t)‖ is at most
 
     (Σ_n e^{2γ(T − t_{n−1})} k_n² (ξ_n, δ_n))^{1/2} + Σ_n e^{γ(T − t_{n−1})} (F_n + κ k_n² ‖δ_n‖/2)
         ≤ kP/(1 − γk) · ((1/√2 + κT/2) ‖z‖ + (2 + κT/2) V).

@@ -7,10 +7,10 @@ Stresses are constant on cells. The admissible stresses are (3.9) with V^h in pl
 By Farkas' lemma, τ ∈ Σ^h(t) if and only if Eᵀ W τ + Nᵀ λ = F(t) for some λ ≥ 0, where E maps nodal values to strains
 and W contains the volumes |T|. A step of backward Euler minimises a convex potential over Σ^h(t_n).
 
-The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is the displacement u_n. At the minimum ε_n = ε(u_n), N u_n ≤
-0 and λ·N u_n = 0. None of this is imposed: the previous strain ε_{n−1} is computed from the stresses. That u_n ∈ K^h
-solves Problem 3.1 is the statement of Theorem 4.2. The theorem can therefore be tested with this module, which shares
-no code with the contact solver or the time schemes of Problem 3.1.
+The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is the displacement u_n. At the minimum ε_n = ε(u_n), N
+u_n ≤ 0 and λ·N u_n = 0. None of this is imposed: the previous strain ε_{n−1} is computed from the stresses. That
+u_n ∈ K^h solves Problem 3.1 is the statement of Theorem 4.2. The theorem can therefore be tested with this module,
+which shares no code with the contact solver or the time schemes of Problem 3.1.
 
 The potential of a step. A step maps the strain ε_n to the stress σ_n = A (ε_n − ε_{n−1})/k + G ε_n. By (3.12) and
 (3.15), σ_n minimises over Σ^h(t_n) the potential Φ with the inverse of this map as its derivative, DΦ(σ_n) = ε_n:
@@ -67,16 +67,16 @@ class Potential:
     """The convex potential of one step of backward Euler, written on every cell as ½ Q y·y + g·y with an unknown y.
 
     For linear G the unknown is the stress, y = τ. For laws that contain (3.3) it is y = (s₁, ρ, z) with ρ ≥ |z|, where
-    z are the coordinates of a part s₂ of the stress in an orthonormal basis R of the range of P. Then |s₂| = |z| and τ
-    = s₁ + R z, and ρ = |z| at the minimum.
+    z are the coordinates of a part s₂ of the stress in an orthonormal basis R of the range of P. Then |s₂| = |z| and
+    τ = s₁ + R z, and ρ = |z| at the minimum.
 
     Attributes:
         compliance: the matrix from a stress to the strain that it adds in a step, (cells, D, D). In the docstring of
             the module it is C⁻¹, k A⁻¹ or Ĉ⁻¹.
         quadratic: the matrix Q, (cells, p, p).
         stress: the matrix from y to the stress τ, (D, p).
-        released: function from the previous strain ε_{n−1} to the strain at which a step without stress would end, (D,
-            cells) → (D, cells).
+        released: function from the previous strain ε_{n−1} to the strain at which a step without stress would end,
+            (D, cells) → (D, cells).
         cone: the number of entries of (ρ, z), which are the last entries of y; 0 for linear G.
         radius: the radius r of K; 0 for linear G.
     """
@@ -167,8 +167,8 @@ class StressState:
         multipliers: the nodal contact forces λ_n ≥ 0, (m,); NaN at t_0.
         gap: the duality gap at which the solver stopped; 0 at t_0. It bounds the error of this step: for the same
             ε_{n−1} and the exact σ* and ε*, it is at least ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the norm
-            of C. The reason is that two points of the optimality conditions satisfy (P(x − x*), x − x*) = −(λ − λ*)·N(u
-            − u*) ≤ −λ·Nu.
+            of C. The reason is that two points of the optimality conditions satisfy (P(x − x*),
+            x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
     """
 
     time: float

@@ -75,8 +75,8 @@ class Equilibrium:
 
     Args:
         space: the composite stresses.
-        compliance: the inverse C⁻¹ of a stiffness in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3,
-            3).
+        compliance: the inverse C⁻¹ of a stiffness in Mandel form, (3, 3), or at the quadrature points,
+            (cells, Q, 3, 3).
         solver: a function that makes the contact solver from S, N and the points of the unknowns.
     """
 
@@ -159,8 +159,8 @@ class Equilibrium:
         Args:
             loads: the projected loads.
             values, tractions: the given stress, as in ``EquilibratedStress``.
-            known: the functional (C⁻¹τ + ε*, ·)_Q of the given stress τ on the stresses with Div σ = 0, (..., cells,
-                p).
+            known: the functional (C⁻¹τ + ε*, ·)_Q of the given stress τ on the stresses with Div σ = 0,
+                (..., cells, p).
             normal: as in ``__call__``.
         """
         known, g = self._condensed(loads, tractions, known)

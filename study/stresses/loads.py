@@ -177,8 +177,8 @@ class _Block:
     Args:
         rule: the quadrature rule on the n thirds.
         shapes: the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q).
-        whole: a function that returns the Bernstein polynomials of degree k of the whole cells at the points, (more, n,
-            q). It is called only if ``split`` is called.
+        whole: a function that returns the Bernstein polynomials of degree k of the whole cells at the points,
+            (more, n, q). It is called only if ``split`` is called.
     """
 
     def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
@@ -189,8 +189,8 @@ class _Block:
 
     @cached_property
     def _whole(self) -> Array:
-        """The Bernstein polynomials of degree k of the whole cells at the points, as a matrix for each third, (n,
-        more, q)."""
+        """The Bernstein polynomials of degree k of the whole cells at the points, as a matrix for each third,
+        (n, more, q)."""
         return np.ascontiguousarray(np.moveaxis(self._make_whole(), 0, 1))
 
     def projected(self, force: Vectors) -> Array:

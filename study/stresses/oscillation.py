@@ -56,8 +56,8 @@ class DividedTriangle:
     The unknowns are the coefficients of the stresses of all children.
 
     Attributes:
-        inner: the matrix from unknowns to the jumps of tractions across the sides of the middle child, (equations,
-            unknowns).
+        inner: the matrix from unknowns to the jumps of tractions across the sides of the middle child,
+            (equations, unknowns).
         outer: the matrix to the tractions |ê| σν on the halves of the sides, (3 sides, 2 halves, k + 1, 2, unknowns).
         divergence: the matrix to the Bernstein coefficients of the divergence, of degree k − 1, on the three parts of
             each child, (4 · 3 · coefficients · 2, unknowns).
@@ -95,8 +95,8 @@ def restriction(degree: int, corners: Array) -> Array:
         corners: barycentric coordinates of the vertices of the smaller triangle, (3 vertices, 3).
 
     Returns:
-        The matrix from coefficients on the triangle to coefficients on the smaller triangle, (polynomials,
-        polynomials).
+        The matrix from coefficients on the triangle to coefficients on the smaller triangle,
+        (polynomials, polynomials).
     """
     at = np.array(indices(degree)).T / degree
     inside = bernstein(degree, corners.T @ at)
@@ -222,8 +222,8 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
 
 
 def by_length(F: Array) -> Array:
-    """Sort the vertices of each cell by the lengths of the opposite sides: matrices F, (cells, 2, 2) → (cells, 2,
-    2)."""
+    """Sort the vertices of each cell by the lengths of the opposite sides: matrices F,
+    (cells, 2, 2) → (cells, 2, 2)."""
     corners = F @ CORNERS
     opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
     sorted_corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)

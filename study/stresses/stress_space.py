@@ -258,8 +258,8 @@ class StressSpace(MeshedBody):
         """The stresses on the reference triangle that have a given divergence, for every coefficient of the divergence.
 
         Returns:
-            The values at the quadrature points, (3 thirds · lower · 2, 3 · Q), and the tractions on the sides, (3
-            thirds · lower · 2, 3 sides · n · 2).
+            The values at the quadrature points, (3 thirds · lower · 2, 3 · Q), and the tractions on the sides,
+            (3 thirds · lower · 2, 3 sides · n · 2).
         """
         lift, tractions = self.element.lift, self.element.tractions
         rows = int(np.prod(lift.shape[3:]))
