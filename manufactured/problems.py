@@ -37,7 +37,7 @@ def ramp() -> Data:
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
     body = polygon([(0, 0), (3, 0), (3, 0.5), (0, float(height))], kinds)
     strength = 8 * t**2 * (3 - 2 * t) * _bump((x1 - Rational(4, 5) - 7 * t / 5) / Rational(4, 5))
-    # The outward normal of the top is (sin 30°, cos 30°).
+    # The load presses against the outward normal of the top, which is (sin 30°, cos 30°).
     load = (-strength / 2, -strength * sqrt(3) / 2)
     return Data.formulas(body, not_proportional(), f0=(0, 0), f2={2: load})
 

@@ -92,7 +92,8 @@ class Discretisation:
 
         Its results are cached, because u_h, ũ and the bounds use the loads at the same times.
         """
-        # The results at one time contain about as many numbers as there are quadrature points.
+        # The cache is limited by memory: the results at one time contain about as many numbers as there are quadrature
+        # points.
         times = max(LEAST_TIMES, CACHED_NUMBERS // self.stresses.weights.size)
         return lru_cache(maxsize=times)(ProjectedLoads(self.data, self.stresses).at)
 

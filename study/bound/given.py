@@ -130,7 +130,7 @@ def true_error(
     return error
 
 
-# The functions below check the arrays of a displacement.
+# The remaining functions check the arrays of a displacement that another program has computed.
 
 
 def given(
@@ -396,7 +396,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     largest = float(abs(coefficients[fixed]).max(initial=0.0))
     if largest <= CLAMPED * size:
         return found
-    # The matrix of (Aε(v), ε(w))_Q for all displacements of degree 2, including those that do not vanish on Γ1.
+    # u_h does not vanish on Γ1, so the matrix of (Aε(v), ε(w))_Q is needed for displacements without this constraint.
     V = _Unclamped(mesh, found.body)
     M = V.form(data.law.A.matrix, data.law.A.factor(V.points))
     projected = np.zeros_like(coefficients)
@@ -416,7 +416,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
         f"u_h reaches {largest:.3g} on Γ1, so the bounds are those of the nearest field that vanishes there; it "
         f"differs from u_h by at most {share}"
     )
-    # A ``GivenDisplacement`` stores values at the midpoints of edges, not Bernstein coefficients.
+    # Bernstein coefficients are converted, because a ``GivenDisplacement`` stores values at the midpoints of edges.
     nodal = projected.T.reshape(len(found.times), -1, 2)
     vertices = mesh.p.shape[1]
     of_ends = nodal[:, mesh.facets].sum(axis=1)

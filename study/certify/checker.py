@@ -68,7 +68,7 @@ def require(condition: bool, message: str) -> None:
         raise RefusedError(message)
 
 
-# The format of a certificate file.
+# The format of a certificate file, and the test of a file against it.
 
 
 def shown(value: Any) -> str:

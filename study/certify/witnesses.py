@@ -158,8 +158,8 @@ class StressEncoder:
         self.lengths = np.linalg.norm(along, axis=1)
         self.number = {edge: n for n, edge in enumerate(self.exact.edges)}
         self.sides = np.array([cell.nodes[3:] for cell in self.exact.cells]) - len(points)
-        # Whether a side of a cell runs from its vertex of lower number to its vertex of higher number, as tractions are
-        # stored.
+        # Tractions are stored from the vertex of lower number on. These flags say whether a side of a cell runs that
+        # way.
         self.forward = self.vertices[:, [1, 2, 0]] < self.vertices[:, [2, 0, 1]]
         self.to_monomials = np.array(
             [[[float(p.get(key, 0)) for p in bernstein(third)] for key in checker.CUBIC] for third in range(3)]
@@ -318,7 +318,8 @@ class StressEncoder:
         tensor = np.empty((*stress.shape[:-1], 2, 2))
         tensor[..., 0, 0], tensor[..., 1, 1] = stress[..., 0], stress[..., 1]
         tensor[..., 0, 1] = tensor[..., 1, 0] = stress[..., 2]
-        # Transform the stresses to the reference triangle: σ̂ det F = F⁻¹ σ F⁻ᵀ (det F)².
+        # The inner numbers refer to the reference triangle, so the stresses are transformed: σ̂ det F = F⁻¹ σ F⁻ᵀ (det
+        # F)².
         hat = np.einsum("cij,ctajk,clk->ctail", self.adjugate, tensor, self.adjugate, optimize=True)
         voigt = np.stack([hat[..., 0, 0], hat[..., 1, 1], hat[..., 0, 1]])
         wanted = np.einsum("tna,Icta->Ictn", self.to_monomials, voigt)

@@ -325,8 +325,8 @@ def _parallelepiped(body: Body) -> Points | None:
     normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
     if len(normals) != 3:
         return None
-    # The edges of a parallelepiped at its first corner: each leads to the only other corner that lies in the planes of
-    # two of the faces at the first corner.
+    # The three edges of a parallelepiped at its first corner. Each leads to the only other corner that lies in the
+    # planes of two of the three faces there.
     off = abs(normals @ (corners - first)) > tolerance
     ends = [np.flatnonzero(~np.delete(off, k, axis=0).any(axis=0))[1:] for k in range(3)]
     if any(end.size != 1 for end in ends):

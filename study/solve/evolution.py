@@ -252,7 +252,7 @@ class ContactStep:
             u, multipliers = self.solve(constant - remainder(theta * v + base))
             return u
 
-        # The first guess is the value at t_n of the polynomial through the last states, at most three.
+        # The first guess is extrapolated from the last states (at most three) by a polynomial, which saves iterations.
         weights = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(before)]
         guess = sum((weight * u for weight, u in zip(weights, before, strict=True)), np.zeros_like(base))
         try:

@@ -68,8 +68,8 @@ def fixed_point(
         u = image(v)
         before, residual = residual, with_dual(u - v)
         change = residual - before
-        # The image of v is u = v + f(v) with the residual f(v). So the change of the image is the step of v plus the
-        # change of f.
+        # The image of an input v is v plus its residual. So the image changes by the step of the input plus the change
+        # of the residual.
         moved = step + change
         whole += moved
         left = _finite(_norm(residual), taken)

@@ -86,8 +86,9 @@ class Equilibrium:
         # The tractions of each basis function, with one row for each component on each side: (cells, 3 sides · n · 2,
         # p).
         R = space.tractions.reshape(space.cells, -1, stiffness.shape[-1])
-        # Both matrices compute the coefficients c of a stress with Div τ = 0, followed by its tractions R c. The first
-        # one does so for a functional on these stresses, the second one for the functional Rᵀm of moments m.
+        # Let c be the coefficients of a stress with Div τ = 0. Both matrices return c, followed by its tractions R c.
+        # The first matrix acts on a functional on these stresses, the second one on moments m, which give the
+        # functional Rᵀm.
         self._of_strains = np.concatenate([stiffness, stiffness @ R.swapaxes(1, 2)], axis=2)
         self._of_moments = R @ self._of_strains
         self._tractions = slice(stiffness.shape[-1], None)
