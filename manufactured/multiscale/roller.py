@@ -49,12 +49,12 @@ ROLLERS = "roller", "pushing-roller", "steep-roller", "standing"
 COARSEST_ROLLER = 5
 """The smallest level n of the cases. A standing patch of half-width 2/n must lie within the contact face."""
 DEPTH = Rational(7, 10)
-"""The depth of the displacement divided by (ℓ² + ξ²)^{1/2}, where ξ is the distance from the patch."""
+"""The depth of the displacement divided by (ℓ² + ξ²)^{1/2}, where ξ is the position relative to the patch."""
 
 
 @lru_cache
 def rollers(level: int) -> tuple[Case, ...]:
-    """Return the roller cases for a level n, in which the patch has the width ℓ = 2/n.
+    """Return the roller cases for a level n, in which the width or half-width ℓ of the patch is 2/n.
 
     They are not in the catalogue, because each of them belongs to one level.
     """

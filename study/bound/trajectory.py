@@ -35,7 +35,7 @@ from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 
 ON_NODE = 1e-5
-"""A vertex of a refined mesh counts as a node of the coarse mesh up to this distance in barycentric coordinates."""
+"""A node counts as a node of a uniform refinement up to this distance in barycentric coordinates."""
 
 
 @dataclass(frozen=True, eq=False)
