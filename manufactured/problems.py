@@ -31,7 +31,7 @@ def _bump(x: Expr) -> Expr:
 
 
 def ramp() -> Data:
-    """Return the data of the wedge under a travelling load."""
+    """Return the data of the problem ramp: a wedge on whose top a load travels."""
     slope = 1 / sqrt(3)
     height = Rational(1, 2) + 3 * slope
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
@@ -43,7 +43,7 @@ def ramp() -> Data:
 
 
 def bracket() -> Data:
-    """Return the data of the L-shaped body whose foot is pressed down."""
+    """Return the data of the problem bracket: an L-shaped body whose foot is pressed down."""
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
     body = polygon(corners, kinds, refine=((1.0, 1.0), (1.0, 2.0), (0.0, 2.0)))
@@ -71,7 +71,7 @@ class OpenProblem:
 
 
 def problems() -> tuple[OpenProblem, ...]:
-    """Return all problems of this module."""
+    """Return all problems whose solution is not known."""
     return (
         OpenProblem(
             "ramp",

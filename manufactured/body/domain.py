@@ -99,7 +99,7 @@ class Body:
         return inside
 
     def sample(self, rng: np.random.Generator, count: int) -> Points:
-        """Return random points of Ω, evenly distributed, (d, count)."""
+        """Return random points of the body, evenly distributed, (d, count)."""
         return scattered(rng, self.vertices, self.contains, count)
 
     def _repr_html_(self) -> str:

@@ -240,7 +240,7 @@ def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
 
 
 def _inside(body: Body, rng: np.random.Generator) -> Points:
-    """Return at most POINTS random points of Ω, (d, n)."""
+    """Return at most POINTS random points of the body, (d, n)."""
     low, high = body.vertices.min(axis=1, keepdims=True), body.vertices.max(axis=1, keepdims=True)
     x = low + (high - low) * rng.random((body.dim, 8 * POINTS))
     return x[:, body.contains(x)][:, :POINTS]

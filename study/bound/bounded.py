@@ -30,7 +30,7 @@ from study.solve.evolution import Scheme
 from study.solve.steps import rate_steps, require_steps
 
 LINES = 8
-"""Number of lines for points in time in the printed table."""
+"""The printed table shows the error at no more than this number of times."""
 DIGITS = 9
 """Number of decimals in the files that the command writes."""
 SHOWN, PERCENT = 4, 3

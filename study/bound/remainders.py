@@ -50,7 +50,7 @@ ORDER = 4
 ARC = sp.Symbol("arc", real=True)
 """The symbol for the arc length along a part of the boundary."""
 CACHED = 64
-"""Number of time intervals whose remainders are cached."""
+"""Number of time intervals for which bounds of the data between sample points are cached."""
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 
 

@@ -279,7 +279,7 @@ class Parabola:
     end: Array
 
     def at(self, time: float) -> Array:
-        """Return ũ(t) for a ≤ t ≤ b."""
+        """Return the displacement ũ(t) at a time a ≤ t ≤ b, (dofs,)."""
         x = (time - self.a) / (self.b - self.a)
         return (1 - x) ** 2 * self.start + 2 * x * (1 - x) * self.control + x**2 * self.end
 

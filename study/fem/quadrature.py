@@ -199,7 +199,7 @@ class Line:
 
     @property
     def tangent(self) -> Array:
-        """The direction rotated by a right angle, (2,)."""
+        """The unit vector along the line, (2,)."""
         return np.array([-self.direction[1], self.direction[0]])
 
     def __str__(self) -> str:

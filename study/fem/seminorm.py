@@ -26,7 +26,7 @@ def composite_gauss(panels: int, points: int) -> tuple[Array, Array]:
 
 
 FIRST, SECOND = composite_gauss(PANELS, POINTS), composite_gauss(PANELS, POINTS + 1)
-"""The quadrature rules in x and in y."""
+"""The quadrature rules of the double integral, in x and in y."""
 
 
 def seminorm(first: Array, second: Array, rho: float) -> Array:

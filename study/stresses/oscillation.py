@@ -43,7 +43,7 @@ from study.stresses.loads import LeftOut
 from study.stresses.stress_space import StressSpace
 
 BLOCK = 256
-"""Number of cells whose constants are computed at a time."""
+"""Number of cells whose constants C_{T,q} are computed at a time, which limits the memory."""
 CHILDREN = np.stack([*((np.eye(3) + np.eye(3)[i]) / 2 for i in range(3)), (1 - np.eye(3)) / 2])
 """Vertices of the four children of a triangle, in barycentric coordinates of the triangle, (4, 3 vertices, 3)."""
 ROUNDING = 1e-9
