@@ -128,13 +128,20 @@ class Enclosure:
 
         If u may be 0, the upper end is ∞.
         """
-        low, high = self.norm
-        return (self.lowest / high if high > 0 else 0.0), (self.highest / low if low > 0 else math.inf)
+        return relative((self.lowest, self.highest), self.norm)
 
     @property
     def contains(self) -> bool:
         """Whether the known error lies between the lower and the upper bound at all times."""
         return bool(((self.lower <= self.error) & (self.error <= self.upper)).all())
+
+
+def relative(error: tuple[float, float], norm: tuple[float, float]) -> tuple[float, float]:
+    """Return an interval that contains the quotient of an error and a norm, which are known as intervals.
+
+    If the norm may be 0, the interval ends at ∞.
+    """
+    return (error[0] / norm[1] if norm[1] > 0 else 0.0), (error[1] / norm[0] if norm[0] > 0 else math.inf)
 
 
 def enclose(
