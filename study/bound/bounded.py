@@ -72,13 +72,13 @@ class BoundedSolution:
 
     @property
     def error(self) -> tuple[float, float]:
-        """Interval that contains the largest error max_t ‖u(t) − u_h(t)‖_V; each end is the sharper one of both bounds."""
+        """Interval that contains the largest error max_t ‖u(t) − u_h(t)‖_V; each end is the sharper of two bounds."""
         both = [self.enclosure, *([self.plain] if self.plain else [])]
         return max(one.lowest for one in both), min(one.highest for one in both)
 
     @property
     def norm(self) -> tuple[float, float]:
-        """Interval that contains max_t ‖u(t)‖_V; each end is the sharper one of both bounds."""
+        """Interval that contains the norm max_t ‖u(t)‖_V; each end is the sharper of two bounds."""
         both = [self.enclosure, *([self.plain] if self.plain else [])]
         return max(one.norm[0] for one in both), min(one.norm[1] for one in both)
 
