@@ -828,8 +828,7 @@ class Loads:
         """Return an upper bound of the root mean square over a ≤ t ≤ b of the body force that is not represented,
         f_0 − f̃_0."""
         # Rounding changes each of the six coefficients by at most 1/2, so a component changes by at most 3, and both
-        # together by 18^{1/2}. These are changes of twice the area of the
-        # cell times the force.
+        # together by 18^{1/2}. These are changes of twice the area of the cell times the force.
         rounded = root(sum((up(Q(9 * self.mesh.h**2, cell.det)) for cell, _ in self.cells), Q(0))) / self.unit
         if all(i + j <= 2 >= k for f in self.problem.force for i, j, k in f):
             return rounded

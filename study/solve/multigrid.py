@@ -97,7 +97,7 @@ class Multigrid:
         S = sps.bsr_array(S, blocksize=(len(x), len(x)))
         diagonal = get_block_diag(S, len(x), inv_flag=False)
         scale = np.sqrt(np.einsum("vai,vab,vbi->vi", inverse, diagonal, inverse))
-        # With these matrices u = basis w and w = coordinates u change between displacements u and scaled unknowns w.
+        # The matrices convert scaled unknowns w to displacements u and back: u = basis w and w = coordinates u.
         self.basis = block_diagonal(inverse / scale[:, None, :])
         self.coordinates = block_diagonal(blocks * scale[:, :, None])
         self.forces = scale.ravel()[self.bounded]

@@ -26,7 +26,10 @@ from study.stresses.composite import alfeld_split, barycentric, bernstein, trian
 from study.stresses.stress_space import StressSpace
 
 DEGREE = 4
-"""Least degree of the quadrature rule for f_0 on a third. For stresses of degree k, 2k is used if it is larger."""
+"""Least degree of the quadrature rule for f_0 on a third of a cell.
+
+For stresses of degree k, 2k is used if it is larger.
+"""
 EDGE_POINTS, EDGE_PARTS = 6, 4
 """The quadrature rule for f_2: number of Gauss points on each part of an edge, and number of equal parts of an edge.
 
