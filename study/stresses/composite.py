@@ -125,7 +125,7 @@ class CompositeElement:
         return found
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
-        """Return the matrix from stresses to the traction |e| σν on an edge e of a third, in Bernstein form.
+        """Return the matrix from stresses to the traction |e| σν on an edge e of a third of the triangle, in Bernstein form.
 
         Args:
             third: the number of the third.
@@ -204,7 +204,7 @@ def composite(degree: int) -> CompositeElement:
 
 
 def thirds(corners: Points) -> Points:
-    """Return the vertices of the three thirds of each triangle, from the vertices of the triangles.
+    """Return the vertices of the thirds of triangles, which lie between a side and the barycentre.
 
     The shape is (2, 3 vertices, ...) → (2, 3 vertices, 3 thirds, ...).
     """
@@ -213,7 +213,7 @@ def thirds(corners: Points) -> Points:
 
 
 def alfeld_split(mesh: Mesh) -> tuple[Mesh, Points]:
-    """Divide every cell of a mesh into thirds.
+    """Divide every cell of a mesh into thirds, which lie between a side and the barycentre.
 
     Returns:
         The mesh of all thirds, three consecutive ones for each cell, and the vertices of the thirds, (2, 3, thirds).
