@@ -162,7 +162,7 @@ class Projection(OfLaws):
     claim = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
     rules = (
         largest("expansion", "|P_K a − P_K b| / |a − b|", BOUND, "expansion"),
-        largest("membership", "P_K a ∈ K, that is |Pτ| ≤ r for τ = P_K a: |P P_K a| / r", BOUND, "membership"),
+        largest("membership", "|P P_K a| / r, at most 1 if P_K a ∈ K", BOUND, "membership"),
         largest("nearest", "(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K", ZERO, "nearest"),
         largest("identity", "|P_K k − k| / |k|, k ∈ K", ZERO, "identity"),
     )
