@@ -151,8 +151,7 @@ class Forces:
         self.W = Signorini(setup.problem.M, space.N, space.free_points).W
 
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
-        """Return sums over n times of the squared errors of the contact force, and of the squared exact norms, (3,)
-        each.
+        """Return sums over time of the squared errors of the contact force and of the squared exact norms, (3,) each.
 
         The three norms are the norms of ``ERRORS``.
 
@@ -223,8 +222,9 @@ LANDS = "lift-and-land"
 NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
 JUMP = around(0.5, 0.2, "k^{1/2}")
 NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of the resultant"
-"""The order of the resultant follows from the dual norm with v_ν = 1. But v = 0 on Γ1, so if a face meets Γ1, no v ∈ V
-has v_ν = 1 on the whole face."""
+"""Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
+
+The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
 STRIP = between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2")
 PRESSURE = order("order-pressure", "order of ‖p − p^h‖_{L²(Γ3)}", STRIP, "pressure")
 OF_CHANCE = replace(PRESSURE, key="order-pressure-random", quantity=f"{PRESSURE.quantity}, random meshes")
@@ -238,7 +238,9 @@ DUAL_ORDERS = {
 }
 """The criteria for the order of the dual norm, on one-diagonal meshes (True) and on all others (False)."""
 RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
-"""The window has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2."""
+"""Window of the order of the contact resultant.
+
+It has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2."""
 SIZE = at_most(0.05, "of the exact resultant, on the finest level")
 TIME = at_most(0.5, "of each error; half as many steps show the error in time")
 NORMS = (

@@ -4,8 +4,8 @@ The error estimate (5.21) has a contact term, which a linear problem does not ha
 It is the root of the *work of contact*, the work of the exact contact force on the interpolation error. The term is of
 order 1 for u ∈ W^{1,1}(0,T;H²), for any trace (``edge_work``); for a fixed u it is even o(h). In the cases of the
 catalogue, which have a few smooth fronts, it is 1e-6 to 1e-3 of the error (0.03 in natural-front, 0.1 in rough-trace).
-That is too small to be observed. Here it is measured for the cases of
-``manufactured.multiscale``, whose contact zones have details of the size of h on every mesh.
+That is too small to be observed. Here it is measured for the cases of ``manufactured.multiscale``, whose contact zones
+have details of the size of h on every mesh.
 
 Three quantities are **measured**. Their integrals are computed on a refined mesh, whose cells are at most a third of
 the depth ℓ over which the contact data are continued into the body:

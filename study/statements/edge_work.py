@@ -9,8 +9,8 @@ R_E = ∫_E σ_ν (Π^h u_ν − u_ν) be the work of contact on E. Since σ_ν 
 
 The sum over edges gives |R| ≤ C_0 h^{2s} Σ_i |σ_ν|_{ϱ,Γ3,i} |u_ν'|_{ϱ,Γ3,i} with ϱ = s − 1/2. **Measured** are
 
-* the quotient |R_E| / bound with ϱ = 1/2 for exact solutions, at several times, on every edge on which neither
-  N nor C is empty;
+* the quotient |R_E| / bound with ϱ = 1/2 for exact solutions, at several times, on every edge on which neither N nor C
+  is empty;
 * the supremum of |∫_E λ Π w| divided by its bound over **all** λ that vanish on N and all piecewise quadratic w that
   vanish on C. The sets N and C belong to the same edges and are resolved by 64 panels. The functional depends on w only
   through its values at both ends, so it has rank two, and the supremum is the root of the largest eigenvalue of a 2 × 2

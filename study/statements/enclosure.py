@@ -341,8 +341,7 @@ class EnclosedError(Bounds):
         return found
 
     def judge_order(self, case: str, family: str, levels: pd.DataFrame, known: bool) -> Verdict:
-        """Return the verdict on the interval that contains the observed order between the coarsest and the finest
-        level.
+        """Return the verdict on the interval that contains the observed order from the coarsest to the finest level.
 
         If the exact solution is unknown, the whole interval must lie in the window of the predicted order; the check
         fails if interval and window have no common point. If the exact solution is known, the interval is only

@@ -58,7 +58,7 @@ from study.statements.shared.scope import REGULAR
 TIMES = (0.23, 0.61, 0.79)
 """Times at which both sides of Green's formula are compared, as fractions of the final time T.
 
-They lie before, between and after all events of the cases, such as the begin of contact. At these times the work of
+They lie before, between and after all events of the cases, such as the beginning of contact. At these times the work of
 contact is 0 or at least 1/300 of the largest term."""
 FINE, COARSE = {2: 16, 3: 8}, 4
 """Degrees of quadrature rules: on whole cells, by dimension, and on halved cells."""

@@ -4,9 +4,9 @@ Here T is the final time and ω = L_G/m_A. Both are varied over two decades, by 
 laws are used: the law of the case (columns "own"), and G = −ωA (columns "even"). ``solution_divergence`` measures the
 distance of two solutions of Problem 5.1 for the same T and ω. Predicted before measuring:
 
-* *No contact, G = −ωA, u = (1/10 + t/T) U with a fixed field U.* Let P_h be the projection onto V^h in (·,·)_V. Here B
-  = −ωI in (4.2), and V^h replaces K^h. Then P_h u − u^h = e^{ωt} (P_h u_0 − Π^h u_0), which is orthogonal to u − P_h u.
-  So at T
+* *No contact, G = −ωA, u = (1/10 + t/T) U with a fixed field U.* Let P_h be the projection onto V^h in (·,·)_V. Here
+  B = −ωI in (4.2), and V^h replaces K^h. Then P_h u − u^h = e^{ωt} (P_h u_0 − Π^h u_0), which is orthogonal to
+  u − P_h u. So at T
 
       ‖u − u^h‖_V² = ‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V².
 

@@ -18,11 +18,11 @@ The right side is a bound that does not contain the exact solution.
 
 **Predicted**: the bound is never below the left side, the norm of both errors together. The bound is η (1 + O(Ω/η)),
 and η tends to the left side, because only the cells at the fronts contribute to ∫ σ^h_ν u^h_ν. For stresses of degree 3
-and smooth f_0, Ω ~ h⁴ while errors are ~ h. If f_0 jumps at a front (m = 2), Ω ~ h^{3/2}, and only bound/errors − 1 ~
-h^{1/2} can be expected. Raising the degree by one halves Ω. With degree 3 the bound exceeds both errors together by at
-most 5 % from n = 16 on. The ratio without Ω and without the contact term may be below 1, so it is reported and not
-judged. For stresses of degree 1, f_0 − P f_0 is orthogonal to constants only. Then there is no such Ω, and only this
-ratio is available.
+and smooth f_0, Ω ~ h⁴ while errors are ~ h. If f_0 jumps at a front (m = 2), Ω ~ h^{3/2}, and at
+best bound/errors − 1 ~ h^{1/2} can be expected. Raising the degree by one halves Ω. With degree 3 the bound exceeds
+both errors together by at most 5 % from n = 16 on. The ratio without Ω and without the contact term may be below 1, so
+it is reported and not judged. For stresses of degree 1, f_0 − P f_0 is orthogonal to constants only. Then there is no
+such Ω, and only this ratio is available.
 
 Sources: W. Prager, J. L. Synge, Approximations in elasticity based on the concept of function space, Quart. Appl. Math.
 5 (1947) 241–269; for contact A. Weiss, B. I. Wohlmuth, A posteriori error estimator and error control for contact

@@ -5,9 +5,9 @@ The paper states for v ∈ V that
     ‖v − Π^h v‖_V = O(h)  for v ∈ H²(Ω)^d,      ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} = O(h²)  for v_ν ∈ H²(Γ3,i).
 
 The orders are measured for v = u(t) at fixed times, and for a smooth field v that vanishes on Γ1. Both orders are sharp
-for piecewise linear functions, so the windows have two ends. (5.24) is printed with h instead of h². The proof of
-Prop. 5.4 takes the root of this error in (5.42), so it needs h². If a gap
-behaves like s_+^α at a front, the trace lies in H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
+for piecewise linear functions, so the windows have two ends. (5.24) is printed with h instead of h². The proof of Prop.
+5.4 takes the root of this error in (5.42), so it needs h². If a gap behaves like s_+^α at a front, the trace lies in
+H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
 """
 
 from __future__ import annotations

@@ -7,10 +7,9 @@ largest quotient is the largest absolute eigenvalue of G with respect to M. The 
 u in the direction d, the next direction is B^h(u + d) − B^h(u), scaled. For a linear G this search is the power method.
 
 **Judged** are three quotients. L_G/m_A need not be the best constant, so the window of the quotient with it has no
-lower end. Pointwise
-|G ε·ε| ≤ κ A ε·ε, where κ is the largest absolute eigenvalue of A⁻¹G (with the derivative of G at zero strain or at
-large strains). So ‖B‖ ≤ κ ≤ L_G/m_A. There is also a lower bound of ‖B‖: a field v = a cos(n k·x) φ that oscillates
-fast inside Ω has strains close to multiples of sym(a ⊗ k), a tensor of rank at most two, so
+lower end. Pointwise |G ε·ε| ≤ κ A ε·ε, where κ is the largest absolute eigenvalue of A⁻¹G (with the derivative of G at
+zero strain or at large strains). So ‖B‖ ≤ κ ≤ L_G/m_A. There is also a lower bound of ‖B‖: a field v = a cos(n k·x) φ
+that oscillates fast inside Ω has strains close to multiples of sym(a ⊗ k), a tensor of rank at most two, so
 
     ‖B‖ ≥ κ_1 = max {|G τ·τ| / (A τ·τ) : τ = sym(a ⊗ k)}.
 

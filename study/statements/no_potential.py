@@ -4,9 +4,9 @@ The last paragraph of the paper leaves error estimates for fully discrete scheme
 estimate for an elasticity G with a convex potential. The theorem tested here assumes only (3.2), that G is Lipschitz.
 With κ = L_G/m_A and steps of any size below 1/κ it says max_t ‖u^h − û^{hk}‖_V ≤ c k, where c does not depend on the
 mesh. Here û^{hk} interpolates the values of backward Euler linearly in time. So by Prop. 5.4 the fully discrete error
-is O(h + k). ``study.solve.euler_bounds`` has two bounds with all constants, one
-from the data and one from the computed solution; paper/time.tex has the proof. The solver factorises the
-symmetric part of G. The skew part is treated by the fixed-point iteration that also serves nonlinear laws.
+is O(h + k). ``study.solve.euler_bounds`` has two bounds with all constants, one from the data and one from the computed
+solution; paper/time.tex has the proof. The solver factorises the symmetric part of G. The skew part is treated by the
+fixed-point iteration that also serves nonlinear laws.
 
 Predicted before measuring, for levels 4, 8, 16, up to 256 steps, and an elasticity with κ = 1.78, γ = 1, T = 1:
 
@@ -19,10 +19,10 @@ Predicted before measuring, for levels 4, 8, 16, up to 256 steps, and an elastic
 * *The constant does not depend on the mesh*: the error with the shortest steps changes by less than ten per cent from
   the coarsest to the finest mesh, because the constant depends only on u^h, which converges.
 * *The constant κT/2 is the best possible*: consider u̇ + Bu = 0 in the plane, where B is κ times the rotation by a
-  right angle. The solution rotates, and the solution of backward Euler becomes shorter. Its error is ‖u_0‖ (1 −
-  e^{−κ²kT/2}) up to higher orders, and the initial velocity has the norm κ‖u_0‖. So for k → 0 the error over the bound
-  from the data is (κT/2)/(κT/2 + 1/√2). For κ = 10, T = 1 and 1000 steps the quotient is 0.876 · 0.975 = 0.855; the
-  window is 0.8 to 1.
+  right angle. The solution rotates, and the solution of backward Euler becomes shorter. Its error is
+  ‖u_0‖ (1 − e^{−κ²kT/2}) up to higher orders, and the initial velocity has the norm κ‖u_0‖. So for k → 0 the error over
+  the bound from the data is (κT/2)/(κT/2 + 1/√2). For κ = 10, T = 1 and 1000 steps the quotient is 0.876 · 0.975 =
+  0.855; the window is 0.8 to 1.
 
 Changes after the first measurement:
 

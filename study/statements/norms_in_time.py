@@ -1,7 +1,6 @@
 """Norms in time that must be finite: of the load, (3.8) and (5.9), and of the traction, (4.12).
 
 The statements are f ∈ W^{1,1}(0,T;V) for the load f, and σν ∈ L^∞(0,T;L²(Γ)) for the traction on the whole boundary.
-
 They are tested by computing the norm on finer and finer grids: a finite norm converges, an infinite norm grows.
 
 **(3.8).** By (5.9) f^h(t) = M⁻¹F(t) is the projection of the load f(t) onto V^h. Its *variation* on a time grid is
@@ -56,7 +55,7 @@ from study.statements.shared.scope import REGULAR
 
 INTERVALS = 512
 COARSER = 16
-"""How many times longer the time intervals are with whose increments the increments of the load are compared."""
+"""Quotient of the lengths of long and short time intervals, over which increments of the load are compared."""
 SETTLES = Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2")
 CONTINUOUS = Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump")
 UNIFORM = around(1, 0.05, "f^h tends to f")

@@ -55,7 +55,7 @@ REASONS = {
     "discrete-time-share": PACE,
     "quadrature": "the formulas vary too much within a cell: flatten them, or {remedy}",
 }
-"""The reasons why checks are undecided that cannot contradict the statement, by the keys of the checks."""
+"""Reasons why a check is undecided, by the key of the check. These checks cannot contradict the statement."""
 UNRESOLVED = "these meshes do not resolve contact: the force on a face is wrong by {wrong:.0%} on the finest: {remedy}"
 FORCE = (
     "the contact force has not converged on these meshes, or it jumps in time, or contact is slightly wrong: {remedy}"
@@ -63,8 +63,9 @@ FORCE = (
 
 
 def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
-    """Return the verdicts on the case of a user: checks that only show an unsuitable case are undecided and do not
-    fail.
+    """Return the verdicts on the case of a user.
+
+    A check that misses its window because the case is not suitable as a test is undecided and does not fail.
 
     Args:
         verdicts: the verdicts that a case of the catalogue would get.
@@ -199,7 +200,7 @@ def finer(levels: Sequence[int], dim: int) -> list[int]:
 
 
 def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
-    """Return the given levels with further, finer levels, so that there are at least ``needed``.
+    """Return the given levels together with finer levels, so that there are at least ``needed`` levels.
 
     In the plane 32 follows 8, 16, and 15 follows 9, 12. In 3D 12 follows 8, because 16 would cost 2⁵ times more.
     """

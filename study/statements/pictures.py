@@ -41,14 +41,14 @@ def picture(case: Case) -> dict[str, Any]:
 
     Returns:
         A dictionary. ``cells`` are the triangles of the mesh, in 3D the triangles of its surface, and ``vertices``
-        their corners.
-        ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed. ``shapes`` are the times at
-        which the deformed mesh is shown.
+        their corners. ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are compressed. ``shapes``
+        are the times at which the deformed mesh is shown.
 
         Each of ``faces`` has gap, pressure and their exact values at the contact vertices. In 2D these are written as
         numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line`` has exact values at evenly spaced
-        points, packed. In 3D all values are packed, ``nodes`` are the indices of the contact vertices in ``vertices``,
-        and ``level_exact`` is ψ at these vertices and at the midpoints between them; the exact zone is {ψ ≥ 0}.
+        points, compressed. In 3D all values are compressed, ``nodes`` are the indices of the contact vertices in
+        ``vertices``, and ``level_exact`` is ψ at these vertices and at the midpoints between them; the exact zone
+        is {ψ ≥ 0}.
 
     Raises:
         MeshError: no mesh of a moderate level fits the body.

@@ -2,17 +2,17 @@
 
 **Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on every mesh family that can mesh
 its body, on finer and finer meshes. A row of ``rates.csv`` is one mesh. It holds the maxima over time of the error
-‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the discrete error ‖Π^h u − u^h‖_V. Diagnostics show
-that other errors are negligible: the error of time steps, the quadrature error, the residual of the contact solver, and
-u^h on Γ1.
+‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the discrete error ‖Π^h u − u^h‖_V. Diagnostics show that
+other errors are negligible: the error of time steps, the quadrature error, the residual of the contact solver, and u^h
+on Γ1.
 
 The proposition is about the semi-discrete solution u^h. Two discrete solutions are computed, with time steps k and k/2.
 The finer one is used as u^h, and its error is measured at all its time nodes. The *time share*
 max_n ‖u^h_k − u^h_{k/2}‖_V / error, over the common time nodes, is an upper bound of the contribution of the time
 discretisation.
 
-**Judged.** Orders must be 1 from both sides, because (5.37) is sharp for piecewise linear functions. The size
-of the error is judged by three relations; the first one shares no code with the computation of the errors:
+**Judged.** Orders must be 1 from both sides, because (5.37) is sharp for piecewise linear functions. The size of the
+error is judged by three relations; the first one shares no code with the computation of the errors:
 
 * ‖u − Π^h u‖_V agrees with its leading term, which is computed from second derivatives of u (``from_rates``, (5.23));
 * (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ = 1 within 10 %. If u^h were the best approximation of u in V^h,
@@ -370,9 +370,10 @@ DISCRETE_ORDERS = {
     True: order("discrete-order-superclose", f"{DISCRETE}, superclose", SUPERCLOSE, "discrete_error", ENOUGH),
     False: order("discrete-order-others", f"{DISCRETE}, other families", OTHERS, "discrete_error", ENOUGH),
 }
-"""Criteria for the order of the discrete error on one-diagonal meshes (True) and on others. On one-diagonal meshes
-neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because of the traction
-boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
+"""Criteria for the order of the discrete error on one-diagonal meshes (True) and on others (False).
+
+On one-diagonal meshes neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because
+of the traction boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
 SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
 TIME = positive_at_most(0.3, "of the discrete error")
 DISCRETE_SIZES = (
@@ -403,9 +404,9 @@ AFTER_START = Criterion(
 class StartShare:
     """The criterion that the largest error occurs after t = 0.
 
-    At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. It may still be
-    correct, if the interpolation error ‖u − Π^h u‖_V itself is nearly largest at t = 0: at least EXPECTED_AT_START
-    times its maximum. Then the result is reported and not judged; otherwise the check fails.
+    At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. The solver may be
+    correct nevertheless, if the interpolation error ‖u − Π^h u‖_V itself is nearly largest at t = 0: at least
+    EXPECTED_AT_START times its maximum. Then the result is reported and not judged; otherwise the check fails.
     """
 
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:

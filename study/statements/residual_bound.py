@@ -10,11 +10,10 @@ bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q. **Measured and
   ``advance-recede`` the quotient is only 0.009, because nearly all of the load bends the body away from the foundation.
   So the window has no lower end. ``double-well`` has a G(·, 0) that is not zero.
 * *A body at rest with a stress.* G is replaced by G(x, ε) − G(x, 0) + A ε(z) with z = −M⁻¹Nᵀμ and random μ > 0. There
-  is no load and no initial displacement. Then
-  u^h ≡ 0 solves Problem 5.1 if R(s; v) = (A ε(z), ε(v))_Q ≥ 0 on K^h, that is, if −R lies in the cone {Nᵀλ : λ ≥ 0}.
-  R is not zero, but the printed bound is zero for every c, so it is wrong. With the term of G(·, 0) the bound holds:
-  the quotient of ‖R‖ = ‖z‖_V and ‖A ε(z)‖_Q/√m_A is at most 1. It is at least √(m_A/‖A‖), because
-  ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
+  is no load and no initial displacement. Then u^h ≡ 0 solves Problem 5.1 if R(s; v) = (A ε(z), ε(v))_Q ≥ 0 on K^h, that
+  is, if −R lies in the cone {Nᵀλ : λ ≥ 0}. R is not zero, but the printed bound is zero for every c, so it is wrong.
+  With the term of G(·, 0) the bound holds: the quotient of ‖R‖ = ‖z‖_V and ‖A ε(z)‖_Q/√m_A is at most 1. It is at least
+  √(m_A/‖A‖), because ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
 """
 
 from __future__ import annotations
@@ -89,8 +88,7 @@ def at_rest(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> dict[str, 
     """Return the measured numbers for a body at rest with the stress G(·, 0) = A ε(z).
 
     Returns:
-        "rest": how far u^h ≡ 0 is from a solution. "prestress": ‖R‖ / its upper bound. "attained": ‖R‖ / its lower
-        bound.
+        "rest": how far u^h ≡ 0 is from a solution; "prestress": ‖R‖ / upper bound; "attained": ‖R‖ / lower bound.
     """
     stress = prestress(space, problem, law)
     R = space.functional(stress)

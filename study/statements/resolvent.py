@@ -1,8 +1,8 @@
 """(4.4), (4.5), (5.6): the operator ∂ψ_K + B + (L_G/m_A) I is maximal monotone, so Theorem 2.2 applies to it.
 
 Here ψ_K is the indicator function of K, and B the elasticity operator of (4.2). The test is made on the P1 space V^h,
-with L = L_G/m_A. The term L I is needed only if G is not monotone. Therefore each law of the
-catalogue is used with G and with −G, which satisfies (3.2) as well.
+with L = L_G/m_A. The term L I is needed only if G is not monotone. Therefore each law of the catalogue is used with G
+and with −G, which satisfies (3.2) as well.
 
 * *Monotone.* For pairs of points (u, g) and (u', g') of the graph of ∂ψ_K
 
@@ -116,11 +116,11 @@ def random_functions(space: Space, rng: np.random.Generator) -> Iterator[Array]:
 
 
 def monotonicity(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, float]:
-    """Return how far two operators violate monotonicity, over random pairs of points (u, g), (u', g') of the graph of
-    ∂ψ_K.
+    """Return how far two operators violate monotonicity, over random pairs of points of their graphs.
 
-    For ∂ψ_K alone it is the largest −(g − g', u − u')_V, relative to the norms. For ∂ψ_K ± B it is the largest
-    −(g − g' ± Bu ∓ Bu', u − u')_V / (L ‖u − u'‖_V²).
+    The pairs (u, g) and (u', g') are points of the graph of ∂ψ_K. For ∂ψ_K alone the violation is the largest
+    −(g − g', u − u')_V, relative to the norms. For ∂ψ_K ± B it is the largest −(g − g' ± Bu ∓ Bu', u − u')_V / (L ‖u −
+    u'‖_V²).
     """
     rng, normal, used = np.random.default_rng(SEED), [], []
     points = zip(random_functions(space, rng), random_functions(space, rng), strict=True)

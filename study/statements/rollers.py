@@ -188,8 +188,8 @@ class Trajectories:
     """Normal displacements at the contact vertices over time, with contact (y) and without contact (y_lin).
 
     Both are computed by the midpoint rule. Without contact the exact pressure p is a given traction. This solution has
-    λ = π, so that u^h_lin = P_hu + e^{−t}(Π^h u_0 − P_hu_0). Contact adds the displacement z = M⁻¹Nᵀc with c = S(y −
-    y_lin), and
+    λ = π, so that u^h_lin = P_hu + e^{−t}(Π^h u_0 − P_hu_0). Contact adds the displacement z = M⁻¹Nᵀc with
+    c = S(y − y_lin), and
 
         ‖u^h − u^h_lin‖_V² = cᵀ N z = (y − y_lin)ᵀ S (y − y_lin).
 
@@ -238,7 +238,7 @@ class Trajectories:
     def displacement(self, n: int) -> Array:
         """Return the discrete displacement at the n-th time node, (dofs,).
 
-        It is u^h(t_n) = P_hu(t_n) + ((1 − k/2)/(1 + k/2))^n (Π^h u_0 − P_hu_0) + M⁻¹Nᵀc, with c as above.
+        It is u^h(t_n) = P_hu(t_n) + ((1 − k/2)/(1 + k/2))^n (Π^h u_0 − P_hu_0) + M⁻¹Nᵀc, where c = S(y − y_lin).
         """
         on = self.on
         left = ((1 - self.k / 2) / (1 + self.k / 2)) ** n * (on.start - on.projected(0.0))
@@ -247,7 +247,7 @@ class Trajectories:
 
 
 def sides(found: Trajectories) -> dict[str, float]:
-    """Return the error, its bound, and the terms of the bound, named as in the module docstring."""
+    """Return the error, its bound, and the terms E_h, M_h, J_h of the bound, which the module docstring defines."""
     on, at, space, T = found.on, found.on.at, found.on.at.space, found.on.at.space.body.T
     times = {n: n * found.k for n in range(0, found.steps + 1, max(1, found.steps // SAMPLED_PARTS))}
     samples = {n: at.v_norm.sample(time) for n, time in times.items()}
@@ -405,7 +405,7 @@ def rules_of(kind: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
 
 
 class Rollers(ListedNumbers):
-    """Measures the excess ‖u^h − u^h_lin‖_V over the linear problem, the error and its bound, for rollers of width 2h."""
+    """Measures the excess over the linear problem, the error and its bound, for rollers of width 2h."""
 
     label = "beyond: rollers"
     claim = (
@@ -413,8 +413,8 @@ class Rollers(ListedNumbers):
         "contact adds to the linear problem has the order 1/2"
     )
     outside_catalogue = True
-    # The quick study leaves rollers out, because the orders only show on fine meshes. The case ROLLER-n has the width 2h
-    # on level n.
+    # The quick study leaves rollers out, because the orders only show on fine meshes. In the case ROLLER-n the roller
+    # has the width 2h on level n.
     full = tuple(
         Setting(f"{kind}-{n}", family, n)
         for kind, families, levels in (

@@ -137,7 +137,7 @@ def projected(problem: SemiDiscrete, u: Array) -> Array:
 
 
 def separating(space: Space, A: AtPoints, v: Array) -> Tensors:
-    """Return the stress A ε(v) on the cells, which separates penetrating displacements from K^h."""
+    """Return the stress A ε(v) of a displacement on the cells, the form of both stresses τ̃ and σ̃ of the proof."""
     return A(space.strain(v))
 
 

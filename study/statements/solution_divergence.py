@@ -140,8 +140,8 @@ def softest_mode(space: Space, law: KelvinVoigt) -> tuple[float, Array, Array]:
     The law is linearised at zero strain.
 
     Returns:
-        The rate of growth c; the displacement v, (dofs,); and the contact force that enforces Nv = 0, (m,). In {Nv =
-        0}, v is the eigenvector of G'(0) with respect to M with the smallest eigenvalue, −c.
+        The rate of growth c; the displacement v, (dofs,); and the contact force that enforces Nv = 0, (m,). Among the
+        displacements with Nv = 0, v is the eigenvector of G'(0) with respect to M with the smallest eigenvalue, −c.
     """
     slope = derivative(law.G.at(space.mesh.p[:, :1]), np.zeros((size(space.dim), 1)))[0]
     M, G, N = form(space, law.A).toarray(), space.form(slope).toarray(), space.N.toarray()

@@ -7,10 +7,10 @@ largest differences between both solutions over time.
 
 **The tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
 method stops with a duality gap g_j. Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are
-at most g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.interior_point``). Let ω =
-max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so a step is Lipschitz in ε_{j−1} with q = 1/(1 − kω)
-in the norm of A, which is the norm of V, and A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n} g_j^{1/2}
-for monotone G,
+at most g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.interior_point``). Let
+ω = max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so a step is Lipschitz in ε_{j−1} with q = 1/(1 −
+kω) in the norm of A, which is the norm of V, and A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n}
+g_j^{1/2} for monotone G,
 
     ‖u_n(3.2) − u_n(3.1)‖_V ≤ (q k)^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
 
@@ -27,10 +27,9 @@ Problem 3.2 is unchanged. The gap must show the whole mistake:
 
 If Problem 3.2 took its solution from Problem 3.1, the ratio would be 0. It would also be 0 if the gap compared a
 solution with itself. A flipped normal changes the solution wherever there is a gap or a pressure, so the ratio is never
-0/0. A ratio
-of 1 shows that the comparison is sensitive. It does not show how stresses are computed: a Problem 3.2 that solves its
-own copy of Problem 3.1 has a ratio of 1, too. ``tests/controls/test_controls.py`` computes stresses in a process
-without a displacement solver.
+0/0. A ratio of 1 shows that the comparison is sensitive. It does not show how stresses are computed: a Problem 3.2 that
+solves its own copy of Problem 3.1 has a ratio of 1, too. ``tests/controls/test_controls.py`` computes stresses in a
+process without a displacement solver.
 
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """
@@ -308,7 +307,9 @@ class Derived(StressProblem):
 
 
 def independence(sides: Sides, steps: int) -> dict[str, float]:
-    """Return which fraction of a mistake in Problem 3.1 the comparison with Problem 3.2 shows: 1 for all of it.
+    """Return which fraction of a deliberate mistake in Problem 3.1 the comparison with Problem 3.2 shows.
+
+    The fraction is 1 if the comparison shows the full size of the mistake.
 
     The mistake is that Problem 3.1 alone has flipped normals. The fraction is the difference between Problem 3.2 and
     the wrong Problem 3.1, divided by the change of the solution of Problem 3.1. The function ``gaps`` measures both, so

@@ -274,8 +274,7 @@ class Exact:
 
 
 class Primal:
-    """Iterates over displacements and stresses of the displacement problem (5.1), for comparison with discrete
-    stresses.
+    """Iterates over the solution of the displacement problem (5.1), with which discrete stresses are compared.
 
     Mesh and time steps are the same as in the stress problem.
     """
@@ -300,7 +299,7 @@ class Primal:
 
 
 def measure(experiment: StressExperiment) -> dict[str, float]:
-    """Solve the stress problem and the displacement problem together, and return measured columns of ``stresses.csv``."""
+    """Solve the stress and the displacement problem together, and return the measured columns of ``stresses.csv``."""
     space, exact = experiment.space, Exact(experiment.solution, experiment.space)
     clamped = sum(len(edges) for _, edges in space.on(Kind.CLAMPED))
     primal = Primal(experiment.solution, space, experiment.steps)
@@ -348,7 +347,7 @@ def measure(experiment: StressExperiment) -> dict[str, float]:
 def inadmissible(space: StressSpace, state: DualState) -> float:
     """Return how far a discrete stress is from admissible: its largest violation divided by its largest traction.
 
-    Violated may be the traction conditions (2.4) and (2.5), and the continuity of tractions between cells.
+    The conditions are the tractions (2.4) and (2.5) and the continuity of tractions between cells.
     """
     tractions = state.stress.tractions
     total = np.zeros((len(space.lengths), *tractions.shape[2:]))
@@ -514,9 +513,7 @@ class OwnSpace(Statement):
         return estimates.stress(setting.level)
 
     def steps(self, setting: Setting) -> int:
-        """Return the number of time steps, with k ~ h.
-
-        A case with a larger pace has more steps.
+        """Return the number of time steps, with k ~ h and the factor that the case states as its pace.
         """
         case = resolve(setting.case)
         return stress_steps(case.solution.body.T, setting.level, case.pace)

@@ -18,7 +18,7 @@ SMALLEST, LARGEST = 1e-9, 1e-4
 The largest eigenvalues lie in clusters, so their eigenvectors converge slowly. A loose tolerance suffices for them,
 because the error of a Rayleigh quotient is about the square of the error of the eigenvector."""
 LANCZOS = 40
-"""Number of Lanczos vectors."""
+"""Number of Lanczos vectors with which the largest eigenvalue is computed."""
 
 
 def unloaded(space: Space, law: KelvinVoigt) -> SemiDiscrete:

@@ -21,11 +21,11 @@ from __future__ import annotations
 MIB, KIB = 2.0**20, 2.0**10
 BASE = 384 * MIB
 PER_UNKNOWN = {2: 16 * KIB, 3: 64 * KIB}
-"""Bytes for each unknown, by the dimension of the body."""
+"""Memory in bytes for each unknown, by the dimension of the body."""
 TEXT = {2: 1 * KIB, 3: 3 * KIB}
 """Bytes needed to write the values of one unknown at one time as text, by the dimension of the body."""
 SMALL, SOLID = 736 * MIB, 2304 * MIB
-"""Bytes for statements whose meshes have a fixed size, in the plane and in space."""
+"""Memory in bytes for statements whose meshes have a fixed size, in the plane and in space."""
 STRESSES = 18
 """Number of unknown stresses in each square of a plane mesh; a square has two cells."""
 
@@ -41,7 +41,7 @@ def unknowns(dim: int, n: int, family: str) -> int:
 
 
 def displacement(dim: int, n: int, family: str) -> float:
-    """Return the bytes for solving the displacement problem (Problem 5.1) on the mesh of level n.
+    """Return the memory in bytes for solving the displacement problem (Problem 5.1) on the mesh of level n.
 
     The stress problem (Problem 3.2) on the strains of P1 displacements needs as many.
     """
@@ -49,17 +49,17 @@ def displacement(dim: int, n: int, family: str) -> float:
 
 
 def statement(dim: int, n: int) -> float:
-    """Return the bytes for a statement that is measured on meshes of its own choice, here of level n."""
+    """Return the memory in bytes for a statement that is measured on meshes of its own choice, here of level n."""
     return max(SMALL, displacement(dim, n, "shaken")) if dim == 2 else SOLID
 
 
 def stress(n: int) -> float:
-    """Return the bytes for solving the stress problem (Problem 3.2) in a conforming stress space at level n."""
+    """Return the memory in bytes for solving the stress problem (3.2) in a conforming stress space at level n."""
     return BASE + PER_UNKNOWN[2] * STRESSES * n**2
 
 
 def bound(n: int, refinements: int, family: str) -> float:
-    """Return the bytes for an error bound of a displacement on the mesh of level n.
+    """Return the memory in bytes for an error bound of a displacement on the mesh of level n.
 
     There are 80 unknowns in each square of this mesh, and 32 in each square of a refined mesh.
     """
@@ -68,10 +68,10 @@ def bound(n: int, refinements: int, family: str) -> float:
 
 
 def adapted(cells: int) -> float:
-    """Return the bytes for an error bound on an adapted mesh with the given number of cells, without a refined mesh."""
+    """Return the memory in bytes for an error bound on an adapted mesh with the given number of cells."""
     return BASE + PER_UNKNOWN[2] * STRESSES * cells
 
 
 def task(dim: int, n: int, family: str, steps: int) -> float:
-    """Return the bytes for writing a task, a contact problem for other codes, with the given number of time steps."""
+    """Return the memory in bytes for writing a task: a contact problem with time steps, for other codes."""
     return displacement(dim, n, family) + TEXT[dim] * unknowns(dim, n, family) * steps

@@ -57,7 +57,7 @@ IRREGULAR = "graded", "unstructured", "shaken"
 EVERY = ()
 """An empty preference, with which the function ``place`` uses all mesh families that can mesh the body."""
 COARSEST = 16
-"""A level: the ends of all boundary parts in the catalogue are vertices of some grid with a lower level."""
+"""Upper bound of the levels that are searched for a grid with the ends of all boundary parts among its vertices."""
 
 
 def named(*names: str) -> list[Case]:
@@ -145,7 +145,7 @@ def split_irregular(groups: Groups) -> tuple[Groups, Groups]:
 
 
 def in_leading_term(groups: Groups) -> Groups:
-    """Return measurements by mesh family with a better measure of resolution than h on irregular meshes.
+    """Return measurements by mesh family, with another measure of mesh size than h on irregular meshes.
 
     On shaken and unstructured meshes, the leading term of the interpolation error replaces the values in the column h.
     """

@@ -148,7 +148,7 @@ class Scope:
             self.families_of(case)
             levels, T = self.levels_of(case).on_regular, case.solution.body.T
             require_steps(self.steps(case, max(levels)))
-            try:  # Because the problem of a long time step may have no or several solutions if the law softens.
+            try:  # Long steps are refused: if the law softens, their problem may have no or several solutions.
                 scheme.require_unique(T / self.steps(case, min(levels)), case.solution.law.growth)
             except StepsError as error:
                 raise UsageError(f"{case.name}: {error}") from error

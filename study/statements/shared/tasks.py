@@ -49,7 +49,7 @@ n = 2^j."""
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """The frozen problems and the trajectory of one case on one mesh.
+    """Contact problems with a known solution on one mesh: static ("frozen") problems, and one problem in time.
 
     Attributes:
         case, family, level: the case, and the mesh family and the level of the mesh.
