@@ -57,7 +57,7 @@ IN_K = around(1, 0.1, "least squares over six halvings, every mesh")
 
 LAST = COUNTS[-1]
 INTERPOLATION = "error of linear interpolation of u^h in t / (k/4 · oscillation of u̇^h in a step)"
-ALL_TIMES = "midpoint rule, all t: ‖u^h − û^{hk}‖ / (its maximum at the time nodes + k/2 (‖u̇^h(0+)‖_V + Var f))"
+ALL_TIMES = "midpoint rule, all t: ‖u^h − û^{hk}‖ / (its largest at nodes + k/2 (‖u̇^h(0+)‖_V + Var f))"
 CHANGE = f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error"
 
 

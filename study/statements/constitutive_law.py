@@ -134,9 +134,7 @@ class ElasticityOperator(OfLaws):
     claim = "|G(x, a) − G(x, b)| ≤ L_G |a − b|, G(·, 0) ∈ Q"
     rules = (
         largest("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", SHARP, "quotient"),
-        largest(
-            "monotonicity", "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G, G monotone with m", MONOTONE, "monotonicity"
-        ),
+        largest("monotonicity", "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
         largest("at-zero", "|G(x, 0) − S| / L_G, S the stated stress of the law at rest", ZERO, "at zero"),
     )
 
@@ -174,7 +172,7 @@ class Projection(OfLaws):
     claim = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
     rules = (
         largest("expansion", "|P_K a − P_K b| / |a − b|", BOUND, "expansion"),
-        largest("membership", "|P P_K a| / r, at most 1 if P_K a ∈ K", BOUND, "membership"),
+        largest("membership", "P_K a ∈ K: |P P_K a| / r", BOUND, "membership"),
         largest("nearest", "(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K", ZERO, "nearest"),
         largest("identity", "|P_K k − k| / |k|, k ∈ K", ZERO, "identity"),
     )

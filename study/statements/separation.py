@@ -70,7 +70,7 @@ class Separation(ListedNumbers):
             CONE,
             "stresses",
         ),
-        every("refuted", "(4.25)–(4.27): smallest (τ − σ, ε(u))_Q / half of (τ̃, ε(u))_Q", HALFWAY, "refuted"),
+        every("refuted", "(4.25)–(4.27): least (τ − σ, ε(u))_Q / half of (τ̃, ε(u))_Q", HALFWAY, "refuted"),
     )
 
     def places(self, full: bool) -> list[Setting]:

@@ -84,12 +84,7 @@ class SolutionDivergence(ListedNumbers):
         "faster than e^{ωt}, ω = L_G/m_A"
     )
     rules = (
-        every(
-            "rate",
-            "rate of growth / rate c of the softest mode under contact, all ω and T",
-            SEEN,
-            *columns("own", "rate"),
-        ),
+        every("rate", "rate of growth / c, softest mode under contact, all ω and T", SEEN, *columns("own", "rate")),
         every("rate-even", "rate of growth / ω for G = −ωA, all ω and T", SEEN, *columns("even", "rate")),
         largest(
             "bound", "‖u − v‖_V / its bound, for other loads and initial displacements", NEVER, *columns("own", "bound")
