@@ -155,9 +155,10 @@ def violation(trace: NormalTrace, v: Array) -> float:
 
 
 def over_time(trace: NormalTrace, solution: ExactSolution) -> dict[str, float]:
-    """Return two violations for the exact solution, each the largest over many times and relative to |u|.
+    """Return how far the exact solution u violates the contact constraint and the clamping, over many times.
 
-    They are the penetration of the interpolant Π^h u(t), and |u(t)| on the clamped boundary Γ1.
+    Measured are the penetration of the interpolant Π^h u(t) on Γ3, and |u(t)| on the clamped boundary Γ1, both relative
+    to the largest |u|.
     """
     space, fields = trace.space, solution.at(trace.space.mesh.p)
     fixed = np.unique(np.concatenate([space.vertices(part) for part in space.body.of(Kind.CLAMPED)]))

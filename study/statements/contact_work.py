@@ -175,9 +175,9 @@ class TotalWork:
             self.pieces.append((face, place, np.concatenate([np.zeros((2, 1, TIME_NODES)), sums], axis=1)))
 
     def __call__(self, vertices: Sequence[Array]) -> Array:
-        """Return the work of contact, (...), for given vertices.
+        """Return the work of the pressure p on the interpolated gap Π^h w, (...), for given vertices.
 
-        On the edge that begins at s_i, p Π^h w = p w(s_i) + p (s − s_i) w' with the derivative w' of Π^h w.
+        On the edge that begins at s_i, p Π^h w = p w(s_i) + p (s − s_i) w', where w' is the derivative of Π^h w.
 
         Args:
             vertices: the increasing coordinates of the vertices on each contact face, (..., vertices).

@@ -45,7 +45,7 @@ from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
 EQUAL = 2 / (2 + math.pi**2)
-"""The value of |N|/h, the fraction of an edge with a gap, at which both expressions in β are equal."""
+"""The fraction |N|/h of an edge with a gap at which both expressions for the constant β of the bound are equal."""
 C_0 = math.sqrt((2 + math.pi**2) / (8 * math.pi**2))
 TIMES = 0.23, 0.5, 0.81
 """Times at which edges are examined, as fractions of the final time T."""

@@ -102,7 +102,7 @@ QUICK = (
 )
 """Triples (case, mesh family, scheme) for the quick study. Linear laws and the nonlinear law (3.3) occur."""
 ROTATION = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
-"""The order in which mesh families are assigned to the schemes of a case in the full study, cyclically."""
+"""Mesh families that are assigned in turn to the time schemes of a case in the full study."""
 ROTATION_STARTS = {
     "rotated": "shaken",
     "natural-front": "criss-cross",
@@ -111,7 +111,7 @@ ROTATION_STARTS = {
     "softening": "criss-cross",
     "double-well": "shaken",
 }
-"""The mesh family with which the rotation starts, for cases that do not start with the first family that they name."""
+"""Mesh families of the first time scheme, for some cases. Other cases start with the first family that they name."""
 CHECKED, CHECKED_LEVEL = "advance-recede", 32
 """The case and the level for which the documentation promises a tight enclosure."""
 
@@ -250,7 +250,11 @@ class Bounds(Statement):
         return [setting for setting in found if setting.trajectory == self.label]
 
     def measure(self, setting: BoundSetting) -> dict[str, Any]:
-        """Return a row of ``bounds.csv`` under the key "row", and columns of ``enclosures.csv`` under "times"."""
+        """Compute a displacement and bounds of its error on one mesh.
+
+        Returns:
+            The row of ``bounds.csv`` under the key "row", and columns of ``enclosures.csv`` under the key "times".
+        """
         problem, family = resolve_problem(setting.case), family_named(setting.family)
         scheme = choose("scheme", setting.scheme, SCHEMES)
         row, found = measure(problem, family, setting.level, scheme, self.steps(setting), setting.by)

@@ -132,7 +132,7 @@ def predicted(case: Case) -> dict[str, float]:
 
 
 def exponent(bound: str) -> str:
-    """Return the name of the column with the predicted exponent γ: bound / error grows like h^{−γ}."""
+    """Return the name of the column with the exponent γ of a bound: bound / error is predicted to grow like h^{−γ}."""
     return f"γ of {bound}"
 
 

@@ -144,9 +144,12 @@ def fitted_orders(h: Array, e: Array, d: Array) -> dict[str, Measured | None]:
     (C, q, s), _ = fit(lambda x: (x[0] + x[1] * last_k + x[2] * log_h - last_d).ravel(), start)
 
     def sum_of_powers(power: float) -> tuple[list[Measured], float]:
-        """Return the parameters log C_h, p, log C_k, q fitted to e for the exponent r = power, and the misfit.
+        """Fit e^r = (C_h h^p)^r + (C_k k^q)^r with r = power to the total error e.
 
-        The fit of d gives the start values.
+        Start values are taken from the fit of the error in time.
+
+        Returns:
+            The parameters log C_h, p, log C_k, q, and the root mean square of the residuals.
         """
 
         def residuals(x: Array) -> Array:

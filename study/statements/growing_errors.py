@@ -51,7 +51,7 @@ from study.statements.solution_divergence import SWEEP, column, columns, even_la
 FEWEST = 64
 """Smallest number of steps of the midpoint rule; for large ωT more steps are used."""
 COUNTS, FINEST = (8, 32), 256
-"""Numbers of steps of backward Euler, and of the midpoint rule whose solution is used as the exact u^h."""
+"""Numbers of steps of backward Euler, and of the midpoint rule whose solution is used as the semi-discrete u^h."""
 LONGEST = tuple((omega, T) for omega, T in SWEEP if omega * T == max(a * b for a, b in SWEEP))
 """The pairs (ω, T) with the largest e^{ωT}."""
 KNOWN = around(1, 5e-3, "the midpoint rule changes the quotient by at most 3.3e-3")

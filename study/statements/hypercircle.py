@@ -64,9 +64,12 @@ NEAR = around(1, 0.05, "for n ≥ 16")
 
 
 def plain(degree: int) -> Observation:
-    """Return the criterion for ‖σ^h − Cε(u^h)‖ / both errors, with stresses of a polynomial degree.
+    """Return the criterion for the distance ‖σ^h − Cε(u^h)‖, divided by the norm of both errors together.
 
-    The result is reported and not judged, because without further terms the numerator is no bound of the errors.
+    It is reported and not judged, because the distance alone, without further terms, is no bound of the errors.
+
+    Args:
+        degree: the polynomial degree of the stress σ^h.
     """
     quantity = f"‖σ^h − Cε(u^h)‖ / both errors together, stresses of degree {degree}"
     ratio = every(f"plain-{degree}", quantity, NEAR, f"plain_{degree}")
@@ -74,9 +77,9 @@ def plain(degree: int) -> Observation:
 
 
 class Hypercircle(ListedNumbers):
-    """Measures the guaranteed bound of both errors divided by these errors, for linear laws with constant tensors.
+    """Measures the guaranteed bound of the errors of u^h and σ^h, divided by the norm of both errors together.
 
-    The main part of the bound, ‖σ^h − Cε(u^h)‖, is measured as well.
+    The main part of the bound, ‖σ^h − Cε(u^h)‖, is measured as well. Laws are linear with constant tensors.
     """
 
     label = "Prager–Synge"
@@ -115,13 +118,13 @@ def frozen(solution: ExactSolution) -> ExactSolution:
 
 
 class Pair:
-    """A displacement u^h and a stress σ^h on one mesh, with their errors and the bound of both errors.
+    """A displacement u^h and a stress σ^h on one mesh, with the norm of both errors together and its bound.
 
     Attributes:
         error: both errors together, (‖u − u^h‖²_C + ‖σ − σ^h‖²_{C⁻¹})^½.
         distance: the distance of both stresses, ‖σ^h − Cε(u^h)‖_{C⁻¹}.
         oscillation: the bound Ω of the effect of projecting the loads; NaN for stresses of degree 1.
-        bound: the bound Ω + (Ω² + η²)^½ of the error.
+        bound: the bound Ω + (Ω² + η²)^½ of ``error``.
     """
 
     def __init__(self, solution: ExactSolution, space: StressSpace, displacements: Space, u: Array) -> None:

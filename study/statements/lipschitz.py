@@ -48,17 +48,22 @@ PAIRS, CLIMBS = 10, 30
 LARGE = 1e6
 """A size of strains beyond the yield point of every law."""
 DIRECTIONS = 4000
-"""Number of random tensors sym(a ⊗ k) from which κ_1 is computed."""
+"""Number of random tensors sym(a ⊗ k) over which the lower bound κ_1 of the norm of B is maximised."""
 POINTWISE = at_most(1 + 1e-5, low=-math.inf)
-"""Window of (largest quotient) / κ. It exceeds 1 a little, because κ is computed from sample points and strains."""
-NOT_VACUOUS = at_least(0.97, "on the finest level")
-"""Window of (largest quotient) / κ_1 on the finest level.
+"""Window of (largest Lipschitz quotient of B^h) / (its pointwise upper bound κ).
 
-At n = 16, P1 functions resolve fields that oscillate over a few cells up to three per cent."""
+It ends a little above 1, because κ is computed from sample points and strains."""
+NOT_VACUOUS = at_least(0.97, "on the finest level")
+"""Window of (largest Lipschitz quotient of B^h) / (the lower bound κ_1 of the norm of B) on the finest level.
+
+It begins at 0.97, because P1 functions at n = 16 resolve oscillating fields up to three per cent."""
 
 
 class Lipschitz(ListedNumbers):
-    """Measures the largest quotients ‖B^h u − B^h v‖_V / ‖u − v‖_V, for each pair of a material law and a body."""
+    """Measures the Lipschitz constant of the discrete elasticity operator B^h, for pairs of a material law and a body.
+
+    It is the largest quotient ‖B^h u − B^h v‖_V / ‖u − v‖_V that is found.
+    """
 
     label = "(4.3), (5.5)"
     claim = "‖B u − B v‖_V ≤ L_G/m_A ‖u − v‖_V, on V^h with the same constant"
@@ -106,14 +111,15 @@ class Operator:
         self.problem, self.riesz = problem, Cholesky(problem.M)
 
     def compare(self, base: Array, step: Array) -> tuple[float, float, Array]:
-        """Compare the values of B at u and u + d.
+        """Compare the values of the elasticity operator B^h at u and at u + d.
 
         Args:
             base: u, (dofs,).
             step: d, (dofs,).
 
         Returns:
-            ‖B(u + d) − B(u)‖_V / ‖d‖_V; (B(u + d) − B(u), d)_V / ‖d‖_V²; and B(u + d) − B(u), (dofs,).
+            The Lipschitz quotient ‖c‖_V / ‖d‖_V, the monotonicity quotient (c, d)_V / ‖d‖_V², and the change
+            c = B^h(u + d) − B^h(u), (dofs,).
         """
         change = self.problem.elastic(base + step) - self.problem.elastic(base)
         image, square = self.riesz(change), step @ (self.problem.M @ step)
@@ -121,7 +127,7 @@ class Operator:
 
 
 def quotients(space: Space, operator: Operator) -> Iterator[tuple[float, float]]:
-    """Yield Lipschitz and monotonicity quotients of B^h.
+    """Yield Lipschitz and monotonicity quotients of the discrete elasticity operator B^h.
 
     They come from random pairs of functions and from an iterative search for large quotients.
     """
@@ -145,7 +151,7 @@ def quotients(space: Space, operator: Operator) -> Iterator[tuple[float, float]]
 
 
 def pointwise(space: Space, law: KelvinVoigt) -> tuple[float, float]:
-    """Return the pointwise upper bound κ and the lower bound κ_1 of the norm of B.
+    """Return the upper bound κ and the lower bound κ_1 of the norm of the elasticity operator B.
 
     Both are computed from the law at the vertices and cell centres of a mesh; the module docstring defines them.
     """

@@ -93,7 +93,7 @@ def partition(kind: str, count: int) -> Array:
 
 
 class NoPotential(ListedNumbers):
-    """Measures errors of backward Euler, also divided by both bounds, for an elasticity without a potential."""
+    """Measures errors of backward Euler, and their quotients with two bounds, for an elasticity without a potential."""
 
     label = "beyond: O(h + k), no potential"
     effort = 150
@@ -151,7 +151,9 @@ class NoPotential(ListedNumbers):
 
 
 def errors_and_shares(problem: SemiDiscrete, kappa: float, growth: float) -> dict[str, float]:
-    """Return errors in time and errors divided by both bounds, for all numbers of equal and of alternating steps.
+    """Return the errors of backward Euler in time, and these errors divided by each of two bounds.
+
+    They are measured for time grids with equal and with alternating steps, and for several numbers of steps.
 
     Args:
         problem: the semi-discrete problem.

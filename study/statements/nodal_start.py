@@ -39,7 +39,7 @@ from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import space_of
 
 FIRST = 3
-"""The smallest level j of the spikes. From it on their radius 4^{−j} is small compared with their distance 2^{−j}."""
+"""The smallest level j of the spikes: the radius 4^{−j} is small compared with the distance 2^{−j} for j ≥ 3."""
 DIRECTION = np.array([0.0, 1.0])
 """The direction e_2 of the initial displacement."""
 PREDICTED = around(1, 0.05, "spikes of u_0 interpolate to hat functions of known norm")
@@ -81,13 +81,14 @@ class NodalStart(ListedNumbers):
 
 
 def spikes(x: Points, last: int) -> Array:
-    """Return the sum v of all spikes at vertices of a grid, (...).
+    """Return the values at the vertices of a grid of the function v, a sum of spikes, (...).
 
-    The grid has 2^i cells along a side. Spikes with j > i vanish at its vertices.
+    The module docstring defines v. Spikes of levels j > last vanish at all vertices, because their radius is
+    smaller than the distance of their centres from the vertices.
 
     Args:
         x: the vertices, (2, ...).
-        last: i.
+        last: the level of the grid, which has 2^last cells along a side.
     """
     total = np.zeros(x.shape[1:])
     for j in range(FIRST, last + 1):

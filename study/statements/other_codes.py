@@ -148,7 +148,7 @@ class OtherCodes(ListedNumbers):
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.
 
-        A solution in time has as many time steps as there are cells along a side.
+        For a solution in time it is higher, because the code solves as many time steps as there are cells along a side.
         """
         return super().cost(setting) * (setting.level if setting in MARCHED else 1)
 

@@ -47,8 +47,8 @@ def picture(case: Case) -> dict[str, Any]:
         Each of ``faces`` has gap, pressure and their exact values at the contact vertices. In 2D these are written as
         numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line`` has exact values at evenly spaced
         points, compressed. In 3D all values are compressed, ``nodes`` are the indices of the contact vertices in
-        ``vertices``, and ``level_exact`` is ψ at these vertices and at the midpoints between them; the exact zone
-        is {ψ ≥ 0}.
+        ``vertices``, and ``level_exact`` is the level function ψ at these vertices and at the midpoints between them;
+        the exact zone is {ψ ≥ 0}.
 
     Raises:
         MeshError: no mesh of a moderate level fits the body.
@@ -178,7 +178,7 @@ def intervals(s: Array, level: Array) -> list[list[float]]:
 
     Args:
         s: the coordinates of the points, (points,).
-        level: ψ at the points, (points,).
+        level: the values of ψ at the points, (points,).
     """
     inside = level >= 0
     if not inside.any():
@@ -200,7 +200,7 @@ class Pictures(Statement):
     initial_gap = True
 
     def settings(self, scope: Scope) -> list[Setting]:
-        """Return one setting for every case: the mesh of its pictures."""
+        """Return one setting for every case, with the mesh that its pictures show."""
         meshes = [mesh_for(resolve(reference).solution.body) for reference in scope.cases]
         return [Setting(case, family.name, level) for case, (family, level) in zip(scope.cases, meshes, strict=True)]
 

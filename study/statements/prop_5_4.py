@@ -154,7 +154,9 @@ class Rates(Statement):
 
 # Measurement, with few steps where a few suffice, because it takes most of the run time of a study.
 RESPONSE, MORE = 12, 4
-"""Steps for the effect of the quadrature error of the load on u^h: the first number, and the factor of its increase.
+"""Number of time steps with which the effect of the load's quadrature error on u^h is first estimated.
+
+The second number is the factor by which the number of steps is increased.
 
 The quadrature error changes from step to step and averages out over many steps, so a small number of steps
 overestimates its effect."""
@@ -300,7 +302,7 @@ class Measurement:
 # Two numbers of steps, two quadratures or two ways to compute a norm differ at least by rounding, so a time share of
 # exactly 0 means that a solution was compared with itself.
 def over(key: str, quantity: str, window: Window, above: str, below: str) -> Criterion:
-    """Return the criterion for the quotient of the columns ``above`` / ``below`` on the finest level."""
+    """Return the criterion for the quotient of two columns, ``above`` / ``below``, on the finest level."""
 
     def measure(group: pd.DataFrame) -> Measured:
         return exactly(group[above].iloc[-1] / group[below].iloc[-1])
@@ -349,7 +351,7 @@ EVIDENCE = (
 
 # Further criteria, which hold only with the regularity that Proposition 5.4 assumes.
 IRREGULAR = "; on irregular meshes the leading term replaces h"
-"""Text of checks that are orders in h: on irregular meshes the leading term of the interpolation error replaces h."""
+"""Suffix of the texts of checks of orders: irregular meshes need the leading term of the interpolation error, not h."""
 SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
 PAIR = "order of ‖u − Π^h u‖_V, finest pair"
 SOLIDS = (

@@ -96,7 +96,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
 
 
 def differences(plain: PlainProblem, states: Trajectory, trajectory: Trajectory) -> tuple[float, float, float]:
-    """Return the differences between two trajectories.
+    """Return the differences between two trajectories, that is, two discrete solutions at all time nodes.
 
     Returns:
         The difference of the initial values in V, the largest difference of displacements in V, and the difference of

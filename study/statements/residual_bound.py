@@ -88,7 +88,8 @@ def at_rest(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> dict[str, 
     """Return the measured numbers for a body at rest with the stress G(·, 0) = A ε(z).
 
     Returns:
-        "rest": how far u^h ≡ 0 is from a solution; "prestress": ‖R‖ / upper bound; "attained": ‖R‖ / lower bound.
+        "rest": how far u^h ≡ 0 is from a solution. "prestress" and "attained": the norm ‖R‖ of the residual divided by
+        its upper bound, and by its lower bound.
     """
     stress = prestress(space, problem, law)
     R = space.functional(stress)

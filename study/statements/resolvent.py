@@ -59,7 +59,9 @@ from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
 PAIRS, CLIMBS = 8, 20
-"""Number of random pairs for each size of strains, and number of steps in the search for large quotients of J."""
+"""Number of random pairs of functions for each size of strains.
+
+The second number is how many steps the search for large difference quotients of the resolvent makes."""
 SETTLED, MOST = 1e-12, 80
 """Relative distance at which the iteration for the resolvent stops, and its largest number of steps.
 
@@ -74,7 +76,10 @@ SHRINKING = Window(0.6, 1 + ROUNDING, "at least 2/3 of the bound is reached, bec
 
 
 class Resolvent(ListedNumbers):
-    """Tests whether ∂ψ_K + B + (L_G/m_A) I is maximal monotone, for each material law with G and with −G."""
+    """Tests whether the operator of the evolution problem is maximal monotone, up to a multiple of the identity.
+
+    It is ∂ψ_K + B + (L_G/m_A) I, and is tested for each material law, with its elasticity G and with −G.
+    """
 
     label = "(4.4), (4.5), (5.6)"
     claim = "∂ψ_K + B + (L_G/m_A) I is a maximal monotone operator"
@@ -116,11 +121,11 @@ def random_functions(space: Space, rng: np.random.Generator) -> Iterator[Array]:
 
 
 def monotonicity(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, float]:
-    """Return how far two operators violate monotonicity, over random pairs of points of their graphs.
+    """Return how far ∂ψ_K and ∂ψ_K ± B are from monotone, over random pairs of points of their graphs.
 
-    The pairs (u, g) and (u', g') are points of the graph of ∂ψ_K. For ∂ψ_K alone the violation is the largest
-    −(g − g', u − u')_V, relative to the norms. For ∂ψ_K ± B it is the largest −(g − g' ± Bu ∓ Bu', u − u')_V / (L ‖u −
-    u'‖_V²).
+    Let (u, g) and (u', g') be points of the graph of ∂ψ_K. For ∂ψ_K alone the violation is the largest
+    −(g − g', u − u')_V, relative to the norms. For ∂ψ_K ± B it is the largest quotient of
+    −(g − g' ± Bu ∓ Bu', u − u')_V and L ‖u − u'‖_V².
     """
     rng, normal, used = np.random.default_rng(SEED), [], []
     points = zip(random_functions(space, rng), random_functions(space, rng), strict=True)

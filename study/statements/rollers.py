@@ -125,7 +125,7 @@ PLAIN = "one-diagonal", "criss-cross"
 """Mesh families on which the cells around all vertices of Γ3 are arranged alike."""
 ALTERNATING, UNSTRUCTURED = "alternating", "unstructured"
 SEEDS = ("shaken", *(f"shaken-{seed}" for seed in range(1, 8)))
-"""Random mesh families over which means are computed. On the finest level only the first half of them is used."""
+"""Random mesh families over which the measured excess is averaged. The finest level uses the first half of them."""
 LEVELS = 16, 32, 64, 128
 COARSE = LEVELS[:3]
 """Levels without the finest one, to save time.

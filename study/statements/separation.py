@@ -87,7 +87,9 @@ class Separation(ListedNumbers):
 
 
 def refutation(space: Space, problem: SemiDiscrete, A: AtPoints, load: Array) -> dict[str, float]:
-    """Return for each step of the proof its extreme value over all random u ∉ K^h and σ ∈ Σ^h(t).
+    """Return for each step of the proof its extreme value over random u ∉ K^h and random σ ∈ Σ^h(t).
+
+    The module docstring lists the steps and the quotients that are measured.
 
     Args:
         space: the P1 displacement space.

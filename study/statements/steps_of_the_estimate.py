@@ -155,7 +155,7 @@ class Course:
 
 
 def over_time(setup: Experiment) -> dict[str, float]:
-    """Return for each inequality the largest ratio left side / right side over the instants."""
+    """Return for each inequality of the estimate the largest ratio left side / right side over the compared times."""
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
     k, courses, integrals = setup.problem.T / STEPS, [], np.zeros(7)
     for n, (before, state) in enumerate(pairwise(MIDPOINT.march(setup.problem, STEPS)), start=1):

@@ -66,10 +66,10 @@ from study.statements.shared.scope import Scope
 
 
 class Gaps(NamedTuple):
-    """The largest differences between the solutions of Problems 3.1 and 3.2 over all time steps, with their bounds.
+    """Largest differences of the solutions of the displacement problem (3.1) and the stress problem (3.2), with bounds.
 
-    Each is relative to the largest size of its quantity. In ``equivalence.csv`` differences and bounds are rounded
-    (``magnitudes``).
+    They are the largest over all time steps. Each difference and each bound is relative to the largest size of its
+    quantity. In ``equivalence.csv`` differences and bounds are rounded (``magnitudes``).
 
     Attributes:
         displacement_gap: difference of the displacements, ‖u_n(3.2) − u_n(3.1)‖_V / max_n ‖u_n(3.1)‖_V.
@@ -118,8 +118,8 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
     """Solve both problems by backward Euler, and return the largest differences of their solutions over all steps.
 
     Args:
-        displacements: Problem 3.1.
-        stresses: Problem 3.2.
+        displacements: the displacement problem (3.1).
+        stresses: the stress problem (3.2).
         steps: the number of time steps.
 
     Raises:
@@ -167,12 +167,12 @@ LEAST = 1e-9
 
 
 def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
-    """Return differences and their bounds rounded up to powers of ten, because only their size is meaningful.
+    """Return differences of the solutions of both problems, and their bounds, rounded up to powers of ten.
 
-    Both follow from the duality gap at which the interior-point method happens to stop. With tolerances of 0.1 to 2
-    times 1e-15, bounds changed by factors up to 14 and differences by factors up to 100. Rounding up is monotone, so a
-    difference that is at most its bound remains so. A difference above its bound is not rounded, and neither is its
-    bound, so that rounding does not change the verdict.
+    Only their size is meaningful, because they depend on the duality gap at which the interior-point method happens to
+    stop. With tolerances of 0.1 to 2 times 1e-15, bounds changed by factors up to 14 and differences by factors up to
+    100. Rounding up is monotone, so a difference that is at most its bound remains so. A difference above its bound is
+    not rounded, and neither is its bound, so that rounding does not change the verdict.
 
     Args:
         found: the fields of ``Gaps`` by name.
@@ -186,7 +186,7 @@ def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
 
 
 def compare(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str, Any]:
-    """Solve Problems 3.1 and 3.2 for a case on one mesh, and return the row of ``equivalence.csv``."""
+    """Return a row of ``equivalence.csv``: the differences of the solutions of both problems for a case on one mesh."""
     displacements, stresses = problems(case.solution, family, level)
     found = gaps(displacements, stresses, steps)._asdict()
     where = {"case": case.name, "form": "strains of V^h", "level": level, "h": stresses.space.h, "steps": steps}
@@ -202,10 +202,10 @@ SHARP = positive_at_most(
 
 
 class SameMesh(Statement):
-    """Measures the differences between the solutions of Problems 3.1 and 3.2, divided by their bounds.
+    """Measures how far the solutions of the displacement problem (3.1) and of the stress problem (3.2) differ.
 
-    Conditions that the solver of Problem 3.2 does not impose, such as u ∈ K^h, are measured as well. The time scheme is
-    backward Euler with k ~ h/2.
+    Differences are divided by their bounds. Conditions that the solver of the stress problem does not impose, such as u
+    ∈ K^h, are measured as well. The time scheme is backward Euler with k ~ h/2.
     """
 
     label = "Thm 4.2"
@@ -262,9 +262,10 @@ class Sides:
     """The displacement problem (3.1) and the stress problem (3.2) for a test of the sensitivity of their comparison.
 
     Attributes:
-        displacements: Problem 3.1.
-        stresses: the function that returns the Problem 3.2 with which a given Problem 3.1 is compared. The correct
-            Problem 3.2 does not depend on Problem 3.1. A test with a deliberate defect replaces it by one that does.
+        displacements: the displacement problem.
+        stresses: the function that returns the stress problem with which a given displacement problem is compared. The
+            correct stress problem does not depend on the displacement problem. A test with a deliberate defect replaces
+            it by one that does.
     """
 
     displacements: SemiDiscrete
@@ -279,23 +280,23 @@ class Sides:
 
 @dataclass(frozen=True, eq=False)
 class Derived(StressProblem):
-    """A deliberately wrong Problem 3.2: its stresses are computed from the displacements of a Problem 3.1.
+    """A deliberately wrong stress problem (3.2): its stresses are computed from the solution of a displacement problem.
 
     Attributes:
-        displacements: the Problem 3.1.
+        displacements: the displacement problem.
     """
 
     displacements: SemiDiscrete
 
     @classmethod
     def compared(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Derived:
-        """Return the wrong problem that replaces a correct Problem 3.2 and copies a Problem 3.1."""
+        """Return the wrong stress problem for a comparison; the correct stress problem is ignored."""
         return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
 
     def march(self, steps: int) -> Iterator[StressState]:
-        """Yield the solutions of Problem 3.1 by backward Euler as if they were solutions of Problem 3.2.
+        """Yield the solutions of the displacement problem by backward Euler, as if they solved the stress problem.
 
-        They pretend the duality gap of a converged interior-point method.
+        Their duality gap is set to the value of a converged interior-point method.
         """
         k, law, old = self.displacements.T / steps, on_cells(self.space, self.law), self.space.strain(self.u0)
         yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, np.full(self.N.shape[0], np.nan), 0.0)
@@ -307,13 +308,13 @@ class Derived(StressProblem):
 
 
 def independence(sides: Sides, steps: int) -> dict[str, float]:
-    """Return which fraction of a deliberate mistake in Problem 3.1 the comparison with Problem 3.2 shows.
+    """Return how much of a mistake in the displacement problem its comparison with the stress problem shows.
 
-    The fraction is 1 if the comparison shows the full size of the mistake.
+    The result is a fraction. It is 1 if the comparison shows the full size of the mistake.
 
-    The mistake is that Problem 3.1 alone has flipped normals. The fraction is the difference between Problem 3.2 and
-    the wrong Problem 3.1, divided by the change of the solution of Problem 3.1. The function ``gaps`` measures both, so
-    it is noticed if ``gaps`` compares a solution with itself.
+    The mistake is that the displacement problem alone has flipped normals. The fraction is the difference between the
+    solutions of the stress problem and of the wrong displacement problem, divided by the change of the latter by the
+    mistake. The function ``gaps`` measures both, so it is noticed if ``gaps`` compares a solution with itself.
 
     Returns:
         The fractions for displacements in ‖·‖_V, "displacement_shown", and for stresses in ‖·‖_Q, "stress_shown".
@@ -336,7 +337,7 @@ change the solution by a tenth, so this check also notices correct solutions tha
 
 
 class StandsAlone(ListedNumbers):
-    """Tests that the comparison of Problems 3.1 and 3.2 shows the full size of a mistake in Problem 3.1.
+    """Tests that a mistake in the displacement problem shows fully in its comparison with the stress problem.
 
     If the mistake is missing, the ratio is 0/0 and the check fails.
     """

@@ -513,7 +513,6 @@ class OwnSpace(Statement):
         return estimates.stress(setting.level)
 
     def steps(self, setting: Setting) -> int:
-        """Return the number of time steps, with k ~ h and the factor that the case states as its pace.
-        """
+        """Return the number of time steps, with k ~ h and the factor that the case states as its pace."""
         case = resolve(setting.case)
         return stress_steps(case.solution.body.T, setting.level, case.pace)

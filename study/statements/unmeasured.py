@@ -27,7 +27,7 @@ class Listed(Statement):
     lines: Sequence[tuple[str, str, str, str]] = ()
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """Return one reported row for each line; the rows do not depend on measurements."""
+        """Return one row for each entry of ``lines``. The rows are reported only, because nothing is measured."""
         none, nothing = Window(math.nan, math.nan), (math.nan, (math.nan, math.nan), REPORTED)
         return [
             row(self, key, quantity, none, nothing, place, expected=comment)

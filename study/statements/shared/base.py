@@ -161,7 +161,7 @@ class ListedNumbers(Statement):
     """A statement whose measured numbers have one row each in ``statements.csv``.
 
     Attributes:
-        effort: run time of its measurement divided by the run time of a typical measurement at the same level.
+        effort: run time of a measurement of the statement divided by the typical run time at the same level.
     """
 
     file: DataFile = LISTED

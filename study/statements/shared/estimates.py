@@ -49,7 +49,7 @@ def displacement(dim: int, n: int, family: str) -> float:
 
 
 def statement(dim: int, n: int) -> float:
-    """Return the memory in bytes for a statement that is measured on meshes of its own choice, here of level n."""
+    """Return the memory in bytes for measuring a statement on a mesh of level n that the statement itself chooses."""
     return max(SMALL, displacement(dim, n, "shaken")) if dim == 2 else SOLID
 
 
