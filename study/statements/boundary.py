@@ -195,7 +195,7 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
     return on_loaded, on_contact
 
 
-# Smooth fields, here and not in ``study.fem`` because only statements use them.
+# Smooth fields are defined here and not in ``study.fem``, because only statements use them.
 
 
 def planes(body: Body, kind: Kind) -> list[Part]:

@@ -266,13 +266,13 @@ ON_ALL_MESHES = (
 
 
 class WorkOfContact(ListedNumbers):
-    """Measures the root of the work of contact, the error ‖u − u^h‖_V, and the excess ‖u^h − u^h_lin‖_V."""
+    """Measures the square root of the work of contact, the error ‖u − u^h‖_V, and the excess ‖u^h − u^h_lin‖_V."""
 
     label = "beyond: work of contact"
     claim = "‖R(·; Π^h u − u)‖^{1/2} = O(h) with contact at every scale, u_ν not bounded in H²(Γ3)"
     outside_catalogue = True
     effort = 5
-    # The quick study leaves this out, because the claimed orders begin at n = 32, which takes long.
+    # The quick study leaves this statement out, because the claimed orders begin at n = 32, which takes long.
     full = (
         *grid(("trains", "breathing-trains"), (GRID, "shaken"), (16, 32, 64, 128)),
         *grid(("trains",), ("unstructured",), (16, 32, 64, 128)),

@@ -82,9 +82,9 @@ class EdgeWork(ListedNumbers):
     )
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
-        """Return the settings of a study; all of them if it has the whole catalogue.
+        """Return the settings of a study.
 
-        The cases with wave trains are not in the catalogue, so they are measured only in such a study.
+        Cases with wave trains are not in the catalogue. They are included if the study has the whole catalogue.
         """
         return self.places(scope.full) if scope.whole else super().settings(scope)
 

@@ -78,7 +78,7 @@ class BoundSetting(Setting):
 
     Attributes:
         scheme: the name of the time scheme that computes u_h.
-        by: how ũ is computed, the displacement from which the bounds follow.
+        by: how the displacement ũ is computed, from which the bounds follow.
     """
 
     scheme: str

@@ -65,7 +65,7 @@ class FullyDiscrete(ListedNumbers):
     label = "beyond: fully discrete"
     effort = 30
     claim = "the fully discrete error is of order p in h and q in k, which the paper leaves open"
-    # The quick study leaves this out, because nothing is judged and every mesh needs a solution with 1024 steps.
+    # The quick study leaves this statement out: nothing is judged, and every mesh needs a solution with 1024 steps.
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
 
     def measure(self, setting: Setting) -> dict[str, float]:

@@ -197,7 +197,7 @@ def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
     if tau >= 2.5:
         in_h = consecutive(key, f"{quantity}, level by level", claimed, column)
     elif tau > 2:
-        # Two refinements together, because the error in the cell of the front depends on where the front cuts it.
+        # Two refinements are judged together: the error in the cell of the front depends on where the front cuts it.
         in_h = between_levels(key, f"{quantity}, over two refinements", claimed, column, 2, ENOUGH)
     else:
         in_h = order(key, f"{quantity}, fitted", around(tau, 0.3), column)

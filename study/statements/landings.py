@@ -117,9 +117,9 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
 
 
 def rules() -> Iterator[Rule]:
-    """Yield the criteria.
+    """Yield the criteria for a problem with two unknowns, and for linear finite elements.
 
-    Errors for the problem with two unknowns are judged; orders for linear finite elements are reported.
+    Errors for the problem with two unknowns are judged. Orders for finite elements are only reported.
     """
     for scheme in (BACKWARD_EULER, MIDPOINT):
         quantity = f"{scheme.name}: error / k for a problem with two unknowns"

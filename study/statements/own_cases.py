@@ -202,7 +202,8 @@ def finer(levels: Sequence[int], dim: int) -> list[int]:
 def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
     """Return the given levels together with finer levels, so that there are at least ``needed`` levels.
 
-    In the plane 32 follows 8, 16, and 15 follows 9, 12. In 3D 12 follows 8, because 16 would cost 2⁵ times more.
+    In the plane 32 is appended to 8, 16, and 15 to 9, 12. In 3D 12 is appended to 8, because 16 would cost 2⁵ times
+    more.
     """
     found = list(levels)
     while len(found) < needed:

@@ -117,7 +117,7 @@ def ratio(column: str, norm: str, window: Window) -> Criterion:
 
     Args:
         column: the column with the error, which is also the key of the check.
-        norm: the error in formulas.
+        norm: the formula of the error.
         window: the tolerance window.
     """
     reported = f"{column}{REPORTED}"

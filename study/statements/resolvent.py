@@ -166,7 +166,10 @@ class Inverse:
         self._project = Signorini(problem.M, problem.N)
 
     def __call__(self, w: Array) -> Array:
-        """Return Jw, which is the fixed point of u ↦ P(w − λBu), where P is the projection onto K^h."""
+        """Return Jw, the resolvent applied to w.
+
+        It is the fixed point of u ↦ P(w − λBu), where P is the projection onto K^h.
+        """
         problem, scale, given = self.problem, self.scale, self.problem.M @ w
         return fixed_point(
             lambda u: self._project(given - scale * problem.elastic(u))[0],

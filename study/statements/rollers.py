@@ -187,9 +187,8 @@ class OnContact:
 class Trajectories:
     """Normal displacements at the contact vertices over time, with contact (y) and without contact (y_lin).
 
-    Both are computed by the midpoint rule. Without contact the exact pressure p is a given traction. This solution has
-    λ = π, so that u^h_lin = P_hu + e^{−t}(Π^h u_0 − P_hu_0). Contact adds the displacement z = M⁻¹Nᵀc with
-    c = S(y − y_lin), and
+    Both are computed by the midpoint rule. Without contact, the forces λ are the forces π of the exact pressure p, so
+    that u^h_lin = P_hu + e^{−t}(Π^h u_0 − P_hu_0). Contact adds the displacement z = M⁻¹Nᵀc with c = S(y − y_lin), and
 
         ‖u^h − u^h_lin‖_V² = cᵀ N z = (y − y_lin)ᵀ S (y − y_lin).
 
@@ -332,7 +331,7 @@ def excess_order(key: str, where: str, window: Window) -> Criterion:
 
 
 def change_by_half_steps(group: pd.DataFrame) -> Measured | None:
-    """Return the relative change of the excess with half the time step.
+    """Return the relative change of the excess ‖u^h − u^h_lin‖_V when the time step is halved.
 
     The result is None if no level was measured with half the time step.
     """
@@ -405,7 +404,7 @@ def rules_of(kind: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
 
 
 class Rollers(ListedNumbers):
-    """Measures the excess over the linear problem, the error and its bound, for rollers of width 2h."""
+    """Measures the error, its bound, and the distance to the solution of the linear problem, for moving rollers."""
 
     label = "beyond: rollers"
     claim = (

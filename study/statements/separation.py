@@ -47,7 +47,7 @@ from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
 COUNT = 12
-"""Number of random displacements u that violate many constraints, and number that violate exactly one."""
+"""Number of random displacements that violate many constraints, and of random displacements that violate just one."""
 INSTANT = 0.61
 """Time at which the load and the admissible stresses are taken, as a fraction of the final time T."""
 CONE = positive_at_most(1e-10, "0 up to rounding")

@@ -64,7 +64,7 @@ NODES = 12
 MEMBERS = 2
 """Number of random admissible displacements v^h ∈ K^h for which (5.12) is tested at each time."""
 STEPS = 96
-"""Number of steps of the midpoint rule, along which the other inequalities are tested."""
+"""Number of steps of the midpoint rule. The inequalities after (5.12) are tested along its solution."""
 INSTANTS = (3, 6, 12, 24, 48, 72, 96)
 """The time steps at whose ends both sides of the inequalities are compared, by their numbers."""
 POINTS = 2
@@ -171,7 +171,7 @@ def over_time(setup: Experiment) -> dict[str, float]:
 
 
 def course(energies: Energies, state: State, integrals: Array) -> Course:
-    """Return the terms of the inequalities at a time node.
+    """Return the terms of the inequalities of the estimate at a time node.
 
     Args:
         energies: computes inner products.

@@ -290,7 +290,7 @@ class Derived(StressProblem):
 
     @classmethod
     def compared(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Derived:
-        """Return the wrong stress problem for a comparison; the correct stress problem is ignored."""
+        """Return the wrong stress problem: the data of a correct one, and the solution of a displacement problem."""
         return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
 
     def march(self, steps: int) -> Iterator[StressState]:

@@ -380,10 +380,11 @@ IN_CELLS = ("stress", "strain", "primal_stress")
 The other errors are sums over as many cells as there are along a line: the pressure error is a sum over the edges on
 Γ3, and multiplier errors are largest along a moving front."""
 CHANCE = 0.3
-"""Additional tolerance on random meshes for errors that come from cells along a line: three standard deviations.
+"""Additional tolerance on random meshes for orders of errors that come from cells along a line.
 
-In a pilot study on shaken meshes with n = 8, 16, 32, which judged nothing, the standard deviation was 0.03 to 0.19.
-Orders of sums over all cells scattered by 0.03 and need no additional tolerance."""
+It is three standard deviations. In a pilot study on shaken meshes with n = 8, 16, 32, which judged nothing, the
+standard deviation was 0.03 to 0.19. Orders of sums over all cells scattered by 0.03 and need no additional
+tolerance."""
 TIME = positive_at_most(0.5, "with the order 3/2 in k, time steps then contribute at most 0.27 of the error")
 BY_CHANCE = "the maximum depends on the position of a front within its cell, which is accidental on every level"
 ADMISSIBLE = "pointwise violation of: σ^hν continuous, equal to P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3"
