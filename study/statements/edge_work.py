@@ -164,9 +164,10 @@ def supremum(touching: Array, rho: float) -> float:
     """Return the supremum of the work of contact on an edge over all pressures λ and gaps w, divided by its bound.
 
     On the interval (0, 1) this is sup |∫ λ Π w| / (|λ|_ϱ |w'|_ϱ) divided by β. λ and w' are piecewise linear on the
-    panels, with λ = 0 on the panels of N and w' = 0 on the panels of C. The result is 0 if λ or w' must vanish. The
-    values of w at both ends follow from w' on the panels of N there, because w = 0 on the next panel of C. Between
-    panels of C, w' is not forced to have the integral 0, so the result is then only an upper bound of the supremum.
+    panels, with λ = 0 on the part N with a gap and w' = 0 on the part C in contact. The result is 0 if λ or w' must
+    vanish. The values of w at both ends follow from w' on the panels of N there, because w = 0 on the next panel of C.
+    Between panels of C, w' is not forced to have the integral 0, so the result is then only an upper bound of the
+    supremum.
 
     Args:
         touching: whether there is contact at the points of ``FIRST``, (points,).

@@ -161,7 +161,7 @@ def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
         yield from by_midpoint("bracket", "graded", (4, 8, 16), Refined(1, 2))
 
 
-# Measurement. A problem replaces the case here, because problems with unknown solutions are measured as well.
+# Measurements are made for problems and not for cases, because problems with unknown solutions are measured as well.
 @dataclass(frozen=True)
 class ResolvedProblem:
     """The problem that a computed displacement approximates, with a known or an unknown exact solution.

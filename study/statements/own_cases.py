@@ -124,7 +124,7 @@ def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
         last = [group["error"].dropna().to_numpy()[-2:] for group in groups.values()]
         return f"errors fall on the finest meshes only: {remedy}" if all(e[-1] < e[0] for e in last) else ""
     if key == "limit":
-        # Two refinements together, because single orders alternate with the position of the front in its cell.
+        # Orders over two refinements, because single orders alternate with the position of the front in its cell.
         over_two = [orders[1:] + orders[:-1] for orders in orders_of(groups, "error")]
         slower = any(len(found) < 2 or found[-1] < found[0] for found in over_two)
         return "" if slower else f"errors fall more slowly than h^s, and do not slow down: {remedy}"

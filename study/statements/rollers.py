@@ -340,7 +340,10 @@ def change_by_half_steps(group: pd.DataFrame) -> Measured | None:
 
 
 def growth_of_seminorm(group: pd.DataFrame) -> Measured:
-    """Return the increments of |q|²_{1/2} whenever the width ℓ of the roller is halved; the last one is displayed."""
+    """Return how much the squared seminorm |q|²_{1/2} of the normal strain q grows when a roller is halved in width.
+
+    The growth from every level to the next must lie in the window; the last one is displayed.
+    """
     found = np.diff(group["|q|²"].to_numpy())
     return among(found[-1], found)
 

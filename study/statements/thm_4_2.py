@@ -68,8 +68,8 @@ from study.statements.shared.scope import Scope
 class Gaps(NamedTuple):
     """Largest differences of the solutions of the displacement problem (3.1) and the stress problem (3.2), with bounds.
 
-    They are the largest over all time steps. Each difference and each bound is relative to the largest size of its
-    quantity. In ``equivalence.csv`` differences and bounds are rounded (``magnitudes``).
+    Differences are the largest over all time steps. Each difference and each bound is relative to the largest size of
+    its quantity. In ``equivalence.csv`` differences and bounds are rounded (``magnitudes``).
 
     Attributes:
         displacement_gap: difference of the displacements, ‖u_n(3.2) − u_n(3.1)‖_V / max_n ‖u_n(3.1)‖_V.
