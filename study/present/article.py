@@ -13,7 +13,15 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.chance import PROMISE
-from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_kinds, count_verdicts
+from study.ledger.datafiles import (
+    DataError,
+    alarm_summary,
+    by_claim,
+    count_caught,
+    count_kinds,
+    count_verdicts,
+    planned_keys,
+)
 from study.ledger.numbered import NO_ROW, NOT_TESTED
 from study.ledger.text import above, below, down, up
 from study.ledger.verdict import (
@@ -155,7 +163,7 @@ def _plan(data: FullRun) -> Named:
         yield name, data.rates.loc[data.rates["claim"] == claim, "case"].nunique()
     yield "casesSolid", (data.cases["dimension"] == 3).sum()
     yield "sweepRows", len(data.rates)
-    yield "planned", len(data.provenance["planned"])
+    yield "planned", len(planned_keys(data.provenance))
     yield "levelCoarsest", plane["level"].min()
     yield "levelFinest", plane["level"].max()
     yield "levelSolid", solid["level"].max()
