@@ -115,6 +115,6 @@ def _limit(stage: Stage, cells: int) -> str:
     if need > room:
         return (
             f"the next mesh has {stage.cells} cells, which need about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} "
-            "GiB are available: raise the tolerance, or take a machine with more"
+            "GiB are available: raise the tolerance, or take a machine with more memory"
         )
     return ""

@@ -53,7 +53,7 @@ def do_check(options: argparse.Namespace) -> int:
         compared = compare_sums(options.out) | compare_record(options.out) | as_written(options.out, found)
     compared |= {options.out / "data" / "cases.csv"}
     inside = len([path for path in compared if options.out in path.parents])
-    print(folded(f"{verified}; {len(found)} verdicts and {inside} files agree with what would be written now"))
+    print(folded(f"{verified}; {len(found)} verdicts and {inside} files agree with the texts that this version writes"))
     in_part, unchecked = not_compared(options.out, compared)
     for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
         if paths:

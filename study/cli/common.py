@@ -64,9 +64,9 @@ def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
     if file is None or code == FAILED:
         return code
     found = {verdict.identity for verdict in verdicts if verdict.verdict == UNDECIDED}
-    for text, rows in (("undecided but not listed", found - known), ("listed but not undecided", known - found)):
+    for text, rows in (("undecided but not listed", found - known), ("not undecided but listed", known - found)):
         for row in sorted(rows):
-            print(f"{text} in {file}: {', '.join(filter(None, row))}", file=sys.stderr)
+            print(f"this check is {text} in {file}: {', '.join(filter(None, row))}", file=sys.stderr)
     return OK if verdicts and found == known else UNCLEAR
 
 

@@ -59,7 +59,7 @@ def do_displacement(options: argparse.Namespace) -> int:
     if isinstance(data, Static):
         print("no figure: the figure shows the bounds over time, and a static problem has no time")
     elif not table["level"].is_unique:
-        print("no figure: two files have meshes of the same size")
+        print("no figure: the figure shows one mesh of each size, and two files have meshes of the same size")
     for path, u_h in read:
         print(folded(f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]

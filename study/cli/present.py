@@ -63,4 +63,4 @@ def check_output(output: Output) -> None:
     with in_style(output):
         latex = rcParams["pgf.texsystem"]
     if "pgf" in output.suffixes and not shutil.which(latex):
-        raise UsageError(f"--format pgf measures its texts with {latex}, which is not installed")
+        raise UsageError(f"--format pgf needs {latex}, which is not installed: install LaTeX, or choose another format")

@@ -37,7 +37,7 @@ def _rates(options: argparse.Namespace) -> int:
     judging = {name: getattr(options, name) for name in ("expected", "at_least", "junit", "markdown", "plot")}
     given = [f"--{name.replace('_', '-')}" for name, value in judging.items() if value is not None]
     if options.values and given:
-        raise OrderError(f"--values has no errors to judge: leave out {', '.join(given)}")
+        raise OrderError(f"with --values the columns have no expected order: leave out {', '.join(given)}")
     columns = tuple(options.columns.split(",")) if options.columns else ()
     reading = Options(options.dim, options.size, options.ratio, columns, signed=options.values)
     try:

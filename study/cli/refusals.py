@@ -29,7 +29,7 @@ KILLED = (
     "fewer --jobs; finished results are kept"
 )
 
-OUT_OF_MEMORY = "there is not enough memory for this: take coarser levels, fewer --jobs, or a machine with more"
+OUT_OF_MEMORY = "there is not enough memory for this: take coarser levels, fewer --jobs, or a machine with more memory"
 
 
 def exit_code_and_message(error: Exception) -> tuple[int, str]:

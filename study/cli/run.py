@@ -70,7 +70,7 @@ def do_run(options: argparse.Namespace) -> int:
     if tested:
         print(contact_test_text(store.directory))
     if any(TRY in verdict.expected for verdict in verdicts):
-        print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}\n")
+        print(f"command for finer meshes: {on_finer_meshes(options, scope, store.directory)}\n")
     print(ledger_text(read_claims(store.directory), orders_text(store.directory)))
     return code_of(verdicts, options.undecided)
 

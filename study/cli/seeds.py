@@ -62,7 +62,7 @@ def do_seeds(options: argparse.Namespace) -> int:
     check_jobs(options.jobs)
     if options.minutes < 0:
         raise UsageError(
-            f"--minutes must be 0, to make the table again from the record, or more, got {options.minutes:g}"
+            f"--minutes must be 0 or more (0 makes the table again from the record), got {options.minutes:g}"
         )
     if options.seed is not None and options.seed < 0:
         raise UsageError(f"--seed must be 0 or more, got {options.seed}")
@@ -80,7 +80,7 @@ def do_seeds(options: argparse.Namespace) -> int:
             _fill(options.out, pool, time.monotonic() + 60 * options.minutes, most)
     record = Record.read(options.out)
     if not any(draw.judged >= 0 for draw in record.draws):
-        print("no seed was finished; run the same command again to finish the one that was begun")
+        print("no seed was finished; run the same command again to finish the seed that was begun")
         return UNCLEAR
     table = tally(record)
     written = write_seeds(options.out, table)
@@ -144,7 +144,7 @@ def _again(seed: int, directory: Path, pool: Pool) -> int:
     print(
         "\n".join([f"{row.label}, {row.key}, {row.case}: {row.observed:.6g}, expected {row.expected}" for row in red])
     )
-    print(f"{len(rows)} checks; {len(red)} of the claimed ones do not hold")
+    print(f"{len(rows)} checks; {len(red)} of those that a statement claims do not hold")
     if any(draw.seed == seed for draw in record.draws):
         same, other = record.agreement(seed, rows, known)
         print(f"the record has this seed: {same} results are the same, {other} differ")

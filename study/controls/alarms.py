@@ -162,14 +162,13 @@ def text(table: pd.DataFrame) -> str:
     ]
     return "\n".join(
         [
-            tabulate(lines, ["checks", "", "seeds", "alarms", "rate, 95 %", "from tails"], "simple"),
+            tabulate(lines, ["checks", "", "seeds", "false alarms", "rate (95 %)", "rate by model"], "simple"),
             "",
             tabulate(weak, ["check", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
             "",
-            f"{len(newer(table))} checks have a rule newer than the first seed;",
-            "only later seeds count for them",
-            f"at most {PROMISE:.0%} of fresh seeds may raise an alarm: {verdict(table)} by the count",
-            f"alone ({seeds_needed()} seeds without an alarm are enough; the tails judge nothing)",
+            f"{len(newer(table))} checks were changed after the first seed; only later seeds count for them",
+            f"at most {PROMISE:.0%} of new seeds may cause a false alarm: {verdict(table)}",
+            f"(judged by the count alone: {seeds_needed()} seeds without a false alarm are enough)",
         ]
     )
 

@@ -230,7 +230,7 @@ def controls_text(findings: Sequence[Outcome]) -> str:
             "",
             f"{len(baselines)} settings without a defect: in {sum(f.passes for f in baselines)} every check holds",
             f"{len(controls)} defects: {sum(f.passes for f in controls)} noticed",
-            *(f"NOT IN ORDER: {f.setting}, {f.defect}: {f.other_faults}" for f in findings if f.other_faults),
+            *(f"ERROR in the controls: {f.setting}, {f.defect}: {f.other_faults}" for f in findings if f.other_faults),
         ]
     )
 

@@ -31,7 +31,7 @@ WHOLE, LIGHT = "whole", "light"
 """The parts of the plan: all measurements, or only the cheap ones."""
 EVERY = 5
 """All measurements are made on every fifth seed, so that cheap and costly ones take about the same time together."""
-NOT_CLAIMED = {"(5.24)": "orders of a trace hang on few edges of random length"}
+NOT_CLAIMED = {"(5.24)": "orders of a trace depend on few edges of random length"}
 """Label of a statement about which nothing is claimed on shaken meshes ↦ the reason."""
 TRACES = ("no-contact", "advance-recede")
 """Cases whose traces on the contact boundary are interpolated."""

@@ -135,5 +135,5 @@ def sensitivity_text(table: pd.DataFrame) -> str:
     order = list(dict.fromkeys(zip(table["case"], table["defect"], strict=True)))
     lines = [[*key, *wide.loc[key, list(FAMILIES)]] for key in order]
     # The headings are passed as a row, because tabulate would widen columns with headings to more than 80 characters.
-    head = ["case", "wrong by %", *FAMILIES]
+    head = ["case", "defect, in %", *FAMILIES]
     return tabulate([head, *lines], tablefmt="plain", disable_numparse=True, maxcolwidths=[None, 14])

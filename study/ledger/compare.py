@@ -200,7 +200,7 @@ def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
         lost = [mine.loc[mine.index.difference(other.index, sort=False)] for mine, other in ((old, new), (new, old))]
         names = pd.concat([pd.Series(rows.index, _rows(rows, loose)) for rows in lost], axis=1, join="inner")
         new = new.rename(index=dict(zip(names[1], names[0], strict=True)))
-        found = [_words("rows renamed, found by their numbers", names[0], counts=False)]
+        found = [_words("rows with other names but the same numbers", names[0], counts=False)]
     both = old.index.intersection(new.index, sort=False)
     for side, mine in (("OLD", old), ("NEW", new)):
         found.append(_words(f"rows only in {side}", mine.index.difference(both, sort=False)))

@@ -118,7 +118,7 @@ class Criterion:
             verdict = inside if self.window.contains(*values) else FAILS
             judged = self.window.worst(values), (low, high), verdict
         fewest = min(map(len, groups.values()), default=0)
-        short = f"{BECAUSE}it takes {self.levels} levels, not {fewest}" if fewest < self.levels else ""
+        short = f"{BECAUSE}the check needs {self.levels} levels, and has {fewest}" if fewest < self.levels else ""
         return row(of, self.key, self.quantity, self.window, judged, case, family, f"{self.window.text}{short}")
 
 

@@ -131,7 +131,7 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
     except ValueError as error:
         raise DataError(f"{path} is not a table ({error}): {again}") from error
     if not content.endswith(b"\n"):
-        raise DataError(f"{path} is truncated, its last line has no end: {again}")
+        raise DataError(f"{path} is truncated, because its last line is incomplete: {again}")
     if lacking := [column for column in columns if column not in frame]:
         raise DataError(f"{path} lacks the columns {', '.join(lacking)}: {again}")
     return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT], ""))
@@ -326,7 +326,7 @@ def alarm_summary(seeds: pd.DataFrame) -> AlarmSummary:
     """Return the summary of all claimed checks in ``seeds.csv``; raises DataError if the table has no such rows."""
     together = seeds[seeds["label"] == ALL_ROWS].set_index("key")
     if not {"every", "light"} <= set(together.index):
-        raise DataError("seeds.csv has no lines about all claimed rows: make it again with `study seeds`")
+        raise DataError("seeds.csv lacks the rows about all claimed checks: make it again with `study seeds`")
     every, light = together.loc["every"], together.loc["light"]
     low, high, by_tail = (float(every[name]) for name in ("rate_low", "rate_high", "rate_tail"))
     rows = int((seeds["claimed"] == "yes").sum()) - len(together)

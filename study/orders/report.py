@@ -83,7 +83,7 @@ def _finite(value: Any) -> Any:
 
 def as_markdown(judged: Judged) -> str:
     """Return a Markdown table with the verdict of each column, for example for the summary of a CI job."""
-    rows = ["| column | verdict | what the errors do |", "|---|---|---|"]
+    rows = ["| column | verdict | behaviour of the errors |", "|---|---|---|"]
     for result in (result for _, results in judged for result in results):
         words = result.conclusion.removeprefix(f"{result.verdict}: ")
         cells = (result.name, result.verdict or "–", words)

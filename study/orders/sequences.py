@@ -50,7 +50,7 @@ class Expectation:
 
     def __post_init__(self) -> None:
         if self.expected is not None and self.at_least is not None:
-            raise OrderError("give an expected order or a least one, not both")
+            raise OrderError("give an expected order or a lower limit of the order, not both")
         for what, value in (("expected order", self.expected), ("least order", self.at_least)):
             if value is not None and not (math.isfinite(value) and value > 0):
                 raise OrderError(f"the {what} must be positive, got {value:g}")
@@ -254,9 +254,9 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         return Diagnosis(0, n, "exactly zero", "the error is exactly zero on all meshes: nothing to judge", SKIPPED)
     if (e == 0).any():
         stop = int(np.argmax(e == 0))
-        words = f"exactly zero from h = {h[stop]:.5g} on"
+        words = f"is exactly zero from h = {h[stop]:.5g} on"
         if e[stop:].any():
-            words = f"exactly zero for h = {h[stop]:.5g}, but not on all finer meshes (is this value right?)"
+            words = f"is exactly zero for h = {h[stop]:.5g}, but not on all finer meshes (is this value right?)"
         return _above(h, e, stop, 0.0, "exactly zero", words, expectation)
     orders = consecutive_orders(h, e)
     if n < 3:
@@ -276,12 +276,12 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
         return None
     floor, start = float(np.median(e[stall:])), f"from h = {h[stall]:.5g} on"
     if floor <= ROUND_OFF * max(1.0, e[0]) and stall > 0:
-        return _above(h, e, stall, floor, "round-off", f"round-off of about {floor:.2g} {start}", expectation)
+        return _above(h, e, stall, floor, "round-off", f"is round-off of about {floor:.2g} {start}", expectation)
     if e[-1] > 2 * e[stall] or (e[-1] >= 1.01 * e[0] and (stall == n - 1 or orders[-1] < -STALLED)):
         words = f"the error grows as h decreases: orders {_text(orders)}; it does not converge"
         return Diagnosis(0, n, "grows", words, FAILS)
     equal = ", errors are equal" if (np.diff(e[stall:]) == 0).any() else ""
-    reason = "a floor, another error dominates"
+    reason = "another error dominates (a floor)"
     if stall == 0:
         values = "values of a quantity (--values), not errors?"
         reason = f"are these orders or {values}" if 0.3 < floor < 20 else f"{reason}; or are these {values}"
@@ -321,13 +321,11 @@ def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, 
     stop = int(low[0]) if low.size else stall
     if stop < 4:
         if kind in ("round-off", "exactly zero"):
-            return Diagnosis(
-                0, stop, kind, f"{words}; fewer than three orders above it: take coarser meshes", UNDECIDED
-            )
+            return Diagnosis(0, stop, kind, f"{words}; fewer than three orders before: add coarser meshes", UNDECIDED)
         return Diagnosis(0, len(e), "stagnates" if kind == "floor" else kind, words, FAILS)
     first, verdict = _judge(h[:stop], e[:stop], expectation)
     orders = consecutive_orders(h[:stop], e[:stop])[first:]
-    return Diagnosis(first, stop, kind, f"{words}; above it orders {_text(orders)}", verdict)
+    return Diagnosis(first, stop, kind, f"{words}; on coarser meshes the orders are {_text(orders)}", verdict)
 
 
 def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
@@ -386,7 +384,7 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         sentence += f"; the errors for h = {h[equal[-1]]:.5g} and {h[equal[-1] + 1]:.5g} are equal (one mesh twice?)"
     if verdict == HIGHER:
         kind = "higher than expected"
-        sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or the wrong error? {sentence}"
+        sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or another error? {sentence}"
     return Diagnosis(first, len(e), kind, sentence, verdict)
 
 

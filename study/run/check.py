@@ -57,7 +57,8 @@ class Verified:
         rest = f"; not compared, because their files no longer exist: {', '.join(self.gone)}" if self.gone else ""
         return (
             f"{self.rows} rows in {self.files} files belong to the {self.planned} planned measurements; "
-            f"{self.relations} relations hold in all of them; predictions of {self.cases} cases{rest}"
+            f"{self.relations} relations hold in all of them; the predictions of {self.cases} cases agree with the "
+            f"definitions of the cases{rest}"
         )
 
 
