@@ -10,7 +10,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from itertools import groupby
 from pathlib import Path
 from xml.sax.saxutils import escape
@@ -55,8 +55,8 @@ from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, c
 
 TABLES, FIGURES, PAGES = "study tables --out {}", "study figures --out {}", "make pages"
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
-FILM, FILM_DPI = "hexagon", 75
-"""The case that the animation at the top of the README shows, and the dots per inch of the animation."""
+FILM, FILM_DPI, FILM_COLOURS = "hexagon", 66, 32
+"""The case that the animation at the top of the README shows, its dots per inch, and the number of its colours."""
 ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling", "limit", "order", "order-graded")
 """Keys of the checks that test the order of Proposition 5.4 and the convergence of Proposition 5.3 directly."""
 MISPRINTS = "slips"
@@ -73,9 +73,11 @@ def main() -> None:
     data = FullRun.read(directory)
     if data is None:
         raise DataError(f"{directory} has no full run: `make full`, `make controls` and `make seeds` make it")
-    film, picture = directory / "figures" / f"{FILM}.gif", picture_path(directory, FILM)
+    picture = with_every_shape(read_record(picture_path(directory, FILM)))
+    # Every second time is enough, and keeps the file below 120 kB.
+    picture = replace(picture, shapes=picture.shapes[::2])
     with in_style():
-        write_gif(film, with_every_shape(read_record(picture)), lambda: None, FILM_DPI)
+        write_gif(directory / "figures" / f"{FILM}.gif", picture, lambda: None, FILM_DPI, FILM_COLOURS)
     write_badges(directory / "badges", data, Path("pyproject.toml"))
     for page in pages:
         print(f"{page}: {'changed' if refresh(page, data) else 'up to date'}")

@@ -96,7 +96,9 @@ def draw_storyboard(picture: Picture) -> Figure:
     return figure
 
 
-def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI) -> Path:
+def write_gif(
+    path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI, colours: int = COLOURS
+) -> Path:
     """Write an animated GIF with a frame for each shape of a picture.
 
     Parameters:
@@ -104,6 +106,7 @@ def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: i
         picture: the data of the run.
         notify: function that is called after each frame.
         dpi: dots per inch.
+        colours: the number of colours.
     """
     figure = Figure(figsize=_size(picture), dpi=dpi)
     canvas = FigureCanvasAgg(figure)
@@ -114,7 +117,7 @@ def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: i
         notify()
     # All frames share a few colours, without dither, so that parts that do not move are stored once.
     together = Image.fromarray(np.concatenate([np.asarray(image) for image in images]))
-    palette = together.quantize(COLOURS, dither=Image.Dither.NONE)
+    palette = together.quantize(colours, dither=Image.Dither.NONE)
     first, *others = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     times: dict[str, Any] = {"duration": [1000 // PER_SECOND] * len(others) + [HOLD], "loop": 0}
     return write_whole(
