@@ -1,4 +1,7 @@
-"""Defines the commands, their options and exit codes. Imports nothing slow, so that ``--help`` answers at once."""
+"""Defines the commands, their options and exit codes.
+
+The module imports nothing slow, so that ``--help`` answers at once.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +17,12 @@ SCHEMES = ("backward-euler", "midpoint", "bdf2")
 FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
 MODES = ("frozen", "march")
 MINUTES = 60.0
-"""Default time in minutes in which ``study seeds`` draws new seeds."""
+"""Default time in minutes during which ``study seeds`` measures new random meshes."""
 TOLERANCE = 1e-12
 """Default relative difference that ``study compare`` permits."""
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
-"""Default relative and absolute differences that ``study check --again`` permits. With 1e-12 every file would differ on
-another processor: numbers near rounding differ, and quotients of small numbers have fewer digits."""
+"""Default relative and absolute differences that ``study check --again`` permits. They are larger than 1e-12, because
+on another processor numbers near round-off differ, and so do quotients of small numbers."""
 CELLS = 20_000
 """Default largest number of cells of ``study bound --adapt``."""
 RESUMES = ("run", "controls", "seeds", "bound")
@@ -253,9 +256,9 @@ def _json(command: argparse.ArgumentParser) -> None:
 
 
 def _orders(text: str) -> float | dict[str, float]:
-    """Return a number for the text ``2``, and a dictionary for ``L2=2,H1=1``.
+    """Return the expected orders in a text: a number for ``2``, and a dictionary for ``L2=2,H1=1``.
 
-    Names may contain commas: a comma separates two entries only after a number.
+    Names of columns may contain commas. A comma separates two entries only after a number.
     """
     orders: dict[str, float] = {}
     name = ""
@@ -273,7 +276,7 @@ def _orders(text: str) -> float | dict[str, float]:
 
 
 def _finite(text: str) -> float:
-    """Return the finite number in a text; argparse reports the errors."""
+    """Return the finite number in a text; argparse prints a message if there is none."""
     value = float(text)
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"{text} is not a finite number")

@@ -1,14 +1,15 @@
 # ruff: noqa: E501, one line for each defect
-"""All deliberate defects, in one table.
+"""All deliberate defects, in one table: each must make a named check of the study fail.
 
-Each line has the name and the description of a defect, the setting, the part that is replaced (``Control.place``), the
-function of ``study.controls.replacements`` that returns the wrong part, and the key of the check that must fail.
+Each line of the table has the name and the description of a defect, the case and mesh on which it is measured, the part
+of the study that is replaced (``Control.place``), the function of ``study.controls.replacements`` that returns the
+wrong part, and the key of the check that must fail.
 
 The second half of the table tests diagnostics, which are numbers that show how accurate a computation is. Suppose that
 a residual ignores the sign of the contact forces, or that a maximum over time skips every second time. Such a
-diagnostic is too small, and no window for a correct computation can reveal this. So the computation is made inaccurate
-in one respect, for example at one time node. If the diagnostic ignores this node, its check holds, and the control is
-reported as not noticed.
+diagnostic is too small, and no tolerance window for a correct computation can reveal this. So the computation is made
+inaccurate in one respect, for example at one time node. If the diagnostic ignores this node, its check holds, and the
+defect is reported as not noticed.
 """
 
 from __future__ import annotations
@@ -52,7 +53,8 @@ from study.statements.thm_4_2 import Gaps
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
 
-# Settings. Each is the smallest one in which every check holds without a defect and the named check fails with it.
+# Settings: cases and meshes on which defects are measured. Each is as small as possible. Without a defect all checks hold
+# there, and with a defect the check fails that must notice it.
 
 FULL, TURNED = Sweep("full-contact", levels=(4, 8, 16)), Sweep("full-contact", angle=0.3, levels=(4, 8, 16))
 NONE, FIXED = Sweep("no-contact"), Sweep("fixed-front-off-vertex")
@@ -71,7 +73,7 @@ ENCLOSURE = Bounding(EnclosedError(), tuple(by_midpoint("advance-recede", "one-d
 
 
 def on(statement: Any, case: str, family: str, *levels: int) -> Listing:
-    """Return the setting of a statement on some levels of a case and a mesh family."""
+    """Return the setting in which a statement is measured on some meshes: a case, a mesh family and its levels."""
     return Listing(statement, case, family, levels)
 
 
@@ -108,7 +110,7 @@ ADVANCING = on(AdvancingFront(), "natural-motion", "unstructured", 6, 12, 24)
 NO_POTENTIAL = on(NoPotential(), "no-potential", "one-diagonal", 6, 8, 10)
 NODAL_START = on(NodalStart(), "full-contact", "one-diagonal", 8, 16, 32)
 
-# Names of parts that several controls replace, and keys of checks that several controls name.
+# Names of parts of the study that several defects replace, and keys of checks that several defects must make fail.
 
 SOLVER, LOAD, START, DISTANCE = "problem.solver", "problem.load", "problem.u0", "v_norm.distance"
 MEASURE, OWN_ERRORS = "statements.prop_5_4:Measurement", "statements.thm_4_2_own_space"
@@ -116,22 +118,23 @@ PLAIN, KNOWN_ERROR = "statements.recomputed_solver:PlainProblem", "statements.en
 DISCRETE_ORDER = "discrete-order-superclose"
 SAME_DISPLACEMENT, SAME_FORCES = "displacement-same-load", "multipliers-same-load"
 NODES, MIDDLE = ("first", "odd", "even", "last"), ("odd", "even")
-"""Time nodes at which single defects are put: a diagnostic that skips the ends or every second node misses one of them."""
+"""Time nodes at which the solution is made wrong. A diagnostic that skips the first or last node, or every second node,
+misses one of these defects."""
 
 
 def zero(right: Any) -> Any:
-    """Deliberate defect: a number or an array is 0."""
+    """Deliberate defect: a number or an array, such as the initial displacement, is replaced by 0."""
     return 0 * right
 
 
 def negative(right: Any) -> Any:
-    """Deliberate defect: a number, an array or a matrix has the wrong sign."""
+    """Deliberate defect: a number, an array or a matrix is multiplied by −1."""
     return -right
 
 
 # fmt: off
 CONTROLS: tuple[Control, ...] = (
-    # Propositions 5.3 and 5.4 and (5.23): defects of a solution, or of the measurement of its error.
+    # Convergence (Propositions 5.3 and 5.4): defects of a computed solution, or of the measurement of its error.
     Control("contact dropped", "V^h instead of K^h", FULL, "problem", wrong.no_contact, "order"),
     Control("contact two-sided", "v_ν = 0 instead of v_ν ≤ 0", NONE, SOLVER, wrong.held, "order"),
     Control("contact relaxed", "v_ν ≤ √h instead of v_ν ≤ 0", FULL, "", wrong.constraint_relaxed, "order"),
@@ -181,7 +184,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("solid: contact dropped", "V^h instead of K^h", SOLID, "problem", wrong.no_contact, "order-finest"),
     Control("solid: energy for norm", "½‖·‖_V² instead of ‖·‖_V", SOLID, DISTANCE, wrong.energy, "interpolation-order-finest"),
     Control("not graded", "the meshes are not refined at the corner", CORNERED, "fem.mesh:Graded.__call__", wrong.ungraded, "order-graded"),
-    # The next defects change the contact force. Errors in V hardly show them, so that other checks must.
+    # Defects of the contact force. The error of the displacement hardly shows them, so checks of the force must.
     Control("contact load", "1.2 ∫ σ_ν v_ν in (3.7)", PRESSED, "", wrong.contact_work_times(1.2), "resultant"),
     Control("contact in places", "v_ν ≤ 0 at every other vertex only", PRESSED, SOLVER, wrong.in_places, "penetration"),
     Control("force: elasticity dropped", "A u̇ = F without G(u)", PRESSED, "scheme", wrong.no_elasticity, "order-pressure"),
@@ -190,7 +193,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("multipliers on other meshes", "1.2 λ instead of λ, with the correct u^h", CROSSED_PATCH, SOLVER, wrong.forces_times(1.2), "order-dual-other"),
     Control("force: few steps", "an eighth of the number of time steps", CROSSED_PATCH, "steps", wrong.an_eighth, "time-share"),
     Control("contact pulls", "v_ν = 0 instead of v_ν ≤ 0", PATCH, SOLVER, wrong.held, "pulling"),
-    # Theorem 4.2, on one mesh and with a separate stress space.
+    # Theorem 4.2: defects of the comparison of the stress formulation with the displacement formulation.
     Control("stress from displacement", "the stress is computed from the solution of Problem 3.1", BOTH, "", wrong.stress_from_displacement, "alone-stress"),
     Control("stress without contact", "σ_ν = 0 instead of σ_ν ≤ 0", OWN, "solver", wrong.no_multipliers, "order-stress"),
     Control("stress law swapped", "A and G swapped in Problem 3.2", OWN, "", wrong.law_swapped, "order-strain"),
@@ -212,7 +215,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("3.1 without A", "Gε(u^h) instead of Aε(δu^h) + Gε(u^h)", OWN, f"{OWN_ERRORS}:Primal.__init__", wrong.without_viscosity, "order-primal_stress"),
     Control("fronts missed", "cells are not cut along fronts before f_0 is integrated, in Problem 3.2", OWN_MERGING, "data.fronts", wrong.replaced_by(no_fronts), "time-share"),
     Control("f_2 late", "f_2(t − k) instead of f_2(t)", OWN, "", wrong.surface_load_late, "growth"),
-    # Other statements: a mistake in how each is measured, or a comparison of a quantity with itself.
+    # Other statements: a mistake in the measurement, or a quantity that is compared with itself.
     Control("f_2 left out", "(f_2, v) left out of (2.14)", GREEN, "green:work_on", wrong.no_work_on_loaded, "fine-rule"),
     Control("blind: Green", "one side of (2.14) is compared with itself", GREEN, "", wrong.zeroed("fine rule"), "fine-rule"),
     Control("f_0 off by a third", "⅔ f_0 in (2.14)", KINKED, "green:work_of_body_force", wrong.times(2 / 3), "halved"),
@@ -330,7 +333,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("no potential: κ halved", "κ/2 instead of κ in both bounds", NO_POTENTIAL, "no_potential:EulerBounds", wrong.constant_halved, "rotation"),
     Control("blind: reference of no potential", "the reference solution is compared with itself", NO_POTENTIAL, "no_potential:path", wrong.always_steps(256), "reference"),
     Control("nodal start: off the vertices", "v near the vertices instead of v at the vertices", NODAL_START, "nodal_start:spikes", wrong.near_vertices, ("size", "proved", "growth", "worse")),
-    # Checks that compare two results: axes, results computed again, and bounds of errors with the errors.
+    # Checks that compare two results: on a rotated body, by a second solver, and of an error bound with the error.
     Control("axes", "the axis nearest to ν instead of ν", ROTATED, "problem.N", wrong.nearest_axis, "discrete-error"),
     Control("width for length", "w ‖·‖_V with the width w along the first axis", ROTATED, "fem.error_norm:ErrorNorm.distance", wrong.times_width, "errors"),
     Control("error off by 1 %", "1.01 ‖u − u^h‖_V is reported", AGAIN, f"{MEASURE}.row", wrong.column_times("error", 1.01), "error"),
@@ -345,7 +348,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("enclosure: half the norm", "½ ‖·‖_V instead of ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(0.5), "above"),
     Control("enclosure: twice the norm", "2 ‖·‖_V instead of ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(2.0), "below"),
 
-    # Controls that test diagnostics.
+    # Defects that a diagnostic must show, such as a wrong contact force at one time node.
     Control("residual: sign", "v_ν = 0: forces that pull, all else solved", MOVING, SOLVER, wrong.held, "residual"),
     Control("residual: complementarity", "forces where a gap is open, all else solved", MOVING, SOLVER, wrong.shifted_gap(-0.03), "residual"),
     Control("residual: gap", "v_ν ≤ 0 at every other vertex, all else solved", MOVING, SOLVER, wrong.in_places, "residual"),
@@ -366,7 +369,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("quadrature: degree", "quadrature rules of degree 1 instead of 4", MERGING, "fem.error_norm:DEGREE", wrong.replaced_by(1), "quadrature"),
     Control("ten defects at once", "diagnostics too small in ten ways, contact forces that pull, the load of the previous time step", MOVING, "solve.evolution:ContactStep._residual", wrong.balance_alone,
             ("order", "order-extrapolated", "size", DISCRETE_ORDER, "discrete-share"),
-            # The residual, the supremum, the shares and the quadrature ignore all but a part of their evidence.
+            # Each diagnostic ignores a part of the computation: some times, some conditions, or some errors.
             (("controls.baselines:measure", wrong.every_second_time), (f"{MEASURE}.parallelogram", wrong.at_the_last_time),
              (f"{MEASURE}.clamped", wrong.returns(1e-12)), (f"{MEASURE}.quadrature_change", wrong.returns(1e-9)),
              (SOLVER, wrong.held), ("", wrong.load_late))),
