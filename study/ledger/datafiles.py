@@ -6,7 +6,7 @@ import gzip
 import json
 import shlex
 import zlib
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields
 from io import BytesIO
@@ -78,6 +78,42 @@ def made_by(directory: Path) -> str:
     except (OSError, ValueError, AttributeError):
         command = "study run"
     return f"{command} --out {shlex.quote(str(directory))}"
+
+
+def nested_keys(keys: Iterable[Sequence[str]]) -> dict[str, Any]:
+    """Return the keys of rows as nested dictionaries, which store each common beginning once.
+
+    Parameters:
+        keys: the keys of rows, each with at least two texts, such as ("rates.csv", …, "8").
+
+    Returns:
+        First text ↦ second text ↦ … ↦ list of the last texts of all keys that begin with these texts.
+    """
+    tree: dict[str, Any] = {}
+    for *start, before_last, last in keys:
+        branch = tree
+        for text in start:
+            branch = branch.setdefault(text, {})
+        branch.setdefault(before_last, []).append(last)
+    return tree
+
+
+def planned_keys(provenance: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Return the keys of the rows that a run planned, from the content of its ``provenance.json``.
+
+    The entry ``planned`` has the form that ``nested_keys`` returns; earlier versions wrote a list of the keys. Without
+    this entry the list is empty.
+    """
+
+    def flatten(tree: Any, start: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
+        if not isinstance(tree, Mapping):
+            yield from ((*start, last) for last in tree)
+            return
+        for text, rest in tree.items():
+            yield from flatten(rest, (*start, text))
+
+    planned = provenance.get("planned", {})
+    return [*flatten(planned, ())] if isinstance(planned, Mapping) else [tuple(key) for key in planned]
 
 
 def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFrame:

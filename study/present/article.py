@@ -1,7 +1,7 @@
-"""Tables, and macros for every measured number in the text, of the papers in ``paper/``, from the data files.
+"""LaTeX tables for the papers in ``paper/``, and LaTeX macros for all measured numbers in their text.
 
-They are written to ``article/``, and only for a full run with its controls, which the papers describe. Extremes are
-rounded outwards: a smallest value down, a largest value up, so that no sentence claims more than was measured.
+The tables and macros are made from the data files of a full run and written to ``article/``. Extreme values are rounded
+outwards, a smallest value down and a largest value up, so that no sentence claims more than was measured.
 """
 
 from __future__ import annotations
@@ -13,7 +13,15 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.chance import PROMISE
-from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_kinds, count_verdicts
+from study.ledger.datafiles import (
+    DataError,
+    alarm_summary,
+    by_claim,
+    count_caught,
+    count_kinds,
+    count_verdicts,
+    planned_keys,
+)
 from study.ledger.numbered import NO_ROW, NOT_TESTED
 from study.ledger.text import above, below, down, up
 from study.ledger.verdict import (
@@ -40,13 +48,15 @@ from study.present.full_run import FullRun
 from study.present.notation import encode, encode_letters, folding, prose, tabular
 
 DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
-"""Ends of the keys of predictions about the fully discrete error; other rows are shown for comparison."""
+"""Ends of the keys of checks that test a prediction about the error of the fully discrete scheme. Other checks of the
+scheme are shown for comparison."""
 NEGLIGIBLE = 1e-6
-"""A defect whose smallest noticed size is below this value is noticed at any size: the start must be Π^h u_0."""
+"""A deliberate defect is left out of the table of sensitivity if the checks notice it below this relative size, because
+it is then noticed at any size. For example, the initial displacement must be exactly Π^h u_0."""
 WIDE = 0.5
-"""A window of an order that is wider is counted separately."""
+"""Tolerance windows of observed orders that are wider than this are counted separately."""
 PROGRAMS = "the same numbers from our second implementation, a few from other people's codes"
-"""The group of rows that compare two programs."""
+"""Title of the group of checks that compare the results of two programs."""
 GROUPS = {
     "material, spaces and operators: (2.14)--(4.5)": ("(2", "(3", "(4", "Thm 2.2"),
     "well-posedness and the stress problem: Theorems 4.1--4.3, 5.2": ("Thm 4", "Prager"),
@@ -62,7 +72,7 @@ GROUPS = {
     "error bounds and enclosures": ("bound", "enclosure"),
     "missing data, misprints, statements without a test": ("data", "slips", "not tested", "no row"),
 }
-"""Group of statements ↦ how their labels begin; a label in none of them is beyond the source."""
+"""Title of a group of statements ↦ the beginnings of the labels of these statements."""
 BEYOND = "beyond the source"
 ACCOUNTS = {
     "source": "statements of the source, compared with windows",
@@ -75,13 +85,14 @@ ACCOUNTS = {
     "numbers": "numbers without a claim and without a prediction",
     "lines": "lines without a number: misprints, and formulas that have no test",
 }
-"""What a row of the ledger contributes: every row belongs to exactly one account."""
+"""Name ↦ title of each account. Every row of the ledger belongs to exactly one account, by the kind of its evidence."""
 Named = Iterator[tuple[str, object]]
 
 
 def article(directory: Path) -> dict[Path, str]:
-    """Return the texts of macros and tables by their paths under ``directory/article``; empty for a run that is not
-    full.
+    """Return the texts of the LaTeX files for the papers, by their paths in ``directory/article``.
+
+    If the directory does not contain a full run, the result is empty.
 
     Raises:
         DataError: the data lack a row that a paper names.
@@ -111,7 +122,7 @@ def article(directory: Path) -> dict[Path, str]:
 
 
 def macros(data: FullRun) -> str:
-    r"""Return \\newcommand lines, grouped by subject."""
+    r"""Return one \\newcommand line for each measured number in the papers."""
     theory = _smooth, _pressure, _rough, _equivalence, _bounds, _contact, _time, _front, _laws, _discrete
     groups = _ledger, _plan, *theory, _packages
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
@@ -119,7 +130,7 @@ def macros(data: FullRun) -> str:
 
 
 def _ledger(data: FullRun) -> Named:
-    """Yield the verdicts, the noticed defects, and the false alarms on fresh random meshes."""
+    """Yield the numbers of verdicts, of noticed deliberate defects, and of false alarms on random meshes."""
     yield "ledgerRows", len(data.claims)
     yield "ledgerStatements", len(list(by_claim(data.claims)))
     counts = count_verdicts(data.claims)
@@ -148,14 +159,14 @@ def _ledger(data: FullRun) -> Named:
 
 
 def _plan(data: FullRun) -> Named:
-    """Yield the size of the study."""
+    """Yield the numbers of cases, meshes, unknowns and planned measurements."""
     plane, solid = (data.rates[data.rates["dim"] == dim] for dim in (2, 3))
     yield "caseCount", len(data.cases)
     for name, claim in (("casesSmooth", "Prop. 5.4"), ("casesRough", "Prop. 5.3")):
         yield name, data.rates.loc[data.rates["claim"] == claim, "case"].nunique()
     yield "casesSolid", (data.cases["dimension"] == 3).sum()
     yield "sweepRows", len(data.rates)
-    yield "planned", len(data.provenance["planned"])
+    yield "planned", len(planned_keys(data.provenance))
     yield "levelCoarsest", plane["level"].min()
     yield "levelFinest", plane["level"].max()
     yield "levelSolid", solid["level"].max()
@@ -165,7 +176,7 @@ def _plan(data: FullRun) -> Named:
 
 
 def _smooth(data: FullRun) -> Named:
-    """Yield the numbers for Proposition 5.4."""
+    """Yield the numbers for Proposition 5.4 about solutions that are smooth."""
     label = "Prop. 5.4"
     yield from _extremes("orderLevel", data.rows(label, "order"))
     extrapolated = data.rows(label, "order-extrapolated")
@@ -190,7 +201,7 @@ def _smooth(data: FullRun) -> Named:
 
 
 def _rough(data: FullRun) -> Named:
-    """Yield the numbers for Proposition 5.3, and for the order without the assumption (5.36)."""
+    """Yield the numbers for Proposition 5.3, and the orders of solutions that violate the assumption (5.36)."""
     label = "Prop. 5.3"
     yield "ratioMost", _most(data, label, "falling")
     yield "limitMost", _percent(data.rows(label, "limit")["high"].max())
@@ -229,7 +240,7 @@ def _equivalence(data: FullRun) -> Named:
 
 
 def _bounds(data: FullRun) -> Named:
-    """Yield the numbers for the error bound and the enclosures."""
+    """Yield the numbers for the bounds of the error from u_h alone, and for two-sided bounds (enclosures)."""
     yield from _extremes("boundUpper", data.rows("bound", "upper"), 1)
     yield "boundCases", data.rows("bound", "above")["case"].nunique()
     yield "encloseUpperMax", _most(data, "enclosure", "upper")
@@ -249,7 +260,11 @@ def _bounds(data: FullRun) -> Named:
 
 
 def _contact(data: FullRun) -> Named:
-    """Yield the work of contact, and the error due to contact if a narrow patch rolls along Γ3."""
+    """Yield the numbers for the contact term of the error estimate.
+
+    The macros ``work...`` are about cases with contact patches of many sizes, the macros ``rollers...`` about a narrow
+    contact patch that rolls along Γ3.
+    """
     for name, key in (("Solution", "solution"), ("All", "all")):
         yield f"edge{name}", _most(data, "beyond: work on edges", key)
     label = "beyond: work of contact"
@@ -272,7 +287,7 @@ def _contact(data: FullRun) -> Named:
 
 
 def _time(data: FullRun) -> Named:
-    """Yield errors in time with their bounds, and orders if many vertices come into contact."""
+    """Yield the numbers for the error of time discretisation: its bounds, and its orders if contact spreads fast."""
     label = "beyond: O(h + k)"
     yield "timeByData", _most(data, label, "data")
     yield "timeBySolution", _most(data, label, "solution")
@@ -291,7 +306,10 @@ def _time(data: FullRun) -> Named:
 
 
 def _front(data: FullRun) -> Named:
-    """The natural front that advances, and nodal interpolants of a continuous initial value."""
+    """Yield the numbers for a natural front that advances, and for nodal interpolants of an initial displacement.
+
+    The gap at a natural front is r^{3/2} at the distance r from the front. The initial displacement is continuous.
+    """
     for name, key in (("Order", "order"), ("Rate", "rate"), ("Excess", "excess")):
         yield from _extremes(f"front{name}", data.rows("beyond: advancing front", key))
     label = "beyond: nodal start"
@@ -301,7 +319,11 @@ def _front(data: FullRun) -> Named:
 
 
 def _laws(data: FullRun) -> Named:
-    """Yield growth rates of differences of solutions if G softens, with eigenvalues and the bound of Theorem 2.2."""
+    """Yield the numbers for an elasticity operator G that softens.
+
+    They are growth rates of differences of solutions, with the bound of Theorem 2.2 and the constants of (4.3) and
+    (5.21).
+    """
     label, soft, wells = "Thm 2.2, (4.4)", "softening", "double-well"
     rates = pd.concat([data.rows(label, key) for key in ("rate", "rate-even")])
     yield "lawsRate", _power((rates[["low", "high"]] - 1).abs().max(axis=None))
@@ -315,7 +337,10 @@ def _laws(data: FullRun) -> Named:
 
 
 def _discrete(data: FullRun) -> Named:
-    """Yield how many predictions about the fully discrete error agree, and how sharp the constants are."""
+    """Yield how many predictions about the error of the fully discrete scheme were met.
+
+    The last two macros say by which factors the constants of (5.21) and (5.42) are larger than necessary.
+    """
     claims = data.claims[data.claims["label"] == "beyond: fully discrete"]
     predicted = claims["key"].str.endswith(DISCRETE)
     for name, total, rows in (
@@ -333,7 +358,7 @@ def _discrete(data: FullRun) -> Named:
 
 
 def _pressure(data: FullRun) -> Named:
-    """Yield the orders of the contact pressure in three norms, from the rows that hold."""
+    """Yield the orders of the contact pressure in three norms, from the checks that hold."""
     keys = {"Dual": "dual-superclose", "Other": "dual-other", "Mean": "pressure"}
     for name, key in keys.items():
         rows = data.rows("contact force", f"order-{key}")
@@ -343,23 +368,25 @@ def _pressure(data: FullRun) -> Named:
 
 
 def _packages(data: FullRun) -> Named:
-    """Yield the versions of the programs that computed the committed data."""
+    """Yield the versions of Python and of the libraries that computed the data."""
     yield "withPython", prose(data.provenance["python"])
     packages = data.provenance["packages"]
     yield "withPackages", ", ".join(f"{prose(name)} {prose(packages[name])}" for name in packages)
 
 
 def _extremes(name: str, rows: pd.DataFrame, digits: int = 2) -> Named:
+    """Yield the macros NAMEMin and NAMEMax with the smallest low end and the largest high end of checks."""
     yield f"{name}Min", below(rows["low"].min(), digits)
     yield f"{name}Max", above(rows["high"].max(), digits)
 
 
 def _most(data: FullRun, label: str, key: str, digits: int = 2) -> str:
+    """Return the largest high end of the checks with a label and a key, rounded up."""
     return above(data.rows(label, key)["high"].max(), digits)
 
 
 def two_digits_up(value: float) -> float:
-    """Return a value rounded up to two significant digits; 1e-5 stays 1e-5."""
+    """Return a value rounded up to two significant digits. A value with fewer digits, such as 1e-5, is unchanged."""
     return float(above(value, 1 - math.floor(math.log10(value)))) if value else 0.0
 
 
@@ -375,13 +402,19 @@ def _power(value: float) -> str:
 
 
 def group_of(label: str) -> str:
-    """Return the title of the group of statements that a label belongs to, by its longest beginning in ``GROUPS``."""
+    """Return the title of the group of statements to which a label belongs.
+
+    If several beginnings in ``GROUPS`` match the label, the longest decides; if none matches, the group is ``BEYOND``.
+    """
     matches = [(len(begin), title) for title, begins in GROUPS.items() for begin in begins if label.startswith(begin)]
     return max(matches)[1] if matches else BEYOND
 
 
 def verdicts(data: FullRun) -> str:
-    """Return one row per group of statements: the rows that hold by kind of evidence, and all other verdicts."""
+    """Return a LaTeX table with a line for each group of statements: the numbers of checks with each verdict.
+
+    The checks that hold are counted by the kind of their evidence.
+    """
     groups, body = data.claims["label"].map(group_of), []
     for title in (*GROUPS, BEYOND):
         body.append([title, *_counts(data.claims[groups == title])])
@@ -391,14 +424,14 @@ def verdicts(data: FullRun) -> str:
 
 
 def _counts(rows: pd.DataFrame) -> list[str]:
-    """Return the numbers of rows that hold, by kind, that do not hold, that are missed and that are reported."""
+    """Return the numbers of checks with each verdict; checks that hold are counted by the kind of their evidence."""
     holding, count = count_kinds(rows), count_verdicts(rows)
     failing = len(rows) - count[HOLDS] - count[MISSED] - count[REPORTED]
     return [*(str(holding[one]) for one in KINDS), str(failing), str(count[MISSED]), str(count[REPORTED])]
 
 
 def account(row: pd.Series) -> str:
-    """Return the account of ``ACCOUNTS`` that a row of the ledger belongs to."""
+    """Return the key of ``ACCOUNTS`` to which a row of ``claims.csv`` belongs."""
     label, predicted = str(row["label"]), str(row["expected"]).startswith("predicted")
     if label in (NO_ROW, NOT_TESTED, "slips"):
         return "lines"
@@ -412,7 +445,7 @@ def account(row: pd.Series) -> str:
 
 
 def accounts(data: FullRun) -> str:
-    """Return one row per account: its rows, and those of them that hold, fail or are undecided."""
+    """Return a LaTeX table with a line for each account: how many checks it has, and how many hold or do not hold."""
     names, body = data.claims.apply(account, axis=1), []
     for name, title in ACCOUNTS.items():
         rows = data.claims[names == name]
@@ -426,9 +459,9 @@ def accounts(data: FullRun) -> str:
 
 
 def ledger(data: FullRun) -> str:
-    """Return one row per statement: the number of verdicts of each kind, and the row that uses most of its window.
+    """Return LaTeX tables with a line for each statement: verdicts, and the check that uses most of its window.
 
-    Each group of statements has its own table, which does not break over a page.
+    Each group of statements has a separate table, which is not broken over pages.
     """
     bodies: dict[str, list[list[str]]] = {title: [] for title in (*GROUPS, BEYOND)}
     for label, claim, rows in by_claim(data.claims):
@@ -452,7 +485,7 @@ def ledger(data: FullRun) -> str:
 
 
 def catalogue(data: FullRun) -> str:
-    """Return the exact solutions: name, summary, law."""
+    """Return a LaTeX table of the exact solutions with their names, summaries and laws."""
     laws = data.cases["law"].str.removeprefix("linear, ")
     facts = zip(data.cases["case"], data.cases["summary"], laws, strict=True)
     body = [[prose(case), encode_letters(summary), encode_letters(law)] for case, summary, law in facts]
@@ -460,7 +493,11 @@ def catalogue(data: FullRun) -> str:
 
 
 def smooth(data: FullRun) -> str:
-    """Return Prop. 5.4, one row per case: orders of the error and of the discrete error, finest level, time share."""
+    """Return a LaTeX table of Proposition 5.4 with a line for each case.
+
+    A line has the finest level, the observed orders of the error and of the discrete error, the size of the discrete
+    error relative to the error, and the share of the time discretisation in per cent.
+    """
     label, body = "Prop. 5.4", []
     for case, rows in data.rates[data.rates["claim"] == label].groupby("case", sort=False):
         cells = [
@@ -477,7 +514,11 @@ def smooth(data: FullRun) -> str:
 
 
 def rough(data: FullRun) -> str:
-    """Return Prop. 5.3, one row per case: the predicted order, the order proved as for 5.4, and the observations."""
+    """Return a LaTeX table of Proposition 5.3 with a line for each case.
+
+    A line has the order that the regularity of the solution predicts, the order that the proof of Proposition 5.4 gives
+    for this regularity, and the observations.
+    """
     label, body = "Prop. 5.3", []
     for case in data.rates.loc[data.rates["claim"] == label, "case"].drop_duplicates():
         orders = [f"{data.cases.loc[case, name]:.3g}" for name in ("expected_order", "proved_order")]
@@ -493,7 +534,10 @@ def rough(data: FullRun) -> str:
 
 
 def stresses(data: FullRun) -> str:
-    """Return Theorem 4.2 with a separate stress space, one row per case and mesh family (not shaken)."""
+    """Return a LaTeX table of Theorem 4.2 with a separate space for stresses: a line for each case and mesh family.
+
+    Shaken meshes are left out.
+    """
     rows = data.claims[(data.claims["label"] == "Thm 4.2, own space") & (data.claims["family"] != "shaken")]
     body = []
     for (case, family), part in rows.groupby(["case", "family"], sort=False):
@@ -507,9 +551,9 @@ def stresses(data: FullRun) -> str:
 
 
 def enclosures(data: FullRun) -> str:
-    """Return the enclosures on three levels: of a case with an exact solution, and of problems without one.
+    """Return a LaTeX table of two-sided bounds of the error, for all cases that were measured on three or more levels.
 
-    The ends are rounded outwards.
+    The ends of the bounds are rounded outwards. The error is empty for problems without a known exact solution.
     """
     roundings = {"lowest": down, "error": _nearest, "highest": up, "upper": up, "lower": down}
     rows = data.bounds[data.bounds["trajectory"] == "enclosure"]
@@ -524,9 +568,9 @@ def enclosures(data: FullRun) -> str:
 
 
 def discrete(data: FullRun) -> str:
-    """Return the fully discrete error, one row per case and scheme: 95 % intervals of orders.
+    """Return a LaTeX table of the orders of the fully discrete error: 95 % intervals for each case and time scheme.
 
-    Undecided predictions are marked with * and wrong ones with †.
+    Undecided predictions are marked with * and wrong predictions with †.
     """
     rows = data.claims[data.claims["label"] == "beyond: fully discrete"]
     body = []
@@ -546,7 +590,7 @@ def discrete(data: FullRun) -> str:
 
 
 def slips(data: FullRun) -> str:
-    """Return the misprints in the paper: place, printed text, corrected text."""
+    """Return a LaTeX table of the misprints in the source: place, printed text, corrected text."""
     rows = data.claims[data.claims["label"] == "slips"]
     body = [
         [encode_letters(str(row[name]).removeprefix("read: ")) for name in ("case", "quantity", "expected")]
@@ -557,7 +601,10 @@ def slips(data: FullRun) -> str:
 
 
 def codes(data: FullRun) -> str:
-    """Return other people's contact codes with their parameters, one row each; no rows if there are no data."""
+    """Return a LaTeX table of other people's contact codes, a line for each code and its parameters.
+
+    If the results of these codes are missing, the table has no lines.
+    """
     body = [
         [
             prose(f"{row['code']} {row['version']}"),
@@ -573,7 +620,10 @@ def codes(data: FullRun) -> str:
 
 
 def sensitivity(data: FullRun) -> str:
-    """Return the smallest defects in per cent that a check notices on every mesh family; no rows without data."""
+    """Return a LaTeX table of the smallest deliberate defects, in per cent, that checks notice on all mesh families.
+
+    If ``sensitivity.csv`` is missing, the table has no lines.
+    """
     if data.sensitivity is None:
         return tabular(["case"], "l", [])
     largest = data.sensitivity.groupby(["case", "defect"], sort=False)["amount"].max().unstack("defect")
@@ -608,7 +658,7 @@ def _range(row: pd.Series) -> str:
 
 
 def _regularity(data: FullRun, case: object) -> str:
-    """Return the exponents of a case, shortened for a column."""
+    """Return the regularity of the solution of a case, shortened for a narrow column."""
     text = str(data.cases.loc[str(case), "regularity"])
     return encode_letters(
         text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", ")
@@ -620,12 +670,12 @@ def _nearest(value: float, digits: int) -> str:
 
 
 def _number(value: float, rounding: Callable[[float, int], str] = _nearest, digits: int = 3) -> str:
-    """Return a measured number with a given number of significant digits."""
+    """Return a number with a given number of significant digits as LaTeX."""
     return encode(f"{float(rounding(value, digits)):#.{digits}g}".rstrip("."))
 
 
 def window_ends(row: pd.Series) -> str:
-    """Return the ends of a tolerance window as mathematics; a lower end of 0 or −∞ is left out."""
+    """Return a tolerance window as LaTeX: an interval; one inequality if an end is infinite or the lower end is 0."""
     ends = float(row["window_low"]), float(row["window_high"])
     low, high = (encode(f"{end:.4g}").strip(r"\()").removeprefix(r"1\cdot ") for end in ends)
     if ends[0] == 0 or math.isinf(ends[0]):

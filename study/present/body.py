@@ -1,4 +1,4 @@
-"""The deforming body on its foundation: projection, scales, and the figure of a body at selected times."""
+"""Functions that draw a deforming body on its foundation: projection, scales, and the figure of several times."""
 
 from __future__ import annotations
 
@@ -23,42 +23,50 @@ from study.present.palette import BLACK, BLUE, FOUNDATION, FOUNDATION_EDGE, OUTL
 from study.present.picture import Array, Picture, Segment, Shape
 
 DISPLACEMENT = 0.12
-"""The largest drawn displacement, as a fraction of the longest side of the body."""
+"""The length of the largest displacement in figures, as a fraction of the longest side of the body."""
 ARROW = 0.2
-"""The arrow of the largest pressure and the depth of the largest gap, as fractions of the longest side."""
+"""The length of the arrow of the largest pressure, and the drawn depth of the largest gap, as a fraction of the longest
+side of the body."""
 THICKNESS = 0.05
-"""The thickness of the foundation, as a fraction of the longest side."""
+"""The drawn thickness of the foundation, as a fraction of the longest side of the body."""
 BRIGHTEST = 0.95
-"""Stresses above this quantile share the last colour; peaks would otherwise hide all other differences."""
+"""Stresses above this quantile have the last colour, because few large stresses would otherwise leave one colour to all
+others."""
 OBLIQUE = np.array([0.35, 0.55, 0.25])
-"""Added to the direction of view of a solid, so that three sides of a box are visible."""
+"""The absolute components that are added to the direction of view of a body in 3D, so that three sides of a box are
+visible."""
 ROUND_OFF = 1e-9
-"""Gaps and pressures below this value count as zero; others are of order one."""
+"""Gaps and pressures below this value count as zero; values that are not due to rounding are of order one."""
 SHADES = 16
-"""The number of colours of stress and of pressure."""
+"""The number of colours of the stress, and of the pressure."""
 MOST_ARROWS = 16
-"""The approximate largest number of arrows on a face."""
+"""The approximate largest number of pressure arrows on a contact face."""
 GAP: dict[str, Any] = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth": 0.5}
 
 
 def shade(shares: Array) -> Array:
-    """Return the positions of stresses in the colour scale, from their fractions of the limit.
+    """Return the positions of stresses in the colour scale, from 0 to 1.
 
-    The square root makes small stresses visible where loads are large.
+    A position is the square root of the stress divided by the upper limit of the scale, so that small stresses remain
+    visible.
+
+    Parameters:
+        shares: stresses divided by the upper limit; values outside of [0, 1] are clipped.
     """
     return np.asarray(np.sqrt(np.clip(shares, 0, 1)))
 
 
 def ramp(name: str, shades: int = 256) -> Colormap:
-    """Return the colours of a quantity, from zero to its largest value."""
+    """Return the colour map of a quantity of ``RAMPS``, with ``shades`` colours from zero to the largest value."""
     return LinearSegmentedColormap.from_list(name, RAMPS[name], shades)
 
 
 def magnification(vertices: Array, displacements: Iterable[Array]) -> float:
-    """Return the factor by which displacements are magnified, rounded down to two digits so that it can be stated.
+    """Return the factor by which displacements are multiplied in figures, rounded down to two digits.
 
     Parameters:
-        vertices, displacements: (d, vertices) each.
+        vertices: the vertices of the mesh, (d, vertices).
+        displacements: the displacements of the vertices at all times, (d, vertices) each.
     """
     largest = max(float(np.linalg.norm(displacement, axis=0).max()) for displacement in displacements)
     if largest == 0:
@@ -70,7 +78,7 @@ def magnification(vertices: Array, displacements: Iterable[Array]) -> float:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A parallel projection.
+    """A parallel projection of the body onto the plane of the figure.
 
     Attributes:
         axes: orthonormal rows, (d, d): the directions to the right, upwards and, in 3D, towards the eye.
@@ -80,10 +88,11 @@ class View:
 
     @classmethod
     def of(cls, picture: Picture) -> View:
-        """Return the identity in 2D; a solid is seen obliquely, from above and from outside its contact faces.
+        """Return the projection for a body: the identity in 2D, an oblique view of the contact faces in 3D.
 
-        The direction towards the eye is the sum of the normals with every component increased in absolute value. The
-        third axis is vertical. A body on a floor is turned upside down, because a body seen from below looks hollow.
+        In 3D, the direction towards the eye is the sum of the outward normals of the contact faces, with every
+        component increased in absolute value by ``OBLIQUE``. The third coordinate points upwards or downwards in the
+        figure: a body on a floor is turned upside down, because a body seen from below looks hollow.
         """
         if len(picture.vertices) == 2:
             return cls(np.eye(2))
@@ -96,13 +105,19 @@ class View:
         return cls(np.array([right, np.cross(towards, right), towards]))
 
     def flat(self, x: Array) -> Array:
-        """Return the projections of points, (d, n) → (2, n)."""
+        """Return the coordinates of points x, (d, n), in the plane of the figure, (2, n)."""
         return self.axes[:2] @ x
 
     def order(self, x: Array, cells: NDArray[np.int64], shades: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the triangles that face the eye, the farthest first (painter's algorithm); x are vertices, (d, n).
+        """Return the indices of the triangles that face the eye, in the order in which they must be drawn.
 
-        In 2D no triangle hides another, so all are returned, sorted by shade.
+        In 3D the farthest triangle comes first, so that nearer triangles hide it. In 2D all triangles are returned,
+        sorted by colour, because no triangle hides another.
+
+        Parameters:
+            x: vertices, (d, vertices).
+            cells: vertex numbers of the triangles, (3, triangles).
+            shades: colour numbers of the triangles, (triangles,).
         """
         if len(x) == 2:
             return np.argsort(shades, kind="stable")
@@ -115,15 +130,15 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class BodyScale:
-    """The common scale of all times of a picture.
+    """The projection and the scales with which all times of a run are drawn.
 
     Attributes:
         view: the projection.
-        size: the longest side of the body.
-        magnification: the factor by which displacements are magnified.
-        limits: limits of the drawing, (2, 2): to the right and upwards.
-        pressure, gap: the largest values shown.
-        stress: the upper limit of the colour scale.
+        size: the longest side of the box around the undeformed body.
+        magnification: the factor by which displacements are multiplied.
+        limits: the horizontal and vertical limits of the drawing, (2, 2), a row for each direction.
+        pressure, gap: the largest contact pressure and the largest gap at the drawn times.
+        stress: the upper limit of the colour scale of the stress.
     """
 
     view: View
@@ -136,7 +151,7 @@ class BodyScale:
 
     @classmethod
     def of(cls, picture: Picture) -> BodyScale:
-        """Return a scale with room for every shape and for arrows of full length."""
+        """Return the scales of a run, with limits for the body at all drawn times and for the longest arrows."""
         view = View.of(picture)
         factor = magnification(picture.vertices, [shape.displacement for shape in picture.shapes])
         points = [picture.vertices] + [picture.vertices + factor * shape.displacement for shape in picture.shapes]
@@ -157,22 +172,30 @@ class BodyScale:
 
     @property
     def aspect(self) -> float:
-        """The height divided by the width."""
+        """The height of the drawing divided by its width."""
         return float(np.ptp(self.limits[1]) / np.ptp(self.limits[0]))
 
     @property
     def stress_colours(self) -> ScalarMappable:
-        """The colours from 0 to the limit, at the positions that ``shade`` returns."""
+        """The colour map of stresses, with colours at the positions that ``shade`` returns."""
         return ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", SHADES))
 
     @property
     def pressure_colours(self) -> ScalarMappable:
-        """The colours from 0 to the largest pressure."""
+        """The colour map of pressures, from 0 to the largest pressure."""
         return ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
 
 
 def draw_deformed_mesh(axes: Axes, picture: Picture, shape: Shape, scale: BodyScale, width: float) -> None:
-    """Draw one shape with its pressure, in 2D with the foundation, in axes ``width`` inches wide."""
+    """Draw the deformed mesh at one time with stress, contact pressure and, in 2D, foundation and gap.
+
+    Parameters:
+        axes: the axes, which are cleared of ticks and labels.
+        picture: the run.
+        shape: displacement and stress at the time.
+        scale: the scales for all times.
+        width: the width of the axes in inches.
+    """
     instant = picture.nearest(shape.time)
     moved = picture.vertices + scale.magnification * shape.displacement
     shades, colours = cell_shades(picture, shape, scale)
@@ -193,9 +216,13 @@ def draw_deformed_mesh(axes: Axes, picture: Picture, shape: Shape, scale: BodySc
 
 
 def cell_shades(picture: Picture, shape: Shape, scale: BodyScale) -> tuple[NDArray[np.int64], Array]:
-    """Return a colour number for each cell, (cells,), and the list of colours: first of stresses, then of pressures.
+    """Return a colour number for each triangle of the mesh at one time, and the colours.
 
-    A facet of a contact face has the mean pressure of its corners.
+    In 3D, the colour of a triangle on a contact face shows the mean pressure at its corners; the colours of all other
+    triangles show their von Mises stress.
+
+    Returns:
+        The colour numbers, (cells,), and the list of colours, (2 · SHADES, 4): first of stresses, then of pressures.
     """
 
     def steps(shares: Array) -> NDArray[np.int64]:
@@ -212,7 +239,14 @@ def cell_shades(picture: Picture, shape: Shape, scale: BodyScale) -> tuple[NDArr
 def _triangles(
     corners: Array, order: NDArray[np.int64], shades: NDArray[np.int64], colours: Array, cell: float
 ) -> PathCollection:
-    """Return triangles with the given corners, (cells, 3, 2), in the given order."""
+    """Return the filled triangles of a mesh as a Matplotlib collection.
+
+    Parameters:
+        corners: the corners of all triangles, (cells, 3, 2).
+        order: the indices of the drawn triangles in the order of drawing.
+        shades, colours: as ``cell_shades`` returns them.
+        cell: the approximate width of a cell in points, from which the width of lines follows.
+    """
     # One path for neighbouring cells of one shade; a separate path for each cell takes three times as long to write.
     runs = np.split(order, np.flatnonzero(np.diff(shades[order])) + 1)
     closed = [np.concatenate([corners[run], corners[run, :1]], axis=1).reshape(-1, 2) for run in runs]
@@ -227,9 +261,10 @@ def _triangles(
 
 
 def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) -> None:
-    """Draw the foundation, a thick line where the body is in contact, arrows of the pressure, and the gap.
+    """Draw the foundation of a contact face in 2D with contact zone, pressure and gap at one time.
 
-    The gap is drawn below the surface with a separate scale, because it would be invisible next to large displacements.
+    The contact zone is a thick line, the pressure is shown by arrows. The gap is drawn below the surface of the
+    foundation with its own scale, because it is small compared with the magnified displacements.
     """
     ends = face.x[:, [face.s.argmin(), face.s.argmax()]]
     depth = THICKNESS * scale.size * face.normal[:, None]
@@ -252,7 +287,16 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
 def draw_shapes(
     figure: Figure, panels: Sequence[Axes], picture: Picture, width: float, columns: int, **layout: Any
 ) -> None:
-    """Draw each shape in separate axes, ``width`` inches wide, with colour bars and a legend in ``columns`` columns."""
+    """Draw the deformed body at all times of ``picture.shapes``, with colour bars and a legend.
+
+    Parameters:
+        figure: the figure.
+        panels: the axes for each time.
+        picture: the run.
+        width: the width of each of the axes in inches.
+        columns: the number of columns of the legend.
+        layout: place and size of the colour bars, as keyword arguments of ``Figure.colorbar``.
+    """
     scale = BodyScale.of(picture)
     for axes, shape in zip(panels, picture.shapes, strict=True):
         draw_deformed_mesh(axes, picture, shape, scale, width)
@@ -270,7 +314,15 @@ def draw_keys(
     more: Sequence[Artist] = (),
     **layout: Any,
 ) -> None:
-    """Add a legend, with ``more`` entries, and the colours of the stress and, for a solid, of the pressure."""
+    """Add a legend and a colour bar of the stress to a figure of a body and, in 3D, a colour bar of the pressure.
+
+    Parameters:
+        figure, panels: the figure and its axes.
+        picture, scale: the run and its scales.
+        columns: the number of columns of the legend.
+        more: further entries of the legend.
+        layout: place and size of the colour bars, as keyword arguments of ``Figure.colorbar``.
+    """
     ends = [0, scale.stress / 4, scale.stress]
     bar = figure.colorbar(scale.stress_colours, ax=panels, extend="max", ticks=ends, format="%.3g", **layout)
     bar.set_label(r"von Mises stress $\sqrt{3/2}\,|\mathrm{dev}\,\sigma|$")
@@ -293,11 +345,10 @@ def draw_keys(
 
 
 def draw_body(picture: Picture) -> Figure:
-    """Draw the magnified deformed mesh at the times of the shapes, coloured by its von Mises stress.
+    """Draw the deformed body at all times of ``picture.shapes``, coloured by its von Mises stress.
 
-    In 2D the foundation of each face is the undeformed line of its nodes, with the outer side grey. Arrows show the
-    pressure of the foundation on the body, and the gap is drawn below, each with one scale. A solid is seen through its
-    foundation, and the colour of its contact faces shows the pressure.
+    In 2D, the foundation is drawn grey; arrows show the contact pressure, and the gap is drawn below the surface of the
+    foundation. In 3D, the body is seen through its foundation, and the colours of contact faces show the pressure.
     """
     count, bars = len(picture.shapes), 2 if picture.polygons else 1
     aspect = BodyScale.of(picture).aspect

@@ -1,7 +1,8 @@
-"""The charts of the study: charts as data, drawn by Matplotlib, and each chart with its caption from the data files.
+"""The charts of the study with their captions, made from the data files, and the functions that draw charts.
 
-A chart is drawn by Matplotlib for figures, and as SVG on the report page. Texts are plain Unicode with scripts as in
-u^h and x_{ij}; each renderer typesets them.
+A ``Chart`` is a description of curves, axes and texts. This module draws charts with Matplotlib; ``study.present.
+report`` draws the same charts as SVG on the report page. Texts are plain Unicode with scripts written as in u^h and
+x_{ij}, which both typeset.
 """
 
 from __future__ import annotations
@@ -47,17 +48,22 @@ from study.present.palette import (
 
 Array = NDArray[np.float64]
 MARGIN = 0.06
-"""Free space at each end of an axis, as a fraction of the range of the data."""
+"""The free space at each end of an axis, as a fraction of the range of the data."""
 MOST_TICKS = 7
-"""The largest number of ticks of a logarithmic axis; with more decades some powers of ten have none."""
+"""The approximate largest number of ticks of a logarithmic axis; if there are more candidates, some are left out."""
 _MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis from ``low`` to ``high``; the label is followed by ``symbol`` in italics.
+    """An axis of a chart.
 
-    A logarithmic axis has at least ``least`` ticks.
+    Attributes:
+        label: its text.
+        low, high: the values at its ends.
+        scale: linear or logarithmic.
+        symbol: a letter in italics after the label, may be empty.
+        least: the smallest number of ticks of a logarithmic axis.
     """
 
     label: str
@@ -68,13 +74,16 @@ class Axis:
     least: int = 3
 
     def position(self, value: float) -> float:
-        """Return the position of a value, from 0 to 1 on the axis; values without a logarithm are far below 0."""
+        """Return the position of a value on the axis, 0 at ``low`` and 1 at ``high``.
+
+        On a logarithmic axis, zero and negative values have a position far below 0.
+        """
         if self.scale == "linear":
             return (value - self.low) / (self.high - self.low)
         return math.log10(max(value / self.low, 1e-9)) / math.log10(self.high / self.low)
 
     def ticks(self) -> list[tuple[float, str]]:
-        """Return round values inside the axis with their texts: the coarsest choice that has enough values."""
+        """Return the values and texts of the ticks: round numbers, as few as the axis needs."""
         if self.scale == "log":
             decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
             write = "{:.4g}".format if self.low >= 1e-3 and self.high < 1e4 else _power_of_ten
@@ -88,14 +97,14 @@ class Axis:
 
 
 def linear_axis(label: str, *values: ArrayLike, symbol: str = "") -> Axis:
-    """Return an axis around all values with a margin at each end."""
+    """Return a linear axis that contains all values, with a margin at each end."""
     low, high = _range(values)
     margin = MARGIN * (high - low) or 0.5
     return Axis(label, low - margin, high + margin, symbol=symbol)
 
 
 def log_axis(label: str, *values: ArrayLike, symbol: str = "", least: int = 3) -> Axis:
-    """Return a logarithmic axis around all values with a margin at each end."""
+    """Return a logarithmic axis that contains all values, with a margin at each end."""
     low, high = _range(values)
     decades = math.log10(high / low)
     margin = 10 ** (MARGIN * decades if decades > 0.01 else 0.5)
@@ -108,6 +117,7 @@ def _range(values: Sequence[ArrayLike]) -> tuple[float, float]:
 
 
 def _power_of_ten(tick: float) -> str:
+    """Return a number as a multiple of a power of ten, such as 3·10^{−4}."""
     exponent = math.floor(math.log10(tick) + 1e-9)
     mantissa = tick / 10**exponent
     power = f"10^{{{exponent}}}".replace("-", "−")
@@ -135,7 +145,7 @@ class Band:
 
 @dataclass(frozen=True, eq=False)
 class SlopeTriangle:
-    """A triangle that shows the expected slope.
+    """A triangle whose long side has the expected slope of the curves.
 
     Attributes:
         corners: lower left, upper right, and upper left with the right angle, (3, 2).
@@ -151,7 +161,10 @@ class SlopeTriangle:
 
 @dataclass(frozen=True, eq=False)
 class Subplot:
-    """One pair of axes with curves, bands behind the curves, a slope triangle, and horizontal lines at ``rules``."""
+    """One pair of axes with curves, bands behind the curves, a slope triangle, and horizontal lines at ``rules``.
+
+    The bands, the triangle and the lines may be missing.
+    """
 
     title: str
     x: Axis
@@ -172,13 +185,15 @@ class LegendEntry:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Subplots with one legend.
+    """Subplots with one common legend.
 
     Attributes:
-        summary: one line for readers who cannot see the chart.
-        subplots: one above the other or, if ``columns`` is positive, row by row in a grid.
+        summary: the kind of the chart in a few words, for readers who cannot see it.
+        subplots: the pairs of axes.
         legend: the columns of the legend.
-        caption: describes what to see, with numbers.
+        caption: says what is drawn and what to see, with numbers.
+        columns: the number of columns of the grid that the subplots fill row by row; if it is 0, the subplots are
+            drawn one above the other.
     """
 
     summary: str
@@ -189,7 +204,7 @@ class Chart:
 
 
 HEIGHTS = {1: (1,), 2: (3, 2)}
-"""Relative heights of subplots that stand one above the other."""
+"""Number of subplots that are drawn one above the other ↦ their relative heights."""
 _STROKES: dict[str, dict[str, Any]] = {
     "solid": {},
     "none": {"ls": ""},
@@ -201,12 +216,12 @@ _BAND = 0.35
 
 
 def draw_chart(chart: Chart) -> Figure:
-    """Draw a chart with Matplotlib."""
+    """Return the Matplotlib figure of a chart."""
     return _draw_grid(chart) if chart.columns else _draw_column(chart)
 
 
 def _draw_column(chart: Chart) -> Figure:
-    """Draw subplots one above the other, as wide as a column of text, with the legend below."""
+    """Draw the subplots of a chart one above the other, as wide as a column of text, with the legend below them."""
     count = len(chart.subplots)
     figure = Figure(figsize=(column_width(), 3.8 + 0.2 * count))
     panels = figure.subplots(count, sharex=True, squeeze=False, height_ratios=HEIGHTS[count])[:, 0]
@@ -226,7 +241,7 @@ def _draw_column(chart: Chart) -> Figure:
 
 
 def _draw_grid(chart: Chart) -> Figure:
-    """Draw small subplots row by row, with common labels and the legend above."""
+    """Draw the subplots of a chart as small panels in a grid, with common labels and the legend above them."""
     columns, count = chart.columns, len(chart.subplots)
     rows = math.ceil(count / columns)
     width = min(max(column_width(), 0.5 + 1.05 * columns), page_width())
@@ -247,7 +262,7 @@ def _draw_grid(chart: Chart) -> Figure:
 
 
 def _draw_subplot(axes: Axes, subplot: Subplot, size: float = 3.6) -> None:
-    """Draw the inside of the axes and the ticks, with markers of ``size`` points."""
+    """Draw the curves, bands, triangle, lines and ticks of a subplot; markers have a diameter of ``size`` points."""
     axes.set(xscale=subplot.x.scale, yscale=subplot.y.scale)
     axes.set(xlim=(subplot.x.low, subplot.x.high), ylim=(subplot.y.low, subplot.y.high))
     _set_ticks(axes.xaxis, subplot.x)
@@ -269,7 +284,7 @@ def _draw_subplot(axes: Axes, subplot: Subplot, size: float = 3.6) -> None:
 
 
 def _set_ticks(drawn: MatplotlibAxis, axis: Axis) -> None:
-    """Set labelled ticks and, on a logarithmic axis, small ticks without labels between them."""
+    """Set the labelled ticks of an axis and, if the axis is logarithmic, small ticks without labels between them."""
     ticks = axis.ticks()
     drawn.set_major_locator(FixedLocator([value for value, _ in ticks]))
     drawn.set_major_formatter(FixedFormatter([mathtext(text) for _, text in ticks]))
@@ -279,11 +294,13 @@ def _set_ticks(drawn: MatplotlibAxis, axis: Axis) -> None:
 
 
 def _line(style: Style) -> dict[str, Any]:
+    """Return the Matplotlib properties of a line."""
     face = {"mfc": "white"} if style.hollow else {}
     return {"color": style.colour, "marker": style.marker, **face, **_STROKES[style.stroke]}
 
 
 def _handle(one: LegendEntry) -> Artist:
+    """Return the Matplotlib artist of a legend entry."""
     if one.style.stroke == "band":
         return Patch(color=one.style.colour, alpha=_BAND, label=mathtext(one.text))
     return entry(mathtext(one.text), **_line(one.style))
@@ -296,22 +313,28 @@ def _label(axis: Axis) -> str:
 # The charts of the study.
 
 NEGLIGIBLE = 1e-3
-"""Values below this fraction of the smallest error are not shown, because they would compress the range of errors."""
+"""In a chart of errors, values below this fraction of the smallest error are not shown, because the vertical axis would
+become too long."""
 MOST_COLUMNS = 5
-"""The largest number of columns of a grid of subplots."""
+"""The largest number of columns of the chart with a subplot for each case."""
 
 
 def by_family(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Yield the rows of each mesh family, from the coarsest level to the finest."""
+    """Yield each mesh family with its rows of ``rates``, sorted from the coarsest level to the finest."""
     for family, rows in rates.groupby("family", sort=False):
         yield str(family), rows.sort_values("level")
 
 
 def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
-    """Return for each mesh family the order of ``error`` over the last refinements, or over as many as there are.
+    """Return mesh family ↦ observed order of the error between the finest mesh and a coarser mesh.
 
-    Families with a single level, or with errors that have no order, are left out. Over two refinements a fixed front,
-    or a jump of the material, has the same position in the cells of both meshes.
+    If there are two refinements between the meshes, a front or a jump of the material that does not move has the same
+    position in the cells of both.
+
+    Parameters:
+        rates: rows of ``rates.csv`` of one case. Families with a single level, or with errors that have no order, are
+            left out.
+        refinements: the number of refinements between the two meshes; less if there are fewer levels.
     """
     found = {}
     for family, rows in by_family(rates):
@@ -323,7 +346,7 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
 
 
 def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
-    """Return the orders over the last refinement: of all mesh families that are not graded, and of graded ones."""
+    """Return the observed orders over the last refinement: of all other mesh families, and of graded meshes."""
     found = finest_orders(rates, refinements=1)
     graded = [found.pop("graded")] if "graded" in found else []
     return list(found.values()), graded
@@ -336,15 +359,16 @@ def spread(values: Sequence[float]) -> str:
 
 
 def slope_triangle(curves: Sequence[Curve], slope: float, decades: float, small: bool = False) -> SlopeTriangle | None:
-    """Return a triangle above the left end of the curves, where increasing curves leave room.
+    """Return the slope triangle of a chart: above the left end of the curves, where increasing curves leave room.
 
     Parameters:
-        slope: the expected slope.
-        decades: the height of the axes in decades, from which distances are computed.
-        small: in a small chart the slope is written above the triangle, where there is room.
+        curves: the curves of the chart; both axes are logarithmic.
+        slope: the expected slope; NaN if it is unknown.
+        decades: the height of the vertical axis in decades.
+        small: whether the chart is so small that the slope must be written above the triangle, not to its left.
 
     Returns:
-        None without an expected slope, or if every curve has a single point.
+        The triangle; None if the slope is unknown or if every curve has a single point.
     """
     if math.isnan(slope) or max(len(curve.x) for curve in curves) < 2:
         return None
@@ -365,11 +389,13 @@ def slope_triangle(curves: Sequence[Curve], slope: float, decades: float, small:
 
 
 def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
-    """Return the errors of one case: error, discrete error, and ``time_share`` × ``error`` on every mesh family.
+    """Return the chart of the errors of one case against the mesh size, on all mesh families.
+
+    The curves are the error, the discrete error and the part of the error that is due to time discretisation.
 
     Parameters:
         rates: the rows of one case in ``rates.csv``.
-        order: the expected order, the slope of the triangle.
+        order: the expected order, which is the slope of the triangle.
     """
     styles = family_styles(rates["family"])
     errors, parts = _error_curves(rates, styles), []
@@ -421,9 +447,13 @@ def _family_legend(styles: Mapping[str, Style]) -> list[LegendEntry]:
 
 
 def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
-    """Return the errors of all cases, one subplot each; ``expected`` gives the order of each case.
+    """Return the chart of the errors of all cases against the mesh size, with a subplot for each case.
 
-    All subplots share the horizontal axis; the subplots of one row also share the vertical axis.
+    All subplots have the same horizontal axis; the subplots of one row have the same vertical axis.
+
+    Parameters:
+        rates: the rows of these cases in ``rates.csv``.
+        expected: case ↦ expected order.
     """
     cases = list(dict.fromkeys(rates["case"]))
     # A number of columns near the square root that leaves few positions of the grid empty.
@@ -464,10 +494,17 @@ def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
 
 
 def order_differences(rates: pd.DataFrame, expected: Mapping[str, float]) -> pd.DataFrame:
-    """Return ``family``, ``predicted`` and ``observed`` order and ``difference`` of every case and mesh family.
+    """Return the predicted and observed orders of the error and their differences, a row for each case and mesh family.
 
-    Observed orders are those over the last two refinements. Meshes graded towards a singularity are left out, because
-    the predicted orders hold for quasi-uniform meshes.
+    Orders are observed over the last two refinements. Meshes that are graded towards a singularity are left out,
+    because the predictions are for quasi-uniform meshes.
+
+    Parameters:
+        rates: rows of ``rates.csv``.
+        expected: case ↦ predicted order.
+
+    Returns:
+        A table with the columns ``family``, ``predicted``, ``observed`` and ``difference``.
     """
     points = [
         (family, expected[str(case)], order)
@@ -480,7 +517,15 @@ def order_differences(rates: pd.DataFrame, expected: Mapping[str, float]) -> pd.
 
 
 def orders_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart | None:
-    """Return observed orders against predicted orders, from ``order_differences``; None if all levels are single."""
+    """Return the chart of observed orders of the error against predicted orders, a point for each case and mesh family.
+
+    Parameters:
+        rates: rows of ``rates.csv``.
+        expected: case ↦ predicted order.
+
+    Returns:
+        The chart; None if no case was measured on two levels.
+    """
     table = order_differences(rates, expected)
     if table.empty:
         return None
@@ -511,9 +556,11 @@ def _all_cases(cases: Collection[str]) -> str:
 
 
 def collapsed_chart(rates: pd.DataFrame) -> Chart:
-    """Return error/C and error/(C h) of all cases, with C h the leading term of ‖u − Π^h u‖_V on the finest mesh.
+    """Return the chart of the errors of all smooth cases, each divided by a constant C, so that the curves coincide.
 
-    C follows from second derivatives of u, (5.23), not from the errors, so nothing is fitted.
+    C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh. C follows from second
+    derivatives of u, (5.23), not from the measured errors, so nothing is fitted. The upper subplot shows error/C, the
+    lower subplot error/(C h), both against the mesh size h.
     """
     styles = family_styles(rates["family"])
     scaled, relative, last = [], [], dict[str, list[float]]()
@@ -545,18 +592,23 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
 
 
 def enclosure_charts(series: pd.DataFrame) -> Iterator[tuple[str, Chart]]:
-    """Yield case and chart for every case and mesh family with an enclosure in ``enclosures.csv``."""
+    """Yield case and chart for each case and mesh family that has enclosures of the error in ``enclosures.csv``."""
     enclosed = series[series["trajectory"] == "enclosure"]
     for (case, family), rows in enclosed.groupby(["case", "family"], sort=False):
         yield str(case), enclosure_chart(rows, f"{case}, {family}")
 
 
 def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
-    """Return the bands [d − y, d + y] of every level over time and, below, their ends divided by the error.
+    """Return the chart of the enclosures of an error over time, with a band for each level.
+
+    The band reaches from d − y to d + y, where d is the distance of u_h from a more accurate displacement ũ and y is
+    the bound of the error of ũ. The lower subplot shows the ends of the bands divided by the error or, if the error is
+    unknown, by d.
 
     Parameters:
-        series: rows of ``enclosures.csv`` or of ``study bound``: ``level``, ``time``, ``distance`` d, ``bound`` y and,
-            if known, ``error`` and ``plain``, the bound from u_h alone. If the error is unknown, d is used instead.
+        series: rows of ``enclosures.csv`` or of ``study bound`` with ``level``, ``time``, ``distance`` d, ``bound`` y,
+            ``error``, which is NaN if it is unknown, and possibly ``plain``, a bound from u_h alone.
+        title: the title of the upper subplot.
     """
     known = bool(series["error"].notna().all())
     ends = series.assign(
@@ -600,9 +652,16 @@ def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
 
 
 def work_chart(statements: pd.DataFrame) -> Chart | None:
-    """Return the square root of the work of contact with the error and the excess over the linear problem.
+    """Return the chart of the contact term of the error estimate against the mesh size, a subplot for each case.
 
-    The data are rows of ``statements.csv``; the result is None if there are no such rows.
+    The curves are the square root of the work of contact, the error, and the excess: the distance between u^h and the
+    solution of the linear problem with the exact contact pressure as traction.
+
+    Parameters:
+        statements: the content of ``statements.csv``.
+
+    Returns:
+        The chart; None if the work of contact was not measured.
     """
     strokes: dict[str, Stroke] = {"work": "solid", "error": "dotted", "excess": "dashed"}
     rows = statements[(statements["label"] == "beyond: work of contact") & statements["quantity"].isin(strokes)]
@@ -649,10 +708,16 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
 
 
 def rollers_chart(statements: pd.DataFrame) -> Chart | None:
-    """Return a chart of the error that contact adds to the linear problem if a narrow patch rolls along Γ3.
+    """Return the chart of the error that contact adds to the linear problem if a narrow contact patch rolls along Γ3.
 
-    There is a curve for every mesh family; for shaken meshes it is the mean, with the range. The data are rows of
-    ``statements.csv``, and the width of the roller depends on the level. The result is None if there are no such rows.
+    There is a curve for each mesh family; for shaken meshes it shows the mean, with a band for the range. The width of
+    the contact patch is twice the mesh size.
+
+    Parameters:
+        statements: the content of ``statements.csv``.
+
+    Returns:
+        The chart; None if the error was not measured.
     """
     chosen = statements["label"].eq("beyond: rollers") & statements["quantity"].eq("excess")
     rows = statements[chosen & statements["case"].str.fullmatch(r"roller-\d+")]
@@ -687,9 +752,11 @@ def rollers_chart(statements: pd.DataFrame) -> Chart | None:
 
 
 def codes_chart(codes: Codes) -> Chart:
-    """Return order in V and distance from the reference solution against the error of the pressure, for contact codes.
+    """Return the chart of the results of other people's contact codes.
 
-    Each point is a code with its parameters on one case and mesh family, on the finest mesh.
+    Each point is a code with its parameters on one case and mesh family. The upper subplot shows the observed order of
+    the error in V, the lower subplot the distance from the solution in K^h, both against the error of the contact
+    pressure on the finest mesh.
     """
     tolerance, rounding = 0.15, 1e-11
     rows = codes.series().dropna(subset=["order_in_v", "share", "excess"])
@@ -726,9 +793,12 @@ def codes_chart(codes: Codes) -> Chart:
 
 
 def growth_chart(growth: pd.DataFrame) -> Chart:
-    """Return the cost of a level against the number of unknowns: seconds above, memory per unknown below.
+    """Return the chart of the cost of a solution against the number of unknowns.
 
-    The data are ``benchmarks/growth.csv``, with a colour for every ``dim`` and ``solver``.
+    The upper subplot shows seconds, the lower subplot memory per unknown; each dimension and solver has a colour.
+
+    Parameters:
+        growth: the content of ``benchmarks/growth.csv``.
     """
     kib = 1024
     parts: dict[str, LegendEntry] = {

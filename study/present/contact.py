@@ -1,4 +1,4 @@
-"""Contact zone, gap and pressure on the faces of Γ3: lines in 2D, maps seen from inside the body in 3D."""
+"""Figures of contact zone, gap and pressure on the faces of Γ3: lines in 2D, maps seen from inside the body in 3D."""
 
 from __future__ import annotations
 
@@ -33,26 +33,27 @@ from study.present.picture import (
 )
 
 Paint = Callable[[Axes, int], Any]
-"""Function that draws a map at one of the times of the picture."""
+"""Function that draws a map of a contact face into axes, at the time with the given index."""
 MOST_TIMES, MOST_MARKERS = 40, 24
-"""The approximate largest number of times shown as dots, and of markers on a line."""
+"""The approximate largest number of times for which nodes are shown as dots, and of markers on a line."""
 MAP_LEVELS = 10
 """The number of colours of a map."""
 HARMLESS = "where gap and pressure vanish to high order at a front, this hardly changes the error in the norm of V"
-"""Text on how misplaced fronts affect the error."""
+"""Text for captions on why a misplaced front has little effect on the error."""
 LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
-"""Colour and marker of each face."""
+"""Colour and marker of the first, second and third contact face."""
 INSIDE: dict[str, Any] = {"color": BLUE, "mew": 0}
 STRAY: dict[str, Any] = {"color": BLUE, "mfc": "white", "mew": 0.5}
-"""Styles of nodes in contact inside and outside the exact zone."""
+"""The styles of nodes in contact inside the exact contact zone, and of nodes in contact outside of it."""
 FRONT: dict[str, Any] = {"color": VERMILLION, "lw": 1.0}
 
 
 def draw_zone(picture: Picture) -> Figure:
-    """Draw the contact zone of each face in 2D, with s to the right and t upwards, and the error of the zone.
+    """Draw the contact zone of each face in 2D, exact and computed, with the position s to the right and time upwards.
 
-    The filled region is the exact zone; a dot is a node in contact, hollow outside the exact zone. If there are many
-    times, only some evenly spaced ones are shown. The last panel shows ``misplaced_length``.
+    The filled region is the exact zone. Dots are nodes in contact; they are hollow outside the exact zone. If there are
+    many times, the dots of some evenly spaced times are shown. The last panel shows the error of the computed zone, as
+    ``misplaced_length`` returns it.
     """
     count = len(picture.segments)
     figure = Figure(figsize=(column_width() + 0.8 * (count - 1), 3.2))
@@ -77,6 +78,7 @@ def draw_zone(picture: Picture) -> Figure:
 
 
 def _draw_zone_of_face(axes: Axes, face: Segment, times: Array, faces: int) -> None:
+    """Draw the contact zone of one face in 2D; ``faces`` is the number of faces in the figure."""
     pieces = strands(face.zone_times, face.zone)
     columns = [np.array(piece).T for piece in pieces]
     outlines = [np.column_stack([[*left, *right[::-1]], [*t, *t[::-1]]]) for t, left, right in columns]
@@ -103,7 +105,7 @@ def _draw_zone_of_face(axes: Axes, face: Segment, times: Array, faces: int) -> N
 
 
 def _zone_handles(picture: Picture) -> list[Artist]:
-    """Return entries of the legend: the exact zone, the computed zone, and nodes of it outside the exact zone."""
+    """Return the legend entries of the exact zone, of nodes in contact, and of nodes in contact outside of the zone."""
     exact = Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$")
     handles = [exact, dots(r"nodes in contact, $p^h>0$", ms=2.5, **INSIDE)]
     gap, pressure = _strays(picture)
@@ -114,9 +116,11 @@ def _zone_handles(picture: Picture) -> list[Artist]:
 
 
 def _strays(picture: Picture) -> tuple[float, float]:
-    """Return the largest exact gap and computed pressure at nodes in contact outside the exact zone, in per cent.
+    """Return how large exact gap and computed pressure are at nodes that are in contact outside the exact zone.
 
-    Both are relative to the largest value on any face, and 0 if there are no such nodes.
+    Returns:
+        The largest gap and the largest pressure at these nodes, in per cent of the largest value on all faces; 0 if
+        there are no such nodes.
     """
     where = [outside(face, picture.times) for face in picture.faces]
     shares = []
@@ -154,10 +158,10 @@ def caption_zone(picture: Picture) -> str:
 
 
 def draw_profiles(picture: Picture) -> Figure:
-    """Draw a row of gaps and a row of pressures for every face in 2D, at the times of the shapes.
+    """Draw gap and pressure along each contact face in 2D: a row for each, and a column for each time of a shape.
 
-    Lines are exact values. Markers are computed values at the nodes; if there are many nodes, only some have markers.
-    A slide of several faces has a column for each face, at the time of the largest pressure.
+    Lines are exact values. Markers are computed values at the nodes; if there are many nodes, some have no markers. If
+    there are several faces, a slide has a column for each face, at the time of the largest pressure.
     """
     faces, instants = picture.segments, picture.instants
     quantities = ("gap", "gap $w$", BLUE), ("pressure", "pressure $p$", VERMILLION)
@@ -193,7 +197,15 @@ def draw_profiles(picture: Picture) -> Figure:
 
 
 def _draw_profile(axes: Axes, face: Segment, quantity: tuple[str, str, str], instant: int) -> Array:
-    """Draw gap or pressure along a face at one time; return all drawn values."""
+    """Draw gap or pressure along a face in 2D at one time, exact and computed.
+
+    Parameters:
+        quantity: name of the quantity, label, and colour.
+        instant: the index of the time.
+
+    Returns:
+        All drawn values.
+    """
     name, _, colour = quantity
     exact, computed = getattr(face, f"line_{name}")[instant], getattr(face, name)[instant]
     every = max(1, round(len(face.s) / MOST_MARKERS))
@@ -216,9 +228,10 @@ def caption_profiles(picture: Picture) -> str:
 
 
 def _largest_differences(picture: Picture) -> tuple[str, str]:
-    """Return the largest |computed − exact| of gap and of pressure at the nodes and the times of the shapes, as text.
+    """Return the largest errors of the gap and of the pressure, as text.
 
-    They are in per cent of max |exact|, unless this maximum is round-off.
+    The errors are taken at the nodes and at the times of the shapes. They are given in per cent of the largest exact
+    value, unless this value is zero up to rounding.
     """
     texts = []
     for name in ("gap", "pressure"):
@@ -232,10 +245,10 @@ def _largest_differences(picture: Picture) -> tuple[str, str]:
 
 
 def draw_fronts(picture: Picture) -> Figure:
-    """Draw a row of maps for every face in 3D: the exact zone and the nodes in contact at the times of the shapes.
+    """Draw maps of the contact zone in 3D, exact and computed: a row for each face, a column for each time of a shape.
 
-    The numbers of nodes over time are shown below. In the exact zone the linear interpolant of ``level`` is not
-    negative.
+    The filled region is the exact zone, where the level function is not negative; dots are nodes in contact. Below, the
+    numbers of nodes in contact are shown over time, exact and computed.
     """
     rows = len(picture.polygons)
     figure = Figure(figsize=(column_width(), 2.2 + 1.25 * rows))
@@ -278,9 +291,9 @@ def caption_fronts(picture: Picture) -> str:
 
 
 def draw_maps(picture: Picture) -> Figure:
-    """Draw a row of gaps and a row of pressures for every face in 3D; from left to right the times of the shapes.
+    """Draw maps of gap and pressure in 3D: a row for each face and quantity, a column for each time of a shape.
 
-    Surfaces are exact values, dots computed values at the nodes, in the same colours.
+    Surfaces show exact values, dots show computed values at the nodes, in the same colours.
     """
     instants, rows = picture.instants, 2 * len(picture.polygons)
     figure = Figure(figsize=(column_width(), 0.7 + 1.05 * rows))
@@ -316,7 +329,7 @@ def caption_maps(picture: Picture) -> str:
 
 
 def draw_map(axes: Axes, face: Polygon, instant: int, paint: Paint) -> None:
-    """Draw the map of a face with its exact front at one time."""
+    """Draw the map of a contact face in 3D at the time with the index ``instant``, with the exact contact front."""
     paint(axes, instant)
     level = face.level[instant]
     if level.min() < 0 <= level.max():
@@ -325,7 +338,13 @@ def draw_map(axes: Axes, face: Polygon, instant: int, paint: Paint) -> None:
 
 
 def paint_values(face: Polygon, name: str, top: float) -> Paint:
-    """Return the function that paints gap or pressure from 0 to ``top``: exact as a surface, computed as dots."""
+    """Return the function that draws a map of a quantity: exact values as a surface, computed values as dots.
+
+    Parameters:
+        face: the contact face.
+        name: the quantity, "gap" or "pressure".
+        top: the value of the last colour; the first colour is for 0.
+    """
     exact, computed = getattr(face, f"{name}_exact"), getattr(face, name)
     levels = np.linspace(0, top, MAP_LEVELS + 1)
     style: dict[str, Any] = {"cmap": ramp(name), "norm": BoundaryNorm(levels, 256)}
@@ -339,6 +358,7 @@ def paint_values(face: Polygon, name: str, top: float) -> Paint:
 
 
 def _paint_zone(face: Polygon, times: Array) -> Paint:
+    """Return the function that draws a map of the exact contact zone with the nodes in contact."""
     strays = outside(face, times)
 
     def paint(axes: Axes, instant: int) -> None:
@@ -367,5 +387,5 @@ def _label_maps(panels: Array, picture: Picture) -> None:
 
 
 def _refined(face: Polygon) -> Triangulation:
-    """Return the triangulation of the points at which ψ is known."""
+    """Return the triangulation of the nodes and edge midpoints of a face, at which the level function is known."""
     return Triangulation(*face.facets.refined(face.s), face.facets.quarters.T)

@@ -1,4 +1,4 @@
-"""Functions with which every figure is styled, labelled, drawn and saved with its caption."""
+"""The style of all figures, their legends and labels, and functions that draw figures and save them with captions."""
 
 from __future__ import annotations
 
@@ -27,9 +27,11 @@ from study.present.notation import encode
 from study.present.palette import BLACK, COLOURS
 
 STYLES = Path(__file__).parent
-"""Folder of the style files: ``style.mplstyle`` for all figures, ``USE.mplstyle`` for what differs for a use."""
+"""The folder of the Matplotlib style files.
+
+``style.mplstyle`` is for all figures; a file ``USE.mplstyle`` has entries that replace some of them for one use."""
 SEEN = "What to see: "
-"""Words of a caption before the main point of the figure."""
+"""The words in a caption that are followed by the main point of the figure."""
 SHEET = 6
 """The largest number of subplots that can be read on a slide."""
 
@@ -42,12 +44,12 @@ class Drawing:
     """A figure that is not drawn yet.
 
     Attributes:
-        name: the name of its files, without a suffix.
-        draw: draws it.
+        name: the name of the files of the figure, without a suffix.
+        draw: function that draws the figure.
         caption: says what is drawn and, after ``SEEN``, the main point with numbers.
         summary: the kind of the figure in a few words, for readers who cannot see it.
-        case: the case that it shows; empty for figures over several cases.
-        sheet: whether it has a subplot for each of many cases, too many for a slide.
+        case: the case that the figure shows; empty for figures over several cases.
+        sheet: whether the figure has more subplots than can be read on a slide.
     """
 
     name: str
@@ -59,20 +61,20 @@ class Drawing:
 
     @property
     def alternative(self) -> str:
-        """The alternative text: the kind of the figure, and its main point."""
+        """The text for readers who cannot see the figure: the kind of the figure, and its main point."""
         point = self.caption.partition(SEEN)[2] or self.caption
         return f"{self.summary[:1].upper()}{self.summary[1:]}. {point[:1].upper()}{point[1:]}"
 
 
 @dataclass(frozen=True)
 class Output:
-    """For what use, in which formats and in what style figures are saved.
+    """The use, the formats and the style of saved figures.
 
     Attributes:
-        use: a key of ``FORMATS``.
-        formats: suffixes; empty for those of ``FORMATS``.
-        dpi: dots per inch of PNG files; None for the value of the style.
-        style: a Matplotlib style file, whose entries replace those of the study.
+        use: what the figures are for, a key of ``FORMATS``.
+        formats: the formats, as suffixes of files; if empty, the formats of the use are written.
+        dpi: dots per inch of PNG files; if None, the style decides.
+        style: a Matplotlib style file of the user, whose entries replace those of the study.
     """
 
     use: str = "article"
@@ -91,13 +93,13 @@ class Output:
 
 
 FORMATS = {"article": ("png", "pdf", "svg"), "slides": ("png", "pdf"), "web": ("svg", "png")}
-"""The formats of each use unless others are wanted."""
+"""Use of figures ↦ the formats that are written unless the user asks for others."""
 ARTICLE = Output()
 
 
 @contextmanager
 def in_style(output: Output = ARTICLE) -> Iterator[None]:
-    """Let Matplotlib use the style of the study, and ignore the settings of the user's machine.
+    """Let Matplotlib use the style of the study in a ``with`` block, and ignore the settings of the user's machine.
 
     Raises:
         UsageError: the style file of the user cannot be read, or has an entry that Matplotlib does not know.
@@ -114,7 +116,7 @@ def in_style(output: Output = ARTICLE) -> Iterator[None]:
 
 
 def _read_style(file: Path) -> dict[str, Any]:
-    """Return the entries of a user's style file; Matplotlib itself ignores unknown entries."""
+    """Return the entries of a user's style file; raises UsageError for a file that cannot be read."""
     try:
         lines = file.read_text(encoding="utf-8").splitlines()
         keys = [line.partition("#")[0].partition(":")[0].strip() for line in lines]
@@ -126,29 +128,38 @@ def _read_style(file: Path) -> dict[str, Any]:
 
 
 def column_width() -> float:
-    """Return the width of a column of text in inches: the width of ``figure.figsize`` of the style."""
+    """Return the width of a column of text in inches, which is the width ``figure.figsize`` in the style."""
     return float(rcParams["figure.figsize"][0])
 
 
 def page_width() -> float:
-    """Return the width of a page of two columns in inches; a slide has one column."""
+    """Return the width of a page in inches: two columns of text; for slides one column."""
     return column_width() if is_slide() else 2 * column_width()
 
 
 def is_slide() -> bool:
-    """Return whether all figures have the size of the style and legends on the right: if it is wider than 3 : 2."""
+    """Return whether figures are drawn for slides, which is the case if ``figure.figsize`` is wider than 3 : 2.
+
+    All figures for slides have this size, and their legends are on the right.
+    """
     width, height = rcParams["figure.figsize"]
     return bool(width > 1.5 * height)
 
 
 def small() -> float:
-    """Return the size of small letters in points: the size of tick labels."""
+    """Return the size of small letters in points, which is the size of tick labels."""
     return float(rcParams["xtick.labelsize"])
 
 
 def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower", *, wide: bool = False) -> None:
-    """Add a legend below the axes or, if ``side`` is "upper", above them; on a slide to the right, unless the axes need
-    the width."""
+    """Add a legend to a figure, outside of its axes.
+
+    Parameters:
+        handles: the entries.
+        columns: the number of columns; a legend on the right has one column.
+        side: "lower" for a legend below the axes, "upper" for a legend above them.
+        wide: whether the axes need the whole width; on slides, the legend is on the right unless this is true.
+    """
     if is_slide() and not wide:
         figure.legend(handles=[handle for handle in handles if str(handle.get_label()).strip()], loc="outside right")
     else:
@@ -156,17 +167,17 @@ def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = 
 
 
 def entry(label: str, **style: Any) -> Line2D:
-    """Return a line for a legend."""
+    """Return a legend entry that shows a line."""
     return Line2D([], [], label=label, **style)
 
 
 def dots(label: str, **style: Any) -> Line2D:
-    """Return a marker for a legend, a circle unless the style says otherwise."""
+    """Return a legend entry that shows a marker; the marker is a circle unless the style has another."""
     return entry(label, **{"ls": "", "marker": "o", **style})
 
 
 def mathtext(text: str) -> str:
-    """Return a text for Matplotlib, with its mathematics between dollar signs."""
+    """Return plain Unicode text in Matplotlib's notation, in which formulas are between dollar signs."""
     pieces = re.split(r"\\\((.*?)\\\)", encode(text))
     for i, piece in enumerate(pieces):
         if i % 2:
@@ -188,13 +199,14 @@ def draw_figures(
 
     Parameters:
         directory: directory of a run.
-        choose: returns the figures of a directory: ``drawings`` all of them, ``overview`` the figures over all cases.
-        run_map: ``map``, or the ``map`` of an executor, which draws several figures at a time.
-        progress: called after each figure.
+        choose: function that returns the figures of a directory, such as ``drawings`` and ``overview`` in
+            ``study.present.figures``.
+        run_map: ``map``, or the method ``map`` of an executor, which draws several figures at a time.
+        progress: function that is called after each figure.
         output: use, formats and style.
 
     Returns:
-        the files.
+        The paths of the files.
 
     Raises:
         DataError: a data file is missing or damaged; then nothing is drawn.
@@ -210,7 +222,10 @@ def draw_figures(
 
 
 def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> list[Path]:
-    """Draw one figure and save it in each format, and its caption and alternative text as txt; return the files.
+    """Draw one figure, save it in each format, and save its caption and alternative text in a txt file.
+
+    Returns:
+        The paths of the files.
 
     Raises:
         DataError: a name from the data would write the figure into another directory.
@@ -239,7 +254,7 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> lis
 
 
 def _printer(figure: Figure, suffix: str, drawing: Drawing) -> Callable[[Path], None]:
-    """Return the function that writes a figure in a format, with its alternative text.
+    """Return the function that saves a figure with its alternative text in the format ``suffix``.
 
     Dates and versions are left out, so that equal data give equal files.
     """

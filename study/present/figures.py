@@ -1,4 +1,8 @@
-"""The figures of the data in a directory, and the code of figures that are neither charts nor pictures of contact."""
+"""All figures of a run, and the functions that draw bounds, energies, adapted meshes and the sketch of the problem.
+
+Charts are drawn by ``study.present.charts``, deformed bodies by ``study.present.body``, and contact zones, gaps and
+pressures by ``study.present.contact``.
+"""
 
 from __future__ import annotations
 
@@ -63,15 +67,15 @@ PICTURES: dict[str, tuple[Callable[[Picture], Figure], Callable[[Picture], str],
     "profiles": (contact.draw_profiles, contact.caption_profiles, "Gap and pressure along the contact boundary"),
     "maps": (contact.draw_maps, contact.caption_maps, "Maps of gap and pressure on the contact boundary"),
 }
-"""The functions that draw a picture and write its caption, and what they draw in a few words."""
+"""Kind of a figure of one run ↦ the function that draws it, the function that returns its caption, and its summary."""
 
 
 def drawings(directory: Path) -> list[Drawing]:
-    """Return every figure of the data in a directory, not drawn yet: the figures of ``overview``, and those of each
-    case.
+    """Return all figures of a result directory, which are not drawn yet: figures over all cases, and of each case.
 
-    A case has the figures ``convergence-CASE`` if it is in ``rates.csv``, ``enclosure-CASE`` if there is an enclosure,
-    and ``zone-CASE``, ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` if it has a file in ``pictures``.
+    The figures over all cases are those of ``overview``. A case has the figure ``convergence-CASE`` if it is in
+    ``rates.csv``, ``enclosure-CASE`` if its error was enclosed, and ``body-CASE``, ``zone-CASE``, ``profiles-CASE`` and
+    ``energy-CASE`` if it has a file in ``pictures``.
 
     Raises:
         DataError: a data file is missing or damaged.
@@ -96,7 +100,7 @@ def drawings(directory: Path) -> list[Drawing]:
 
 
 def drawings_of(directory: Path, cases: Sequence[str]) -> list[Drawing]:
-    """Return the figures of some cases.
+    """Return the figures of the named cases, which are not drawn yet.
 
     Raises:
         UsageError: the data have no figures of a case.
@@ -110,12 +114,15 @@ def drawings_of(directory: Path, cases: Sequence[str]) -> list[Drawing]:
 
 
 def overview(directory: Path) -> list[Drawing]:
-    """Return the figures over all cases; raises the errors of ``drawings``.
+    """Return the figures over all cases of a result directory, which are not drawn yet.
 
-    The figures are ``problem``, a sketch; ``orders``, ``collapsed`` and ``convergence`` for the cases of Prop. 5.4 and
-    ``convergence-prop-5-3`` for the rough cases; ``contact-work`` and ``rollers`` if they were measured;
-    ``effectivity`` from ``bounds.csv``; ``growth`` from ``benchmarks/growth.csv`` and ``codes`` from ``codes/`` if
+    The figures are ``problem``, a sketch; ``collapsed``, ``orders`` and ``convergence`` for the cases of Prop. 5.4 and
+    ``convergence-prop-5-3`` for the cases of Prop. 5.3; ``contact-work`` and ``rollers`` if they were measured;
+    ``effectivity`` from ``bounds.csv``; ``growth`` from ``benchmarks/growth.csv`` and ``codes`` from ``codes/``, if
     these exist.
+
+    Raises:
+        DataError: a data file is missing or damaged.
     """
     found: dict[str, Chart | None] = {}
     rates = read_rates(directory)
@@ -151,12 +158,18 @@ def overview(directory: Path) -> list[Drawing]:
 
 
 def for_slides(figures: Iterable[Drawing]) -> list[Drawing]:
-    """Return the figures that can be read on a slide: all but sheets with a subplot for each of many cases."""
+    """Return the figures that can be read on a slide: all except those with a subplot for each of many cases."""
     return [figure for figure in figures if not figure.sheet]
 
 
 def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
-    """Return the figure of the enclosure of an error over time, from rows of ``study bound``."""
+    """Return the figure of the bounds of an error over time.
+
+    Parameters:
+        name: the name of the files of the figure.
+        series: the bounds, as for ``charts.enclosure_chart``.
+        title: the title of the figure.
+    """
     return _of_chart(name, charts.enclosure_chart(series, title))
 
 
@@ -165,12 +178,12 @@ def _of_chart(name: str, chart: Chart, case: str = "") -> Drawing:
 
 
 def _suffix(rates: pd.DataFrame, scheme: object) -> str:
-    """Return the end of the names of figures, which is empty if there is only one time scheme."""
+    """Return the end of the names of figures of a time scheme; it is empty if the data have only one scheme."""
     return f"-{scheme}" if rates["scheme"].nunique() > 1 else ""
 
 
 def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
-    """Return ``expected_order`` of every case with a rate."""
+    """Return case ↦ expected order from ``cases.csv``; raises DataError if a case in ``rates`` is missing there."""
     cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
     orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
     if unknown := sorted(set(rates["case"]) - set(orders)):
@@ -183,13 +196,14 @@ SCHEMES = {"backward-euler": Style(VERMILLION, "s"), "bdf2": Style(GREEN, "^"), 
 
 
 def draw_effectivity(known: pd.DataFrame) -> Figure:
-    """Draw the bound from u_h alone over the error on the left, both ends of the enclosure over the error on the right.
+    """Draw the bounds of the error divided by the error, a line for each case.
 
-    There is a line per case with a marker per scheme, mesh family and level, larger on finer levels.
+    The left axes show the upper bound from u_h alone, the right axes both ends of the enclosure. A line has a marker
+    for each time scheme, mesh family and level; markers of finer levels are larger.
 
     Parameters:
-        known: the rows of ``bounds.csv`` whose error is known, with ``upper`` and ``lower``, the worst over the second
-            half of time.
+        known: the rows of ``bounds.csv`` whose error is known. ``upper`` and ``lower`` are the worst ratios of the
+            bounds to the error in the second half of time.
     """
     # A slide has room for a line per scheme.
     line, shift = ("scheme", 0.0) if is_slide() else ("case", 0.22)
@@ -250,14 +264,15 @@ def caption_effectivity(known: pd.DataFrame) -> str:
 
 
 def _marker_area(level: Any) -> Any:
-    """Return the area of a marker in square points."""
+    """Return the area of the marker of a level in square points."""
     return 5.0 * np.log2(level) - 8
 
 
 def draw_energy(picture: Picture) -> Figure:
-    """Draw work of the load, dissipation, stored energy and work of contact since t = 0 and, below, their defect.
+    """Draw the terms of the energy balance over time and, below, its defect.
 
-    The defect is relative to the largest of these energies.
+    The terms are the work of the load, the dissipated energy, the stored energy and the work of contact since t = 0.
+    The defect, which would be zero without discretisation in time, is relative to the largest of these terms.
     """
     energy = picture.energy
     figure = Figure(figsize=(column_width(), 3.4))
@@ -302,21 +317,21 @@ def caption_energy(picture: Picture) -> str:
 
 
 def _largest_energy(energy: Energy) -> float:
-    """Return the largest term of the balance over time, 1 if all vanish."""
+    """Return the largest absolute value of the terms of an energy balance since t = 0; 1 if all are zero."""
     terms = energy.stored - energy.stored[0], energy.dissipated, energy.contact, energy.work
     return float(max(abs(values).max() for values in terms)) or 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class AdaptedMesh:
-    """An adapted mesh with its contact zone, and the bounds of the error on all meshes.
+    """The last mesh of an adaptive refinement with its contact zone, and the bounds of the error on all meshes.
 
     Attributes:
-        p, t: vertices, (2, n), and cells, (3, n).
-        edges: ends of the edges of Γ3, (2, 2, n).
-        closed: whether an edge is in contact at the last time, (n,).
-        rows: ``adaptive.csv``.
-        uniform: ``levels.csv`` of uniform meshes, an empty table if there is none.
+        p, t: vertices, (2, vertices), and cells, (3, cells).
+        edges: coordinates of the ends of the edges on Γ3, (2, 2, edges).
+        closed: whether an edge is in contact at the last time, (edges,).
+        rows: the content of ``adaptive.csv``, a row for each mesh of the refinement.
+        uniform: the content of ``levels.csv``, a row for each uniform mesh; empty if there are none.
     """
 
     p: Array
@@ -328,7 +343,13 @@ class AdaptedMesh:
 
 
 def adapted_mesh(name: str, found: AdaptedMesh, norm: str) -> Drawing:
-    """Return the figure ``adaptive`` of a problem; ``norm`` is the error that is bounded, as text."""
+    """Return the figure ``adaptive``: the last adapted mesh, and the bounds of the error over the number of unknowns.
+
+    Parameters:
+        name: the name of the problem.
+        found: the mesh and the bounds.
+        norm: the error that is bounded, as text.
+    """
     against = ", for meshes refined everywhere as well" if len(found.uniform) else ""
     contact = "with what of Γ3 is in contact at the last time in colour, " if found.closed.size else ""
     caption = (
@@ -380,9 +401,9 @@ SKETCH = (
 
 
 def draw_sketch() -> Figure:
-    """Draw a sketch of the problem for new readers; nothing is computed.
+    """Draw a sketch of a body on a foundation with Γ1, Γ2, Γ3, forces, gap and pressure; nothing is computed.
 
-    Near a front c the gap is (s − c)_+² and the pressure (c − s)_+.
+    The drawn gap is (s − c)_+² and the drawn pressure (c − s)_+, where c is the position of the contact front.
     """
     wide, high, front = 1.5, 0.62, 0.75
     figure = Figure(figsize=(column_width(), 1.75))

@@ -1,4 +1,4 @@
-"""The data of a full run, from which papers, README and documentation are made."""
+"""The data of a full run, from which the tables and numbers of papers, README and documentation are made."""
 
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest",
 SENSITIVITY = ["defect", "case", "family", "amount", "seen_by"]
 CONTROLS = ["defect", "what", "label", "quantity", "caught"]
 NAMED_CASES = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
-"""Cases that the papers name; a run without one of them is not used for the papers."""
+"""The cases that the papers name. If a run lacks one of them, the papers are not made from it."""
 
 
 @dataclass(frozen=True)
 class FullRun:
-    """The data files of a full run, with cases indexed by their names.
+    """The contents of the data files of a full run; ``cases`` is indexed by the names of the cases.
 
-    The results of other codes, the sensitivity to defects and the earlier windows are None if their files are missing.
+    ``codes`` and ``marches`` are the results of other people's contact codes, ``sensitivity`` has the smallest noticed
+    defects, and ``earlier`` and ``released`` are earlier tolerance windows. These are None if their files are missing.
     """
 
     rates: pd.DataFrame
@@ -45,7 +46,7 @@ class FullRun:
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:
-        """Return the data of a full run of the catalogue with its controls and seeds, None for any other run.
+        """Return the data of a result directory; None if it lacks a full run, deliberate defects or random meshes.
 
         Raises:
             DataError: a file is missing or lacks a column.

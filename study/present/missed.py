@@ -31,14 +31,17 @@ LEARNED = {
     ("beyond: fully discrete", "bdf2-error-in-k"): "Each vertex that changes contact costs BDF2, a two-step scheme, "
     "more than a one-step scheme: the order falls below 3/2.",
 }
-"""The lesson from a missed prediction, by the label and a part of the key of the check."""
+"""Label of a check and a part of its key ↦ what was learned from the wrong prediction."""
 
 
 def missed_rows(claims: pd.DataFrame) -> list[list[str]]:
-    """Return statement, case, quantity, prediction, observation and lesson of every missed prediction.
+    """Return a row of texts for each wrong prediction of this study.
+
+    Returns:
+        Rows with the statement, the case, the quantity, the prediction, the observation and what was learned.
 
     Raises:
-        DataError: no lesson is written down for a row.
+        DataError: ``LEARNED`` lacks a wrong prediction.
     """
     lines = []
     for _, row in claims[claims["verdict"] == MISSED].iterrows():

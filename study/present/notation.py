@@ -1,7 +1,8 @@
 """Convert the plain Unicode text of the data files to LaTeX, HTML and SVG: ‖u − u^h‖_V becomes \\(\\|u-u^{h}\\|_{V}\\).
 
-In LaTeX a word is mathematics if it contains a mathematical character or a script (u^h, max_n); single letters and
-numbers between two such words belong to the same formula. All other text is prose and only escaped.
+A word becomes part of a LaTeX formula if it contains a mathematical character, a superscript or a subscript, as u^h
+and max_n do. Single letters and numbers between two such words belong to the same formula. All other words are prose,
+in which special characters are escaped.
 """
 
 from __future__ import annotations
@@ -59,7 +60,10 @@ _WORD_OR_FORMULA = re.compile(r"\\\(.*?\\\)\S*|\S+")
 
 @cache
 def encode(text: str) -> str:
-    """Return LaTeX of a line of prose that contains Unicode mathematics; cached, because columns repeat few texts."""
+    """Return a line of plain Unicode text as LaTeX, with formulas where the text has mathematical words.
+
+    Results are cached, because the columns of tables repeat few texts.
+    """
     number = _NUMBER.fullmatch(text)
     if number:
         mantissa, exponent, sign_of_infinity = number.groups()
@@ -79,7 +83,7 @@ def encode(text: str) -> str:
 
 
 def encode_letters(text: str) -> str:
-    """Return ``encode`` of a text in which single letters are mathematics, too."""
+    """Return a line of plain Unicode text as LaTeX, like ``encode``, but with single letters as formulas, too."""
     for sign, plain in _SPELLINGS.items():
         text = text.replace(sign, plain)
     found = _WORD_OR_FORMULA.findall(encode(_EXPONENT.sub(r"^{\1}", text)))
@@ -94,7 +98,7 @@ def encode_letters(text: str) -> str:
 
 
 def prose(text: str) -> str:
-    """Return LaTeX of text without mathematics, such as names; unknown characters are shown by their code."""
+    """Return text without formulas, such as a name, as LaTeX; characters that are not Latin are shown by their code."""
 
     def is_latin(c: str) -> bool:
         return c.isascii() or ("LATIN" in unicodedata.name(c, "") and ord(c) < 0x180)
@@ -103,25 +107,34 @@ def prose(text: str) -> str:
 
 
 def counted(number: int, noun: str) -> str:
-    """Return a number with its noun in the singular or the plural: 1 case, 2 cases."""
+    """Return a number followed by a noun, in the plural if the number is not 1: "1 case", "2 cases"."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
 def folding(width: float) -> str:
-    """Return the alignment of a column that folds its text at a fraction of the line width."""
+    """Return the LaTeX alignment of a column whose text is folded at a width, given as a fraction of the line width."""
     return rf">{{\raggedright\arraybackslash}}p{{{width}\linewidth}}"
 
 
 def tabular(headings: Sequence[str], alignment: str, rows: Iterable[Sequence[str]]) -> str:
-    r"""Return a table to \\input into a float, from cells in LaTeX; it needs the packages booktabs and array."""
+    r"""Return a LaTeX table for a float; it needs the packages booktabs and array.
+
+    Parameters:
+        headings: the headings of the columns, in LaTeX.
+        alignment: the alignments of the columns.
+        rows: the cells, in LaTeX.
+    """
     lines = [rf"\begin{{tabular}}{{@{{}}{alignment}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
     return "\n".join([*lines, *map(_row, rows), r"\bottomrule", r"\end{tabular}", ""])
 
 
 def longtable(headings: Sequence[str], alignment: Sequence[str], groups: Sequence[tuple[str, list[list[str]]]]) -> str:
-    """Return a table to \\input that may fill several pages, with a line above each group of rows.
+    """Return a LaTeX table that may fill several pages; it needs the packages array, booktabs and longtable.
 
-    Headings, group titles and cells are in LaTeX; an empty title gives no line.
+    Parameters:
+        headings: the headings of the columns, in LaTeX.
+        alignment: the alignment of each column.
+        groups: titles and rows of groups, in LaTeX. A title is a line above the group, unless it is empty.
     """
     lines = ["% \\input this fragment; it needs the packages array, booktabs and longtable."]
     lines += [rf"\begin{{longtable}}[l]{{@{{}}{''.join(alignment)}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
@@ -141,7 +154,10 @@ def _row(cells: Sequence[str]) -> str:
 
 
 def _kinds(words: Sequence[str]) -> list[bool]:
-    """Return for each word whether it is mathematics: it looks so, or it is short and next to mathematics."""
+    """Return whether each word of a line belongs to a formula.
+
+    It does if it contains mathematics, or if it is short and its neighbour belongs to a formula.
+    """
     kinds = [_is_mathematics(word) for word in words]
     short = [bool(_SHORT.fullmatch(word)) for word in words]
     for i in range(1, len(words)):
@@ -167,7 +183,7 @@ def _run(words: Sequence[str]) -> str:
 
 
 def _formula(text: str) -> str:
-    """Return LaTeX mathematics of Unicode mathematics."""
+    """Return the content of a LaTeX formula from mathematical Unicode text."""
     out: list[str] = []
     for token in _TOKEN.findall(unicodedata.normalize("NFD", text)):
         if token in _ACCENTS and out:
@@ -196,7 +212,10 @@ def _atom(token: str) -> str:
 
 
 def _joined(atoms: list[str]) -> str:
-    r"""Return a formula: neighbouring scripts on one side are merged, and \nu and h give \nu h, not \nuh."""
+    r"""Return a LaTeX formula from its parts, where \nu and h become \nu h, not \nuh.
+
+    Superscripts that follow each other are merged, and so are subscripts.
+    """
     merged: list[str] = []
     for atom in atoms:
         # x² ³ or q_{3}_{1} would be a double script.
@@ -214,11 +233,15 @@ def _joined(atoms: list[str]) -> str:
 _HTML_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|[\w+−∞])")
 _TAGS = {"^": "sup", "_": "sub"}
 _SVG_OFFSETS, _SVG_SIZE = {"": 0.0, "^": -0.35, "_": 0.2}, 0.72
-"""The distance of the baseline of a script below the line, and the size of a script, both in font sizes of the line."""
+"""Script ↦ the distance of its baseline below the baseline of the line, and the size of a script; both as fractions of
+the font size of the line."""
 
 
 def typeset(text: str) -> Markup:
-    """Return escaped HTML in which x^y, x_y, x^∞, x^{yz}, x^1.5 and x^(1+s) have scripts, without braces."""
+    """Return a line of plain Unicode text as HTML with superscripts and subscripts.
+
+    Scripts are written as in x^y, x_y, x^∞, x^{yz}, x^1.5 and x^(1+s).
+    """
     out = Markup()
     for piece, script in _pieces(text):
         tag = Markup(_TAGS.get(script, ""))
@@ -227,7 +250,10 @@ def typeset(text: str) -> Markup:
 
 
 def typeset_svg(text: str) -> Markup:
-    """Return the content of an SVG text element; scripts of scripts are put on their own line's baseline."""
+    """Return a line of plain Unicode text as the content of an SVG text element, with superscripts and subscripts.
+
+    A script of a script is written on the baseline of the outer script.
+    """
     out, baseline = Markup(), 0.0
     for piece, script in _pieces(text):
         size = _SVG_SIZE if script else 1.0
@@ -238,7 +264,7 @@ def typeset_svg(text: str) -> Markup:
 
 
 def _pieces(text: str) -> Iterator[tuple[str, str]]:
-    """Yield pieces of a line, each with "^" or "_" for a script and "" for other text."""
+    """Yield the pieces of a line with "^" for a superscript, "_" for a subscript, and an empty text otherwise."""
     end = 0
     for match in _HTML_SCRIPT.finditer(text):
         if match.start() > end:

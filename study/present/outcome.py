@@ -1,4 +1,4 @@
-"""The outcome of a run: rates and ledger as text for a terminal, and verdicts as JUnit XML."""
+"""The results of a run as text for a terminal, and its verdicts as JUnit XML."""
 
 from __future__ import annotations
 
@@ -31,17 +31,17 @@ from study.present.charts import order_differences
 from study.present.notation import counted
 
 FEW_CASES = 3
-"""The largest number of cases whose reported checks are printed."""
+"""If a run has at most this number of cases, its reported numbers without a claim are printed, too."""
 CONTACT_TEST = "case", "family", "levels", "defect", "what", "holding", "noticed", "noticed_by"
 """Columns of ``contact-test.csv``."""
 
 
 def rates_text(directory: Path) -> str:
-    """Return one row per case and mesh family from ``rates.csv``, as wide as the terminal, at most 110 columns.
+    """Return the table of errors that ``study run`` prints, with a row for each case and mesh family of ``rates.csv``.
 
     A row has the finest level n and its error, the order of the discrete error between the two finest levels, the
-    largest time share of all levels, the predicted order of the error, and the orders from level to level; only the
-    last orders if not all fit.
+    largest share of the time discretisation on all levels in per cent, the predicted order of the error, and the
+    observed orders from level to level. The first orders are left out if the terminal is not wide enough.
     """
     rates, predicted = read_rates(directory), predicted_orders(directory)
     schemes = rates["scheme"].nunique() > 1
@@ -61,16 +61,15 @@ def rates_text(directory: Path) -> str:
 
 
 def predicted_orders(directory: Path) -> dict[str, float]:
-    """Return the predicted order of the error of every case of a directory."""
+    """Return case ↦ predicted order of the error, from ``cases.csv`` of a result directory."""
     cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
     return dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
 
 
 def orders_text(directory: Path) -> str:
-    """Return by how much the observed orders of the error differ from the predicted ones; empty without orders.
+    """Return a text on the differences between the observed and the predicted orders of the error in all cases.
 
-    Observed orders are those over the last two refinements. Meshes graded towards a singularity are left out, because
-    the predicted orders hold for quasi-uniform meshes.
+    The differences are those of ``order_differences``. Without observed orders the text is empty.
     """
     differences = order_differences(read_rates(directory), predicted_orders(directory))["difference"]
     if differences.empty:
@@ -80,11 +79,14 @@ def orders_text(directory: Path) -> str:
 
 
 def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
-    """Return one row per statement of the ledger, then every check that does not hold, and a summary.
+    """Return the ledger as ``study run`` prints it: statements with their verdicts, failed checks, and a summary.
 
-    A row has the number of cases, and the numbers of checks by verdict. Checks that are only reported are listed for
-    few cases, whose user wants to read them. The summary counts the checks that hold by the kind of their evidence, and
-    ends with a conclusion, to which ``orders`` of ``orders_text`` is added.
+    There is a row for each statement with the number of cases and the number of checks with each verdict. Then all
+    checks are listed that do not hold; numbers without a claim only if there are at most ``FEW_CASES`` cases.
+
+    Parameters:
+        claims: the content of ``claims.csv``.
+        orders: the text of ``orders_text``, which is added to the conclusion.
     """
     rows = [
         [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]
@@ -107,13 +109,18 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
 
 
 def kinds_text(claims: pd.DataFrame) -> str:
-    """Return a sentence that counts the checks that hold by the kind of their evidence."""
+    """Return a sentence with the numbers of checks that hold, by the kind of their evidence."""
     counts = ", ".join(f"{count} {name}" for name, count in count_kinds(claims).items())
     return f"evidence of the checks that hold: {counts} ({THEOREM} and {IDENTITY} fail only if the code is broken)"
 
 
 def conclusion(count: Mapping[str, int], orders: str = "") -> str:
-    """Return one sentence on whether the statements are confirmed, and on the observed orders."""
+    """Return one sentence that says whether a statement was contradicted.
+
+    Parameters:
+        count: verdict ↦ number of checks.
+        orders: a text on the observed orders, which is added; may be empty.
+    """
     seen = f"; {orders}" if orders else ""
     if count[FAILS]:
         return f"Conclusion: {counted(count[FAILS], 'check')} contradicted a statement{seen}."
@@ -125,7 +132,7 @@ def conclusion(count: Mapping[str, int], orders: str = "") -> str:
 
 
 def contact_test_text(directory: Path) -> str:
-    """Return how strongly each own case tests contact, from ``contact-test.csv``: what noticed each defect."""
+    """Return which checks notice deliberate defects of contact, for the cases of a user, from ``contact-test.csv``."""
     table = read_csv(directory, "contact-test.csv", CONTACT_TEST)
     lines = [text for _, rows in table.groupby("case", sort=False) for text in _contact_test(rows)]
     return "\n".join(line for text in lines for line in textwrap.wrap(text, width(), subsequent_indent="    ")) + "\n"
@@ -147,7 +154,10 @@ def _contact_test(rows: pd.DataFrame) -> list[str]:
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:
-    """Write one test case per verdict: *fails* is a failure; undecided, missed and reported are skipped."""
+    """Write verdicts into a JUnit XML file, as one test case each.
+
+    The verdict *fails* is a failure; the verdicts *undecided*, *missed* and *reported* are skipped tests.
+    """
     count = Counter(verdict.verdict for verdict in verdicts)
     skipped = len(verdicts) - count[HOLDS] - count[FAILS]
     totals = {"tests": str(len(verdicts)), "failures": str(count[FAILS]), "skipped": str(skipped)}
@@ -165,7 +175,7 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
 
 
 def observed_text(observed: float, low: float, high: float) -> str:
-    """Return an observed value with its range, or the one-sided bound that is known of it."""
+    """Return an observed value with its range as text; if one end is infinite, the other end as a bound."""
     if math.isnan(observed) or (math.isinf(low) and math.isinf(high)):
         return "no number" if math.isnan(observed) else cell(observed)
     if math.isinf(low):
@@ -174,6 +184,14 @@ def observed_text(observed: float, low: float, high: float) -> str:
 
 
 def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bool, shown: int) -> list[str]:
+    """Return the cells of a row of ``rates_text``.
+
+    Parameters:
+        series: the rows of ``rates.csv`` of one case and mesh family, from coarse to fine.
+        predicted: case ↦ predicted order.
+        schemes: whether the time scheme is named.
+        shown: the largest number of orders.
+    """
     finest = series.iloc[-1]
     orders = [f"{order:.2f}" for order in series["order"].dropna()]
     return [
@@ -189,7 +207,7 @@ def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bo
 
 
 def _finding(row: pd.Series) -> list[str]:
-    """Return the lines of a verdict that does not hold, with its quantity, folded to the terminal width."""
+    """Return the lines about a check that does not hold, folded to the width of the terminal."""
     expected, _, why = str(row["expected"]).partition(BECAUSE)
     observed = observed_text(*(float(row[name]) for name in ("observed", "low", "high")))
     where = f"{row['label']}, {row['case']}" if row["case"] else str(row["label"])
@@ -199,7 +217,14 @@ def _finding(row: pd.Series) -> list[str]:
 
 
 def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[int], numbers: slice) -> str:
-    """Return columns two spaces apart, with longer cells folded and numbers aligned to the right."""
+    """Return a table as text.
+
+    Parameters:
+        head: the headings.
+        rows: the cells.
+        widths: the widths at which the cells of each column are folded.
+        numbers: the columns that are aligned to the right.
+    """
     sides = ["left"] * len(head)
     sides[numbers] = ["right"] * len(sides[numbers])
     return str(

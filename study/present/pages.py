@@ -1,4 +1,4 @@
-"""The tables and badges of README and documentation that are made from the data.
+"""Tables, texts and badges of the README and of the documentation, made from the data of a full run.
 
 Usage: python -m study.present.pages results README.md docs/explanation/results.md …
 """
@@ -10,7 +10,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from itertools import groupby
 from pathlib import Path
 from xml.sax.saxutils import escape
@@ -55,10 +55,10 @@ from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, c
 
 TABLES, FIGURES, PAGES = "study tables --out {}", "study figures --out {}", "make pages"
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
-FILM, FILM_DPI = "hexagon", 75
-"""The case shown at the top of the README, and dots per inch of its animation."""
+FILM, FILM_DPI, FILM_COLOURS = "hexagon", 66, 32
+"""The case that the animation at the top of the README shows, its dots per inch, and the number of its colours."""
 ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling", "limit", "order", "order-graded")
-"""Keys of the checks that test a proposition directly; the other checks test the discrete solution."""
+"""Keys of the checks that test the order of Proposition 5.4 and the convergence of Proposition 5.3 directly."""
 MISPRINTS = "slips"
 """The label of the checks that list misprints."""
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
@@ -73,9 +73,11 @@ def main() -> None:
     data = FullRun.read(directory)
     if data is None:
         raise DataError(f"{directory} has no full run: `make full`, `make controls` and `make seeds` make it")
-    film, picture = directory / "figures" / f"{FILM}.gif", picture_path(directory, FILM)
+    picture = with_every_shape(read_record(picture_path(directory, FILM)))
+    # Every second time is enough, and keeps the file below 120 kB.
+    picture = replace(picture, shapes=picture.shapes[::2])
     with in_style():
-        write_gif(film, with_every_shape(read_record(picture)), lambda: None, FILM_DPI)
+        write_gif(directory / "figures" / f"{FILM}.gif", picture, lambda: None, FILM_DPI, FILM_COLOURS)
     write_badges(directory / "badges", data, Path("pyproject.toml"))
     for page in pages:
         print(f"{page}: {'changed' if refresh(page, data) else 'up to date'}")
@@ -124,10 +126,10 @@ def refreshed(page: Path, data: FullRun) -> str:
 
 
 def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
-    """Return for each file of a run that follows from its data alone the text and the command that writes it.
+    """Return the expected texts of all files that follow from the data of a run, and the commands that write the files.
 
-    These files are tables, inputs of the papers and captions of figures; for a full run also the badges and the README
-    of the repository to which the run belongs. Files that do not exist are left out.
+    These files are tables, LaTeX files for the papers and captions of figures; for a full run also the badges and the
+    README of the repository to which the run belongs. Files that do not exist are left out.
 
     Raises:
         DataError: a data file is missing or damaged.
@@ -145,9 +147,12 @@ def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
 
 
 def put(text: str, name: str, table: str) -> str:
-    """Return a page with a table, or a few words, inserted between the marks of a name; unchanged without such marks.
+    """Return the text of a page in which a table, or a few words, replace what is between two marks.
 
-    A table begins on a new line; words stay in their sentence.
+    Parameters:
+        text: the text of the page; if it lacks one of the marks, it is returned unchanged.
+        name: the name in the first mark ``<!-- NAME -->``; the second mark is ``END``.
+        table: the table, which then begins on a new line, or the words, which stay in their sentence.
     """
     head, mark, rest = text.partition(f"<!-- {name} -->")
     _, end, tail = rest.partition(END)
@@ -399,21 +404,27 @@ def _seeds(data: FullRun) -> Result:
 
 
 def _verdict(data: FullRun, label: str, among: set[str] | None = None) -> str:
-    """Return the verdict on a statement and the number of its checks, in all cases or in the given cases."""
+    """Return the verdict on a statement and the number of its checks."""
     rows = data.claims[data.claims["label"] == label]
     return _judged(rows if among is None else rows[rows["case"].isin(among)], "checks")
 
 
 def _two_groups(data: FullRun, label: str, keys: tuple[str, ...], noun: str) -> str:
-    """Return the verdict on the checks that test a proposition directly, then the counts of the further checks."""
+    """Return the verdict on a proposition, then the numbers of verdicts on further checks of the same computations.
+
+    Parameters:
+        label: the label of the proposition.
+        keys: the keys of the checks that test the proposition directly.
+        noun: what these checks are called.
+    """
     rows = data.claims[data.claims["label"] == label]
     tests = rows["key"].isin(keys)
     return f"{_judged(rows[tests], noun)}; {verdicts_in_words(rows[~tests], 'further checks of the same computations')}"
 
 
 def _judged(rows: pd.DataFrame, noun: str) -> str:
-    """Return the worst verdict on claims among the checks, how many have each verdict, and how many cannot fail by
-    chance."""
+    """Return the worst verdict among checks, the numbers of checks with each verdict, and how many prove only that the
+    program is right."""
     count = count_verdicts(rows)
     worst = [verdict for verdict in CLAIMED if count[verdict]]
     if not worst:
@@ -426,7 +437,10 @@ def _judged(rows: pd.DataFrame, noun: str) -> str:
 
 
 def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
-    """Return "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions."""
+    """Return "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions.
+
+    ``noun`` is what the checks are called, in the plural.
+    """
     count = count_verdicts(rows)
     total = sum(count[verdict] for verdict in CLAIMED)
     text = f"all {total} {noun} hold"
@@ -438,12 +452,12 @@ def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
 
 
 def _range(rows: pd.DataFrame) -> str:
-    """Return the least and the largest value, rounded outwards."""
+    """Return the smallest low end and the largest high end of checks as text, rounded outwards."""
     return f"{below(rows['low'].min(), 2)} to {above(rows['high'].max(), 2)}"
 
 
 def misprints(data: FullRun) -> str:
-    """Return the places where the printed text of the paper is wrong, and the corrected text, in Markdown."""
+    """Return the misprints in the paper, in Markdown: place, printed text, corrected text."""
     rows = misprint_rows(data)[["case", "quantity", "expected"]].itertuples(index=False)
     lines = [[_literal(str(cell).removeprefix("read: ")) for cell in row] for row in rows]
     return markdown(["place", "printed", "read"], lines)
@@ -455,7 +469,7 @@ def misprint_rows(data: FullRun) -> pd.DataFrame:
 
 
 def missed(data: FullRun) -> str:
-    """Return the wrong predictions of this study and what was learned from them, in Markdown."""
+    """Return the predictions of this study that were wrong, and what was learned from them, in Markdown."""
     lines = [[_literal(str(text)) for text in line] for line in missed_rows(data.claims)]
     return markdown(["statement", "case", "quantity", "predicted", "observed", "what was learned"], lines)
 
@@ -464,7 +478,7 @@ def missed(data: FullRun) -> str:
 
 
 def statements(data: FullRun) -> str:
-    """Return every statement with its verdicts, the file of the code that judges it and its data, in Markdown."""
+    """Return all statements with their verdicts, the code files that judge them and their data files, in Markdown."""
     lines = []
     for label, claim, rows in by_claim(data.claims):
         where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
@@ -475,19 +489,20 @@ def statements(data: FullRun) -> str:
 
 
 def _verdicts(rows: pd.DataFrame) -> str:
+    """Return the number of checks with each verdict, as in "3 holds, 1 undecided"."""
     return ", ".join(f"{count} {name}" for name, count in count_verdicts(rows).items() if count)
 
 
 def formulas(data: FullRun) -> str:
-    """Return every numbered formula and statement of the paper with its checks or the reason for none, in Markdown."""
+    """Return all numbered formulas and statements of the paper, each with its checks or the reason why it has none."""
     lines = [[numbers, _literal(says), _literal(rows)] for numbers, says, rows in numbered_lines(data.claims)]
     return markdown(["number", "says", "rows, or why there are none"], lines)
 
 
 def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
-    """Yield numbers, their content, and their checks or the reason for none, in the order of the paper.
+    """Yield each number of the paper with its content, and with its checks or the reason why it has none.
 
-    Consecutive numbers with equal content share a line.
+    The order is the order of the paper. Consecutive numbers with equal content and equal checks are joined.
 
     Raises:
         DataError: a number has no checks and no reason.
@@ -502,7 +517,10 @@ def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
 
 
 def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
-    """Return for each number the content and the checks, or the reason for none, of statements that name it."""
+    """Return number of the paper ↦ content and checks of each statement that names the number.
+
+    For a number without a check, the reason why it has none takes the place of the checks.
+    """
     found: dict[str, list[tuple[str, str]]] = {number: [] for number in NUMBERED}
     without = claims["label"].isin((NO_ROW, NOT_TESTED))
     entries = [
@@ -573,7 +591,7 @@ def _changes_table(found: Sequence[Change]) -> str:
 
 
 def new_windows(data: FullRun) -> str:
-    """Return the checks that are claimed today and did not exist at the first round, in Markdown."""
+    """Return the tolerance windows of checks that did not exist at the end of the first round, in Markdown."""
     lines = [
         [_changed(one), _literal(one.today), _literal(one.why)]
         for one in added(_record(data.earlier, FIRST), data.claims)
@@ -592,7 +610,7 @@ def _record(then: pd.DataFrame | None, name: str) -> pd.DataFrame:
 
 
 def _literal(text: str) -> str:
-    """Return a text with its scripts raised and lowered, and with emphasis characters of Markdown escaped."""
+    """Return a plain text as Markdown, with superscripts and subscripts in HTML and with ``*`` and ``_`` escaped."""
     return re.sub(r"([*_])", r"\\\1", typeset(text))
 
 
@@ -601,14 +619,14 @@ def _literal(text: str) -> str:
 
 @dataclass(frozen=True)
 class Badge:
-    """A small picture at the top of the README: a name, a text, and the colour behind the text."""
+    """A badge, which is a small picture at the top of the README: a name, a text, and the colour behind the text."""
 
     name: str
     says: str
     colour: str
 
     def svg(self) -> str:
-        """Return the badge as SVG; letters are fitted into their average width."""
+        """Return the badge as SVG; the width follows from the number of letters."""
         margin, height = 6, 20
         left, right = (round(6.4 * len(text)) + 2 * margin for text in (self.name, self.says))
         name, says = escape(self.name), escape(self.says)
@@ -626,7 +644,10 @@ class Badge:
 
 
 def badges(data: FullRun, project: Path) -> dict[str, Badge]:
-    """Return the badges by file name: verdicts of the ledger, noticed defects, and entries of ``pyproject.toml``."""
+    """Return the badges by their file names: the verdicts, the noticed defects, the Python version and the licence.
+
+    ``project`` is the path of ``pyproject.toml``.
+    """
     stated = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
     count, (found, injected) = count_verdicts(data.claims), count_caught(data.controls)
     ledger = VERMILLION if count[FAILS] else ORANGE if count[UNDECIDED] else GREEN

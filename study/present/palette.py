@@ -1,4 +1,4 @@
-"""Every colour of figures, animations and the report page, and the line style of each mesh family."""
+"""All colours of figures, animations and the report page, and the line style of each mesh family."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ GREY, DARK = "#8C8C8C", "#4D4D4D"
 OUTLINE, RIM, SURFACE = "0.35", "0.4", "0.6"
 FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
-"""Colours of lines, in the order in which they are used."""
+"""Colours of the first, second, … line in a figure."""
 
 RAMPS = {
     "stress": ("#ffffd9", "#edf8b1", "#c7e9b4", "#7fcdbb", "#41b6c4", "#1d91c0", "#225ea8", "#253494", "#081d58"),
     "pressure": ("#fff7ec", "#fee8c8", "#fdd49e", "#fdbb84", "#fc8d59", "#ef6548", "#d7301f", "#b30000", "#7f0000"),
     "gap": ("#fff7fb", "#ece7f2", "#d0d1e6", "#a6bddb", "#74a9cf", "#3690c0", "#0570b0", "#045a8d", "#023858"),
 }
-"""Colours from zero to the largest value: YlGnBu, OrRd and PuBu of ColorBrewer (Harrower and Brewer 2003).
+"""Quantity ↦ colours from zero to the largest value: YlGnBu, OrRd and PuBu of ColorBrewer (Harrower and Brewer 2003).
 
-They darken monotonically, so they are readable in grey, too, and the mesh stays visible for small values.
+Larger values have darker colours, so that figures can be read in grey; small values leave the mesh visible.
 """
 _LIGHT = {
     "paper": "#fff", "ink": "#1a1a1a", "soft": "#595959", "rule": "#d0d0d0", "shade": "#f4f4f2", "link": "#00558a",
@@ -36,7 +36,7 @@ _DARK = {
     "focus": "#7cc4f0",
 }  # fmt: skip
 PAGE = {"light": _LIGHT, "dark": _LIGHT | _DARK}
-"""CSS variables of the report page for readers who prefer light or dark pages."""
+"""CSS variables of the report page, for light and for dark pages."""
 
 
 Stroke = Literal["solid", "dashed", "dotted", "none", "band"]
@@ -44,7 +44,14 @@ Stroke = Literal["solid", "dashed", "dotted", "none", "band"]
 
 @dataclass(frozen=True)
 class Style:
-    """The style of a curve or, in the legend, of a band; ``marker`` is a Matplotlib name, empty for none."""
+    """The style of a curve or, in a legend, of a band.
+
+    Attributes:
+        colour: the colour.
+        marker: Matplotlib's name of the marker; empty for no marker.
+        stroke: how the line is drawn; "band" marks the legend entry of a band.
+        hollow: whether markers are filled white.
+    """
 
     colour: str
     marker: str = ""
@@ -63,7 +70,7 @@ _OTHERS = (Style(SKY, "P"), Style(BLACK, "X"), Style(GREY, "h"))
 
 
 def family_styles(families: Iterable[str]) -> dict[str, Style]:
-    """Return the style of each mesh family; unknown families get spare styles in alphabetical order."""
+    """Return mesh family ↦ style. Families that are not in ``_FAMILIES`` get the styles ``_OTHERS``, alphabetically."""
     names = set(families)
     known = {name: style for name, style in _FAMILIES.items() if name in names}
     return known | dict(zip(sorted(names - set(known)), cycle(_OTHERS), strict=False))

@@ -1,4 +1,4 @@
-"""One run in space and time, computed and exact, as stored in ``data/pictures/CASE.json.gz``."""
+"""The data of figures of one run: displacements, stresses, gaps and pressures over time, from ``data/pictures``."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from study.ledger.pictures import Facets, Packed
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
 CONTACT = 1e-8
-"""A node counts as in contact if its pressure exceeds this fraction of the largest pressure on the face."""
+"""A node is in contact if its pressure exceeds this fraction of the largest pressure on the face."""
 
 
 @dataclass(frozen=True, eq=False)
 class FaceHistory:
-    """Gap and pressure on a face of Γ3 over time, computed and exact.
+    """Gap and pressure at the nodes of a contact face Γ3,i over time, computed and exact.
 
     Attributes:
-        number: i of Γ3,i.
-        normal: ν, outward, (d,).
-        s: coordinates of the nodes on the face, (nodes,) in 2D and (2, nodes) in 3D.
-        x: the nodes, (d, nodes).
-        gap, gap_exact: −u_ν, (times, nodes).
-        pressure, pressure_exact: −σ_ν, (times, nodes).
+        number: the index i of the face.
+        normal: the outward unit normal ν, (d,).
+        s: coordinates of the nodes along the face, (nodes,) in 2D and (2, nodes) in 3D.
+        x: coordinates of the nodes in space, (d, nodes).
+        gap, gap_exact: the gap −u_ν, (times, nodes).
+        pressure, pressure_exact: the contact pressure −σ_ν, (times, nodes).
     """
 
     number: int
@@ -45,24 +45,24 @@ class FaceHistory:
 
     @property
     def contact_threshold(self) -> float:
-        """The pressure above which a node counts as in contact."""
+        """The pressure above which a node is in contact."""
         return CONTACT * float(self.pressure.max(initial=0.0))
 
     @property
     def touching(self) -> NDArray[np.bool_]:
-        """Whether a node is in contact, (times, nodes)."""
+        """Whether each node is in contact at each time, (times, nodes)."""
         return np.asarray(self.pressure > self.contact_threshold)
 
 
 @dataclass(frozen=True, eq=False)
 class Segment(FaceHistory):
-    """A face of Γ3 in 2D.
+    """A contact face of a body in 2D.
 
     Attributes:
-        zone_times: times at which the exact contact zone is known.
-        zone: the intervals [s0, s1] of the exact zone at each of these times.
-        line: positions, at and between the nodes, of ``line_gap`` and ``line_pressure``, (points,).
-        line_gap, line_pressure: exact values, (times, points).
+        zone_times: the times at which the exact contact zone is known.
+        zone: the intervals [s0, s1] of the exact contact zone at each of these times.
+        line: positions along the face, at and between the nodes, (points,).
+        line_gap, line_pressure: exact gap and exact pressure at these positions, (times, points).
     """
 
     zone_times: Array
@@ -77,14 +77,20 @@ class Segment(FaceHistory):
         return float(np.ptp(self.s)) / (len(self.s) - 1)
 
     def computed_zone(self, instant: int) -> list[Interval]:
-        """Return the part of the face whose nearest node is in contact, as intervals between midpoints of nodes."""
+        """Return the computed contact zone at the time with the index ``instant``, as intervals.
+
+        The zone contains the points of the face whose nearest node is in contact.
+        """
         middle = (self.s[1:] + self.s[:-1]) / 2
         ends = np.concatenate([self.s[:1], middle, self.s[-1:]])
         change = np.flatnonzero(np.diff(self.touching[instant], prepend=False, append=False))
         return [(float(ends[a]), float(ends[b])) for a, b in zip(change[::2], change[1::2], strict=True)]
 
     def exact_zone(self, time: float) -> list[Interval]:
-        """Return the exact zone at a time, linearly interpolated between the times at which it is known."""
+        """Return the intervals of the exact contact zone at a time.
+
+        Between the times at which the zone is known, the ends of the intervals are interpolated linearly.
+        """
         columns = [np.array(strand).T for strand in strands(self.zone_times, self.zone)]
         return [
             (float(np.interp(time, t, left)), float(np.interp(time, t, right)))
@@ -93,18 +99,20 @@ class Segment(FaceHistory):
         ]
 
     def point(self, s: Array) -> Array:
-        """Return the points at positions s, (2, ...)."""
+        """Return the points in the plane at positions s along the face, (2, ...)."""
         return np.array([np.interp(s, self.s, component) for component in self.x])
 
 
 @dataclass(frozen=True, eq=False)
 class Polygon(FaceHistory):
-    """A face of Γ3 in 3D.
+    """A contact face of a body in 3D.
 
     Attributes:
-        facets: the triangles between the nodes; triangles with a corner on Γ1, which is not a node, are left out.
-        nodes: the indices of the nodes among the vertices of the picture, (nodes,).
-        level: ψ at the nodes and at the midpoints between them, (times, nodes + edges); the exact zone is {ψ ≥ 0}.
+        facets: the triangles whose corners are all nodes. Vertices on Γ1 are not nodes, so triangles with such a corner
+            are left out.
+        nodes: the vertex numbers of the nodes in the mesh, (nodes,).
+        level: the level function ψ at the nodes and at the midpoints of the edges between them, (times, nodes + edges);
+            the exact contact zone is the set where ψ ≥ 0.
     """
 
     facets: Facets
@@ -113,13 +121,13 @@ class Polygon(FaceHistory):
 
     @property
     def inside(self) -> NDArray[np.bool_]:
-        """Whether a node is in the exact zone, (times, nodes)."""
+        """Whether each node is in the exact contact zone at each time, (times, nodes)."""
         return np.asarray(self.level[:, : len(self.nodes)] >= 0)
 
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """The body at one time: the displacement of every vertex, (d, vertices), and the von Mises stress, (cells,)."""
+    """The body at one time: displacements of the vertices, (d, vertices), von Mises stresses of the cells, (cells,)."""
 
     time: float
     displacement: Array
@@ -128,9 +136,13 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Energy:
-    """The energy balance, (times,) each: the stored energy, and the other terms summed since t = 0.
+    """The terms of the energy balance over time, (times,) each.
 
-    Without discretisation in time the defect, stored − stored(0) + dissipated + contact − work, would be zero.
+    Attributes:
+        times: the times.
+        stored: the stored energy.
+        dissipated, contact, work: the dissipated energy, the work of contact and the work of the load since t = 0.
+        defect: stored − stored(0) + dissipated + contact − work, which is zero without discretisation in time.
     """
 
     times: Array
@@ -143,10 +155,17 @@ class Energy:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """One run: the mesh, the deformed body at selected times, the faces of Γ3 and the energy over time.
+    """The data of one run: mesh, deformed body at selected times, contact faces and energy over time.
 
-    ``cells`` are the triangles of the mesh in 2D, or of its surface in 3D, counter-clockwise seen from outside, (3,
-    cells).
+    Attributes:
+        case, family, level: the case, the mesh family and the level of the mesh.
+        times: all times, (times,).
+        vertices: coordinates of the vertices, (d, vertices).
+        cells: vertex numbers of the triangles, (3, cells): of the mesh in 2D; in 3D of the surface of the mesh,
+            counter-clockwise seen from outside.
+        shapes: the deformed body at selected times.
+        faces: the contact faces.
+        energy: the energy balance.
     """
 
     case: str
@@ -161,7 +180,7 @@ class Picture:
 
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> Picture:
-        """Return the picture in a JSON file.
+        """Return the data of a run from the content of its JSON file.
 
         Raises:
             KeyError, TypeError, ValueError: the content was not written by ``study run``.
@@ -185,64 +204,70 @@ class Picture:
 
     @property
     def segments(self) -> list[Segment]:
-        """The faces of a 2D body."""
+        """The contact faces of a body in 2D; empty in 3D."""
         return [face for face in self.faces if isinstance(face, Segment)]
 
     @property
     def polygons(self) -> list[Polygon]:
-        """The faces of a 3D body."""
+        """The contact faces of a body in 3D; empty in 2D."""
         return [face for face in self.faces if isinstance(face, Polygon)]
 
     @property
     def size(self) -> float:
-        """The longest side of the box around the body."""
+        """The longest side of the box around the undeformed body."""
         return float(np.ptp(self.vertices, axis=1).max())
 
     @property
     def instants(self) -> list[int]:
-        """The indices of the times of the shapes."""
+        """The indices of the selected times among all times."""
         return [self.nearest(shape.time) for shape in self.shapes]
 
     def nearest(self, time: float) -> int:
-        """Return the index of the time node nearest to a time."""
+        """Return the index in ``times`` of the value nearest to a time."""
         return int(np.argmin(abs(self.times - time)))
 
     @property
     def heading(self) -> str:
-        """The case and its mesh, as TeX."""
+        """The case, the mesh family and the level as a title, with TeX formulas."""
         return f"{self.case} ({self.family}, $n={self.level}$)"
 
     @property
     def place(self) -> str:
-        """The case and its mesh, for captions."""
+        """The case, the mesh family and the level as text for captions."""
         return f"{self.case}, {self.family} mesh with n = {self.level}"
 
     @property
     def times_shown(self) -> str:
-        """The times of the shapes, for captions."""
+        """The selected times as text for captions."""
         return ", ".join(f"{shape.time:.3g}" for shape in self.shapes)
 
     @property
     def names(self) -> str:
-        """All faces, for captions."""
+        """The names of all contact faces as text for captions."""
         return ", ".join(map(self.name, self.faces))
 
     def name(self, face: FaceHistory) -> str:
-        """Return Γ3, or Γ3,i if there are several faces, for captions."""
+        """Return the name of a contact face for captions: Γ3, or Γ3,i if the body has several contact faces."""
         return f"Γ3,{face.number}" if len(self.faces) > 1 else "Γ3"
 
     def symbol(self, face: FaceHistory) -> str:
-        """Return the name of a face as TeX mathematics."""
+        """Return the name of a contact face as a TeX formula."""
         return rf"\Gamma_{{3,{face.number}}}" if len(self.faces) > 1 else r"\Gamma_3"
 
 
 def read_values(entry: Any) -> Array:
-    """Return an array from packed numbers, or from a list of numbers."""
+    """Return the array in an entry of a JSON file, which is a list of numbers or has the form of ``Packed.record``."""
     return Packed.read(entry).values if isinstance(entry, Mapping) else np.array(entry, dtype=float)
 
 
 def _face(record: Mapping[str, Any], cells: NDArray[np.int64], plane: bool) -> FaceHistory:
-    """Return a face from one entry of ``faces``."""
+    """Return a contact face from its entry in the JSON file of a run.
+
+    Parameters:
+        record: the entry.
+        cells: the triangles of the mesh or of its surface, as in ``Picture``.
+        plane: whether the body is two-dimensional.
+    """
     names = [field.name for field in fields(FaceHistory) if field.name != "number"]
     common: dict[str, Any] = {"number": int(record["face"])} | {name: read_values(record[name]) for name in names}
     if not plane:
@@ -260,21 +285,23 @@ def _face(record: Mapping[str, Any], cells: NDArray[np.int64], plane: bool) -> F
 
 
 def picture_path(directory: Path, case: str) -> Path:
-    """Return the path of the picture of a case in a result directory."""
+    """Return the path of the JSON file with the data for figures of a case, in a result directory."""
     return directory / "data" / "pictures" / f"{case}.json.gz"
 
 
 def read_record(path: Path) -> dict[str, Any]:
-    """Return the content of the file of a picture; raises ValueError if the file is damaged."""
+    """Return the content of a compressed JSON file; raises ValueError if the file is damaged."""
     record: dict[str, Any] = json.loads(read_uncompressed(path))
     return record
 
 
 def read_pictures(directory: Path) -> list[Picture]:
-    """Return the pictures of the cases in ``cases.csv``, in their order there; files of other runs are ignored.
+    """Return the data for figures of all cases of a result directory, in the order of ``cases.csv``.
+
+    Cases without a file in ``data/pictures`` are left out; files of cases that are not in ``cases.csv`` are ignored.
 
     Raises:
-        DataError: there is no such directory, or a file in it is not a picture.
+        DataError: the folder ``data/pictures`` is missing, or a file in it is damaged.
     """
     folder = directory / "data" / "pictures"
     if not folder.is_dir():
@@ -291,10 +318,14 @@ def read_pictures(directory: Path) -> list[Picture]:
 
 
 def over_time(record: Mapping[str, Any]) -> tuple[Packed, Packed]:
-    """Return the displacement of the vertices, (times, d, vertices), and the stress of the cells, (times, cells).
+    """Return displacements and stresses at all times from the content of the JSON file of a run.
+
+    Returns:
+        The displacements of the vertices, (times, d, vertices), and the von Mises stresses of the cells, (times,
+        cells).
 
     Raises:
-        KeyError, TypeError, ValueError: the file lacks them, or has them on another mesh.
+        KeyError, TypeError, ValueError: the file lacks one of them, or their shapes do not agree with the mesh.
     """
     times, vertices, cells = len(record["times"]), np.shape(record["vertices"]), np.shape(record["cells"])
     packed = Packed.read(record["displacement"]), Packed.read(record["von_mises"])
@@ -305,7 +336,7 @@ def over_time(record: Mapping[str, Any]) -> tuple[Packed, Packed]:
 
 
 def with_every_shape(record: Mapping[str, Any]) -> Picture:
-    """Return the picture with a shape at each of its times; raises the errors of ``over_time``."""
+    """Return the data of a run with shapes at all times, not only at selected times; raises as ``over_time``."""
     picture, (displacement, von_mises) = Picture.of(record), over_time(record)
     every = zip(picture.times, displacement.values, von_mises.values, strict=True)
     return replace(picture, shapes=[Shape(float(time), u, stress) for time, u, stress in every])
@@ -314,19 +345,19 @@ def with_every_shape(record: Mapping[str, Any]) -> Picture:
 # The exact contact zone in 2D over time.
 
 Strand = list[tuple[float, float, float]]
-"""One interval of a zone from event to event: (t, s0, s1) in increasing time.
+"""The history of one interval of a contact zone between two events: (t, s0, s1) in increasing time.
 
-At every time the zone is a union of intervals. Their number changes in events: an interval appears or disappears, two
-intervals merge, or one splits.
+At each time, a contact zone in 2D is a union of intervals. An event is a time at which their number changes, because an
+interval appears, disappears or splits, or because two intervals merge.
 """
 
 
 def misplaced_length(face: Segment, times: Array) -> Array:
-    """Return |Z(t) Δ Z^h(t)|/h at the times after the first: the sum of the errors of all fronts in cells, (times −
-    1,).
+    """Return the error of the computed contact zone of a face in 2D at all times after the first, (times − 1,).
 
-    Z^h is ``Segment.computed_zone``. The measure of the symmetric difference is defined even during events, and it
-    includes every node on the wrong side. Clamped ends of a face, which have no node, do not count.
+    The error is the length of the symmetric difference of the exact zone and of ``Segment.computed_zone``, divided by
+    the length of a cell: the sum of the errors of all fronts, in cells. It is also defined at events. A clamped end of
+    a face, which is not a node, is left out.
     """
     low, high = float(face.s.min()), float(face.s.max())
     lengths = []
@@ -342,12 +373,18 @@ def misplaced_length(face: Segment, times: Array) -> Array:
 
 
 def misplaced_nodes(face: Polygon) -> Array:
-    """Return how many nodes are in contact outside the exact zone or not in contact inside, after the first time."""
+    """Return the number of nodes of a face in 3D on the wrong side of the front, at all times after the first.
+
+    These are nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
+    """
     return np.asarray((face.touching != face.inside)[1:].sum(axis=1))
 
 
 def outside(face: FaceHistory, times: Array) -> NDArray[np.bool_]:
-    """Return whether a node is in contact outside the exact zone, after the first time, (times, nodes)."""
+    """Return whether each node of a face is in contact outside the exact zone at each time, (times, nodes).
+
+    At the first time, at which nothing has been solved, all entries are false.
+    """
     if isinstance(face, Segment):
         zones = map(face.exact_zone, times)
         inside = np.array([[any(a <= s <= b for a, b in zone) for s in face.s] for zone in zones])
@@ -360,7 +397,14 @@ def outside(face: FaceHistory, times: Array) -> NDArray[np.bool_]:
 
 
 def strands(times: Array, zone: Sequence[Sequence[Interval]]) -> list[Strand]:
-    """Return the strands of a zone; an event between two known times is assumed halfway between them."""
+    """Return the histories of all intervals of a contact zone.
+
+    An event between two of the times is assumed to be halfway between them.
+
+    Parameters:
+        times: the times at which the zone is known.
+        zone: the intervals of the zone at each of these times.
+    """
     done: list[Strand] = []
     growing: list[Strand] = []
     for i, intervals in enumerate(zone):
@@ -379,7 +423,13 @@ def strands(times: Array, zone: Sequence[Sequence[Interval]]) -> list[Strand]:
 
 
 def caps(pieces: Sequence[Strand]) -> list[tuple[float, float, float]]:
-    """Return the boundary of a zone at constant t: (t, s0, s1) where a single strand begins or ends."""
+    """Return the parts (t, s0, s1) of the boundary of a zone in space and time that lie at a constant time t.
+
+    These are the intervals that appear or disappear at once over a positive length.
+
+    Parameters:
+        pieces: the histories of all intervals of the zone, as ``strands`` returns them.
+    """
     tips = [tip for piece in pieces for tip in (piece[0], piece[-1])]
     found = []
     for t in sorted({tip[0] for tip in tips}):
@@ -392,10 +442,15 @@ def caps(pieces: Sequence[Strand]) -> list[tuple[float, float, float]]:
 
 
 def _tip(interval: Interval, across: Sequence[Interval], along: Sequence[Interval]) -> Interval:
-    """Return the end of a strand at an event, from the intervals beyond the event and the intervals along the strand.
+    """Return the interval with which the history of an interval begins or ends at an event.
 
-    The end is the whole interval if it meets another strand or appears at once over its whole length, else its
-    midpoint.
+    It is the whole interval if the interval meets another one at the event, or if it appears or disappears at once over
+    its whole length. Otherwise it is the midpoint of the interval.
+
+    Parameters:
+        interval: the interval at the known time next to the event.
+        across: the intervals of the zone at the known time on the other side of the event.
+        along: the intervals of the zone at the next known time on the same side.
     """
     if any(_meet(interval, other) for other in across) or interval in along:
         return interval
@@ -404,4 +459,5 @@ def _tip(interval: Interval, across: Sequence[Interval], along: Sequence[Interva
 
 
 def _meet(one: Interval, other: Interval) -> bool:
+    """Return whether two closed intervals have a common point."""
     return max(one[0], other[0]) <= min(one[1], other[1])

@@ -1,4 +1,4 @@
-"""One HTML page from the data files, without external files: ledger, tables, charts, and animated cases."""
+"""The report page: one HTML file with ledger, tables, charts and animated cases, made from the data files of a run."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_
 ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]
 LEDGER = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
 HIGHEST_ORDER, STRIP = 1.5, 150
-"""The right end of a strip of orders, and its width in SVG units."""
+"""The largest order on the strip that shows the orders of a case, and the width of the strip in SVG units."""
 
 MEANINGS = {
     HOLDS: "the value lies in a window that was fixed beforehand",
@@ -59,7 +59,7 @@ MEANINGS = {
     MISSED: "our own prediction was wrong; no statement of the paper is contradicted",
     REPORTED: "a number for which nothing is claimed: neither a pass nor a failure",
 }
-"""The meaning of each verdict."""
+"""Verdict ↦ its meaning."""
 
 _LAWS = {"A, G": "viscosity and elasticity, σ = A ε(u̇) + G ε(u)"}
 _ERROR = {
@@ -117,12 +117,20 @@ LETTERS = {
         "∫ c": "work of contact, each over time: the parts of the bound",
     },
 }
-"""The symbols of each table or place on the page, with their meanings."""
+"""Table or place on the page ↦ the symbols that occur there, with their meanings."""
 
 
 @dataclass(frozen=True)
 class LedgerGroup:
-    """A statement: its rows of the ledger, with the columns ``LEDGER``, and the files that judge it."""
+    """One statement on the page.
+
+    Attributes:
+        label: the label of the statement.
+        says: the statement in words.
+        counts: verdict ↦ number of checks.
+        judges: the code files that judge the statement.
+        rows: the checks, with the columns ``LEDGER``.
+    """
 
     label: str
     says: str
@@ -133,10 +141,18 @@ class LedgerGroup:
 
 @dataclass(frozen=True)
 class CasePage:
-    """One case: facts, verdicts, orders, charts, animation and tables.
+    """One case on the page.
 
-    ``strip`` has the horizontal positions of the predicted order and of the observed orders, with the colours of the
-    mesh families.
+    Attributes:
+        name: the name of the case.
+        facts: name ↦ text of each property of the case.
+        counts: verdict ↦ number of checks.
+        observed: the smallest and the largest observed order as text.
+        strip: the horizontal position of the predicted order on the strip of orders, and for each mesh family the
+            position of the observed order with a colour.
+        charts: the charts as HTML.
+        film: the data of the animation, from ``read_film``.
+        tables: captions and tables.
     """
 
     name: str
@@ -150,10 +166,10 @@ class CasePage:
 
 
 def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
-    """Write ``directory/report.html`` from the files under ``directory/data``; return its path.
+    """Write the report page ``directory/report.html`` from the files in ``directory/data``, and return its path.
 
     Parameters:
-        directory: directory of a run.
+        directory: the directory of a run.
         provenance: the content of ``data/provenance.json``, which the command has read and checked.
 
     Raises:
@@ -198,7 +214,7 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
 
 
 def _files(directory: Path) -> Table:
-    """Return the data files behind the page with their hashes."""
+    """Return the table of the data files from which the page is made, with their sizes and SHA-256 checksums."""
     data = directory / "data"
     paths = sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json.gz")])
     contents = {path.relative_to(data).as_posix(): path.read_bytes() for path in paths}
@@ -211,7 +227,15 @@ def _files(directory: Path) -> Table:
 
 
 def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[CasePage]:
-    """Return the cases in the order of ``cases.csv``; raises DataError for a data file that is missing or damaged."""
+    """Return what the page shows of each case, in the order of ``cases.csv``.
+
+    Parameters:
+        directory: the directory of a run.
+        claims, rates: the contents of ``claims.csv`` and ``rates.csv``.
+
+    Raises:
+        DataError: a data file is missing or damaged.
+    """
     enclosures = read_csv(directory, "enclosures.csv", ENCLOSURES)
     tables = [
         (rates_table(directory), "Errors on every mesh", ["case", "claim"]),
@@ -257,16 +281,23 @@ def _strip(order: float) -> float:
 
 
 def read_film(directory: Path, case: str) -> dict[str, Any]:
-    """Return the picture of a case in the form that the script of the page reads.
+    """Return the data of the animation of a case, in the form that the script of the page reads.
 
-    ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y, then all z. ``shades``: of the
-    stress τ of each cell, 8 bit, 255 (τ/brightest)^½. Both are in base64. ``magnification`` is the factor of
-    displacements; ``size`` is the longest side of the body, and ``arrow`` and ``foundation`` are fractions of it.
-    ``room`` has the limits of the drawing, ``highest`` and ``widest`` are the largest pressure and gap, and ``view``
-    has the rows of the projection, two in 2D and three in 3D.
+    Entries that their names do not explain:
+
+    * ``displacement``: displacements as multiples of ``unit``, in 16 bits and base64; for each time all x components,
+      then all y components, then all z components;
+    * ``shades``: for each time and cell 255 (τ/brightest)^½ with the von Mises stress τ, in 8 bits and base64;
+    * ``magnification``: the factor of displacements;
+    * ``size``: the longest side of the body; ``arrow`` and ``foundation`` are the lengths of the longest arrow and the
+      thickness of the foundation as fractions of it;
+    * ``room``: the limits of the drawing;
+    * ``highest``, ``widest``: the largest pressure and the largest gap;
+    * ``view``: the rows of the projection, two in 2D and three in 3D.
 
     Raises:
-        DataError: there is no such file, it is not a picture, or it was written by an older version, without motion.
+        DataError: the file of the case is missing or damaged, or an older version wrote it without displacements over
+            time.
     """
     path = picture_path(directory, case)
     if not path.is_file():
@@ -302,7 +333,7 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
 
 
 def _face(face: FaceHistory) -> dict[str, Any]:
-    """Return a contact face for the script of the page."""
+    """Return the data of a contact face in the form that the script of the page reads."""
     record = {name: short(getattr(face, name)) for name in ("s", "x", "gap", "pressure")}
     record |= {"face": face.number, "normal": face.normal.tolist(), "touches": face.contact_threshold}
     if isinstance(face, Segment):
@@ -319,7 +350,7 @@ def _face(face: FaceHistory) -> dict[str, Any]:
 # Charts as SVG, which is much smaller than SVG from Matplotlib: the page has about 50 charts in 6 MB.
 
 LEFT, RIGHT, TOP, HEIGHTS, BETWEEN, BELOW = 58, 350, 10, (222, 120), 14, 38
-"""Horizontal ends and top of the subplots, their heights, and the heights between and below them."""
+"""In SVG units: the left, right and upper end of the subplots, their heights, and the space between and below them."""
 MARKERS = {
     "o": "M-3.5,0a3.5,3.5 0 1,0 7,0a3.5,3.5 0 1,0 -7,0z",
     "s": "M-3,-3h6v6h-6z",
@@ -327,11 +358,11 @@ MARKERS = {
     "v": "M0,4L3.8,-3H-3.8z",
     "D": "M0,-4.2L4.2,0L0,4.2L-4.2,0z",
 }
-"""SVG paths of markers around 0; other markers are drawn as circles."""
+"""Matplotlib's name of a marker ↦ its SVG path around the origin. All other markers are drawn as circles."""
 
 
 def svg_chart(chart: Chart) -> Markup:
-    """Return a chart as a figure with legend and caption."""
+    """Return a chart as an HTML figure that contains an SVG image, the legend and the caption."""
     parts, top = [], TOP
     for subplot, height in zip(chart.subplots, HEIGHTS, strict=False):
         parts += _svg_subplot(subplot, top, top + height, subplot is chart.subplots[-1])
@@ -350,7 +381,13 @@ def svg_chart(chart: Chart) -> Markup:
 
 
 def _svg_subplot(subplot: Subplot, top: float, bottom: float, last: bool) -> list[str]:
-    """Return the elements of one pair of axes, with labels of the horizontal axis in the last subplot."""
+    """Return the SVG elements of a subplot.
+
+    Parameters:
+        subplot: the subplot.
+        top, bottom: the vertical ends of the axes in SVG units.
+        last: whether the subplot is the lowest one, which has the labels of the horizontal axis.
+    """
 
     def x_at(value: float) -> float:
         return round(LEFT + float(np.clip(subplot.x.position(value), -2, 3)) * (RIGHT - LEFT), 2)
@@ -404,14 +441,14 @@ def _line(path: str, style: Style) -> str:
 
 
 def _marker(x: float, y: float, style: Style) -> str:
-    """Return a marker at a point; an empty text for a style without markers."""
+    """Return the SVG element of a marker at the point (x, y); an empty text if the style has no marker."""
     path, fill = MARKERS.get(style.marker, MARKERS["o"]), "var(--paper)" if style.hollow else _ink(style)
     marker = f'<path d="{path}" transform="translate({x} {y})" fill="{fill}" stroke="{_ink(style)}"/>'
     return marker if style.marker else ""
 
 
 def _ink(style: Style) -> str:
-    """Return the colour of a style; black and dark grey become the colour of the text, also on dark pages."""
+    """Return the SVG colour of a style; black and dark grey become the colour of the text, also on dark pages."""
     return "currentColor" if style.colour in (BLACK, DARK) else style.colour
 
 

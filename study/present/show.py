@@ -1,4 +1,4 @@
-"""A case in motion: storyboard, animation, and files for ParaView."""
+"""The files of ``study show``: a storyboard and an animation of one case, and files for ParaView."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ from study.present.palette import BLACK, RAMPS, RIM, SKY, VERMILLION
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, with_every_shape
 
 MOMENTS, COLUMNS = 6, 3
-"""The number of images of the storyboard, and its columns."""
+"""The number of images of the storyboard, and the number of its columns."""
 STORYBOARD_DPI, FILM_DPI = 200, 110
 COLOURS = 128
-"""The number of colours of a GIF: enough that small arrows keep their colour next to the shades of the stress."""
+"""The number of colours of a GIF; with much fewer colours, small arrows get the colour of the stress around them."""
 PER_SECOND, HOLD = 8, 1000
-"""Frames per second, and the milliseconds for which a GIF shows the last time."""
+"""The frames per second of animations, and the milliseconds for which a GIF shows its last frame."""
 
 
 NO_FFMPEG = "ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`, and run the command again"
@@ -44,14 +44,14 @@ NO_FFMPEG = "ffmpeg is missing: install it, or `python -m pip install imageio-ff
 
 @dataclass(frozen=True)
 class Shown:
-    """The files that were written, and the files that were left out with the reason."""
+    """The files that ``draw_show`` wrote, and the files that it left out with the reasons."""
 
     written: list[Path]
     left_out: list[str]
 
 
 def count_images(record: Mapping[str, Any]) -> int:
-    """Return how often ``draw_show`` notifies: for the storyboard, and for every frame of the animation."""
+    """Return how often ``draw_show`` calls ``notify`` for a record: for the storyboard, and for each frame."""
     return 1 + len(record["times"])
 
 
@@ -61,9 +61,13 @@ def draw_show(
     """Write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
 
     Parameters:
-        record: a picture as in ``pictures/CASE.json.gz``.
-        series: the fields for ParaView.
-        notify: called after each image.
+        record: the data of the run, as in ``data/pictures/CASE.json.gz``.
+        series: the mesh with the fields for ParaView.
+        directory: the directory.
+        notify: function that is called after each image.
+
+    Returns:
+        The files that were written and left out; the animation in MP4 needs ffmpeg.
 
     Raises:
         StoreError: the directory cannot be written.
@@ -83,7 +87,7 @@ def draw_show(
 
 
 def draw_storyboard(picture: Picture) -> Figure:
-    """Draw six shapes of a picture, from the first to the last: the deformed body with stress and contact."""
+    """Draw the deformed body with stress and contact at ``MOMENTS`` times, evenly spaced from the first to the last."""
     chosen = np.linspace(0, len(picture.shapes) - 1, MOMENTS).round().astype(int)
     picture = replace(picture, shapes=[picture.shapes[n] for n in chosen])
     rows, width = MOMENTS // COLUMNS, (page_width() - 0.8) / COLUMNS
@@ -92,8 +96,18 @@ def draw_storyboard(picture: Picture) -> Figure:
     return figure
 
 
-def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI) -> Path:
-    """Write one frame for every shape of the picture; ``notify`` is called after each."""
+def write_gif(
+    path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI, colours: int = COLOURS
+) -> Path:
+    """Write an animated GIF with a frame for each shape of a picture.
+
+    Parameters:
+        path: the file.
+        picture: the data of the run.
+        notify: function that is called after each frame.
+        dpi: dots per inch.
+        colours: the number of colours.
+    """
     figure = Figure(figsize=_size(picture), dpi=dpi)
     canvas = FigureCanvasAgg(figure)
     images = []
@@ -103,7 +117,7 @@ def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: i
         notify()
     # All frames share a few colours, without dither, so that parts that do not move are stored once.
     together = Image.fromarray(np.concatenate([np.asarray(image) for image in images]))
-    palette = together.quantize(COLOURS, dither=Image.Dither.NONE)
+    palette = together.quantize(colours, dither=Image.Dither.NONE)
     first, *others = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     times: dict[str, Any] = {"duration": [1000 // PER_SECOND] * len(others) + [HOLD], "loop": 0}
     return write_whole(
@@ -112,7 +126,7 @@ def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: i
 
 
 def find_ffmpeg() -> str | None:
-    """Return the path of ffmpeg: of the system, else of the package imageio-ffmpeg; None without both."""
+    """Return the path of the program ffmpeg; None if neither the system nor the package imageio-ffmpeg has it."""
     if system := shutil.which("ffmpeg"):
         return system
     try:
@@ -122,7 +136,7 @@ def find_ffmpeg() -> str | None:
 
 
 def write_mp4(path: Path, picture: Picture) -> Path | None:
-    """Write the same frames as a film; return None if ffmpeg is not installed."""
+    """Write an animation as MP4, with a frame for each shape of a picture; return None if ffmpeg is not installed."""
     ffmpeg = find_ffmpeg()
     if not ffmpeg:
         return None
@@ -141,14 +155,18 @@ def write_mp4(path: Path, picture: Picture) -> Path | None:
 
 
 def _size(picture: Picture) -> tuple[float, float]:
-    """Return width and height in inches, with room for the body and for a panel for every face."""
+    """Return width and height of an animation in inches, with space for the body and for axes for each contact face."""
     return page_width(), 1.2 + max(
         0.45 * page_width() * min(BodyScale.of(picture).aspect, 1.2), 1.2 * len(picture.faces)
     )
 
 
 def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
-    """Draw one shape after the other: the body, and the pressure on its faces; the caller saves each frame."""
+    """Draw the frames of an animation one after the other: the body, and the pressure on its contact faces.
+
+    Yields:
+        Nothing, after each frame, so that the caller can save the frame.
+    """
     scale = BodyScale.of(picture)
     grid = figure.add_gridspec(1, 2, width_ratios=(3, 2))
     left = figure.add_subplot(grid[0])
@@ -182,7 +200,10 @@ def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
 
 
 def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int, scale: BodyScale) -> None:
-    """Draw the exact pressure as a line or surface, the computed pressure as dots, and the exact contact zone."""
+    """Draw exact and computed pressure on a contact face with the exact contact zone, at the time of index ``instant``.
+
+    The exact pressure is a line in 2D and a surface in 3D; dots are computed pressures.
+    """
     name = picture.symbol(face)
     if isinstance(face, Polygon):
         draw_map(axes, face, instant, paint_values(face, "pressure", scale.pressure or 1.0))
@@ -199,7 +220,7 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
 
 
 def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
-    """Write ``name-000.vtu``, ``name-001.vtu``, …, one for every time, and ``name.pvd``, which lists them."""
+    """Write the files ``name-000.vtu``, ``name-001.vtu``, …, one for each time, and ``name.pvd``, which lists them."""
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
     collection, files = ElementTree.SubElement(root, "Collection"), []
     for number, fields in enumerate(series.fields):
@@ -213,9 +234,10 @@ def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
 
 
 def mesh_of(series: MeshSeries, fields: MeshFields) -> meshio.Mesh:
-    """Return the undeformed mesh with the fields of one time.
+    """Return the undeformed mesh with the fields at one time, for ParaView.
 
-    Plane vectors get a third component 0; σ_33, which a plane problem does not have, is written as 0, too.
+    In 2D, vectors and matrices are padded with zeros to three components. So σ_33 is written as 0, although it is not
+    known.
     """
     return meshio.Mesh(
         _padded(series.vertices),
@@ -226,7 +248,10 @@ def mesh_of(series: MeshSeries, fields: MeshFields) -> meshio.Mesh:
 
 
 def _padded(values: Array) -> Array:
-    """Return values padded to three components: scalars (n,), vectors (d, n) → (n, 3), matrices (d, d, n) → (n, 9)."""
+    """Return values with three components, padded with zeros and point by point.
+
+    Scalars, (n,), are unchanged; vectors (d, n) become (n, 3), matrices (d, d, n) become (n, 9).
+    """
     components = values.shape[:-1]
     padded = np.pad(values, [*((0, 3 - d) for d in components), (0, 0)])
     return np.moveaxis(padded, -1, 0).reshape(values.shape[-1], -1) if components else values

@@ -1,6 +1,6 @@
-"""Tables from the data files: rates, ledger, equivalence, stresses, bounds and defects as CSV, Markdown and LaTeX.
+"""The tables of a run in CSV, Markdown and LaTeX: errors, ledger, equivalence, stresses, bounds and defects.
 
-Numbers have four significant digits and orders three decimals; the three files of a table contain the same texts.
+Numbers have four significant digits, orders three decimals. The three files of a table contain the same texts.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ ORDER = "{:.3f}"
 
 
 def write_tables(directory: Path) -> list[Path]:
-    """Write every table as csv, md and tex under ``directory/tables``, and the inputs of the papers for a full run.
+    """Write all tables into ``directory/tables`` and, for a full run, the LaTeX files for the papers.
 
     Raises:
         DataError: a data file is missing or lacks a column; then nothing is written.
@@ -32,7 +32,7 @@ def write_tables(directory: Path) -> list[Path]:
 
 
 def texts(directory: Path) -> dict[Path, str]:
-    """Return the texts of the files that ``write_tables`` writes, by path; raises the same errors."""
+    """Return path ↦ text of the files that ``write_tables`` writes; raises the same errors."""
     makers = rates_table, short_ledger, equivalence_table, stress_table, bounds_table
     of_controls = controls_table(directory), sensitivity_table(directory)
     made = [*(make(directory) for make in makers), *filter(None, of_controls)]
@@ -48,8 +48,8 @@ class Column:
         name: name in the CSV file.
         heading: heading in the other files.
         alignment: alignment in LaTeX.
-        names: whether the cells are identifiers, in which LaTeX must not look for mathematics.
-        form: the format of numbers that are not shown with four digits.
+        names: whether the cells are identifiers, which contain no formulas.
+        form: the format of numbers, such as "{:.3f}"; if it is empty, numbers have four significant digits.
     """
 
     name: str
@@ -59,32 +59,39 @@ class Column:
     form: str = ""
 
     def text(self, value: Hashable) -> str:
-        """Return the text of a cell of this column."""
+        """Return a value of this column as text."""
         return self.form.format(value) if self.form and not pd.isna(value) else cell(value)
 
     def latex(self, text: str) -> str:
-        """Return the text of a cell as LaTeX."""
+        """Return a text of this column as LaTeX."""
         return prose(text) if self.names else encode(text)
 
 
 def words(**headings: str) -> list[Column]:
-    """Return columns of prose."""
+    """Return columns of prose, which may contain formulas, from their names and headings."""
     return [Column(name, heading, "l") for name, heading in headings.items()]
 
 
 def names(**headings: str) -> list[Column]:
-    """Return columns of identifiers."""
+    """Return columns of identifiers, which contain no formulas, from their names and headings."""
     return [Column(name, heading, "l", names=True) for name, heading in headings.items()]
 
 
 def numbers(form: str = "", **headings: str) -> list[Column]:
-    """Return columns of numbers."""
+    """Return columns of numbers with a format, as in ``Column``, from their names and headings."""
     return [Column(name, heading, form=form) for name, heading in headings.items()]
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of text cells. The first ``grouped`` columns are headings of groups of rows."""
+    """A table whose cells are texts.
+
+    Attributes:
+        name: the name of its files.
+        columns: the columns.
+        cells: the texts.
+        grouped: the number of columns, from the first, whose cells are headings of groups of rows.
+    """
 
     name: str
     columns: Sequence[Column]
@@ -93,22 +100,22 @@ class Table:
 
     @classmethod
     def of(cls, name: str, columns: Sequence[Column], frame: pd.DataFrame, grouped: int = 0) -> Table:
-        """Return the table of the given columns of a data frame."""
+        """Return the table of some columns of a data frame."""
         text = {column.name: [column.text(value) for value in frame[column.name]] for column in columns}
         return cls(name, columns, pd.DataFrame(text, dtype=str), grouped)
 
     @property
     def rows(self) -> list[list[str]]:
-        """The cells of all columns."""
+        """The texts of all cells, row by row."""
         return self.cells[[column.name for column in self.columns]].to_numpy().tolist()
 
     def of_case(self, case: str, without: Sequence[str]) -> Table:
-        """Return the rows of one case, without the named columns."""
+        """Return the table of the rows of one case, without the columns whose names are in ``without``."""
         columns = [column for column in self.columns if column.name not in without]
         return Table(self.name, columns, self.cells[self.cells["case"] == case])
 
     def texts(self, directory: Path) -> dict[Path, str]:
-        """Return path ↦ text of the CSV, Markdown and LaTeX files."""
+        """Return path ↦ text of the CSV, Markdown and LaTeX files of the table in a directory."""
         keys, rest = self.columns[: self.grouped], self.columns[self.grouped :]
         rule = ["--:" if column.alignment == "r" else ":--" for column in rest]
         lines, groups = [], []
@@ -130,12 +137,12 @@ class Table:
 
 
 def _plain(text: str) -> str:
-    """Return a text in which characters with a meaning in Markdown are escaped."""
+    """Return a text in which characters that have a meaning in Markdown are escaped."""
     return re.sub(r"([\\|*_<#])", r"\\\1", text)
 
 
 def rates_table(directory: Path) -> Table:
-    """Return the errors of every level, grouped by claim, case, family and scheme, from ``rates.csv``."""
+    """Return the table of errors and orders on all levels, from ``rates.csv``."""
     rates = read_rates(directory)
     columns = [
         *words(claim="claim"),
@@ -150,7 +157,7 @@ def rates_table(directory: Path) -> Table:
 
 
 def ledger_table(directory: Path) -> Table:
-    """Return every verdict with its expectation and interval, grouped by statement, from ``claims.csv``."""
+    """Return the table of all checks with windows, observations and verdicts, from ``claims.csv``."""
     columns = [
         *words(label="statement", statement="what it says"),
         Column("case", "case", folding(0.17), names=True),
@@ -170,10 +177,10 @@ def _with_measured_ranges(directory: Path) -> pd.DataFrame:
 
 
 def short_ledger(directory: Path) -> Table:
-    """Return the ledger with one line for all cases that share statement, quantity, expectation and verdict.
+    """Return a shortened table of all checks, from ``claims.csv``.
 
-    The line has the range of the observed values, the least low end and the greatest high end of these cases.
-    Each case has its own row in ``claims.csv``.
+    Checks of several cases that agree in statement, quantity, expectation and verdict have one row. The row has the
+    range of their observed values, the smallest low end and the largest high end.
     """
     shared = ["label", "statement", "quantity", "expected", "verdict"]
     groups = _with_measured_ranges(directory).groupby(shared, sort=False, dropna=False)
@@ -199,7 +206,7 @@ def _some_names(cases: pd.Series) -> str:
 
 
 def equivalence_table(directory: Path) -> Table:
-    """Return the distance of Problems 3.2 and 3.1, grouped by case and form, from ``equivalence.csv``."""
+    """Return the table of differences between the solutions of Problems 3.1 and 3.2, from ``equivalence.csv``."""
     columns = [
         *names(case="case"),
         *words(form="form of Problem 3.2"),
@@ -211,7 +218,7 @@ def equivalence_table(directory: Path) -> Table:
 
 
 def bounds_table(directory: Path) -> Table:
-    """Return the bounds and their ratios to the error, grouped by kind and case, from ``bounds.csv``."""
+    """Return the table of error bounds and of their ratios to the error, from ``bounds.csv``."""
     columns = [
         *words(trajectory="kind"),
         *names(case="case", family="meshes", scheme="scheme"),
@@ -223,10 +230,7 @@ def bounds_table(directory: Path) -> Table:
 
 
 def controls_table(directory: Path) -> Table | None:
-    """Return every deliberate defect and the check that must fail, grouped by statement, from ``controls.csv``.
-
-    The result is None if there is no such file.
-    """
+    """Return the table of deliberate defects with the checks that must fail; None if ``controls.csv`` is missing."""
     if not (directory / "data" / "controls.csv").is_file():
         return None
     columns = [
@@ -243,7 +247,7 @@ def controls_table(directory: Path) -> Table | None:
 
 
 def sensitivity_table(directory: Path) -> Table | None:
-    """Return the smallest noticed defects in per cent, from ``sensitivity.csv``; None without the file."""
+    """Return the table of the smallest noticed defects in per cent; None if ``sensitivity.csv`` is missing."""
     if not (directory / "data" / "sensitivity.csv").is_file():
         return None
     columns = [*names(case="case", family="meshes"), *words(defect="what is wrong"), *numbers(level="level")]
@@ -253,7 +257,7 @@ def sensitivity_table(directory: Path) -> Table | None:
 
 
 def stress_table(directory: Path) -> Table:
-    """Return the errors of Problem 3.2 on a separate stress space, grouped by case and mesh family."""
+    """Return the table of errors of Problem 3.2 with a separate space for stresses, from ``stresses.csv``."""
     first = [
         *names(case="case", family="meshes"),
         *numbers(level="level", steps="steps", unknowns="unknowns", stress="‖σ − σ^h‖_Q"),

@@ -1,10 +1,9 @@
-"""The tolerance windows of the ledger that changed since the end of the first round or since the last release, and why.
+"""Comparison of the tolerance windows of today with earlier windows, and the reasons for all changes.
 
-``results/history/windows.csv`` has the windows of the checks that were claimed at the end of the first round, and
-``released.csv`` the windows of the last release; ``python -m study.present.windows results`` writes the second file
-when
-a version is released. If a window changed without a reason in ``WHY``, or a check is no longer claimed, an error is
-raised, so that no window is widened unnoticed.
+``results/history/windows.csv`` has the windows at the end of the first round of measurements, ``released.csv`` the
+windows of the last release. ``python -m study.present.windows results`` writes the second file when a version is
+released. An error is raised if a window changed or a check was removed and ``WHY`` has no reason, so that no window is
+widened unnoticed.
 """
 
 from __future__ import annotations
@@ -23,7 +22,8 @@ from study.ledger.verdict import ROW_KEY, UNCLAIMED
 from study.ledger.window import MIN_POSITIVE, Window
 
 FIRST, RELEASED = "windows.csv", "released.csv"
-"""Files in ``results/history``: the windows at the end of the first round (commit 27a936c), and at the last release."""
+"""Files in ``results/history`` with the windows at the end of the first round (commit 27a936c) and of the last
+release."""
 NOT_NOTHING = "a diagnostic must be positive: exactly 0 means that a quantity was compared with itself"
 OWN_SPACE = "Thm 4.2, own space"
 NOT_RANDOM = "merging-patches and layered are now measured on meshes that are not random"
@@ -50,12 +50,20 @@ WHY: dict[tuple[str, str], str] = {
     (OWN_SPACE, "time-share"): "narrower, and quadrature counts as well: the second computation integrates f_0 with a "
     "finer rule",
 }  # fmt: skip
-"""The reasons by label and key, unless only the lower end changed from 0 to the smallest positive value."""
+"""Label and key of checks ↦ why their window changed. If only the lower end changed, from 0 to the smallest positive
+value, the reason is ``NOT_NOTHING``."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """A number of checks with one label and key and the same change of their window."""
+    """The same change of the tolerance window of several checks that have one label and one key.
+
+    Attributes:
+        label, key: label and key of the checks.
+        before, today: the windows as text; ``before`` is empty for new checks.
+        why: the reason.
+        rows: the number of these checks.
+    """
 
     label: str
     key: str
@@ -66,7 +74,12 @@ class Change:
 
 
 def earlier(directory: Path, name: str = FIRST) -> pd.DataFrame | None:
-    """Return the checks claimed then: label, key, case, family, then_low, then_high; None without a record."""
+    """Return the earlier tolerance windows from a file in ``directory/history``; None if there is no such file.
+
+    Returns:
+        A table with a row for each check and the columns ``label``, ``key``, ``case``, ``family``, ``then_low`` and
+        ``then_high``.
+    """
     path = directory / "history" / name
     if not path.is_file():
         return None
@@ -78,7 +91,7 @@ def earlier(directory: Path, name: str = FIRST) -> pd.DataFrame | None:
 
 
 def release(directory: Path) -> Path:
-    """Write the windows of all claimed checks of a run into ``history/released.csv``, in the format of ``earlier``."""
+    """Write the tolerance windows of a run into the file ``history/released.csv``, which ``earlier`` reads."""
     claims = read_claims(directory)
     claimed = claims[~claims["verdict"].isin(UNCLAIMED)].fillna({"family": ""})
     family = claimed["family"].where(claimed["family"] == "", "@" + claimed["family"])
@@ -91,13 +104,21 @@ def release(directory: Path) -> Path:
 
 
 def changes(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
-    """Return the changes, in the order of the ledger; raises DataError if a change has no reason."""
+    """Return the tolerance windows that changed or disappeared, in the order of the earlier table.
+
+    Parameters:
+        then: the earlier windows, from ``earlier``.
+        claims: the content of ``claims.csv``.
+
+    Raises:
+        DataError: a change has no reason.
+    """
     both = then.merge(claims.fillna({"family": ""}), on=[*ROW_KEY], how="left", validate="one_to_one")
     return [Change(*found, rows) for found, rows in Counter(_differences(both)).items()]
 
 
 def added(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
-    """Return labels and keys that are claimed today and were not known then."""
+    """Return the tolerance windows whose label and key occur in ``claims.csv`` but not in the earlier table."""
     known = set(then[["label", "key"]].itertuples(index=False, name=None))
     claimed = claims[~claims["verdict"].isin(UNCLAIMED)]
     found = []
@@ -109,6 +130,7 @@ def added(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
 
 
 def _differences(rows: pd.DataFrame) -> Iterator[tuple[str, str, str, str, str]]:
+    """Yield label, key, earlier window, window of today and reason for each check whose window changed."""
     for row in rows.to_dict("records"):
         then = Window(row["then_low"], row["then_high"])
         now = Window(row["window_low"], row["window_high"])

@@ -12,7 +12,7 @@ import hashlib
 import inspect
 import os
 import platform
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -21,7 +21,7 @@ from typing import Any
 from manufactured.case import Case
 from study.fem.naming import resolve
 from study.ledger.criterion import exactly
-from study.ledger.datafiles import DataError, made_by, read_uncompressed
+from study.ledger.datafiles import DataError, made_by, nested_keys, planned_keys, read_uncompressed
 from study.ledger.files import UsageError
 from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import at_most
@@ -55,39 +55,12 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
         "plan": scope.name,
         "scope": {**asdict(scope), "cases": names},
         "own_cases": own,
-        "planned": nested(plan.keys()),
+        "planned": nested_keys(plan.keys()),
         "statements": sources(),
         "python": platform.python_version(),
         "machine": platform.machine(),
         "packages": packages(),
     }
-
-
-def nested(keys: Iterable[Sequence[str]]) -> dict[str, Any]:
-    """Return the keys of rows as nested dictionaries, which store each common beginning once.
-
-    Parameters:
-        keys: the keys of rows, each with at least two texts, such as ("rates.csv", …, "8").
-
-    Returns:
-        First text ↦ second text ↦ … ↦ list of the last texts of all keys that begin with these texts.
-    """
-    tree: dict[str, Any] = {}
-    for *start, before_last, last in keys:
-        branch = tree
-        for text in start:
-            branch = branch.setdefault(text, {})
-        branch.setdefault(before_last, []).append(last)
-    return tree
-
-
-def listed(tree: Mapping[str, Any], start: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
-    """Return the keys of rows from the dictionaries of ``nested``; all keys begin with the texts in ``start``."""
-    keys: list[tuple[str, ...]] = []
-    for text, rest in tree.items():
-        begin = (*start, text)
-        keys += listed(rest, begin) if isinstance(rest, Mapping) else [(*begin, last) for last in rest]
-    return keys
 
 
 def sources() -> dict[str, dict[str, Any]]:
@@ -120,10 +93,7 @@ def read_provenance(directory: Path) -> dict[str, Any]:
     content = Store.read(path)
     require_format(path, content)
     assert content is not None
-    planned = content.get("planned", {})
-    # Earlier versions wrote a list.
-    content["planned"] = listed(planned) if isinstance(planned, Mapping) else [tuple(key) for key in planned]
-    return content
+    return {**content, "planned": planned_keys(content)}
 
 
 def refuse_to_replace(plan: Plan, directory: Path) -> None:

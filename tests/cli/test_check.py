@@ -17,13 +17,13 @@ from study.cli.main import main
 from study.controls.alarms import compare_record
 from study.fem.mesh import FAMILIES, MeshFamily, cell_count, size, size_of
 from study.fem.naming import resolve
-from study.ledger.datafiles import DataError, read_uncompressed, write_csv
+from study.ledger.datafiles import DataError, nested_keys, planned_keys, read_uncompressed, write_csv
 from study.ledger.files import write_packed, write_text
 from study.present import tables
 from study.present.pages import expected_texts
 from study.run.check import verify
 from study.run.judgement import verdicts
-from study.run.provenance import Expectation, compare_sums, listed, nested, read_provenance
+from study.run.provenance import Expectation, compare_sums, read_provenance
 
 ROOT = Path(__file__).parents[2]
 Edit = Callable[[Path], None]
@@ -148,7 +148,7 @@ def planned(change: Callable[[list[tuple[str, ...]]], list[tuple[str, ...]]]) ->
     def change_it(directory: Path) -> None:
         path = directory / "data" / "provenance.json"
         made = json.loads(path.read_text(encoding="utf-8"))
-        made["planned"] = nested(change(listed(made["planned"])))
+        made["planned"] = nested_keys(change(planned_keys(made)))
         path.write_text(json.dumps(made), encoding="utf-8")
 
     return change_it
