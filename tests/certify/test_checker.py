@@ -175,10 +175,7 @@ TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
     "a smaller constant in Ω": (edit("constants", "volume", by=lambda x: str(2 * Fraction(x))), "constant of forces"),
     "a smaller constant on Γ2": (edit("constants", "surface", by=lambda x: str(2 * Fraction(x))), "constant of loads"),
     "another tensor field": (edit("constants", "field", 3, 0, by=lambda x: x + 2**28), "the tensor field does not"),
-    "a stress is missing": (
-        edit("stress", "tractions", by=lambda x: x[:-1]),
-        "one stress for every",
-    ),
+    "a stress is missing": (edit("stress", "tractions", by=lambda x: x[:-1]), "one stress for every"),
     "a traction is missing": (edit("stress", "tractions", by=shorter), "tractions have another size"),
     "a traction of one time is missing": (edit("stress", "tractions", 0, by=lambda x: x[:-1]), "equal lengths"),
     "an inner number is missing": (edit("stress", "inner", by=shorter), "the inner numbers have another size"),
@@ -233,9 +230,7 @@ def test_what_is_proved_is_known(plain: checker.Enclosure, computed_bounds: dict
     assert {name: float(getattr(plain, name)) for name in computed_bounds} == pytest.approx(computed_bounds, rel=1e-6)
 
 
-def test_the_level_is_not_believed(
-    certificate: Any, plain: checker.Enclosure, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_level_is_not_believed(certificate: Any, plain: checker.Enclosure, tmp_path, capsys) -> None:
     """What is printed is counted on the mesh: 8 cells of the unit square, h = √(2/8)."""
     path = write(tmp_path / "other-level.json.gz", certificate | {"level": 64})
     assert checker.verified(checker.load(path)) == plain
@@ -252,9 +247,7 @@ def test_u_h_is_what_the_interval_is_about(certificate: Any, plain: checker.Encl
     assert checker.verified(certificate).low > plain.high + 1 / 2
 
 
-def test_certificates_of_two_problems_give_no_order(
-    certificate: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_certificates_of_two_problems_give_no_order(certificate: Any, tmp_path, capsys) -> None:
     first = write(tmp_path / "one.json.gz", certificate)
     certificate["problem"]["loads"] = {}
     certificate["stress"]["tractions"] = [row[:8] + row[24:] for row in certificate["stress"]["tractions"]]

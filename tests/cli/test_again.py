@@ -44,9 +44,7 @@ def test_rows_measured_again_agree_and_the_seed_is_printed(own: Path, capsys: py
     assert {path: path.read_bytes() for path in own.rglob("*.csv")} == before
 
 
-def test_rows_that_were_changed_are_noticed(
-    own: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_rows_that_were_changed_are_noticed(own: Path, capsys, monkeypatch) -> None:
     """No relation between columns shows these changes. Only coarse levels are measured again."""
     coarse = [job for job in planned_jobs(own) if job.setting.level <= 8]
     monkeypatch.setattr("study.cli.check.draw_jobs", lambda jobs, count, seed: coarse)
@@ -79,9 +77,7 @@ def test_a_case_whose_file_is_gone_cannot_be_measured_again(own: Path, capsys: p
         (["--again", "1", "--jobs", "0"], "--jobs must be 1 or more, got 0"),
     ],
 )
-def test_options_that_make_no_sense_are_refused(
-    options: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_options_that_make_no_sense_are_refused(options: list[str], says: str, tmp_path, capsys) -> None:
     assert main(["check", *options, "--out", str(tmp_path)]) == 2
     assert says in capsys.readouterr().err
 

@@ -72,9 +72,7 @@ def test_words_and_nan_in_a_data_file_are_named_by_file_and_line(
     assert f"{path} has {word!r} as {column}, expected a number, in line 4" in said or gone
 
 
-def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(tmp_path, capsys, monkeypatch) -> None:
     def measured(plan: Any, store: Any, *pools: Any) -> Any:
         raise UsageError(f"it would write in {store.directory}")
 
@@ -86,9 +84,7 @@ def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(
     assert (tmp_path / "results" / "data" / "provenance.json").read_text() == "{}"
 
 
-def test_no_more_processes_are_started_than_there_is_work(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_more_processes_are_started_than_there_is_work(tmp_path, capsys, monkeypatch) -> None:
     started: list[int] = []
 
     def counted(jobs: int) -> Processes:
@@ -168,13 +164,7 @@ READ_ONLY = "Read-only file system; give a directory you may write with --out"
     ids=lambda value: str(value).split()[0],
 )
 def test_a_disk_that_cannot_be_written_is_named_by_every_command(
-    command: str,
-    code: int,
-    says: str,
-    made: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    command: str, code: int, says: str, made: Path, tmp_path, capsys, monkeypatch
 ) -> None:
     def unwritable(*_: object) -> None:
         raise OSError(code, os.strerror(code))
@@ -200,9 +190,7 @@ def failed(part: Path) -> None:
     raise subprocess.CalledProcessError(1, "ffmpeg")
 
 
-def test_a_full_disk_behind_another_error_is_called_a_full_disk(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_full_disk_behind_another_error_is_called_a_full_disk(tmp_path, monkeypatch) -> None:
     with pytest.raises(StoreError, match="the disk is full"):
         write_whole(tmp_path / "file", wrapped)
     with pytest.raises(subprocess.CalledProcessError):
@@ -247,9 +235,7 @@ SHOWN: list[Callable[[Path], list[str]]] = [
 ]
 
 
-def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(
-    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(made: Path, tmp_path, capsys, monkeypatch) -> None:
     shutil.copytree(made / "results", tmp_path / "results", ignore=shutil.ignore_patterns("figures"))
     figures = sorted(path.relative_to(made) for path in (made / "results" / "figures").iterdir())
     monkeypatch.setattr("study.cli.common.draw_figures", lambda *arguments: figures)

@@ -256,9 +256,7 @@ def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path) -> Non
 
 
 @pytest.mark.parametrize("part", ["verify", "verdicts", "compare_sums", "compare_record", "as_written"])
-def test_the_command_refuses_what_one_of_its_parts_refuses(
-    part: str, own: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_refuses_what_one_of_its_parts_refuses(part: str, own: Path, capsys, monkeypatch) -> None:
     def refuse(*_: object) -> None:
         raise DataError(f"{part} says no")
 
@@ -293,10 +291,7 @@ CODES: dict[str, tuple[Edit, str]] = {
         edit(ERRORS, "error", to("small"), rows=1),
         r"line 2, column error: found 'small'",
     ),
-    "a row of a code twice": (
-        twice(ERRORS),
-        r"errors.csv, line \d+: the row series 1, level .* is also in line 3",
-    ),
+    "a row of a code twice": (twice(ERRORS), r"errors.csv, line \d+: the row series 1, level .* is also in line 3"),
     "a march by a code": (
         edit("../codes/march/errors.csv", "error", times(0.5), rows=1),
         r"codes/march/errors.csv, line 2, column error: found",
@@ -363,10 +358,7 @@ COMMITTED: dict[str, tuple[Edit, str]] = {
         r"hexagon.json was changed after the run that wrote it",
     ),
     "a line of the defects deleted": (shortened("data/controls.csv", 40), r"tables/controls.\w+, line \d+"),
-    "a line of the seeds deleted": (
-        shortened("data/seeds.csv", 40),
-        r"seeds.csv, line 41, .*: `study seeds",
-    ),
+    "a line of the seeds deleted": (shortened("data/seeds.csv", 40), r"seeds.csv, line 41, .*: `study seeds"),
     "a badge": (shortened("badges/ledger.svg", 1), r"ledger.svg, line 2: found .*: `make pages` writes it again"),
     "a caption": (shortened("figures/growth.txt", 0), r"growth.txt, line 1: found .*: `study figures"),
     "a number of the README": (
@@ -392,11 +384,7 @@ def expectation(copy_of_committed: Path) -> Expectation:
 
 @pytest.mark.parametrize("name", COMMITTED)
 def test_an_edit_of_the_committed_run_is_refused(
-    name: str,
-    committed: Path,
-    committed_texts: dict[Path, tuple[str, str]],
-    expectation: Expectation,
-    monkeypatch: pytest.MonkeyPatch,
+    name: str, committed: Path, committed_texts: dict[Path, tuple[str, str]], expectation: Expectation, monkeypatch
 ) -> None:
     """Texts for readers follow from data: those of the unedited run are compared with the edited file."""
     change, message = COMMITTED[name]
@@ -410,10 +398,7 @@ def test_an_edit_of_the_committed_run_is_refused(
 
 
 def test_the_committed_run_passes_and_every_file_is_compared_or_named(
-    committed: Path,
-    committed_texts: dict[Path, tuple[str, str]],
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    committed: Path, committed_texts: dict[Path, tuple[str, str]], capsys, monkeypatch
 ) -> None:
     """A file of an unknown kind is named, too."""
     # The texts are those that the command makes, made once for all tests.
@@ -455,18 +440,14 @@ def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, capsys: p
     assert 'failures="0"' not in report.read_text(encoding="utf-8")
 
 
-def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(
-    own: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(own: Path, capsys) -> None:
     (own.parent / "pocket.py").unlink()
     assert "not compared, because their files no longer exist: pocket" in refusal(own, capsys, code=0)
     edit(CASES, "expected_order", to("0.9"))(own)
     assert "column expected_order: found '0.9', expected '1'" in refusal(own, capsys)
 
 
-def test_a_case_whose_file_predicts_something_else_now_is_refused(
-    own: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_case_whose_file_predicts_something_else_now_is_refused(own: Path, capsys) -> None:
     path = own.parent / "pocket.py"
     path.write_text(path.read_text(encoding="utf-8").replace('reason="', 'reason="now '), encoding="utf-8")
     assert re.search(r"cases.csv, line 2, column reason: found .*, expected 'now ", refusal(own, capsys))

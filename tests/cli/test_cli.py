@@ -182,10 +182,7 @@ def test_damaged_or_incomplete_data_never_pass(finished: Path, tmp_path: Path, c
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [
-        (lambda t: t.assign(discrete_error=0.0), f"fails: {DISCRETE}"),
-        (rising, "because not asymptotic yet: try"),
-    ],
+    [(lambda t: t.assign(discrete_error=0.0), f"fails: {DISCRETE}"), (rising, "because not asymptotic yet: try")],
 )
 def test_what_misses_a_claim_is_told_with_the_reason(finished: Path, tmp_path: Path, change, message) -> None:
     shutil.copytree(finished / "data", tmp_path / "data")

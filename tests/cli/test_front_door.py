@@ -48,9 +48,7 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     return capsys.readouterr().err
 
 
-def test_a_name_with_a_slip_is_answered_with_the_nearest_one(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_name_with_a_slip_is_answered_with_the_nearest_one(capsys, tmp_path) -> None:
     out = tmp_path / "out"
     told = refused(capsys, "run", "--case", "hexgon", "--out", str(out))
     assert "unknown case 'hexgon'; did you mean hexagon? All: full-contact" in told
@@ -127,9 +125,7 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(
 @pytest.mark.parametrize(
     "face", [LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), "ContactFace(floor, 0, Prescribed(((1.0, 0),)), z)"]
 )
-def test_a_law_of_another_dimension_than_the_body_is_refused_in_words(
-    face: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_law_of_another_dimension_than_the_body_is_refused_in_words(face: str, tmp_path, capsys) -> None:
     words = "the law solid acts in dimension 3, the body has dimension 2; give its tensors that dimension, such as iso"
     path = tmp_path / "mine.py"
     path.write_text(OWN.format(face=face, of=", dim=3"), encoding="utf-8")
@@ -172,18 +168,14 @@ def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) 
     assert capsys.readouterr().out == f"study {version('signorini-study')}\n"
 
 
-def test_an_own_case_with_the_name_of_another_is_refused(
-    file: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_an_own_case_with_the_name_of_another_is_refused(file: Path, capsys, tmp_path) -> None:
     out = tmp_path / "out"
     told = refused(capsys, "run", "--case", f"{file}:front", "--levels", "2", "4", "8", "--out", str(out))
     assert "cases.py:front has the name advance-recede of a case of the catalogue; give it another name" in told
     assert not out.exists()
 
 
-def test_too_few_levels_are_named_before_anything_is_measured(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_too_few_levels_are_named_before_anything_is_measured(capsys, tmp_path, monkeypatch) -> None:
     def stop(*arguments: object) -> None:
         raise UsageError("here it would begin")
 

@@ -120,11 +120,7 @@ def doctored(change: Callable[[Any, np.ndarray], np.ndarray]) -> Make:
 
 @pytest.mark.parametrize(
     "change",
-    [
-        lambda task, u: u * np.nan,
-        lambda task, u: 3 * u,
-        lambda task, u: u * (1 + 0.01 / task.data["h"]),
-    ],
+    [lambda task, u: u * np.nan, lambda task, u: 3 * u, lambda task, u: u * (1 + 0.01 / task.data["h"])],
     ids=["no number", "three times as large", "worse on every mesh"],
 )
 def test_what_is_far_or_grows_is_wrong(tasks: Any, change: Any) -> None:

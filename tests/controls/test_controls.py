@@ -282,15 +282,7 @@ from study.solve.tableau import BACKWARD_EULER
         (
             STRESSES,
             "clarabel",
-            {
-                "signorini",
-                "multigrid",
-                "solver_choice",
-                "evolution",
-                "tableau",
-                "fixed_point",
-                "factorisation",
-            },
+            {"signorini", "multigrid", "solver_choice", "evolution", "tableau", "fixed_point", "factorisation"},
         ),
         (DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem"}),
     ],

@@ -123,10 +123,7 @@ def test_the_load_from_stresses_is_the_load_from_forces() -> None:
         solution = named(name).solution
         for family in (OneDiagonal(), Shaken(), Unstructured()):
             v_norm = ErrorNorm(solution, Space(family(solution.body, 8), solution.body), raised=4)
-            by_stress, by_force = (
-                v_norm.load(0.7),
-                load_from_forces(solution, v_norm.space, 0.7, v_norm.degree),
-            )
+            by_stress, by_force = (v_norm.load(0.7), load_from_forces(solution, v_norm.space, 0.7, v_norm.degree))
             assert abs(by_stress - by_force).max() < 1e-9 * abs(by_stress).max()
 
 
