@@ -169,11 +169,10 @@ def unshaken(directory: Path) -> None:
     write_csv(directory / "data" / RATES, table)
 
 
-def refusal(directory: Path, capsys: pytest.CaptureFixture[str], code: int = 2) -> str:
-    capsys.readouterr()
-    assert main(["check", "--out", str(directory)]) == code
-    printed = capsys.readouterr()
-    return printed.out + printed.err
+@pytest.fixture
+def refusal(told) -> Callable[..., str]:
+    """Checks a directory; returns what the command says."""
+    return lambda directory, code=2: told("check", "--out", str(directory), code=code)
 
 
 RATES, CASES, EQUIVALENCE = "rates.csv", "cases.csv", "equivalence.csv"
@@ -256,12 +255,12 @@ def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path) -> Non
 
 
 @pytest.mark.parametrize("part", ["verify", "verdicts", "compare_sums", "compare_record", "as_written"])
-def test_the_command_refuses_what_one_of_its_parts_refuses(part: str, own: Path, capsys, monkeypatch) -> None:
+def test_the_command_refuses_what_one_of_its_parts_refuses(part: str, own: Path, refusal, monkeypatch) -> None:
     def refuse(*_: object) -> None:
         raise DataError(f"{part} says no")
 
     monkeypatch.setattr(check, part, refuse)
-    assert f"study: {part} says no" in refusal(own, capsys)
+    assert f"study: {part} says no" in refusal(own)
 
 
 ERRORS, CLASSES = "../codes/errors.csv", "../codes/classes.csv"
@@ -398,13 +397,13 @@ def test_an_edit_of_the_committed_run_is_refused(
 
 
 def test_the_committed_run_passes_and_every_file_is_compared_or_named(
-    committed: Path, committed_texts: dict[Path, tuple[str, str]], capsys, monkeypatch
+    committed: Path, committed_texts: dict[Path, tuple[str, str]], refusal, monkeypatch
 ) -> None:
     """A file of an unknown kind is named, too."""
     # The texts are those that the command makes, made once for all tests.
     monkeypatch.setattr(check, "expected_texts", lambda _: committed_texts)
     write_text(committed / "new" / "kind.dat", "?")
-    told = " ".join(refusal(committed, capsys, code=0).split())
+    told = " ".join(refusal(committed, code=0).split())
     cases = len(pd.read_csv(committed / "data" / "cases.csv"))
     assert re.search(
         r"\d+ rows in \d files belong to the \d+ planned measurements; \d+ relations hold in all of them; "
@@ -422,7 +421,7 @@ def test_the_committed_run_passes_and_every_file_is_compared_or_named(
     assert suffixes == {".csv", ".json", ".gz", ".svg", ".txt", ".md", ".tex"}
 
 
-def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, refusal) -> None:
     path = own / "data" / RATES
     table = pd.read_csv(path)
     lost = table["h"] ** 0.3
@@ -430,41 +429,41 @@ def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, capsys: p
         table[column] *= lost
     table["order"] -= 0.3
     write_csv(path, table)
-    told = refusal(own, capsys, code=2)
+    told = refusal(own, code=2)
     assert "column order" in told
     table["order"] += 0.6
     write_csv(path, table)
-    assert "fails: Prop. 5.4, pocket: order of the error, extrapolated" in refusal(own, capsys, code=1)
+    assert "fails: Prop. 5.4, pocket: order of the error, extrapolated" in refusal(own, code=1)
     report = own.parent / "ledger.xml"
     assert main(["check", "--out", str(own), "--junit", str(report)]) == 1
     assert 'failures="0"' not in report.read_text(encoding="utf-8")
 
 
-def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(own: Path, capsys) -> None:
+def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(own: Path, refusal) -> None:
     (own.parent / "pocket.py").unlink()
-    assert "not compared, because their files no longer exist: pocket" in refusal(own, capsys, code=0)
+    assert "not compared, because their files no longer exist: pocket" in refusal(own, code=0)
     edit(CASES, "expected_order", to("0.9"))(own)
-    assert "column expected_order: found '0.9', expected '1'" in refusal(own, capsys)
+    assert "column expected_order: found '0.9', expected '1'" in refusal(own)
 
 
-def test_a_case_whose_file_predicts_something_else_now_is_refused(own: Path, capsys) -> None:
+def test_a_case_whose_file_predicts_something_else_now_is_refused(own: Path, refusal) -> None:
     path = own.parent / "pocket.py"
     path.write_text(path.read_text(encoding="utf-8").replace('reason="', 'reason="now '), encoding="utf-8")
-    assert re.search(r"cases.csv, line 2, column reason: found .*, expected 'now ", refusal(own, capsys))
+    assert re.search(r"cases.csv, line 2, column reason: found .*, expected 'now ", refusal(own))
 
 
-def test_tables_writes_what_check_asks_for(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_tables_writes_what_check_asks_for(own: Path, refusal) -> None:
     edit("claims.csv", "observed", to("0.5"), rows=1)(own)
-    assert "`study tables" in refusal(own, capsys)
+    assert "`study tables" in refusal(own)
     assert main(["tables", "--out", str(own)]) == 0
-    refusal(own, capsys, code=0)
+    refusal(own, code=0)
     (own / "data" / "claims.csv").unlink()
-    assert "claims.csv is missing: `study tables" in refusal(own, capsys)
+    assert "claims.csv is missing: `study tables" in refusal(own)
 
 
-def test_check_writes_nothing(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_writes_nothing(own: Path, refusal) -> None:
     before = {path: path.stat().st_mtime_ns for path in own.rglob("*") if path.is_file()}
-    refusal(own, capsys, code=0)
+    refusal(own, code=0)
     assert {path: path.stat().st_mtime_ns for path in own.rglob("*") if path.is_file() and path.name != ".lock"} == {
         path: time for path, time in before.items() if path.name != ".lock"
     }

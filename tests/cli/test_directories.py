@@ -45,21 +45,16 @@ COMMANDS = [
 ]
 
 
-def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    assert main([*arguments]) == 2
-    return capsys.readouterr().err
-
-
 def everything(directory: Path) -> dict[Path, bytes]:
     return {path: path.read_bytes() for path in directory.rglob("*") if path.is_file()}
 
 
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
-def test_files_that_the_study_did_not_write_are_never_overwritten(command: list[str], tmp_path, capsys) -> None:
+def test_files_that_the_study_did_not_write_are_never_overwritten(command: list[str], tmp_path, refused) -> None:
     write_text(tmp_path / "data" / "rates.csv", "mine")
     write_text(tmp_path / "figures" / "convergence.png", "mine")
     before = everything(tmp_path)
-    told = refused(capsys, *command, "--out", str(tmp_path))
+    told = refused(*command, "--out", str(tmp_path))
     assert "no finished run" in told or f"{tmp_path}/data/rates.csv was not written by a study" in told
     assert everything(tmp_path) == before
 
@@ -75,9 +70,9 @@ OWNED = [
 
 
 @pytest.mark.parametrize(("command", "folder"), OWNED, ids=["bound", "show", "export", "certify"])
-def test_a_folder_of_somebody_else_is_left_alone(command: list[str], folder: str, tmp_path, capsys) -> None:
+def test_a_folder_of_somebody_else_is_left_alone(command: list[str], folder: str, tmp_path, refused) -> None:
     write_text(tmp_path / folder / "notes.txt", "mine")
-    told = refused(capsys, *command, "--out", str(tmp_path))
+    told = refused(*command, "--out", str(tmp_path))
     assert f"{tmp_path / folder / 'notes.txt'} was not written by a study" in told
     assert list(everything(tmp_path)) == [tmp_path / folder / "notes.txt"]
 
@@ -116,7 +111,7 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done(tmp_path, capsys, mon
 
 
 @pytest.mark.parametrize(("command", "folder"), [OWNED[0], OWNED[2]], ids=["bound", "export"])
-def test_two_commands_on_one_directory_are_refused_by_name(command: list[str], folder: str, tmp_path, capsys) -> None:
+def test_two_commands_on_one_directory_are_refused_by_name(command: list[str], folder: str, tmp_path, refused) -> None:
     of = "tasks import TaskStore as" if command[0] == "export" else "store import"
     lock = f"import sys; from pathlib import Path; from study.run.{of} Store\n"
     lock += "with Store(Path(sys.argv[1])).locked(): print('locked', flush=True); sys.stdin.read()"
@@ -125,7 +120,7 @@ def test_two_commands_on_one_directory_are_refused_by_name(command: list[str], f
     )
     assert other.stdout
     assert other.stdout.readline() == b"locked\n"
-    told = refused(capsys, *command, "--out", str(tmp_path))
+    told = refused(*command, "--out", str(tmp_path))
     other.communicate()
     assert f"another run works on {tmp_path / folder}: wait until it ends, or give another directory with" in told
 
@@ -265,11 +260,11 @@ def test_levels_can_be_added_to_a_directory(tmp_path: Path, capsys: pytest.Captu
     assert shorter.own == ()
 
 
-def test_hints_for_repair_name_the_command_that_made_the_directory(tmp_path, capsys) -> None:
+def test_hints_for_repair_name_the_command_that_made_the_directory(tmp_path, refused) -> None:
     planned(tmp_path, "--case", "corner", "--levels", "8", "16", "32", "--step", "0.1")
     line = f"study run --case corner --levels 8 16 32 --step 0.1 --out {tmp_path}"
     assert made_by(tmp_path) == line
-    assert f".csv is missing: make it with `{line}`" in refused(capsys, "check", "--out", str(tmp_path))
+    assert f".csv is missing: make it with `{line}`" in refused("check", "--out", str(tmp_path))
     assert made_by(tmp_path / "none") == f"study run --out {tmp_path / 'none'}"
     write_text(tmp_path / "a b" / "data" / "provenance.json", json.dumps({"plan": "full"}))
     assert made_by(tmp_path / "a b") == f"study run --full --out '{tmp_path}/a b'"
