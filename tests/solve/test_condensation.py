@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from random_examples import COSTLY
 from scipy.sparse.linalg import splu
+from step_matrix import step_matrix
 
 from manufactured import Kind, named, polygon
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
@@ -32,9 +33,9 @@ Matrices = tuple[sps.csc_array, sps.csr_array]
 def matrices(request) -> Matrices:
     """S of a time step and N."""
     name, family, n = request.param
-    solution = named(name).solution
-    space = Space(family(solution.body, n), solution.body)
-    return sps.csc_array(20 * form(space, solution.law.A) + form(space, solution.law.G)), space.N
+    body = named(name).solution.body
+    space = Space(family(body, n), body)
+    return step_matrix(name, space), space.N
 
 
 def close(one, other, tolerance: float) -> bool:

@@ -22,7 +22,7 @@ from study.fem.mesh import FAMILIES, Graded, MeshError, OneDiagonal, Shaken, Uns
 from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 from study.solve import signorini
-from study.solve.evolution import EvolutionError, SemiDiscrete
+from study.solve.evolution import EvolutionError
 from study.solve.signorini import Signorini
 from study.solve.steps import rate_steps
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
@@ -331,10 +331,7 @@ def test_ill_conditioned_matrices_that_are_no_m_matrices_are_solved() -> None:
 @cache
 def trajectory(case, scheme, steps: int, n: int = 8):
     """The problem and its trajectory, found once for all schemes that are compared with it; tests only read it."""
-    solution = case.solution
-    space = Space(Shaken()(solution.body, n), solution.body)
-    v_norm = ErrorNorm(solution, space)
-    problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
+    problem = Experiment.of(case.solution, Shaken(), n, scheme, steps).problem
     return problem, np.array([state.u for state in scheme.march(problem, steps)])
 
 
@@ -377,11 +374,7 @@ def test_a_midpoint_step_of_a_nonlinear_law_takes_at_most_six_solves_on_the_coar
 
 
 def test_a_fixed_point_that_does_not_settle_says_so() -> None:
-    case = named("yield-and-release")
-    solution = case.solution
-    space = Space(OneDiagonal()(solution.body, 4), solution.body)
-    v_norm = ErrorNorm(solution, space)
-    problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
+    problem = Experiment.of(named("yield-and-release").solution, OneDiagonal(), 4, MIDPOINT, 4).problem
     stiff = replace(problem, remainder=lambda v: 50 * problem.M @ v)
     with pytest.raises(EvolutionError, match="take more steps"):
         list(MIDPOINT.march(stiff, 4))
