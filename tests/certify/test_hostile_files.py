@@ -79,11 +79,11 @@ def test_all_objects_of_a_certificate_are_tried() -> None:
 
 
 @pytest.mark.parametrize("place", PLACES, ids=str)
-@pytest.mark.parametrize("key", ["bound", "", BAD, "x" * 10**6, "ｍ"], ids=lambda key: ascii(key[:20]))
-def test_unknown_keys_are_refused(place: tuple[Any, ...], key: str, tmp_path, capsys) -> None:
-    data = certificate()
-    at(data, place)[key] = []
-    assert re.search("unknown key|must be a list of 2|does not exist", refused(packed(data), tmp_path, capsys))
+def test_unknown_keys_are_refused(place: tuple[Any, ...], tmp_path, capsys) -> None:
+    for key in ("bound", "", BAD, "x" * 10**6, "ｍ"):
+        data = certificate()
+        at(data, place)[key] = []
+        assert re.search("unknown key|must be a list of 2|does not exist", refused(packed(data), tmp_path, capsys))
 
 
 def keys() -> list[tuple[Any, ...]]:

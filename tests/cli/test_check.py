@@ -397,11 +397,12 @@ def test_an_edit_of_the_committed_run_is_refused(
 
 
 def test_the_committed_run_passes_and_every_file_is_compared_or_named(
-    committed: Path, committed_texts: dict[Path, tuple[str, str]], refusal, monkeypatch
+    committed: Path, committed_texts: dict[Path, tuple[str, str]], expectation: Expectation, refusal, monkeypatch
 ) -> None:
     """A file of an unknown kind is named, too."""
-    # The texts are those that the command makes, made once for all tests.
+    # Texts and predictions are those that the command makes, made once for all tests.
     monkeypatch.setattr(check, "expected_texts", lambda _: committed_texts)
+    monkeypatch.setattr(Expectation, "of", lambda *_: expectation)
     write_text(committed / "new" / "kind.dat", "?")
     told = " ".join(refusal(committed, code=0).split())
     cases = len(pd.read_csv(committed / "data" / "cases.csv"))
