@@ -21,7 +21,7 @@ HEAD = """
 from dataclasses import replace
 from manufactured import *
 import sympy
-case = next(c for c in catalogue() if c.name == "advance-recede")
+case = named("advance-recede")
 (face,) = case.solution.faces
 def changed(**c): return replace(case, solution=replace(case.solution, faces=(replace(face, **c),)))
 """

@@ -223,13 +223,11 @@ def test_a_twin_is_a_case_of_the_catalogue_and_is_measured_beside_it() -> None:
 ROUGH = """
 from dataclasses import replace
 
-from manufactured import catalogue
-
-found = {case.name: case for case in catalogue()}
+from manufactured import named
 
 
 def rough(name, *places):
-    case = found[name]
+    case = named(name)
     face, *others = case.solution.faces
     faces = replace(face, rough=places), *others
     return replace(case, name="mine", families=(), solution=replace(case.solution, faces=faces))

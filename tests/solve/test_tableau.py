@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from manufactured import catalogue
+from manufactured import named
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.solve.steps import StepsError, rate_steps, stress_steps
@@ -35,7 +35,7 @@ def test_a_scheme_starts_with_steps_whose_past_is_there(scheme: Tableau) -> None
 
 
 def test_no_scheme_marches_without_a_step() -> None:
-    setup = Experiment.of(catalogue()[0].solution, OneDiagonal(), 4, BACKWARD_EULER, 1)
+    setup = Experiment.of(named("full-contact").solution, OneDiagonal(), 4, BACKWARD_EULER, 1)
     with pytest.raises(StepsError, match="one step or more"):
         next(setup.scheme.march(setup.problem, 0))
 
@@ -49,7 +49,7 @@ def test_steps_grow_with_level_and_pace_and_those_of_stresses_are_even() -> None
 
 @pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
 def test_a_march_asks_for_loads_at_the_times_that_its_scheme_says(scheme: Tableau) -> None:
-    setup = Experiment.of(catalogue()[0].solution, OneDiagonal(), 4, scheme, 7)
+    setup = Experiment.of(named("full-contact").solution, OneDiagonal(), 4, scheme, 7)
     asked = []
 
     def load(time: float) -> np.ndarray:
