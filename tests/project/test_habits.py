@@ -19,7 +19,8 @@ import yaml
 from case_docstrings import missing_parts
 
 import manufactured
-from manufactured import Case, prove
+from manufactured import prove
+from manufactured.catalogue import NAMES
 from study.cli.main import main, parser
 from study.controls import replacements, table
 from study.controls.run_controls import work
@@ -170,24 +171,13 @@ def test_the_example_holds_and_a_table_that_loses_its_order_does_not(tmp_path, c
 # The recipes of CONTRIBUTING.md.
 
 
-@pytest.fixture
-def case(monkeypatch: pytest.MonkeyPatch) -> Case:
-    found: Case = module(monkeypatch, "manufactured.cases.breathing_patch").case()
-    return found
-
-
-def test_the_case_of_the_recipe_proves_itself_and_is_new(case: Case) -> None:
+def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_docstring_predicts(monkeypatch) -> None:
+    recipe = module(monkeypatch, "manufactured.cases.breathing_patch")
+    case = recipe.case()
+    assert missing_parts(recipe.__doc__, case) == []
     prove(case.solution, case.name)
     assert case.regularity.satisfies_5_36
-    assert case.name not in {known.name for known in manufactured.catalogue()}
-
-
-def test_the_case_of_the_recipe_states_its_formulas_and_then_the_order_that_they_predict(monkeypatch) -> None:
-    recipe = module(monkeypatch, "manufactured.cases.breathing_patch")
-    assert missing_parts(recipe.__doc__, recipe.case()) == []
-
-
-def test_the_case_of_the_recipe_has_its_predicted_order(case: Case) -> None:
+    assert case.name not in NAMES
     rows = [
         measure_case(case, OneDiagonal(), n, MIDPOINT, rate_steps(case.solution.body.T, n, case.pace))
         for n in (8, 16, 32)
