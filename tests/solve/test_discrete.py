@@ -71,7 +71,9 @@ def test_unstructured_meshes_serve_any_polygon_and_structured_ones_refuse_it() -
         OneDiagonal()(PENTAGON, 8)
 
 
-def test_a_mesh_without_a_vertex_where_the_condition_changes_is_refused() -> None:
+def test_a_mesh_that_crosses_an_interface_or_lacks_a_vertex_where_the_condition_changes_is_refused() -> None:
+    with pytest.raises(MeshError, match="edges of the mesh follow it"):
+        Space(OneDiagonal()(LAYERED["level"], 6), LAYERED["level"])
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     body = polygon([(0, 0), (0.3, 0), (1, 0), (1, 1), (0, 1)], kinds)
     with pytest.raises(MeshError, match="is not a vertex"):
@@ -171,11 +173,6 @@ def test_a_line_may_have_any_direction(exponent: float) -> None:
     assert total == pytest.approx(slices, rel=1e-5)
 
 
-def test_a_line_needs_a_unit_direction() -> None:
-    with pytest.raises(MeshError, match="expected 1"):
-        Line((1.0, 1.0), 0.5)
-
-
 @pytest.mark.parametrize("exponent", [-1.0, -0.9, 0.0, 1.0])
 def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(exponent: float) -> None:
     """∫ r^e over the triangle (0,0), (1,0), (1,1) is ∫_0^{π/4} (cos θ)^{−e−2} dθ/(e+2); twice this for the square."""
@@ -191,6 +188,8 @@ def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(expone
 
 
 def test_rough_places_that_no_rule_serves_are_refused() -> None:
+    with pytest.raises(MeshError, match="expected 1"):
+        Line((1.0, 1.0), 0.5)
     mesh = OneDiagonal()(unit_square(), 4)
     with pytest.raises(MeshError, match="not a vertex of the mesh"):
         cell_rules(mesh, 4, (), [(0.3, 0.3)])
@@ -247,11 +246,6 @@ def test_shaken_vertices_slide_along_interfaces() -> None:
     assert len(on) == 7
     assert np.allclose(shaken[1, on], 0.25, rtol=0, atol=1e-15)
     assert (shaken[0, on] != plain[0, on]).all()
-
-
-def test_a_mesh_that_crosses_an_interface_is_refused() -> None:
-    with pytest.raises(MeshError, match="edges of the mesh follow it"):
-        Space(OneDiagonal()(LAYERED["level"], 6), LAYERED["level"])
 
 
 def test_the_predicted_interpolation_error_is_the_measured_one_for_quadratics() -> None:
