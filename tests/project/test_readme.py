@@ -148,13 +148,10 @@ def test_windows_it_names_in_its_text_are_those_of_the_program() -> None:
         assert window.high == value
 
 
-def test_a_page_without_marks_is_refused(full: FullRun, tmp_path: Path) -> None:
+def test_a_page_without_marks_and_data_of_no_full_run_are_refused(full: FullRun, tmp_path, monkeypatch) -> None:
     (tmp_path / "README.md").write_text("# Nothing\n")
     with pytest.raises(DataError, match="no <!-- NAME -->"):
         refresh(tmp_path / "README.md", full)
-
-
-def test_data_that_are_not_of_a_full_run_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr("sys.argv", ["pages", str(tmp_path), str(README.path)])
     with pytest.raises(DataError, match="has no full run: `make full`"):
         main()
