@@ -104,7 +104,9 @@ DEAR = ("Landings", "WorkOfContact", "GrowingErrors", "SolutionDivergence")
 """Statements whose coarsest setting takes ten seconds and more."""
 LISTS = [
     pytest.param(
-        statement, id=type(statement).__name__, marks=[pytest.mark.slow] if type(statement).__name__ in DEAR else []
+        statement,
+        id=type(statement).__name__,
+        marks=[pytest.mark.slow] if type(statement).__name__ in DEAR else [],
     )
     for statement in STATEMENTS
     if isinstance(statement, ListedNumbers)
