@@ -7,7 +7,6 @@ minutes while a page is written.
 
 import hashlib
 import inspect
-import json
 import os
 import re
 import sys
@@ -25,7 +24,7 @@ from manufactured.catalogue import catalogue
 from study.ledger.datafiles import read_csv
 from study.present.body import BodyScale, draw_deformed_mesh
 from study.present.drawing import in_style
-from study.present.picture import Picture, with_every_shape
+from study.present.picture import Picture, picture_path, read_record, with_every_shape
 from study.present.show import write_gif
 
 INSTRUCTIVE = (
@@ -69,12 +68,12 @@ GENERATED = DOCS / "generated"
 
 def drawn_once(data: Path, suffix: str, draw: Callable[[Path, Picture], object]) -> str:
     """Draws a picture unless it exists; returns its file name, which contains a hash of the data."""
-    text = data.read_bytes()
-    image = GENERATED / "films" / f"{data.stem}-{hashlib.sha256(text).hexdigest()[:8]}.{suffix}"
+    name, content = data.name.partition(".json")[0], data.read_bytes()
+    image = GENERATED / "films" / f"{name}-{hashlib.sha256(content).hexdigest()[:8]}.{suffix}"
     if not image.exists():
         image.parent.mkdir(parents=True, exist_ok=True)
         with in_style():
-            draw(image, with_every_shape(json.loads(text)))
+            draw(image, with_every_shape(read_record(data)))
     return image.name
 
 
@@ -181,7 +180,7 @@ def write_gallery(app: Sphinx) -> None:
     cases = [every[name] for name in (*INSTRUCTIVE, *(name for name in every if name not in INSTRUCTIVE))]
     cards, entries = [], []
     for case in cases:
-        data = ROOT / "results" / "data" / "pictures" / f"{case.name}.json"
+        data = picture_path(ROOT / "results", case.name)
         thumbnail = drawn_once(data, "png", write_thumbnail)
         cards.append(card(case, thumbnail))
         film = thumbnail if os.environ.get("FILMS") == "no" else drawn_once(data, "gif", write_film)

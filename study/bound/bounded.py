@@ -19,7 +19,7 @@ from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation, refuse_unserved
-from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
+from study.bound.enclosing import Enclosure, enclose, known_error, order_interval, relative
 from study.bound.problem import BoundError
 from study.bound.static import compute_static, enclose_static
 from study.bound.trajectory import Computed, DiscreteSolution, Refined, SmoothedInTime, compute
@@ -70,10 +70,21 @@ class BoundedSolution:
     remarks: tuple[str, ...] = ()
 
     @property
+    def error(self) -> tuple[float, float]:
+        """Interval that contains max_t ‖u(t) − u_h(t)‖_V, from the sharper ends of both bounds."""
+        both = [self.enclosure, *([self.plain] if self.plain else [])]
+        return max(one.lowest for one in both), min(one.highest for one in both)
+
+    @property
+    def norm(self) -> tuple[float, float]:
+        """Interval that contains max_t ‖u(t)‖_V, from the sharper ends of both bounds."""
+        both = [self.enclosure, *([self.plain] if self.plain else [])]
+        return max(one.norm[0] for one in both), min(one.norm[1] for one in both)
+
+    @property
     def relative(self) -> tuple[float, float]:
-        """Interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V, the intersection from both bounds."""
-        both = [self.enclosure.relative, *([self.plain.relative] if self.plain else [])]
-        return max(low for low, _ in both), min(high for _, high in both)
+        """Interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V."""
+        return relative(self.error, self.norm)
 
 
 def norm_of(data: Data) -> str:
@@ -170,12 +181,12 @@ def bounded_static(
 
 def series(level: int, found: BoundedSolution) -> pd.DataFrame:
     """Return the rows of ``enclosure.csv`` for one level: the bounds at each knot of ũ."""
-    enclosure = found.enclosure
-    columns = {name: getattr(enclosure, name) for name in ("error", "lower", "upper", "distance", "bound")}
+    enclosure, size = found.enclosure, found.norm
+    columns = {name: getattr(enclosure, name) for name in ("error", "lower", "distance", "bound")}
     columns |= {"plain": found.plain.bound_at(enclosure.times) if found.plain else math.nan}
-    size = enclosure.norm
+    columns["upper"] = np.fmin(enclosure.upper, columns["plain"])
     columns |= {"percent_low": 100 * enclosure.lower / size[1] if size[1] > 0 else 0.0}
-    columns |= {"percent_high": 100 * enclosure.upper / size[0] if size[0] > 0 else math.inf}
+    columns |= {"percent_high": 100 * columns["upper"] / size[0] if size[0] > 0 else math.inf}
     frame = pd.DataFrame({"level": level, "time": enclosure.times} | columns)
     # Outward rounding: the printed interval must contain the computed one.
     below, above = ["lower", "percent_low"], ["upper", "bound", "plain", "percent_high"]
@@ -197,11 +208,11 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
         "dofs": found.computed.nodes.shape[1],
         "steps": len(found.computed.times) - 1,
         "error": float(enclosure.error.max()),
-        "lowest": enclosure.lowest,
-        "highest": enclosure.highest,
+        "lowest": found.error[0],
+        "highest": found.error[1],
         "plain": found.plain.highest if found.plain else math.nan,
-        "norm_low": enclosure.norm[0],
-        "norm_high": enclosure.norm[1],
+        "norm_low": found.norm[0],
+        "norm_high": found.norm[1],
         "percent_low": 100 * found.relative[0],
         "percent_high": 100 * found.relative[1],
         "kind": enclosure.evidence.kind,

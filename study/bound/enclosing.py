@@ -116,13 +116,17 @@ class Enclosure:
     @property
     def relative(self) -> tuple[float, float]:
         """Interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V; the upper end is ∞ if u may be 0."""
-        low, high = self.norm
-        return (self.lowest / high if high > 0 else 0.0), (self.highest / low if low > 0 else math.inf)
+        return relative((self.lowest, self.highest), self.norm)
 
     @property
     def contains(self) -> bool:
         """Whether the known error lies in the enclosure at all times."""
         return bool(((self.lower <= self.error) & (self.error <= self.upper)).all())
+
+
+def relative(error: tuple[float, float], norm: tuple[float, float]) -> tuple[float, float]:
+    """Return an interval that contains error / norm, from intervals of both. It ends at ∞ if the norm may be 0."""
+    return (error[0] / norm[1] if norm[1] > 0 else 0.0), (error[1] / norm[0] if norm[0] > 0 else math.inf)
 
 
 def enclose(

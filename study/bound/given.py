@@ -98,7 +98,8 @@ def bounded_displacement(
         plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
         remarks = (NO_PLAIN.format(why=why),) if why else ()
         found = BoundedSolution(computed, plain, enclose(coarse, computed, refined, error, progress), remarks)
-    ends = max(0.0, found.enclosure.lowest - computed.offset), found.enclosure.highest + computed.offset
+    low, high = found.error
+    ends = max(0.0, low - computed.offset), high + computed.offset
     whole = f"the error of the displacement in the file lies in {interval(*ends, SHOWN)}"
     return replace(found, remarks=(*computed.remarks, *found.remarks, *([whole] if computed.offset else [])))
 

@@ -111,7 +111,7 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
     for case in scope.resolved():
         given = set(scope.levels_of(case).all)
         had, compared = (
-            {int(row[-1]) for row in planned if row[:2] == [name, case.name]}
+            {int(row[-1]) for row in planned if row[:2] == (name, case.name)}
             for name in ("rates.csv", "equivalence.csv")
         )
         if not had or not given - had:

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.ledger.datafiles import LEDGER, TEXT, DataError, line, made_by, read_csv
+from study.ledger.datafiles import LEDGER, TEXT, DataError, line, made_by, read_csv, read_uncompressed
 from study.ledger.pictures import Packed
 from study.ledger.verdict import ROW_KEY
 
@@ -138,7 +138,8 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
     names: set[str] = set()
     for directory in (old, new):
         data = directory / "data"
-        found = {path.relative_to(data).as_posix() for path in (*data.glob("*.csv"), *data.glob("pictures/*.json"))}
+        paths = *data.glob("*.csv"), *data.glob("pictures/*.json"), *data.glob("pictures/*.json.gz")
+        found = {path.relative_to(data).as_posix().removesuffix(".gz") for path in paths}
         if not found:
             raise DataError(f"{directory} has no data/*.csv, expected the directory that follows --out in `study run`")
         names |= found
@@ -147,19 +148,17 @@ def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
 
 
 def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileDifference:
-    paths = [directory / "data" / name for directory in directories]
-    for path, other in zip(paths, ("NEW", "OLD"), strict=True):
-        if not path.exists():
+    # Earlier versions did not compress pictures.
+    stored = [f"{name}.gz" if (directory / "data" / f"{name}.gz").exists() else name for directory in directories]
+    for directory, stored_name, other in zip(directories, stored, ("NEW", "OLD"), strict=True):
+        if not (directory / "data" / stored_name).exists():
             return FileDifference(name, LEFT_OUT if name in OF_CONTROLS else DIFFERS, other)
-    try:
-        first, second = (path.read_bytes() for path in paths)
-    except OSError as error:
-        raise DataError(f"cannot read {error.filename}: {error.strerror}; make it readable") from error
+    first, second = map(_content, stored, directories)
     # A truncated file ends within a line; it is read below, which raises an error.
     if first == second and first.endswith(b"\n"):
         return FileDifference(name, IDENTICAL)
     csv = name.endswith(".csv")
-    read: list[Any] = _tables(name, directories) if csv else [_picture(name, directory) for directory in directories]
+    read: list[Any] = _tables(name, directories) if csv else [*map(_picture, stored, directories)]
     old, new, *found = read
     for side, mine, other in (("OLD", old, new), ("NEW", new, old)):
         single = pd.Index([*mine]).difference([*other], sort=False)
@@ -221,9 +220,19 @@ def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:
     return pd.Index(names.where(number == 1, names + ", no. " + number.astype(str)))
 
 
+def _content(name: str, directory: Path) -> bytes:
+    """Return the content of a data file, uncompressed; raises DataError if it cannot be read."""
+    try:
+        return read_uncompressed(directory / "data" / name)
+    except OSError as error:
+        raise DataError(f"cannot read {error.filename}: {error.strerror}; make it readable") from error
+    except ValueError as error:
+        raise _refusal(directory, name, f"is damaged ({error})") from error
+
+
 def _picture(name: str, directory: Path) -> dict[str, pd.Series]:
     try:
-        return dict(_places(json.loads((directory / "data" / name).read_bytes()), ""))
+        return dict(_places(json.loads(_content(name, directory)), ""))
     # The file is not JSON in UTF-8, has too many nested brackets, or its packed numbers are damaged.
     except (ValueError, RecursionError, KeyError, TypeError) as error:
         raise _refusal(directory, name, f"is not a picture ({error})") from error

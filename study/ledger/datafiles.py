@@ -18,7 +18,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from study.ledger.chance import promise_verdict
-from study.ledger.files import write_text
+from study.ledger.files import write_packed, write_text
 from study.ledger.orders import RatesError, orders
 from study.ledger.verdict import HOLDS, KINDS, VERDICTS, Verdict, kind
 
@@ -39,10 +39,6 @@ TEXT = {
 
 COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds"}
 """Data file ↦ the command that writes it, if this is not ``study run``."""
-
-
-NO_TABLE = pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError, gzip.BadGzipFile, EOFError, zlib.error
-"""Errors that pandas and gzip raise if a file is not a table."""
 
 
 class DataError(ValueError):
@@ -94,16 +90,28 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
     try:
         # Only empty cells are NaN: no command writes the word "nan".
         kinds = dict.fromkeys(TEXT, str)
-        content = path.read_bytes()
-        content = gzip.decompress(content) if path.suffix == ".gz" else content
+        content = read_uncompressed(path)
         frame = pd.read_csv(BytesIO(content), dtype=kinds, keep_default_na=False, na_values=[""], low_memory=False)  # type: ignore[arg-type]
-    except NO_TABLE as error:
+    except ValueError as error:
         raise DataError(f"{path} is not a table ({error}): {again}") from error
     if not content.endswith(b"\n"):
         raise DataError(f"{path} is truncated, its last line has no end: {again}")
     if lacking := [column for column in columns if column not in frame]:
         raise DataError(f"{path} lacks the columns {', '.join(lacking)}: {again}")
     return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT], ""))
+
+
+def read_uncompressed(path: Path) -> bytes:
+    """Return the content of a file; if its name ends in ``.gz``, the content is uncompressed.
+
+    Raises:
+        ValueError: the name ends in ``.gz``, but the content is not complete or not compressed by gzip.
+    """
+    content = path.read_bytes()
+    try:
+        return gzip.decompress(content) if path.suffix == ".gz" else content
+    except (gzip.BadGzipFile, EOFError, zlib.error) as error:
+        raise ValueError(f"not a complete gzip file: {error}") from error
 
 
 def line(row: int) -> int:
@@ -206,7 +214,7 @@ class CsvFile:
 
 @dataclass(frozen=True)
 class JsonFiles:
-    """A folder with one JSON file for each measurement.
+    """A folder with one JSON file, compressed by gzip, for each measurement.
 
     Attributes:
         name: name of the folder in the folder ``data``.
@@ -219,7 +227,7 @@ class JsonFiles:
     def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
         """Write one file for each row and return the paths; no spaces follow separators, which saves a tenth."""
         texts = {row[self.key[0]]: json.dumps(row, separators=(",", ":")) + "\n" for row in rows}
-        return [write_text(data / self.name / f"{name}.json", text) for name, text in texts.items()]
+        return [write_packed(data / self.name / f"{name}.json.gz", text) for name, text in texts.items()]
 
 
 def read_rates(directory: Path) -> pd.DataFrame:

@@ -5,7 +5,6 @@ Usage: python -m study.present.pages results README.md docs/explanation/results.
 
 from __future__ import annotations
 
-import json
 import math
 import re
 import sys
@@ -49,7 +48,7 @@ from study.present.full_run import FullRun
 from study.present.missed import missed_rows
 from study.present.notation import counted, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
-from study.present.picture import with_every_shape
+from study.present.picture import picture_path, read_record, with_every_shape
 from study.present.show import write_gif
 from study.present.tables import texts
 from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, changes
@@ -74,9 +73,9 @@ def main() -> None:
     data = FullRun.read(directory)
     if data is None:
         raise DataError(f"{directory} has no full run: `make full`, `make controls` and `make seeds` make it")
-    film, picture = directory / "figures" / f"{FILM}.gif", directory / "data" / "pictures" / f"{FILM}.json"
+    film, picture = directory / "figures" / f"{FILM}.gif", picture_path(directory, FILM)
     with in_style():
-        write_gif(film, with_every_shape(json.loads(picture.read_text(encoding="utf-8"))), lambda: None, FILM_DPI)
+        write_gif(film, with_every_shape(read_record(picture)), lambda: None, FILM_DPI)
     write_badges(directory / "badges", data, Path("pyproject.toml"))
     for page in pages:
         print(f"{page}: {'changed' if refresh(page, data) else 'up to date'}")

@@ -1,4 +1,4 @@
-"""One run in space and time, computed and exact, as stored in ``data/pictures/CASE.json``."""
+"""One run in space and time, computed and exact, as stored in ``data/pictures/CASE.json.gz``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from study.ledger.datafiles import DataError, made_by, read_csv
+from study.ledger.datafiles import DataError, made_by, read_csv, read_uncompressed
 from study.ledger.pictures import Facets, Packed
 
 Array = NDArray[np.float64]
@@ -259,6 +259,17 @@ def _face(record: Mapping[str, Any], cells: NDArray[np.int64], plane: bool) -> F
     )
 
 
+def picture_path(directory: Path, case: str) -> Path:
+    """Return the path of the picture of a case in a result directory."""
+    return directory / "data" / "pictures" / f"{case}.json.gz"
+
+
+def read_record(path: Path) -> dict[str, Any]:
+    """Return the content of the file of a picture; raises ValueError if the file is damaged."""
+    record: dict[str, Any] = json.loads(read_uncompressed(path))
+    return record
+
+
 def read_pictures(directory: Path) -> list[Picture]:
     """Return the pictures of the cases in ``cases.csv``, in their order there; files of other runs are ignored.
 
@@ -270,10 +281,10 @@ def read_pictures(directory: Path) -> list[Picture]:
         raise DataError(f"{folder} is missing: make it with `{made_by(directory)}`")
     names = read_csv(directory, "cases.csv", ["case"])["case"]
     pictures = []
-    for path in (folder / f"{name}.json" for name in names):
+    for path in (picture_path(directory, name) for name in names):
         if path.is_file():
             try:
-                pictures.append(Picture.of(json.loads(path.read_text(encoding="utf-8"))))
+                pictures.append(Picture.of(read_record(path)))
             except (KeyError, TypeError, ValueError) as error:
                 raise DataError(f"{path} is not a picture ({error!r}): make it again with `study run`") from error
     return pictures

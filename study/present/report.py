@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from base64 import b64encode
 from dataclasses import dataclass
 from hashlib import sha256
@@ -34,7 +33,7 @@ from study.present.charts import (
 from study.present.notation import typeset, typeset_svg
 from study.present.outcome import conclusion, orders_text
 from study.present.palette import BLACK, DARK, Style, family_styles
-from study.present.picture import FaceHistory, Polygon, Segment, over_time, with_every_shape
+from study.present.picture import FaceHistory, Polygon, Segment, over_time, picture_path, read_record, with_every_shape
 from study.present.tables import (
     Table,
     bounds_table,
@@ -201,7 +200,7 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
 def _files(directory: Path) -> Table:
     """Return the data files behind the page with their hashes."""
     data = directory / "data"
-    paths = sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json")])
+    paths = sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json.gz")])
     contents = {path.relative_to(data).as_posix(): path.read_bytes() for path in paths}
     rows = [
         {"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()}
@@ -269,11 +268,11 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
     Raises:
         DataError: there is no such file, it is not a picture, or it was written by an older version, without motion.
     """
-    path = directory / "data" / "pictures" / f"{case}.json"
+    path = picture_path(directory, case)
     if not path.is_file():
         raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
+        record = read_record(path)
         (displacement, von_mises), picture = over_time(record), with_every_shape(record)
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(

@@ -61,7 +61,7 @@ def draw_show(
     """Write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
 
     Parameters:
-        record: a picture as in ``pictures/CASE.json``.
+        record: a picture as in ``pictures/CASE.json.gz``.
         series: the fields for ParaView.
         notify: called after each image.
 

@@ -101,7 +101,7 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
     Raises:
         DataError: the plan is empty, repeats a key, or differs from the plan that its scope gives.
     """
-    recorded = [tuple(key) for key in record["planned"]]
+    recorded = record["planned"]
     where = f"{directory}/data/provenance.json"
     if not recorded:
         raise DataError(f"{where} has an empty plan: {again}")

@@ -122,7 +122,7 @@ def verdicts(directory: Path) -> list[Verdict]:
         UsageError: the directory has no data.
         StoreError, DataError: data are of another format, missing or damaged.
     """
-    planned = {tuple(key) for key in read_provenance(directory)["planned"]}
+    planned = set(read_provenance(directory)["planned"])
     tables = read_tables(directory)
     cases = read_csv(directory, "cases.csv", PREDICTED)
     _refuse_gaps(directory, tables, cases)

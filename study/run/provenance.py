@@ -12,7 +12,7 @@ import hashlib
 import inspect
 import os
 import platform
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -21,7 +21,7 @@ from typing import Any
 from manufactured.case import Case
 from study.fem.naming import resolve
 from study.ledger.criterion import exactly
-from study.ledger.datafiles import DataError, made_by
+from study.ledger.datafiles import DataError, made_by, read_uncompressed
 from study.ledger.files import UsageError
 from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import at_most
@@ -55,12 +55,39 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
         "plan": scope.name,
         "scope": {**asdict(scope), "cases": names},
         "own_cases": own,
-        "planned": plan.keys(),
+        "planned": nested(plan.keys()),
         "statements": sources(),
         "python": platform.python_version(),
         "machine": platform.machine(),
         "packages": packages(),
     }
+
+
+def nested(keys: Iterable[Sequence[str]]) -> dict[str, Any]:
+    """Return the keys of rows as nested dictionaries, which store each common beginning once.
+
+    Parameters:
+        keys: the keys of rows, each with at least two texts, such as ("rates.csv", …, "8").
+
+    Returns:
+        First text ↦ second text ↦ … ↦ list of the last texts of all keys that begin with these texts.
+    """
+    tree: dict[str, Any] = {}
+    for *start, before_last, last in keys:
+        branch = tree
+        for text in start:
+            branch = branch.setdefault(text, {})
+        branch.setdefault(before_last, []).append(last)
+    return tree
+
+
+def listed(tree: Mapping[str, Any], start: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+    """Return the keys of rows from the dictionaries of ``nested``; all keys begin with the texts in ``start``."""
+    keys: list[tuple[str, ...]] = []
+    for text, rest in tree.items():
+        begin = (*start, text)
+        keys += listed(rest, begin) if isinstance(rest, Mapping) else [(*begin, last) for last in rest]
+    return keys
 
 
 def sources() -> dict[str, dict[str, Any]]:
@@ -81,7 +108,7 @@ def sources() -> dict[str, dict[str, Any]]:
 
 
 def read_provenance(directory: Path) -> dict[str, Any]:
-    """Return the content of ``provenance.json`` in a result directory.
+    """Return the content of ``provenance.json`` in a result directory, with the keys of planned rows as a list.
 
     Raises:
         UsageError: the directory has no such file.
@@ -93,13 +120,16 @@ def read_provenance(directory: Path) -> dict[str, Any]:
     content = Store.read(path)
     require_format(path, content)
     assert content is not None
+    planned = content.get("planned", {})
+    # Earlier versions wrote a list.
+    content["planned"] = listed(planned) if isinstance(planned, Mapping) else [tuple(key) for key in planned]
     return content
 
 
 def refuse_to_replace(plan: Plan, directory: Path) -> None:
     """Raise UsageError if the directory has rows of an earlier run that are not planned, because they would be lost."""
     if (directory / "data" / "provenance.json").exists():
-        lost = {tuple(key) for key in read_provenance(directory)["planned"]} - set(plan.keys())
+        lost = set(read_provenance(directory)["planned"]) - set(plan.keys())
         if lost:
             raise UsageError(
                 f"{directory} holds a run with {len(lost)} rows that this one does not have (such as "
@@ -214,8 +244,16 @@ def read_scope(values: Mapping[str, Any]) -> Scope:
 
 
 def text_sum(path: Path) -> str:
-    """Return the SHA-256 of a text file, computed with Unix line ends, because git may change line ends."""
-    return hashlib.sha256(path.read_bytes().replace(b"\r\n", b"\n")).hexdigest()
+    """Return the SHA-256 of the text in a file, which may be compressed by gzip.
+
+    The text is hashed with Unix line ends, because git may change line ends, and uncompressed, because versions of zlib
+    compress equal texts differently. If a file cannot be uncompressed, its bytes are hashed.
+    """
+    try:
+        content = read_uncompressed(path)
+    except ValueError:
+        content = path.read_bytes()
+    return hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
 
 
 def sums_of(data: Path, paths: Iterable[Path]) -> dict[str, str]:

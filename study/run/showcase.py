@@ -32,7 +32,7 @@ class Showcase:
     """A solved case for display.
 
     Attributes:
-        picture: data of its picture, in the format of ``pictures/CASE.json``.
+        picture: data of its picture, in the format of ``pictures/CASE.json.gz``.
         series: fields on the whole mesh over time.
     """
 

@@ -30,7 +30,7 @@ STEPS = 12
 SAMPLES = 8
 """Number of random v ∈ K^h, and of random τ ∈ Σ^h(t), at every time step."""
 
-_BY_WHAT = f"rounding at every step, and for law (3.3) a fixed-point iteration stopped at {FIXED_POINT:g}"
+_BY_WHAT = f"rounding errors; for the law (3.3) also a fixed-point iteration that stops at {FIXED_POINT:g}"
 ROUND_OFF, ROUNDED = at_most(1e-10, _BY_WHAT), positive_at_most(1e-10, _BY_WHAT)
 """Windows for inequalities, whose violation may be 0, and for equations between sums, whose round-off is not 0."""
 
@@ -41,11 +41,13 @@ class Admissibility(ListedNumbers):
     label = "(3.9)–(3.11), (4.14), (4.15)"
     claim = "σ(t) ∈ Σ(t) and (σ(t), ε(u(t)))_Q = (f(t), u(t))_V"
     rules = (
-        largest("membership", "(3.10): u_n ∈ K^h", ROUND_OFF, "membership"),
-        largest("cone", "(4.15): distance of F − Eᵀσ_n from the contact forces {Nᵀλ : λ ≥ 0}", ROUNDED, "distance"),
+        largest("membership", "(3.10): violation of u_n ∈ K^h", ROUND_OFF, "membership"),
+        largest(
+            "cone", "(4.15): distance of F − Eᵀσ_n from the cone of contact forces {Nᵀλ : λ ≥ 0}", ROUNDED, "distance"
+        ),
         largest("work", "(4.14): |(σ_n, ε(u_n))_Q − (f_n, u_n)_V|", ROUNDED, "work"),
-        largest("displacements", "(3.10): violation for random v ∈ K^h", ROUND_OFF, "displacements"),
-        largest("stresses", "(3.11): violation for random τ ∈ Σ^h(t_n)", ROUND_OFF, "stresses"),
+        largest("displacements", "(3.10): violation of the inequality for random v ∈ K^h", ROUND_OFF, "displacements"),
+        largest("stresses", "(3.11): violation of the inequality for random τ ∈ Σ^h(t_n)", ROUND_OFF, "stresses"),
     )
     quick = grid(EVOLVING, ("shaken",), (8,))
     full = (

@@ -54,10 +54,10 @@ PER_CELL = 2
 """Time steps for each cell along a side. The solution with twice as many steps stands for u^h."""
 INSTANTS, FEW = 32, 4
 """Number of times at which errors and velocities are measured, and at which loads are compared with the finer rule."""
-INTERPOLATION = around(1, STEEPER, "the order of interpolation; 1/2 is proved")
-SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "from from the two finest levels; smooth parts of order 1 raise it")
-TRAIL = between(1, 1.5, STEEPER, STEEPER, "1 if cells keep different parts, 3/2 if all keep the same")
-NEGLIGIBLE = positive_at_most(0.02, "of the error")
+INTERPOLATION = around(1, STEEPER, "the order of the interpolation error; only 1/2 is proved")
+SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it")
+TRAIL = between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not")
+NEGLIGIBLE = positive_at_most(0.02, "negligible against the error")
 
 
 class AdvancingFront(ListedNumbers):
@@ -69,9 +69,11 @@ class AdvancingFront(ListedNumbers):
     rules = (
         between_levels("order", "order of ‖u − u^h‖ over two refinements", INTERPOLATION, "error", 2, ENOUGH),
         order("rate", "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}", SINGULAR, "rate", last=2),
-        order("excess", "order of ‖u^h − u^h_lin‖", TRAIL, "excess"),
-        largest("time", "time share", NEGLIGIBLE, "time share"),
-        largest("quadrature", "change under finer quadrature of f_0", NEGLIGIBLE, "quadrature"),
+        order("excess", "order of the excess ‖u^h − u^h_lin‖ over the linear problem", TRAIL, "excess"),
+        largest("time", "change of u^h with half the time step / error", NEGLIGIBLE, "time share"),
+        largest(
+            "quadrature", "bound of the change of u^h under finer quadrature of f_0 / error", NEGLIGIBLE, "quadrature"
+        ),
     )
     # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
     quick = grid((NAME,), ("unstructured",), (8, 16, 32))

@@ -83,14 +83,19 @@ class BackwardEuler(ListedNumbers):
     effort = 60
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 2 Var f) for backward Euler, for every h"
     rules = (
-        largest("data", "‖u^h − û^{hk}‖ / its bound by the data", PROVED, *columns("by data")),
-        largest("solution", "‖u^h − û^{hk}‖ / its bound by U_n", PROVED, *columns("by solution")),
+        largest("data", "‖u^h − û^{hk}‖ / its bound from the data", PROVED, *columns("by data")),
+        largest("solution", "‖u^h − û^{hk}‖ / its bound from the computed values U_n", PROVED, *columns("by solution")),
         largest("constant", "‖u^h − U_n‖ on (t_{n−1}, t_n] / its bound", PROVED, *columns("constant")),
         every("between", INTERPOLATION, BETWEEN, *columns("between")),
         largest("midpoint", ALL_TIMES, PROVED, *columns("midpoint")),
         order_in_k("order", "order of ‖u^h − û^{hk}‖ in k", IN_K, COUNTS, columns("error")),
         change("uniform", f"‖u^h − û^{{hk}}‖ with {LAST} steps, finest mesh / coarsest mesh", UNIFORM, f"{LAST} error"),
-        largest("reference", CHANGE, positive_at_most(0.1, "so it hardly changes the error"), "reference"),
+        largest(
+            "reference",
+            CHANGE,
+            positive_at_most(0.1, "so the reference solution hardly changes the error"),
+            "reference",
+        ),
     )
     quick = grid(("advance-recede",), ("shaken",), (4, 8, 16))
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))

@@ -45,9 +45,9 @@ Field = Callable[[Points], Vectors]
 """A smooth field of displacements, analytic in x."""
 FIELDS = 3
 """Number of smooth fields for each of the two conditions."""
-STRONG = around(1, 0.25, "if the error is distributed evenly (‖σ − σ^h‖_Q = O(h) alone gives 1/2)")
-SUPERCLOSE = between(1, 2, 0.25, 0, "2 where triangles along Γ3 are symmetric")
-WEAK = around(2, 0.3, "O(h) in σ − σ^h times O(h) in v − Π^h v")
+STRONG = around(1, 0.25, "if the stress error is spread evenly; ‖σ − σ^h‖_Q = O(h) alone gives 1/2")
+SUPERCLOSE = between(1, 2, 0.25, 0, "order 2 where the triangles along Γ3 are symmetric")
+WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v")
 
 
 class NaturalConditions(ListedNumbers):
@@ -60,10 +60,10 @@ class NaturalConditions(ListedNumbers):
         order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
         Observation(
             order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
-            "the row above bounds it, and its part of first order depends on the arrangement of the triangles along Γ3",
+            "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3",
         ),
-        weighted("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly", CELLS),
-        weighted("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly", CELLS),
+        weighted("loaded-weakly", "order of σν − f_2 on Γ2, tested with smooth v", WEAK, "loaded, weakly", CELLS),
+        weighted("tangential-weakly", "order of σ_τ on Γ3, tested with smooth v", WEAK, "tangential, weakly", CELLS),
     )
     quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))
     full = grid(

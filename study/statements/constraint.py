@@ -46,8 +46,8 @@ class VertexConstraint(ListedNumbers):
     label = "K^h"
     claim = "v ∈ V^h lies in K if and only if v_ν ≤ 0 at the vertices of Γ3"
     rules = (
-        largest("members", "Nv ≤ 0 ⇒ v_ν ≤ 0 on Γ3", NEVER, "members"),
-        every("strangers", "(Nv)_i > 0 ⇒ v_ν > 0 somewhere on Γ3", SEEN, "strangers"),
+        largest("members", "largest v_ν on Γ3 for random v with v_ν ≤ 0 at the vertices", NEVER, "members"),
+        every("strangers", "largest v_ν on Γ3 for v with v_ν > 0 at one vertex", SEEN, "strangers"),
     )
 
     def places(self, full: bool) -> list[Setting]:
@@ -68,9 +68,9 @@ class Interpolant(ListedNumbers):
     label = "Π^h"
     claim = "Π^h v ∈ K^h for v ∈ K ∩ C(Ω̄)"
     rules = (
-        largest("exact", "Π^h u(t): v_ν on Γ3 and Nv", NEVER, "exact"),
+        largest("exact", "largest v_ν on Γ3 for v = Π^h u(t)", NEVER, "exact"),
         largest("clamped", "|u(t)| on Γ1", CLAMPED, "clamped"),
-        largest("smooth", "Π^h v for random v ∈ K ∩ C(Ω̄): v_ν on Γ3 and Nv", NEVER, "smooth"),
+        largest("smooth", "largest (Π^h v)_ν on Γ3 for random v ∈ K ∩ C(Ω̄)", NEVER, "smooth"),
     )
 
     def places(self, full: bool) -> list[Setting]:

@@ -209,10 +209,10 @@ def from_32(key: str, quantity: str, column: str, window: Window) -> Criterion:
 
 
 ROOT = "order of ‖R(·; Π^h u − u)‖^{1/2}"
-FIRST_ORDER = around(1, 0.15, "trains of all widths from h/2 to 4h")
-HALF = around(0.5, 0.15, "as for a sum of n independent edges")
-NOT_RESOLVED = "a mesh resolves a train only for h < ℓ/10"
-SHARE = at_least(0.02, "smooth fronts give 1e-6 … 1e-3")
+FIRST_ORDER = around(1, 0.15, "there are wave trains of all widths from h/2 to 4h")
+HALF = around(0.5, 0.15, "the edges contribute to R like independent random numbers")
+NOT_RESOLVED = "a mesh resolves a wave train of width ℓ only for h < ℓ/10"
+SHARE = at_least(0.02, "cases with a few smooth fronts have only 1e-6 to 1e-3")
 
 
 def extreme_share(key: str, quantity: str, window: Window, column: str, extreme: Callable[[Array], float]) -> Criterion:
@@ -224,8 +224,8 @@ def extreme_share(key: str, quantity: str, window: Window, column: str, extreme:
     return Criterion(key, quantity, window, measure, (column, "error"))
 
 
-WORK_SHARE = extreme_share("share", "‖R‖^{1/2} / error, least", SHARE, "work", np.min)
-EXCESS_SHARE = extreme_share("excess-share", "‖u^h − u^h_lin‖_V / error, largest", Window(), "excess", np.max)
+WORK_SHARE = extreme_share("share", "smallest ‖R‖^{1/2} / error", SHARE, "work", np.min)
+EXCESS_SHARE = extreme_share("excess-share", "largest ‖u^h − u^h_lin‖_V / error", Window(), "excess", np.max)
 ON_GRIDS = (
     from_32("order", f"{ROOT}, on grids", "work", FIRST_ORDER),
     from_32("order-mean", f"{ROOT}, R averaged over {DRAWS} random meshes", "mean work", FIRST_ORDER),
@@ -238,7 +238,7 @@ ON_IRREGULAR_MESHES = Observation(
 )
 ON_ALL_MESHES = (
     Observation(from_32("error", "order of ‖u − u^h‖_V", "error", Window()), NOT_RESOLVED),
-    Observation(EXCESS_SHARE, "no bound of the effect of contact in V is claimed"),
+    Observation(EXCESS_SHARE, "the study has no bound of this excess in V"),
     Observation(from_32("excess", "order of ‖u^h − u^h_lin‖_V", "excess", Window()), NOT_RESOLVED),
 )
 

@@ -70,7 +70,7 @@ class EdgeWork(ListedNumbers):
         largest("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", at_most(1.0, "proved"), WORK),
         largest(
             "all",
-            "largest quotient for all σ_ν, u_ν' with these sets, s = 0.55, 0.75, 1",
+            "supremum of |R_E| / bound over all σ_ν, u_ν' with the same contact zone, s = 0.55, 0.75, 1",
             at_most(1.0, "proved"),
             OF_ALL,
         ),
@@ -106,8 +106,8 @@ def rarer_kind(group: pd.DataFrame) -> Measured:
 
 BOTH_KINDS = Criterion(
     "branches",
-    "edges on which the rarer of the two bounds is the smaller one, |N| or |C|",
-    at_least(1, "both bounds of the lemma are used"),
+    "number of edges with β from |N|, and with β from |C|: the smaller number",
+    at_least(1, "both expressions for β in the lemma are tested"),
     rarer_kind,
     BRANCHES,
 )

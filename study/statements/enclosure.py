@@ -271,8 +271,8 @@ class Bounds(Statement):
 ABOVE = largest("above", "largest error / upper bound", positive_at_most(1.0, "at every sampled time"), "above")
 BELOW = largest("below", "largest lower bound / error", at_most(1.0, "at every sampled time"), "below")
 REACH = Observation(
-    largest("upper", "upper bound / error over [T/2, T], largest", Window(), "upper"),
-    "this is the distance of an end from the error; the claim is that the end never crosses the error",
+    largest("upper", "largest upper bound / error over [T/2, T]", Window(), "upper"),
+    "this shows how sharp the bound is; the claim is only that the error never exceeds it",
 )
 HERE = f"at n = {CHECKED_LEVEL}"
 TIGHT = (
@@ -281,8 +281,8 @@ TIGHT = (
 )
 ROOM = 0.15
 """Tolerance around a predicted order, the same as for orders between levels in other statements."""
-LAST = "no claim: the interval from two meshes is wider than the interval from all meshes"
-KNOWN = "no claim: it contains the order of the errors whenever the row above holds"
+LAST = "no claim: two meshes give a wider interval for the order than all meshes"
+KNOWN = "no claim: this interval contains the observed order whenever the errors lie between their bounds"
 UNPREDICTED = "no claim: neither the solution nor its order is known"
 
 
@@ -290,7 +290,7 @@ class BoundedError(Bounds):
     """Judges the upper bound that is computed from the displacement u_h alone."""
 
     label = "bound"
-    claim = "‖u(t) − u_h(t)‖_V ≤ y(t), from u_h and an admissible stress alone"
+    claim = "‖u(t) − u_h(t)‖_V ≤ y(t), where y is computed from u_h and an admissible stress alone"
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         mine = rows[(rows["trajectory"] == self.label) & rows["known"]]
@@ -337,11 +337,11 @@ class EnclosedError(Bounds):
         sizes = [line["error"] if known else line["lowest"] + line["highest"] for line in (coarse, fine)]
         observed = float(orders(np.array([coarse["h"], fine["h"]]), np.array(sizes))[0])
         order = math.nan if known else float(fine["expected_order"])
-        quantity = f"order of max_t ‖u − u_h‖_V, u_h of the scheme, k with h, n = {coarse['level']} to {fine['level']}"
+        quantity = f"order of max_t ‖u − u_h‖_V, k proportional to h, n = {coarse['level']} to {fine['level']}"
         if math.isnan(order):
             window, verdict, expected = Window(math.nan, math.nan), REPORTED, KNOWN if known else UNPREDICTED
         else:
-            window = around(order, ROOM, "the whole interval")
+            window = around(order, ROOM, "the whole interval of possible orders")
             verdict, expected = judge_interval(span, window), ""
         return row(self, "order", quantity, window, (observed, span, verdict), case, family, expected)
 

@@ -38,15 +38,15 @@ class RegularityNeeded(Statement):
     """Reports observed orders next to the orders that the proof of Prop. 5.4 gives for solutions without (5.36)."""
 
     label = "(5.36)"
-    claim = "is the regularity needed that Prop. 5.4 assumes?"
+    claim = "does Prop. 5.4 need the regularity (5.36) that it assumes?"
     file = RATES
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found = []
         for case, mine in rows[rows["claim"] == "Prop. 5.3"].groupby("case", sort=False):
             proved = at_least(float(mine["proved_order"].iloc[0]), "the order that the proof gives")
-            seen = between_levels("order", "order seen, on uniform meshes", proved, "error", 2, ENOUGH)
-            rule = Observation(seen, "the source claims an order only under (5.36)")
+            seen = between_levels("order", "observed order on uniform meshes", proved, "error", 2, ENOUGH)
+            rule = Observation(seen, "the paper claims an order only under (5.36)")
             found.append(rule.verdict(self, str(case), by_family(mine[mine["family"] != GRADED])))
         return found
 

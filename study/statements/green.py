@@ -63,12 +63,12 @@ FINE, COARSE = {2: 16, 3: 8}, 4
 HALVINGS = {2: 3, 3: 2}
 """Number of halvings of the cells, by dimension."""
 SMOOTH = positive_at_most(1e-10, "with the fine quadrature rule: f_0 is smooth away from straight lines")
-KINKED = positive_at_most(0.1, "f_0 jumps along curves; a missing term would give 1")
-SHRINKING = positive_at_most(2.0, "k halvings give 2^{−k}: 1 if all errors have one sign, up to 2 if they vary")
+KINKED = positive_at_most(0.1, "quadrature error, as f_0 jumps along curves; a missing term would give 1")
+SHRINKING = positive_at_most(2.0, "1 if the errors of all cells have one sign, up to 2 if their signs vary")
 ROUND_OFF = 1e-12
 """Smaller defects and terms are rounding."""
 
-DEFECT = "defect as a functional on V^h / smallest term"
+DEFECT = "defect of Green's formula on V^h / smallest term"
 FOR_SMOOTH_FORCES = (finest("fine-rule", DEFECT, SMOOTH, "fine rule"),)
 FOR_FORCES_WITH_JUMPS = (
     finest("halved", f"{DEFECT}, cells halved", KINKED, "halved cells"),

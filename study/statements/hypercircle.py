@@ -58,15 +58,15 @@ FROZEN = Rational(1, 3)
 CASES = ("full-contact", "fixed-front-off-vertex", "advance-recede", "merging-patches", "corner")
 LOW, HIGH = 1, 3
 """Degrees of the stresses."""
-TIGHT = Window(1.0, 1.05, "from n = 16 on: never below both errors")
-NEAR = around(1, 0.05, "from n = 16 on")
+TIGHT = Window(1.0, 1.05, "for n ≥ 16; a value below 1 would refute the bound")
+NEAR = around(1, 0.05, "for n ≥ 16")
 
 
 def plain(degree: int) -> Observation:
     """Return the reported criterion for the ratio without Ω and the contact term, for a degree of the stresses."""
-    quantity = f"‖σ^h − Cε(u^h)‖ / both errors, stresses of degree {degree}"
+    quantity = f"‖σ^h − Cε(u^h)‖ / both errors together, stresses of degree {degree}"
     ratio = every(f"plain-{degree}", quantity, NEAR, f"plain_{degree}")
-    return Observation(ratio, "it is a bound only with the oscillation of the forces")
+    return Observation(ratio, "without the oscillation of the forces this is no bound")
 
 
 class Hypercircle(ListedNumbers):
@@ -75,7 +75,7 @@ class Hypercircle(ListedNumbers):
     label = "Prager–Synge"
     claim = "u^h and σ^h bound each other's errors at a fixed time"
     rules = (
-        every("guaranteed", "guaranteed bound of both errors / both errors", TIGHT, "guaranteed"),
+        every("guaranteed", "guaranteed bound / both errors together", TIGHT, "guaranteed"),
         plain(LOW),
         plain(HIGH),
     )

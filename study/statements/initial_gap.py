@@ -33,7 +33,7 @@ class InitialGap(Rates):
     """Measures and judges errors for the cases with an initial gap."""
 
     label = INITIAL_GAP
-    claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h) for K = {v : v_ν ≤ g on Γ3}; the source has g = 0"
+    claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h) for K = {v : v_ν ≤ g on Γ3}; the paper has g = 0"
     initial_gap = True
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:

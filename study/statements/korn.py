@@ -29,7 +29,7 @@ from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"
 FALLING = at_most(1 + ROUNDING, "on every level")
-LIMIT = Window(0.7, 1.0, "of the finest value")
+LIMIT = Window(0.7, 1.0, "of the value on the finest level")
 """Eigenvalues that tend to zero leave the window. Values like h^p extrapolate to 0. Values like 1/(c + |log h|), the
 slowest (Γ1 is a point), extrapolate to m/(2m − 2) < 0.7 of the last value if that is 1/m times the unit of log 2."""
 OVER = "eigenvalue, finest level / next coarser level"

@@ -62,7 +62,9 @@ PROVED = Window(
 )
 LAST = COUNTS[3:]
 """Numbers of steps of the last three halvings."""
-LEFT = around(1, 0.4, "neither 3/2 nor 2")
+LEFT = around(1, 0.4, "excludes 3/2 and 2")
+LOADS = {"own": "load of the case", "rolling": "load that moves along Γ3"}
+"""The loads in words, by their names in the columns."""
 NO_THEORY = "no theory gives this order for P1 elements"
 
 
@@ -97,7 +99,7 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
         middle = (window.low + window.high) / 2
         return among(found[abs(found - middle).argmax()], found)
 
-    quantity = f"{scheme.name}: order in k from {counts[0]} to {counts[-1]} steps, {load} load"
+    quantity = f"{scheme.name}: order in k from {counts[0]} to {counts[-1]} steps, {LOADS[load]}"
     return Observation(Criterion(f"{scheme.name}-{load}", quantity, window, or_none(measure), columns), NO_THEORY)
 
 
@@ -116,7 +118,7 @@ class Landings(ListedNumbers):
 
     label = "beyond: landings"
     effort = 300
-    claim = "if a landing lifts a loaded neighbour, second-order schemes have only order 1 in k"
+    claim = "if a vertex that lands lifts a loaded neighbour, second-order schemes have only order 1 in k"
     rules = tuple(rules())
     full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))
 

@@ -60,9 +60,19 @@ class Lipschitz(ListedNumbers):
     label = "(4.3), (5.5)"
     claim = "‖B u − B v‖_V ≤ L_G/m_A ‖u − v‖_V, on V^h with the same constant"
     rules = (
-        largest_of("constant", "largest quotient / (L_G/m_A)", BOUND, "over the constant"),
-        largest_of("pointwise", "largest quotient / κ", POINTWISE, "over the pointwise constant"),
-        finest("waves", "largest quotient / κ_1", NOT_VACUOUS, "over the waves"),
+        largest_of("constant", "largest ‖B u − B v‖_V / ‖u − v‖_V, over L_G/m_A", BOUND, "over the constant"),
+        largest_of(
+            "pointwise",
+            "largest ‖B u − B v‖_V / ‖u − v‖_V, over the pointwise constant κ of A⁻¹G",
+            POINTWISE,
+            "over the pointwise constant",
+        ),
+        finest(
+            "waves",
+            "largest ‖B u − B v‖_V / ‖u − v‖_V, over κ_1, the value for oscillating fields",
+            NOT_VACUOUS,
+            "over the waves",
+        ),
         largest_of("monotonicity", "−(B u − B v, u − v)_V / ‖u − v‖_V² over L_G/m_A, (4.4)", BOUND, "monotonicity"),
     )
 

@@ -96,7 +96,7 @@ class NoPotential(ListedNumbers):
         *(
             largest(
                 f"{bound}-{kind}",
-                f"‖u^h − û^{{hk}}‖ / its bound by the {bound}, {kind} steps",
+                f"‖u^h − û^{{hk}}‖ / its bound from the {bound}, {kind} steps",
                 PROVED,
                 *(f"{kind} {count} by {bound}" for count in COUNTS),
             )
@@ -120,11 +120,11 @@ class NoPotential(ListedNumbers):
             f"equal {COUNTS[-1]} error",
         ),
         order("order-both", f"order of max_n ‖u − U_n‖ in h for k = T/({PER_CELL}n)", IN_H, "fully discrete"),
-        every("rotation", "error of a rotation in the plane / its bound by the data", BEST, "rotation"),
+        every("rotation", "error of a rotation in the plane / its bound from the data", BEST, "rotation"),
         largest(
             "reference",
             f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error",
-            positive_at_most(0.1, "so it hardly changes the error"),
+            positive_at_most(0.1, "so the reference solution hardly changes the error"),
             "reference",
         ),
     )

@@ -41,17 +41,17 @@ FIRST = 3
 """The smallest j; from there on the radius 4^{−j} of the spikes is small compared with their distance 2^{−j}."""
 DIRECTION = np.array([0.0, 1.0])
 """e_2."""
-PREDICTED = around(1, 0.05, "the interpolant of a spike is a hat function")
+PREDICTED = around(1, 0.05, "spikes of u_0 interpolate to hat functions of known norm")
 PROVED = positive_at_most(1.0, "proved")
-GROWS = Window(-1.5, -0.5, "grows at least like h^{−1/2}, every consecutive order")
-WORSE = at_least(3.0, "a larger error than u_0^h = 0, on the finest grid")
+GROWS = Window(-1.5, -0.5, "the error grows at least like h^{−1/2}; every consecutive order")
+WORSE = at_least(3.0, "Π^h u_0 is a worse start than u_0^h = 0; finest grid")
 
 
 class NodalStart(ListedNumbers):
     """Measures ‖Π^h u_0‖_V and a lower bound of ‖u_0 − Π^h u_0‖_V for the counterexample u_0."""
 
     label = "beyond: nodal start"
-    claim = "false: there is u_0 ∈ K ∩ C(Ω̄) for which ‖u_0 − Π^h u_0‖_V grows like h^{−1/2}"
+    claim = "the remark after (5.35) is false: ‖u_0 − Π^h u_0‖_V grows like h^{−1/2} for a u_0 ∈ K ∩ C(Ω̄)"
     rules = (
         every("size", "‖Π^h u_0‖_V / ((3μ + λ)(n − 4))^{1/2}", PREDICTED, "size / predicted"),
         largest("proved", "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V", PROVED, "proved / size"),

@@ -56,7 +56,7 @@ from study.statements.shared.scope import REGULAR
 INTERVALS = 512
 COARSER = 16
 """Increments of the load are compared with increments over intervals that are longer by this factor."""
-SETTLES = Window(1 - ROUNDING, 1.01, "it cannot fall, and without bounded variation it grows by a power of 2")
+SETTLES = Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2")
 CONTINUOUS = Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump")
 UNIFORM = around(1, 0.05, "f^h tends to f")
 ROUGH = "moving-rough"
@@ -109,7 +109,7 @@ class LoadInTime(ListedNumbers):
 
 # σν ∈ L^∞(0,T;L²(Γ)).
 
-BOUNDED = around(1, 0.02, "the maximum has converged, at the same time on meshes and time grids twice as fine")
+BOUNDED = around(1, 0.02, "the maximum has converged in space and time, which are refined together")
 LOGARITHM = around(1, 0.1, "logarithmic growth: the increments of the square do not fall")
 UNBOUNDED = "junction"
 """The case with σν ∉ L²(Γ)."""
@@ -124,7 +124,7 @@ def growth_of_square(group: pd.DataFrame) -> Measured:
 SETTLED = change("bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh", BOUNDED, "norm", since=-2)
 GROWING = Criterion(
     "unbounded",
-    "increments of max_t ‖σν‖²_{L²(Γ)} under refinement, last / previous increment: not in L²(Γ)",
+    "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
     LOGARITHM,
     growth_of_square,
     ("norm",),

@@ -39,9 +39,9 @@ from study.statements.shared.base import REPORTED as OF_FILE
 from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 LABEL, ALL = "other codes", "all cases"
-ROUNDED = at_most(1e-10, "of the error, ten times the rounding of a task file")
-DEFORMED = at_most(1e-8, "of the error: contact is evaluated in the deformed position, 1e-5 away")
-OWN = at_most(0.1, "compared in nine digits; 1 if one code's answers are a copy")
+ROUNDED = at_most(1e-10, "of the error; ten times the rounding of numbers in a task file")
+DEFORMED = at_most(1e-8, "of the error; this code evaluates contact in the deformed position, 1e-5 away")
+OWN = at_most(0.1, "equal to nine digits; 1 if one code copies the solutions of another")
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ class OtherCodes(ListedNumbers):
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         if CODE not in rows or rows[CODE].isna().all():
             nothing = float("nan"), NOWHERE, REPORTED
-            made = f"no claim: there are no errors of other codes beside these data, which `{MADE}` makes"
+            made = f"no claim: these data lack the file with errors of other codes, which `{MADE}` makes"
             return [row(self, "none", "errors of other codes", Window(), nothing, ALL, expected=made)]
         return [*(self.agreement(rows, peer) for peer in PEERS), self.own_digits(rows)]
 

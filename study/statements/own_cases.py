@@ -41,12 +41,12 @@ NOT_YET = "not asymptotic yet"
 TRY = "try --levels"
 OF_ERRORS = {"order", "order-extrapolated", "order-finest", "falling", "limit", "size"}
 """Keys of rows that are undecided if time steps or quadrature disturb the errors."""
-NO_RATE = "Prop. 5.3 claims no rate, and the order that the regularity gives is not seen: {remedy}"
+NO_RATE = "Prop. 5.3 claims no rate, and the order predicted from the regularity is not observed: {remedy}"
 SHARE = "contact disturbs the error on these meshes more than a good test allows: {remedy}"
 PACE = "the time steps are too long: raise `pace` of the case, or give a shorter --step"
 REASONS = {
     "order-graded": NO_RATE,
-    "discrete-order-others": "what the solver did, Π^h u − u^h, is not settled on these meshes: {remedy}",
+    "discrete-order-others": "the discrete error Π^h u − u^h is not asymptotic on these meshes: {remedy}",
     "discrete-share": SHARE,
     "size": SHARE,
     "time-share": PACE,
@@ -55,7 +55,9 @@ REASONS = {
 }
 """For rows that cannot contradict the statement: the reason why such a row is undecided, by its key."""
 UNRESOLVED = "these meshes do not resolve contact: the force on a face is wrong by {wrong:.0%} on the finest: {remedy}"
-FORCE = "the contact force is not settled on these meshes, or it jumps in time, or contact is slightly wrong: {remedy}"
+FORCE = (
+    "the contact force has not converged on these meshes, or it jumps in time, or contact is slightly wrong: {remedy}"
+)
 
 
 def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
@@ -123,7 +125,7 @@ def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
         slower = any(len(found) < 2 or found[-1] < found[0] for found in over_two)
         return "" if slower else f"errors fall more slowly than h^s, and do not slow down: {remedy}"
     if key == "discrete-order-superclose" and verdict.observed > verdict.window_high:
-        return f"what the solver did shrinks faster than it can for long: {NOT_YET}: {remedy}"
+        return f"Π^h u − u^h falls faster than it can on fine meshes: {NOT_YET}: {remedy}"
     if key == "discrete-order-superclose":
         return (
             "Π^h u − u^h is not of higher order than the error: the meshes are too coarse for contact, "

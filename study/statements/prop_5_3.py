@@ -62,15 +62,15 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
     falling = at_most(0.999, "on every level")
     yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
     by_chance, others = split_random(uniform)
-    steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the row on orders allows"
+    steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the check of the order allows"
     if others:
         yield _limit("limit", LIMIT, expected), others
         yield Observation(_limit("limit-steeper", Window(), expected + STEEPER), steeper), others
     if by_chance:
-        yield Observation(_limit("limit-random", Window(), expected), "it varies from seed to seed"), by_chance
-    yield _order("order", "order seen", expected), uniform
+        yield Observation(_limit("limit-random", Window(), expected), "the limit varies with the seed"), by_chance
+    yield _order("order", "observed order", expected), uniform
     if graded:
-        yield _order("order-graded", "order seen on graded meshes", 1.0), graded
+        yield _order("order-graded", "observed order on graded meshes", 1.0), graded
     for criterion in (SIZES, *EVIDENCE):
         yield criterion, groups
 
@@ -84,7 +84,7 @@ def _limit(key: str, window: Window, expected: float) -> Criterion:
     def measure(group: pd.DataFrame) -> Measured:
         return exactly(limit(group["h"].to_numpy(), group["error"].to_numpy(), expected))
 
-    return Criterion(key, "limit e∞ of e = e∞ + C h^s", window, measure, ("error",), LEVELS)
+    return Criterion(key, "limit e∞ of the error e for h → 0, from e = e∞ + C h^s", window, measure, ("error",), LEVELS)
 
 
 def _order(key: str, quantity: str, expected: float) -> Criterion:

@@ -301,21 +301,32 @@ def residual_share(group: pd.DataFrame) -> Measured:
     return greatest(group["residual"].to_numpy() / np.array(allowed))
 
 
-PARALLELOGRAM = positive_at_most(1e-3, "exact, except for rounding and for two quadratures of the factor of A")
+PARALLELOGRAM = positive_at_most(1e-3, "an identity, up to rounding and the quadrature of the factor of A")
 TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
 RESIDUAL, ACCEPTED = positive_at_most(1.0, TOLERANCE), "residual of the contact solves / largest accepted residual"
-SIZE = around(1, 0.1, "Pythagoras")
-SIZES = Criterion("size", "size of the error", SIZE, size_of_error, ("error", "discrete_error", "interpolation_error"))
+SIZE = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
+SIZES = Criterion(
+    "size",
+    "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖",
+    SIZE,
+    size_of_error,
+    ("error", "discrete_error", "interpolation_error"),
+)
 EVIDENCE = (
     largest("parallelogram", "parallelogram law of u − u^h and u − Π^h u", PARALLELOGRAM, "parallelogram"),
-    largest("time-share", "time share", positive_at_most(0.02, "of the error"), "time_share"),
+    largest("time-share", "time share: error in time / error", positive_at_most(0.02, "of the error"), "time_share"),
     Criterion("residual", ACCEPTED, RESIDUAL, residual_share, ("dim", "dofs", "residual")),
     largest("clamped", "u^h = 0 on Γ1", at_most(1e-10, "rounding"), "clamped"),
-    largest("quadrature", "change under finer quadrature", positive_at_most(0.02, "of the error"), "quadrature_change"),
+    largest(
+        "quadrature",
+        "change of the error under finer quadrature",
+        positive_at_most(0.02, "of the error"),
+        "quadrature_change",
+    ),
 )
 
 # Criteria of Proposition 5.4.
-IRREGULAR = "; on irregular meshes in the leading term"
+IRREGULAR = "; on irregular meshes the leading term replaces h"
 """Text that explains a row: on irregular meshes the leading term of the interpolation error replaces h."""
 SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
 PAIR = "order of ‖u − Π^h u‖_V, finest pair"
@@ -324,11 +335,11 @@ SOLIDS = (
     between_levels("interpolation-order-finest", PAIR, SOLID, "interpolation_error", 1, ENOUGH),
 )
 """Additional criteria in 3D: there are few levels, so the order from the two finest levels must be closer to 1."""
-OF_THE_TERM = around(1, 0.15, "least squares, as the error is compared with this term there")
+OF_THE_TERM = around(1, 0.15, "least squares; on irregular meshes this term replaces h")
 TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes"
 LEADING_ORDER = order("leading-order", TERM, OF_THE_TERM, LEADING, ENOUGH + 1)
 """A criterion for irregular meshes: the leading term, which replaces h there, must be of order h."""
-SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
+SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
 DISCRETE = "order of ‖Π^h u − u^h‖_V"
 DISCRETE_ORDERS = {
@@ -338,17 +349,22 @@ DISCRETE_ORDERS = {
 """Criteria for the order of the discrete error on one-diagonal meshes (True) and on others. On one-diagonal meshes
 neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because of the traction
 boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
-SHARE = positive_at_most(0.6, "of the interpolation error: then both errors differ by at most 20 %, by Pythagoras")
+SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
 TIME = positive_at_most(0.3, "of the discrete error")
 DISCRETE_SIZES = (
     over("discrete-share", "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V", SHARE, "discrete_error", "interpolation_error"),
-    largest("discrete-time-share", "time share of ‖Π^h u − u^h‖_V", TIME, "discrete_time_share"),
+    largest(
+        "discrete-time-share",
+        "time share of ‖Π^h u − u^h‖_V: error in time / discrete error",
+        TIME,
+        "discrete_time_share",
+    ),
 )
 NOT_AT_START = 0.99
 """The largest error counts as attained after t = 0 if the error at t = 0 is at most this number times the largest."""
 EXPECTED_AT_START = Window(0.8, 1 + ROUNDING, "by Pythagoras: a discrete share of 0.6 leaves 0.8 of it")
 AT_START = (
-    "as ‖u − Π^h u‖_V is largest near t = 0, where nothing is solved; the rows of ‖Π^h u − u^h‖_V test the solution"
+    "‖u − Π^h u‖_V is largest near t = 0, where nothing is solved; the checks of ‖Π^h u − u^h‖_V test the solution"
 )
 AFTER_START = Criterion(
     "start-share",

@@ -113,13 +113,15 @@ def ratio(column: str, norm: str, window: Window) -> Criterion:
 SAME = around(1, 0.005, "quadrature")
 FORCES = "|λ − λ̃| / |λ̃| over all steps"
 DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
-ALIKE = "both with the load of u^h"
-STOPPED = positive_at_most(1e-9, "of ‖u^h‖_V, tolerance of both solvers")
-STOPPED_FORCES = at_most(1e-9, "of λ, tolerance of both solvers")
+ALIKE = "both with the same load"
+STOPPED = positive_at_most(1e-9, "of ‖u^h‖_V; tolerances of both solvers")
+STOPPED_FORCES = at_most(1e-9, "of λ; tolerances of both solvers")
 TRAJECTORIES = (
-    largest("start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", at_most(1e-10, "of ‖Π^h u_0‖_V, only rounding"), "start"),
-    largest("displacement", DISPLACEMENTS, at_most(2e-3, "of ‖u^h‖_V, quadrature of the load"), "displacement"),
-    largest("multipliers", FORCES, at_most(0.01, "of λ, quadrature of the load"), "multipliers"),
+    largest("start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding"), "start"),
+    largest(
+        "displacement", DISPLACEMENTS, at_most(2e-3, "of ‖u^h‖_V; the load is integrated by two rules"), "displacement"
+    ),
+    largest("multipliers", FORCES, at_most(0.01, "of λ; the load is integrated by two rules"), "multipliers"),
     largest("displacement-same-load", f"{DISPLACEMENTS}, {ALIKE}", STOPPED, "displacement_same_load"),
     largest("multipliers-same-load", f"{FORCES}, {ALIKE}", STOPPED_FORCES, "multipliers_same_load"),
 )

@@ -65,9 +65,9 @@ INSIDE = 1e3
 """Distance from the boundary of K^h, over the size of a step, at which large quotients of J are searched."""
 NEVER = at_most(1e-12, "never positive, up to rounding", low=-np.inf)
 USED = Window(0.02, 1 + ROUNDING, "G or −G; a value of 0 would mean that the term (L_G/m_A) I is not needed")
-ONTO = positive_at_most(1e-10, f"an iteration stopped at {SETTLED:g}")
-GROWING = Window(0.5, 1 + ROUNDING, "without B half of the bound is reached")
-SHRINKING = Window(0.6, 1 + ROUNDING, "B ≤ L leaves 2/3 at least")
+ONTO = positive_at_most(1e-10, f"an iteration stops at {SETTLED:g}")
+GROWING = Window(0.5, 1 + ROUNDING, "half of the bound is reached even without B")
+SHRINKING = Window(0.6, 1 + ROUNDING, "at least 2/3 of the bound is reached, because B ≤ L")
 
 
 class Resolvent(ListedNumbers):

@@ -291,24 +291,22 @@ def seminorm(solution: ExactSolution, panels: int) -> float:
 
 
 # Criteria.
-EXCESS = "order of ‖u^h − u^h_lin‖_V"
-EQUAL = Window(0.75, 1.1, "order 1 up to a logarithm: all vertices of Γ3 have equal neighbourhoods")
-HALF = around(0.5, 0.15, "neighbouring vertices keep different displacements; order 1 if all kept the same")
-ONE = around(1, 0.25, "only few vertices keep a displacement")
-ONE_MESH = around(0.5, 0.3, "one random mesh for every level")
-SIMILAR = around(1, 0.1, "the same picture at every ℓ = 2h")
-SUM = around(0.5, 0.35, "as for a sum over n vertices")
+EXCESS = "order of the excess ‖u^h − u^h_lin‖_V"
+EQUAL = Window(0.75, 1.1, "1 up to a logarithm, as all vertices of Γ3 have equal neighbourhoods")
+HALF = around(0.5, 0.15, "the roller leaves different displacements at neighbouring vertices; equal ones give 1")
+ONE = around(1, 0.25, "displacements remain at few vertices only")
+ONE_MESH = around(0.5, 0.3, "a single random mesh on every level")
+SIMILAR = around(1, 0.1, "the solution near the patch looks alike for every ℓ = 2h")
+SUM = around(0.5, 0.35, "the vertices contribute like independent random numbers")
 LINEAR = Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}")
-STEPS = at_most(0.02, "of the excess, so that the excess does not come from time steps")
+STEPS = at_most(0.02, "of the excess, so the excess does not come from time steps")
 JUMP = around(2 * math.log(2), 0.15, "2 log 2 for a step of height 1; other powers of ℓ tend to 0 or infinity")
 AT_THE_START = (
-    "this quantity was chosen after orders above 1 had been seen for the maximum in time, which with one diagonal "
+    "this quantity was chosen after the maximum over time had shown orders above 1: with one diagonal that maximum "
     "occurs at the start, on all meshes except the finest"
 )
-AT_AN_END = (
-    "this quantity was chosen after orders of M_h above 1 had been seen: with one diagonal M_h occurs at an end of Γ3"
-)
-SMOOTHED = "smoothing of a mesh leaves the part of order 1 visible, and a single mesh depends on chance"
+AT_AN_END = "this quantity was chosen after M_h had shown orders above 1: with one diagonal M_h occurs at an end of Γ3"
+SMOOTHED = "the generator makes neighbourhoods nearly equal, and the order on a single mesh depends on chance"
 
 
 def excess_order(key: str, where: str, window: Window) -> Criterion:
@@ -346,12 +344,12 @@ def rules_of(kind: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
         return {name: groups.get(name, pd.DataFrame()) for name in families}
 
     proved = at_most(1.0, "proved")
-    yield largest_quotient("bound", "error / right side of the theorem", proved, "error", "right side"), groups
+    yield largest_quotient("bound", "error / right side of the bound", proved, "error", "right side"), groups
     if kind == STANDING:
         fixed = {name: table for name, table in groups.items() if name not in SEEDS}
         yield excess_order("order-standing", "patches that do not move", ONE), fixed
         single = excess_order("order-standing-shaken", "patches that do not move, single shaken meshes", ONE)
-        yield Observation(single, "it depends on the neighbourhoods of few vertices"), on(SEEDS[0])
+        yield Observation(single, "the order depends on the cells around few vertices"), on(SEEDS[0])
         return
     yield excess_order("order-alternating", "alternating diagonals", HALF), on(ALTERNATING)
     if kind != ROLLER:
@@ -360,20 +358,25 @@ def rules_of(kind: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
     yield excess_order("order-equal", "one or two diagonals", EQUAL), plain
     at_end = order("order-end", f"{EXCESS} at T, one or two diagonals", EQUAL, "excess at T")
     yield Observation(at_end, AT_THE_START), plain
-    near = order("nodal-beside", "order of nodal errors next to the patch, one or two diagonals", SIMILAR, "M_h beside")
+    near = order(
+        "nodal-beside",
+        "order of the nodal errors of P_hu next to the patch, one or two diagonals",
+        SIMILAR,
+        "M_h beside",
+    )
     yield Observation(near, AT_AN_END), plain
     yield excess_order("order-shaken", "mean over shaken meshes", HALF), shaken
     unstructured = excess_order("order-unstructured", "unstructured meshes", ONE_MESH)
     yield Observation(unstructured, SMOOTHED), on(UNSTRUCTURED)
     scatter = order("scatter", "order of the relative standard deviation over shaken meshes", SUM, "scatter")
-    yield Observation(scatter, "eight meshes determine a standard deviation only to a quarter"), shaken
+    yield Observation(scatter, "eight meshes determine a standard deviation only up to a quarter"), shaken
     best = order("best", "order of E_h = ‖u − P_hu‖_V, the error of the linear problem", LINEAR, "E_h")
     yield Observation(best, "a logarithm changes the order from level to level"), groups
-    share = largest_quotient("share", "excess / error, largest", Window(), "excess", "error")
-    yield Observation(share, "no bound of the effect of contact in V is claimed"), groups
+    share = largest_quotient("share", "largest excess / error", Window(), "excess", "error")
+    yield Observation(share, "the study has no bound of this excess in V"), groups
     columns = "excess", "excess, k/2"
     halved = {name: table for name, table in groups.items() if columns[1] in table}
-    yield Criterion("time", "change of the excess with k/2", STEPS, change_by_half_steps, columns), halved
+    yield Criterion("time", "change of the excess with half the step", STEPS, change_by_half_steps, columns), halved
     quantity = "growth of |q|²_{1/2,Γ3} with every halving of ℓ"
     yield Criterion("step", quantity, JUMP, growth_of_seminorm, ("|q|²",), ENOUGH), on(PLAIN[0])
 
@@ -383,8 +386,8 @@ class Rollers(ListedNumbers):
 
     label = "beyond: rollers"
     claim = (
-        "u ∈ L^∞(0,T;H²) ∩ W^{1,1}(0,T;V) gives O(h^{1/2}) up to a logarithm, and the error that contact adds to the "
-        "linear problem has this order for rollers of width 2h on irregular meshes"
+        "the error is O(h^{s/2}) if u ∈ L¹(0,T;H^{1+s}); for rollers of width 2h on irregular meshes the error that "
+        "contact adds to the linear problem has the order 1/2"
     )
     outside_catalogue = True
     # Full study only, because the orders show on fine meshes. The case ROLLER-n has the width 2h on level n.

@@ -51,7 +51,7 @@ COUNT = 12
 INSTANT = 0.61
 """Fraction of T at which f and Σ^h are taken."""
 CONE = positive_at_most(1e-10, "0 up to rounding")
-HALFWAY = around(1, 1e-9, "an equation, up to rounding")
+HALFWAY = around(1, 1e-9, "equality up to rounding")
 
 
 class Separation(ListedNumbers):
@@ -60,7 +60,9 @@ class Separation(ListedNumbers):
     label = "(4.16)–(4.27)"
     claim = "τ̃ = A ε(P u − u) separates a u outside K from K, and then (3.15) fails for every σ ∈ Σ(t)"
     rules = (
-        largest("cone", "(4.16), (4.23): distance of −(τ̃, ε(·))_Q from the contact forces / its size", CONE, "cone"),
+        largest(
+            "cone", "(4.16), (4.23): distance of −(τ̃, ε(·))_Q from the cone of contact forces / its size", CONE, "cone"
+        ),
         every("gap", "(4.17)–(4.20): −(τ̃, ε(u))_Q / ‖P u − u‖_V²", HALFWAY, "least gap", "largest gap"),
         largest(
             "stresses",

@@ -70,13 +70,13 @@ INSTANTS = (3, 6, 12, 24, 48, 72, 96)
 POINTS = 2
 """Number of Gauss points in each step."""
 
-_BY_WHAT = f"rounding, and for law (3.3) a fixed-point iteration stopped at {FIXED_POINT:g} of u"
+_BY_WHAT = f"rounding errors; for the law (3.3) also a fixed-point iteration that stops at {FIXED_POINT:g} of u"
 NEVER, EQUAL = at_most(1e-8, _BY_WHAT, low=-np.inf), positive_at_most(1e-8, _BY_WHAT)
-BY_PARTS = positive_at_most(0.003, "two Gauss points leave an error k² ~ 1e-4 of the terms where velocities jump")
-INTEGRATED = Window(0.2, 1.0, "proved; errors that are constant in time give 1/(1 + L T/8) at T/32")
-YOUNG = Window(0.01, 1.0, "proved; 0.03 … 0.15 for e like η")
-IN_TIME = Window(0.1, 1.0, "proved; 1/2 where η grows from zero")
-TOGETHER = Window(0.003, 1.0, "proved; 0.01 … 0.1 for e like η")
+BY_PARTS = positive_at_most(0.003, "quadrature in time leaves an error k² ~ 1e-4 of the terms where velocities jump")
+INTEGRATED = Window(0.2, 1.0, "1 is proved; a constant error gives 1/(1 + L T/8) at T/32")
+YOUNG = Window(0.01, 1.0, "1 is proved; 0.03 to 0.15 if e behaves like η")
+IN_TIME = Window(0.1, 1.0, "1 is proved; 1/2 where η grows from zero")
+TOGETHER = Window(0.003, 1.0, "1 is proved; 0.01 to 0.1 if e behaves like η")
 
 
 class StepsOfTheEstimate(ListedNumbers):

@@ -27,7 +27,7 @@ from study.statements.shared.norms import maximum, norm
 TIME = positive_at_most(0.3, "of the discrete error, as in Prop. 5.4")
 FAMILY = "one-diagonal"
 ORDER = between(1.5, 2, 0.2, 0.2, "k ~ h, neighbouring triangles form parallelograms")
-STEADY = positive_at_most(2.0, "k^{3/2} against h² over two refinements")
+STEADY = positive_at_most(2.0, "k^{3/2}/h² with k ~ h doubles over two refinements")
 """With k ~ h^{2/3} the share of errors of order 2 in k would be 2.5 times as large."""
 
 ROUGH_IN_TIME = "load-w11"
@@ -46,7 +46,7 @@ class Superclose(ListedNumbers):
     )
     rules = (
         order("order", "order of ‖Π^h u − u^h‖_V, k ~ h", ORDER, "discrete error", last=ENOUGH),
-        largest("time-share", "time share of ‖Π^h u − u^h‖_V, by half as many steps", TIME, "time share"),
+        largest("time-share", "time share of ‖Π^h u − u^h‖_V: error in time / discrete error", TIME, "time share"),
         change("share-growth", "time share, finest level / coarsest level", STEADY, "time share"),
     )
 

@@ -183,7 +183,7 @@ def compare(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str,
     return {**where, **magnitudes(found), "family": family.name}
 
 
-OVER_BOUND = "of Problem 3.2 minus that of 3.1 / bound from the duality gap"
+OVER_BOUND = "difference between Problems 3.1 and 3.2 / its bound from the duality gap"
 PROVED = positive_at_most(1.0, "proved")
 AGREEMENT = positive_at_most(1e-7, "at every step")
 SHARP = positive_at_most(
@@ -208,15 +208,18 @@ class SameMesh(Statement):
         largest_quotient("stress", f"stress {OVER_BOUND}", PROVED, "stress_gap", "stress_bound"),
         Criterion(
             "allowed",
-            "bound from the duality gap / size of the solution",
+            "bound of the difference from the duality gap / size of the solution",
             SHARP,
             lambda group: greatest(group[list(BOUNDS)].to_numpy().max(axis=1)),
             BOUNDS,
         ),
-        largest("admissibility", "σ^h ∈ Σ^h(t)", AGREEMENT, "admissibility"),
-        largest("energy", "(σ, ε(u))_Q = (f, u)_V, (4.14)", AGREEMENT, "energy_gap"),
+        largest("admissibility", "violation of σ^h ∈ Σ^h(t)", AGREEMENT, "admissibility"),
+        largest("energy", "violation of (σ, ε(u))_Q = (f, u)_V, (4.14)", AGREEMENT, "energy_gap"),
         largest(
-            "membership", "u ∈ K^h, which Problem 3.2 does not impose", at_most(1e-7, "at every step"), "membership"
+            "membership",
+            "violation of u ∈ K^h, which Problem 3.2 does not impose",
+            at_most(1e-7, "at every step"),
+            "membership",
         ),
     )
 
@@ -318,7 +321,7 @@ class StandsAlone(ListedNumbers):
     rules = tuple(
         every(
             f"alone-{side}",
-            f"distance of both {side}s / size of a deliberate defect in Problem 3.1 alone",
+            f"{side} difference between both problems / size of a deliberate defect in Problem 3.1 alone",
             ALONE,
             f"{side}_shown",
         )

@@ -341,15 +341,15 @@ In a pilot study on shaken meshes with n = 8, 16, 32, which judged nothing, the 
 Orders of sums over all cells scattered by 0.03 and need no additional tolerance."""
 TIME = positive_at_most(0.5, "with the order 3/2 in k, time steps then contribute at most 0.27 of the error")
 BY_CHANCE = "the maximum depends on the position of a front within its cell, which is accidental on every level"
-ADMISSIBLE = "σ^hν continuous, P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3, strongly"
+ADMISSIBLE = "pointwise violation of: σ^hν continuous, equal to P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3"
 RATIO = "‖σ − σ^h‖_Q / error of the best piecewise polynomials"
 QUANTITIES = {
     "stress": "‖σ − σ^h‖_Q",
     "strain": "‖ε(u) − ε^h‖_Q for the strains ε^h computed from σ^h",
     "pressure": "‖σ_ν − σ^h_ν‖_{L²(Γ3)}",
-    "displacement": "multipliers − u on the edges",
+    "displacement": "‖multipliers − u‖ on the edges",
     "primal_stress": "‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q",
-    "primal_displacement": "multipliers − u^h on the edges",
+    "primal_displacement": "‖multipliers − u^h‖ on the edges",
 }
 
 
@@ -401,19 +401,19 @@ def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
         yield weighted(f"order-{name}", f"order of {QUANTITIES[name]}", window, name, parts, JUDGED, PAIR)
     # The ledger shows the ratio on the finest level.
     ratios = Criterion("ratio", RATIO, at_least(1), lambda of: among(of["ratio"].iloc[-1], of["ratio"]), ("ratio",))
-    yield Observation(ratios, "these polynomials form a larger space")
+    yield Observation(ratios, "the best polynomials come from a larger space")
     bounded = at_most(1.25, "bounded")
     if random:
         bounded = at_most(1.35, "bounded; two standard deviations are added for random meshes")
     grown = f"growth of {RATIO}, from the coarsest to the finest mesh, fitted"
     yield growth("growth", grown, bounded, "ratio", CELLS, PAIR)
     yield largest("admissible", ADMISSIBLE, positive_at_most(1e-9), "admissibility")
-    yield largest("time-share", "share of time steps and quadrature in ‖σ − σ^h‖_Q", TIME, "time_share")
+    yield largest("time-share", "error of time steps and quadrature / ‖σ − σ^h‖_Q", TIME, "time_share")
     # Theory predicts the same order for the largest error in time as for the error in L²(0,T).
     if random or "stress" not in orders_of:
         window = Window()
     else:
-        window = replace(orders_of["stress"].window(), why="as for the mean over time")
+        window = replace(orders_of["stress"].window(), why="the same order as for the norm in L²(0,T)")
     at_worst = order("order-sup", "order of max_n ‖σ − σ^h‖_Q", window, "stress_sup", JUDGED, PAIR)
     yield Observation(at_worst, BY_CHANCE) if random else at_worst
 

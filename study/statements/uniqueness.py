@@ -28,11 +28,11 @@ from study.statements.shared.norms import maximum, norm
 from study.statements.thm_4_2_own_space import StressExperiment
 
 STEPS = 12
-_BY_WHAT = f"exact solvers, or a fixed-point iteration stopped at {FIXED_POINT:g} in every step"
+_BY_WHAT = f"solvers are exact, or a fixed-point iteration stops at {FIXED_POINT:g} in every step"
 EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), positive_at_most(1e-9, _BY_WHAT)
 """Windows for the same solver from another initial guess, which may give exactly the same digits, and for another
 solver, whose result differs at least by round-off."""
-INTERIOR = positive_at_most(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
+INTERIOR = positive_at_most(1e-7, "the method stops at a duality gap of 1e-15, whose root bounds the difference")
 
 
 class OneTrajectory(ListedNumbers):
@@ -47,12 +47,22 @@ class OneTrajectory(ListedNumbers):
     label = "Thm 4.1, 5.2"
     claim = "different initial guesses, solvers and splittings give one solution in V^h: a test of the solvers"
     rules = (
-        largest("random-starts", "from random active sets", EXACTLY, "random starts"),
-        largest("least-squares", "by Lawson and Hanson's method on the dual", OTHERWISE, "least squares"),
+        largest("random-starts", "difference of the solutions from random active sets", EXACTLY, "random starts"),
         largest(
-            "fixed-point", "by a fixed-point iteration with all of G on the right-hand side", OTHERWISE, "fixed point"
+            "least-squares",
+            "difference of the solutions by Lawson and Hanson's method on the dual",
+            OTHERWISE,
+            "least squares",
         ),
-        largest("interior-point", "by an interior point method on the whole problem", INTERIOR, "interior point"),
+        largest(
+            "fixed-point",
+            "difference of the solutions by a fixed-point iteration with all of G on the right-hand side",
+            OTHERWISE,
+            "fixed point",
+        ),
+        largest(
+            "interior-point", "difference of the solutions by an interior point method", INTERIOR, "interior point"
+        ),
     )
     quick = grid((*EVOLVING, *SOFTENING), ("shaken",), (6,))
     full = (
@@ -147,9 +157,19 @@ class OneStress(ListedNumbers):
     label = "Thm 4.3"
     claim = "different initial guesses and solvers give one stress in Σ^h: a test of the solvers"
     rules = (
-        largest("random-starts", "stresses from random active sets", EXACTLY, "random starts"),
-        largest("least-squares", "stresses by Lawson and Hanson's method on the dual", OTHERWISE, "least squares"),
-        largest("interior-point", "stresses by an interior point method on all unknowns", INTERIOR, "interior point"),
+        largest("random-starts", "difference of the stresses from random active sets", EXACTLY, "random starts"),
+        largest(
+            "least-squares",
+            "difference of the stresses by Lawson and Hanson's method on the dual",
+            OTHERWISE,
+            "least squares",
+        ),
+        largest(
+            "interior-point",
+            "difference of the stresses by an interior point method on all unknowns",
+            INTERIOR,
+            "interior point",
+        ),
     )
     quick = grid(("advance-recede",), ("shaken",), (4,))
     full = grid(("advance-recede", "corner", "anisotropic"), ("unstructured",), (4, 8))

@@ -83,11 +83,12 @@ class Untested(Listed):
          "those solutions are the only ones is tested by different starts and solvers. Thm 4.2 asserts no existence: "
          "its rows compare solutions of both problems"),
         ("stress-in-Q1", "(4.1)", "σ ∈ L^∞(0,T;Q_1)",
-         "not tested by itself: Div σ = −f_0 by (4.11), so it is (3.4) once u ∈ W^{1,∞}(0,T;V), which is judged, as is "
-         "the balance of σ^h with P f_0"),
+         "not tested separately: Div σ = −f_0 by (4.11), so this follows from (3.4) and u ∈ W^{1,∞}(0,T;V), which is "
+         "judged. The balance of σ^h with P f_0 is judged as well"),
         ("density", "(5.29), (5.33)–(5.35)", "W^{1,2}(0,T;K ∩ C^∞(Ω̄)²) is dense in W^{1,2}(0,T;K), and an ε for each h",
-         "not tested: about infinitely many functions. (5.29) follows from the density of K ∩ C^∞(Ω̄)² in K, cited in "
-         "the source, as u may be replaced by its linear interpolant in time; (5.33)–(5.35) follow from (5.28)–(5.32). "
+         "not tested: a claim about infinitely many functions. (5.29) follows from the density of K ∩ C^∞(Ω̄)² in K, "
+         "which the paper cites, as u may be replaced by its linear interpolant in time. (5.33)–(5.35) follow from "
+         "(5.28)–(5.32). "
          "What they are used for, convergence for rough u, is judged on rough cases"),
         ("one-constant", "(5.21), (5.42)", "one constant c serves all solutions and meshes",
          "not tested: the ratios of both sides are judged on the solutions and meshes of the study"),
@@ -106,7 +107,7 @@ class WithoutRow(Listed):
          "an example, which most cases have; (3.1) and (3.2) are judged for each of their laws"),
         ("notation", "(2.8)–(2.13)", "products, spaces, strains, normal and tangential components",
          "definitions; a wrong product and a wrong strain are among the deliberate defects of (3.6)"),
-        ("sets", "(2.15), (2.16)", "V and K", "definitions; that the code has K^h = V^h ∩ K is judged under K^h"),
+        ("sets", "(2.15), (2.16)", "V and K", "definitions; the checks of K^h judge K^h = V^h ∩ K in the code"),
         ("inclusion", "(2.18)", "u̇ + Au ∋ f", "the problem of Thm 2.2, whose rows solve it for A = ∂ψ_K + B"),
         ("data", "(3.4)", "f_0 ∈ W^{1,1}(0,T;H) and f_2 ∈ W^{1,1}(0,T;L²(Γ2)^d)",
          "an assumption, used through (3.8), which is judged; literally it asks for smoothness in space that few "
@@ -123,27 +124,27 @@ class WithoutRow(Listed):
          "(2.2): exact solutions are checked against it, (2.14) compares its sides, and Thm 4.2 judges it for σ^h on "
          "its own space"),
         ("work", "(4.28)–(4.30)", "(σ, ε(u))_Q = (f, u)_V from both sides",
-         "(4.14) once more: judged there, with (3.11) for random stresses"),
+         "the same equation as (4.14), judged there together with (3.11) for random stresses"),
         ("scheme", "Problem 5.1, (5.2), (5.3)", "the semi-discrete scheme",
          "a problem, not a claim: it is solved in several ways, (3.10) is asked of its solutions with random v^h, and "
          "they are computed again"),
-        ("indicator", "(5.7), (5.8)", "the indicator of K^h and its subdifferential", "definitions, as (4.8) on V^h"),
-        ("scheme-inclusion", "(5.10)", "the scheme as an inclusion", "(5.3) in other words by (5.8)"),
+        ("indicator", "(5.7), (5.8)", "the indicator of K^h and its subdifferential", "definitions, like (4.8) on V^h"),
+        ("scheme-inclusion", "(5.10)", "the scheme as an inclusion", "(5.3) rewritten by (5.8)"),
         ("velocity", "(5.17)", "u − v^h as the integral of its velocity",
-         "the fundamental theorem of calculus; what is made of it, (5.18), is judged"),
+         "the fundamental theorem of calculus; its consequence (5.18) is judged"),
         ("segments", "(5.22)", "Γ3 as a union of segments", "notation; cases have up to three of them"),
         ("start-of-scheme", "(5.25)", "‖u_0 − u_0^h‖_V → 0",
          "an assumption: u_0^h = Π^h u_0 throughout, for which it is (5.23), as all u_0 are smooth enough; that the "
          "scheme starts there is among what is computed again. Rows of beyond: nodal start have a continuous u_0 for "
          "which this start violates it"),
-        ("convergence", "(5.26)", "the error tends to 0", "what Prop. 5.3 says: judged there"),
+        ("convergence", "(5.26)", "the error tends to 0", "the claim of Prop. 5.3, judged there"),
         ("both", "(5.28)", "(5.21) with (5.27) for R",
-         "follows from these two, which are judged; as printed, a root is missing"),
+         "follows from (5.21) and (5.27), which are judged; the printed formula lacks a root"),
         ("smooth-interpolants", "(5.30)–(5.32)", "interpolation of a smooth u_ε",
-         "(5.23), judged for smooth fields too"),
-        ("first-order", "(5.37)", "the error is O(h)", "what Prop. 5.4 says: judged there"),
+         "a special case of (5.23), which is also judged for smooth fields"),
+        ("first-order", "(5.37)", "the error is O(h)", "the claim of Prop. 5.4, judged there"),
         ("residual", "(5.38), (5.39)", "R from σ, and after Green's formula",
-         "(5.38) is what R is measured by under (5.40); (5.39) is (2.14) for it"),
+         "R is measured by (5.38) in the checks of (5.40); (5.39) is Green's formula (2.14) applied to (5.38)"),
         ("interpolation", "(5.43)", "interpolation in L²(0,T) and L¹(0,T)",
          "(5.23) and (5.24), judged at single times; their norms in time are terms in the rows of (5.21) and (5.42)"),
     )  # fmt: skip

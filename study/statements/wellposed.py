@@ -66,7 +66,7 @@ def fastest(problem: SemiDiscrete, steps: int) -> float:
 
 SIZES = (0.1, 1.0, 10.0)
 """Sizes of the perturbations, relative to the data."""
-NEVER = positive_at_most(1 + 1e-7, f"tolerance for fixed-point iterations stopped at {FIXED_POINT:g}")
+NEVER = positive_at_most(1 + 1e-7, f"tolerance for fixed-point iterations that stop at {FIXED_POINT:g}")
 SHARP = Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4")
 UNDAMPED = "‖u − v‖_V / (‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = 0, allowed by monotone G"
 AFTER_ONE_STEP = "‖u − v‖_V / its bound after one step, ω = L_G/m_A, f − g constant and not acting on the contact"

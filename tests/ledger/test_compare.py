@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import math
 import shutil
@@ -16,8 +17,9 @@ import pandas as pd
 import pytest
 
 from study.cli.main import main
-from study.ledger.compare import KEYS, Comparison, Difference, Tolerance, as_json, as_text, compare
-from study.ledger.datafiles import DataError
+from study.ledger.compare import IDENTICAL, KEYS, Comparison, Difference, Tolerance, as_json, as_text, compare
+from study.ledger.datafiles import DataError, read_uncompressed
+from study.ledger.files import write_packed
 from study.ledger.pictures import Packed
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -26,7 +28,7 @@ SPACE, PLANE = "pictures/cube-disc.json", "pictures/full-contact.json"
 
 @pytest.fixture
 def old(tmp_path: Path) -> Path:
-    for path in [*(RESULTS / "data").glob("*.csv"), RESULTS / "data" / SPACE, RESULTS / "data" / PLANE]:
+    for path in [*(RESULTS / "data").glob("*.csv"), *(RESULTS / "data" / f"{name}.gz" for name in (SPACE, PLANE))]:
         (tmp_path / "old" / path.relative_to(RESULTS)).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(path, tmp_path / "old" / path.relative_to(RESULTS))
     (tmp_path / "old" / "data" / ".lock").touch()
@@ -54,9 +56,10 @@ def write(directory: Path, name: str, column: str, row: int, text: str) -> None:
 
 
 def repaint(directory: Path, name: str, how: Callable[[dict[str, Any]], Any]) -> None:
-    picture = json.loads((directory / "data" / name).read_text())
+    path = directory / "data" / f"{name}.gz"
+    picture = json.loads(read_uncompressed(path))
     how(picture)
-    (directory / "data" / name).write_text(json.dumps(picture) + "\n")
+    write_packed(path, json.dumps(picture) + "\n")
 
 
 def compared(old: Path, new: Path, relative: float = 1e-12, absolute: float = 0.0) -> Comparison:
@@ -179,7 +182,7 @@ def test_rows_columns_and_files_in_one_directory_only_are_differences_on_whichev
     change(new, "statements.csv", lambda table: table.drop(index=7))
     change(new, "enclosures.csv", lambda table: table.drop(index=15))
     change(new, "bounds.csv", lambda table: table.drop(columns="upper"))
-    for name in ("stresses.csv", SPACE):
+    for name in ("stresses.csv", f"{SPACE}.gz"):
         (new / "data" / name).unlink()
     for directory, value in ((old, "1.5"), (new, "1.6")):
         (directory / "data" / "unknown.csv").write_text(f"name,value\na,1\na,{value}\nb,2\n")
@@ -218,7 +221,7 @@ def test_claims_are_matched_by_their_keys_or_words_and_then_by_their_numbers(old
 def test_pictures_are_compared_number_by_number_also_where_these_are_packed(old: Path, new: Path) -> None:
     repaint(new, SPACE, lambda picture: picture["displacement"].update(unit=2 * picture["displacement"]["unit"]))
     ((what, numbers),) = told(compared(old, new), SPACE).items()
-    unpacked = Packed.read(json.loads((old / "data" / SPACE).read_text())["displacement"]).values
+    unpacked = Packed.read(json.loads(read_uncompressed(old / "data" / f"{SPACE}.gz"))["displacement"]).values
     assert (what, numbers.beyond) == (f".displacement {unpacked.shape}", np.count_nonzero(unpacked))
     repaint(new, SPACE, lambda picture: picture["times"].pop())
     assert {"places only in OLD", "places only in NEW"} < {*told(compared(old, new, 1), SPACE)}
@@ -226,6 +229,16 @@ def test_pictures_are_compared_number_by_number_also_where_these_are_packed(old:
     repaint(new, PLANE, lambda picture: picture["faces"][0]["gap"][2].__setitem__(4, 9.5))
     changed = [(what.partition(" ")[0], d.beyond) for what, d in told(compared(old, new, 0.1), PLANE).items()]
     assert changed == [(".family", 1), (".faces[0].gap", 1), (".level", 1)]
+
+
+def test_a_picture_of_an_earlier_version_which_is_not_compressed_is_compared_as_well(old: Path, new: Path) -> None:
+    packed = old / "data" / f"{PLANE}.gz"
+    (old / "data" / PLANE).write_bytes(read_uncompressed(packed))
+    packed.unlink()
+    states = {file.name: file.state for file in compared(old, new).files}
+    assert states[PLANE] == IDENTICAL
+    repaint(new, PLANE, lambda picture: picture.update(level=25))
+    assert {*told(compared(old, new), PLANE)} == {".level (1,)"}
 
 
 @pytest.mark.parametrize(
@@ -236,8 +249,9 @@ def test_pictures_are_compared_number_by_number_also_where_these_are_packed(old:
         ("cases.csv", b'case,summary\na,"b\n', "cases.csv is not a table"),
         ("cases.csv", b"case,dimension\na,2\na,3\n", "cases.csv has the row a twice"),
         ("cases.csv", b"case,dimension\na,two\n", "cases.csv has 'two' as dimension, expected a number"),
-        (SPACE, b'{"a": [', r"json is not a picture \(Expecting"),
-        (SPACE, b'{"a": {"unit": 1, "shape": [2], "changes": "x"}}', "json is not a picture"),
+        (f"{SPACE}.gz", gzip.compress(b'{"a": ['), r"json.gz is not a picture \(Expecting"),
+        (f"{SPACE}.gz", gzip.compress(b'{"a": {"unit": 1, "shape": [2], "changes": "x"}}'), "json.gz is not a picture"),
+        (f"{SPACE}.gz", b'{"a": [', r"json.gz is damaged \(not a complete gzip file"),
     ],
 )
 def test_a_damaged_file_is_refused_by_name_with_how_to_mend_it(old, new, name, content, message) -> None:

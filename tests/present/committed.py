@@ -43,7 +43,7 @@ def copy_results(directory: Path, cases: tuple[str, ...] = CASES, pictures: tupl
         chosen = (*cases, *pictures) if name == "cases" else cases
         committed(name, chosen).to_csv(data / f"{name}.csv", index=False)
     for case in pictures:
-        shutil.copy(RESULTS / "data" / "pictures" / f"{case}.json", data / "pictures")
+        shutil.copy(RESULTS / "data" / "pictures" / f"{case}.json.gz", data / "pictures")
     return directory
 
 

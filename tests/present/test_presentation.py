@@ -16,7 +16,8 @@ import pytest
 from committed import CASES, CORNER, ROUGH, SMOOTH, committed, copy_results, write_ledger
 from matplotlib.mathtext import MathTextParser
 
-from study.ledger.datafiles import DataError, read_claims, read_rates
+from study.ledger.datafiles import DataError, read_claims, read_rates, read_uncompressed
+from study.ledger.files import write_packed, write_text
 from study.present import outcome
 from study.present.figures import draw_figures, drawings
 from study.present.notation import encode
@@ -64,7 +65,8 @@ def files(directory: Path) -> list[str]:
 
 
 def replace(path: Path, old: str, new: str) -> None:
-    path.write_text(path.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+    write = write_packed if path.suffix == ".gz" else write_text
+    write(path, read_uncompressed(path).decode().replace(old, new))
 
 
 def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over(drawn: Path) -> None:
@@ -269,8 +271,8 @@ def test_a_missing_file_is_named_with_the_command_that_makes_it(
         ("rates.csv", "discrete_error", "something", "lacks the columns discrete_error"),
         ("claims.csv", "undecided", "perhaps", "perhaps"),
         ("cases.csv", ROUGH, "smooth", f"lacks the cases {ROUGH}"),
-        ("pictures/corner.json", '"zone_exact"', '"zone"', "corner.json is not a picture"),
-        ("pictures/corner.json", '"energy"', '"zone"', "corner.json is not a picture"),
+        ("pictures/corner.json.gz", '"zone_exact"', '"zone"', "corner.json.gz is not a picture"),
+        ("pictures/corner.json.gz", '"energy"', '"zone"', "corner.json.gz is not a picture"),
         ("bounds.csv", "upper", "something", "lacks the columns upper"),
     ],
 )

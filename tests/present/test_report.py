@@ -18,9 +18,10 @@ from committed import RESULTS, TABLES, copy_results
 from manufactured.catalogue import catalogue
 from study.cli.main import main
 from study.ledger.datafiles import DataError
+from study.ledger.files import write_packed
 from study.ledger.pictures import FINE, STEPS, Packed
 from study.present.notation import typeset
-from study.present.picture import Picture, read_values
+from study.present.picture import Picture, picture_path, read_record, read_values
 from study.present.report import LETTERS, write_report
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
 from study.run.fingerprint import ROOT
@@ -29,7 +30,7 @@ from study.statements.pictures import Pictures, picture
 
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
 HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
-FILES = [*(f"{name}.csv" for name in TABLES), "pictures/corner.json", f"pictures/{SOLID}.json"]
+FILES = [*(f"{name}.csv" for name in TABLES), "pictures/corner.json.gz", f"pictures/{SOLID}.json.gz"]
 
 
 def write_data(directory: Path) -> Path:
@@ -206,7 +207,7 @@ def test_every_case_is_shown_in_motion(page: Page) -> None:
 def test_the_motion_on_the_page_passes_through_the_shapes_of_the_picture(directory: Path, page: Page) -> None:
     for case, content in zip((*PLANE, SOLID), page.data, strict=True):
         film = json.loads(content)
-        record = json.loads((directory / "data" / "pictures" / f"{case}.json").read_text())
+        record = read_record(picture_path(directory, case))
         raw = np.frombuffer(base64.b64decode(film["displacement"]), dtype="<i2")
         moving = film["unit"] * raw.reshape(len(film["times"]), len(film["vertices"]), -1)
         for shape in Picture.of(record).shapes:
@@ -216,7 +217,7 @@ def test_the_motion_on_the_page_passes_through_the_shapes_of_the_picture(directo
 
 def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Path, page: Page) -> None:
     film = json.loads(page.data[-1])
-    record = json.loads((directory / "data" / "pictures" / f"{SOLID}.json").read_text())
+    record = read_record(picture_path(directory, SOLID))
     for shown, face in zip(film["faces"], record["faces"], strict=True):
         for name in ("s", "x", "gap", "gap_exact", "pressure", "pressure_exact"):
             np.testing.assert_allclose(shown[name], read_values(face[name]), rtol=6e-4)
@@ -242,12 +243,12 @@ def test_missing_data_are_named_with_the_command_that_makes_them(data: Path, nam
 def test_a_picture_of_an_older_version_and_a_directory_without_a_run_are_refused(
     data: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = data / "data" / "pictures" / "corner.json"
-    record = json.loads(path.read_text())
-    path.write_text(json.dumps({name: record[name] for name in ("case", "times", "vertices", "cells", "faces")}))
+    path = picture_path(data, "corner")
+    record = read_record(path)
+    write_packed(path, json.dumps({name: record[name] for name in ("case", "times", "vertices", "cells", "faces")}))
     assert main(["report", "--out", str(data)]) == 2
     message = capsys.readouterr().err
-    assert "corner.json holds no displacement" in message
+    assert "corner.json.gz holds no displacement" in message
     assert "older version" in message
     assert "study run" in message
     assert not (data / "report.html").exists()
@@ -256,10 +257,10 @@ def test_a_picture_of_an_older_version_and_a_directory_without_a_run_are_refused
 
 
 def test_a_film_with_other_cells_than_its_mesh_is_refused(data: Path) -> None:
-    path = data / "data" / "pictures" / "corner.json"
-    record = json.loads(path.read_text())
+    path = picture_path(data, "corner")
+    record = read_record(path)
     record["displacement"] = Packed.of(np.zeros((17, 2, 3))).record()
-    path.write_text(json.dumps(record))
+    write_packed(path, json.dumps(record))
     with pytest.raises(DataError, match=r"shape \(17, 2, 3\), expected"):
         report(data)
 
@@ -306,10 +307,9 @@ def test_scripts_are_raised_and_lowered_and_the_rest_is_escaped(plain_text: str,
 
 
 @pytest.mark.slow
-def test_the_page_of_the_committed_run_has_at_most_6_megabytes_and_its_pictures_130_kilobytes(tmp_path: Path) -> None:
+def test_the_page_of_the_committed_run_has_at_most_6_megabytes_and_its_pictures_70_kilobytes(tmp_path: Path) -> None:
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs"))
     for case in catalogue():
-        path = tmp_path / "data" / "pictures" / f"{case.name}.json"
-        Pictures.file.write(tmp_path / "data", [picture(case)])
-        assert path.stat().st_size <= 130e3
+        (path,) = Pictures.file.write(tmp_path / "data", [picture(case)])
+        assert path.stat().st_size <= 70e3
     assert report(tmp_path).stat().st_size <= 6e6

@@ -11,6 +11,7 @@ from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNCLAIMED, UNDECIDED
 from study.solve.tableau import MIDPOINT
 from study.statements.contact_force import LANDS, ContactForce, Forces, errors_in_time, measure_contact
+from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 
 LEVELS = np.array([8.0, 16.0, 32.0])
@@ -18,7 +19,7 @@ LEVELS = np.array([8.0, 16.0, 32.0])
 
 def table(case: str = "a", family: str = "one-diagonal", levels=LEVELS, **changes) -> pd.DataFrame:
     h = 1 / levels
-    rows = {"case": case, "family": family, "level": levels, "h": h, "penetration": 1e-16, "pulling": 0.0}
+    rows = {"case": case, "family": family, "level": levels, "h": h, "penetration": 1e-16, "pulling": 0.0, "clamped": 0}
     rows |= {"pressure": h**1.3, "dual": h**1.7, "resultant": h**2}
     rows |= dict.fromkeys(["pressure_time_share", "dual_time_share", "resultant_time_share"], 0.1)
     return pd.DataFrame(rows).assign(**changes)
@@ -64,6 +65,18 @@ def test_a_pressure_that_jumps_in_time_has_the_predicted_order_one_half_on_every
 )
 def test_a_wrong_force_fails(column: str, value, key: str) -> None:
     assert verdicts(table(**{column: value}))[key] == FAILS
+
+
+def test_no_order_of_the_resultant_is_claimed_if_a_face_meets_the_clamped_side() -> None:
+    found = verdicts(table(clamped=1, resultant=1 / LEVELS**0.5))
+    assert found["order-resultant"] == MISSED
+    assert found["resultant"] not in UNCLAIMED
+
+
+@pytest.mark.parametrize(("name", "pieces"), [("hexagon", 2), ("contact-at-clamp", 1), ("layered", 0), ("corner", 0)])
+def test_the_pieces_of_the_contact_side_that_meet_the_clamped_side_are_counted(name: str, pieces: int) -> None:
+    setting = Setting(name, "unstructured", 8)
+    assert Forces(Experiment.at(setting, MIDPOINT, 2)).clamped == pieces
 
 
 def test_on_other_meshes_order_one_is_enough_and_less_is_not() -> None:

@@ -66,7 +66,7 @@ def test_one_family_that_contradicts_is_enough() -> None:
         ({"discrete_time_share": 0.31}, "discrete-time-share", "raise `pace`"),
         ({"quadrature_change": 0.04}, "quadrature", "flatten them, or try --levels 16 32 64"),
         ({"discrete_error": 1.0}, "discrete-share", "more than a good test allows"),
-        ({"discrete_error": 0.24 / 8}, "discrete-order-others", "not settled"),
+        ({"discrete_error": 0.24 / 8}, "discrete-order-others", "not asymptotic"),
         ({"discrete_error": 0.24 / 8, "family": "one-diagonal"}, "discrete-order-superclose", "wrong by a little"),
     ],
 )
@@ -170,7 +170,7 @@ def test_orders_of_the_contact_force_say_nothing_where_meshes_do_not_resolve_con
 def test_a_missed_order_of_the_contact_force_is_undecided_and_penetration_fails() -> None:
     rows = [force("order-pressure", FAILS, 0.5), force("penetration", FAILS, 0.1), force("resultant", HOLDS, 0.01)]
     missed, inside, _ = judge_own(rows, following([1.0, 1.0]))
-    assert "not settled on these meshes" in reason(missed)
+    assert "not converged on these meshes" in reason(missed)
     assert inside.verdict == FAILS
 
 
