@@ -221,7 +221,8 @@ FAULTS: dict[str, tuple[Callable[..., dict[str, Array]], str]] = {
     ),
     "curved": (lambda p, c, at, u: curved(p, c), "curved triangles"),
     "not clamped": (
-        lambda p, c, at, u: {"u": u + 0.01}, r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest field .* --nearest"
+        lambda p, c, at, u: {"u": u + 0.01},
+        r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest field .* --nearest",
     ),
     "no start": (lambda p, c, at, u: {"times": at + 0.5}, "initial time is missing: the first time is 0.5"),
     "too short": (lambda p, c, at, u: {"times": at / 2}, "the last time is 0.5, the problem ends at T = 1"),
