@@ -16,10 +16,11 @@ import pytest
 MODULE = "_convergence_orders"
 """Name under which ``study.orders`` is imported, because the tested project may have its own package ``study``."""
 PREFIX = "convergence of "
+"""Beginning of the names of the properties of a test report that contain the conclusions of checks."""
 
 
 def _orders() -> ModuleType:
-    """Return the package ``study.orders`` that was installed together with this plugin."""
+    """Import the package ``study.orders`` that was installed together with this plugin, and return it."""
     if MODULE in sys.modules:
         return sys.modules[MODULE]
     folder = Path(__file__).parent / "study" / "orders"
@@ -44,14 +45,14 @@ def _orders() -> ModuleType:
 def convergence_orders(request: pytest.FixtureRequest) -> Any:
     """Return the function ``check(name, h, errors, expected=None, at_least=None, tolerance=0.15)``.
 
-    ``check`` returns the result of ``study.orders.observed_orders`` and records it as JUnit properties. It fails the
-    test if an order is expected and the verdict is not *holds*.
+    ``check`` computes the observed orders of the errors on meshes of size h, returns them, and records them as JUnit
+    properties. If an order is expected and the errors do not have it, the test fails.
     """
 
     def check(name: str, h: Any, errors: Any, **options: Any) -> Any:
         __tracebackhide__ = True
         result = _orders().observed_orders(h, errors, name=name, **options)
-        # The fixture ``record_property`` would do the same, but warns in projects with the default format of JUnit XML.
+        # pytest's fixture ``record_property`` is not used, because it warns in projects with the default JUnit format.
         properties = request.node.user_properties
         properties += [(f"{PREFIX}{name}", result.conclusion), (f"order of {name}", f"{result.order:.4g}")]
         if result.expectation.window and result.verdict != "holds":
@@ -62,7 +63,10 @@ def convergence_orders(request: pytest.FixtureRequest) -> Any:
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Print the conclusions of all checks, which test reports contain, also those from processes of pytest-xdist."""
+    """Print the conclusions of all checks of orders.
+
+    They are taken from the test reports, so that checks in other processes of pytest-xdist are included.
+    """
     reports = [report for reports in terminalreporter.stats.values() for report in reports]
     properties = [
         entry for report in reports if getattr(report, "when", "") == "call" for entry in report.user_properties

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    """Return a name of ``manufactured.public``, which is imported at first use because SymPy takes half a second."""
+    """Return a name of ``manufactured.public``, which is imported late because loading SymPy takes half a second."""
     public = import_module("manufactured.public")
     globals().update({known: getattr(public, known) for known in ("__all__", *public.__all__)})
     if name not in globals():

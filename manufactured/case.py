@@ -24,12 +24,14 @@ from manufactured.symbols import t
 from manufactured.tensors import Array
 
 FIXED = 2.5
-"""The exponent m above which a fixed front of q does not lower the regularity. An elastic start leaves such a front,
-since q(0) = −p(0)/g."""
+"""A front that does not move lowers the regularity only if the strain on the face has an exponent up to this number.
+
+Such fronts occur if the body starts in elastic equilibrium, since then q(0) = −p(0)/g.
+"""
 INITIAL_GAP = "beyond: initial gap"
-"""The label of the statement on cases with an initial gap, which the paper does not treat."""
+"""The label of the statement on cases with an initial gap, which are beyond the paper."""
 UNSTATED: Any = None
-"""Default of ``Case.order``; a case that does not replace it is refused."""
+"""Default of ``Case.order``. A case whose order is not stated is refused."""
 
 
 class CaseError(ValueError):
@@ -38,19 +40,19 @@ class CaseError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """An exact solution with the order of convergence that is predicted for it.
+    """An exact solution with the order of convergence that is predicted for it, and the reason for this order.
 
     Attributes:
         name: the name in commands, files and tables.
         summary: one line on the motion of the contact zone.
         solution: the exact solution.
-        regularity: the exponents of the least smooth fronts; they must agree with the formulas of the solution.
+        regularity: the exponents of gap and pressure at the least smooth fronts; they must agree with the formulas.
         order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}.
         reason: why the regularity gives this order, in one sentence.
         pace: the number of time steps per unit of time divided by n^{2/3} at level n. Fast fronts need a larger pace;
             the share of the error that is due to time shows whether it is large enough.
         twin: the name of a case whose errors on structured meshes must be equal up to round-off, or "".
-        families: the names of the mesh families on which the quick study measures this case; by default the first
+        families: the names of the mesh families on which the quick study measures this case. By default it is the first
             family that can mesh the body.
 
     Raises:
@@ -90,12 +92,12 @@ class Case:
             )
 
     def _compare_with_formulas(self) -> None:
-        """Raise CaseError if the stated regularity differs from the regularity of the formulas."""
+        """Raise CaseError if the stated regularity differs from the regularity that the formulas have."""
         label = self.regularity
         lifted = [face for face in self.solution.faces if not isinstance(face, SingularFace)]
         formulas = [_formulas(face, self.solution.body.T) for face in lifted]
         if any(piece.formula.has(sp.nan, sp.zoo, sp.oo) for gap, strain in formulas for piece in (gap, *strain)):
-            return  # The formulas show no exponents; invalid values are found by the self-proof.
+            return  # Such formulas have no exponents; the self-proof reports the invalid values.
         try:
             gaps = [*(gap for gap, _ in formulas), *(_initial_gap(face) for face in lifted if face.initial_gap != 0)]
             found = self._found(*read_off(gaps, [p for _, strain in formulas for p in strain]))
@@ -115,13 +117,14 @@ class Case:
         """Return the regularity of the solution according to its formulas.
 
         Args:
-            alpha, m: the lowest exponents of fronts of the gap and of the pressure side.
+            alpha: the lowest exponent of the gap at a front.
+            m: the lowest exponent of the pressure or of the strain at a front.
             moving: whether a front moves.
         """
         solution = self.solution
         if any(isinstance(face, ContactFace) and face.profile.e is not ZERO for face in solution.faces):
-            # u_s contains ∇_s q. A fixed front of q with the exponent m acts like a front of w with α = m. At a moving
-            # front q̇ ~ p, so q has the exponent m + 1.
+            # The displacement u_s contains the derivative ∇_s q of the strain q. So a fixed front of q with the
+            # exponent m acts like a front of the gap with α = m. At a moving front q̇ ~ p, so q has the exponent m + 1.
             alpha = min(alpha, m + 1 if moving and m > FIXED else m)
         drawn = {_plane(seam.normal, seam.start) for seam in solution.body.interfaces}
         unmet = any(
@@ -140,7 +143,7 @@ class Case:
 
     @property
     def proposition(self) -> str:
-        """The label of the statement whose assumptions the case satisfies: of the paper, or ``INITIAL_GAP``."""
+        """The label of the statement that applies to the case: a proposition of the paper, or ``INITIAL_GAP``."""
         return INITIAL_GAP if self.solution.has_initial_gap else self.regularity.proposition
 
     def _repr_html_(self) -> str:
@@ -150,7 +153,7 @@ class Case:
 
 
 def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
-    """Return the formula of the gap, and the formulas that show the smoothness of the strain on the face."""
+    """Return the formula of the gap, and the formulas that show how smooth the strain on the face is."""
 
     def piece(formula: sp.Expr, begin: float = 0.0, end: float = T) -> FaceFormula:
         return FaceFormula(sp.sympify(formula), face.part, face.variables, begin, end)
@@ -159,21 +162,21 @@ def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
     if isinstance(strain, Prescribed):
         ends = [*(min(end, T) for end, _ in strain.phases[:-1]), T]
         phases = zip(strain.phases, [0.0, *ends], ends, strict=False)
-        # The rate of q is included because p ~ a q̇ + g q: at a moving front p has one power less than q.
+        # The rate q̇ is included because p ~ a q̇ + g q, so at a moving front p has one power less than q.
         pieces = [piece(f, begin, end) for (_, q), begin, end in phases for f in (q, sp.sympify(q).diff(t))]
         return piece(face.gap), pieces
     if isinstance(strain, Memory):
-        # Separate formulas, because fronts may cancel in their sum.
+        # The formulas are kept separate, because fronts may cancel in their sum.
         return piece(face.gap), [piece(f) for f in (strain.pressure, strain.initial) if f is not None]
     return piece(face.gap), [piece(face.exponents_in)]
 
 
 def _initial_gap(face: Face) -> FaceFormula:
-    """Return the formula of the initial gap g; its kinks lower the regularity of u like fixed fronts of w."""
+    """Return the formula of the initial gap g; its kinks lower the regularity of u as fixed fronts of the gap do."""
     return FaceFormula(sp.sympify(face.initial_gap), face.part, face.variables, 0.0, 0.0)
 
 
 def _plane(normal: Array, point: Array) -> tuple[float, ...]:
-    """Return rounded unit normal and offset of a line or plane; the same values for both possible normals."""
+    """Return rounded unit normal and offset of a line or plane, the same for both orientations of the normal."""
     values = np.round([*normal, normal @ point], 9) + 0.0
     return tuple(float(v) for v in (values if tuple(values) > tuple(-values) else -values + 0.0))

@@ -7,7 +7,7 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-# Listing the names needs no SymPy.
+# SymPy is imported only for type checking, so that listing the names is fast.
 if TYPE_CHECKING:
     from manufactured.case import Case
 
@@ -49,21 +49,22 @@ NAMES = (
     "parabolic-gap",
     "cube-bowl",
 )
-"""The names of all cases: first those that satisfy the assumptions of Proposition 5.4, with simple contact zones first;
-then those that are not smooth enough for it; then laws that soften; last initial gaps, which the paper does not treat.
+"""The names of all cases.
 
-The case NAME is made by the function ``case`` of ``manufactured/cases/NAME.py``, with ``_`` for ``-`` and ``.``.
+First come cases that satisfy the assumptions of Proposition 5.4, starting with simple contact zones; then cases that
+are not smooth enough for it; then laws that soften; last initial gaps, which the paper does not treat. The case NAME is
+made by the function ``case`` of ``manufactured/cases/NAME.py``, with ``_`` for ``-`` and ``.``.
 """
 
 
 def catalogue() -> tuple[Case, ...]:
-    """Return all cases of the catalogue, in the order of ``NAMES``."""
+    """Return all cases of the catalogue, in the order of the tuple ``NAMES``."""
     return tuple(named(name) for name in NAMES)
 
 
 @cache
 def named(name: str) -> Case:
-    """Return the case with a name. Other cases are not made.
+    """Return the case with a name, without making the other cases.
 
     >>> case = named("rotated")
     >>> case.order, case.solution.body.dim, case.solution.law.dim

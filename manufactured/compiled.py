@@ -12,7 +12,10 @@ from manufactured.tensors import Array
 
 
 def power(x: Array, exponent: float) -> Array:
-    """Return x^a. For integers up to 12 products are used, because NumPy's general power takes twenty times as long."""
+    """Return the powers x^a.
+
+    For integers a up to 12 products are used, because NumPy's general power takes twenty times as long.
+    """
     if exponent == 0.5:
         return np.sqrt(x)
     if exponent != int(exponent) or not 1 <= exponent <= 12:
@@ -36,9 +39,13 @@ def truncated_power(x: Array, exponent: float) -> Array:
 
 
 def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Callable[..., list[Array]]:
-    """Return a NumPy function that evaluates expressions of the given symbols and returns the list of their values.
+    """Return a NumPy function that evaluates expressions and returns the list of their values.
 
     Common subexpressions are computed once. The value of a constant expression is a number, not an array.
+
+    Args:
+        arguments: the symbols, in the order of the arguments of the function.
+        expressions: expressions that contain no other symbols.
     """
     modules = [{"pos": truncated_power}, "numpy"]
     return sp.lambdify([*arguments], [*map(sp.sympify, expressions)], modules=modules, cse=True)  # type: ignore[no-any-return]
@@ -58,5 +65,5 @@ def derivatives(
 
 
 def coefficients_in_t(polynomial: sp.Expr) -> list[sp.Expr]:
-    """Return the coefficients of a polynomial of t, highest power first."""
+    """Return the coefficients of a polynomial of the time t, highest power first."""
     return list(sp.Poly(polynomial, t).all_coeffs())

@@ -19,9 +19,11 @@ class Evaluation:
     """The fields of an exact solution at points, (d, ...), at one time. Tensors are Mandel vectors, (D, ...).
 
     Attributes:
-        displacement, velocity: u and u̇, (d, ...).
-        gradient: ∂_j u_i, (d, d, ...), by the complex step, which is exact up to rounding.
-        strain, strain_rate: ε(u) and ε(u̇), (D, ...).
+        displacement: u, (d, ...).
+        velocity: u̇, (d, ...).
+        gradient: ∂_j u_i, (d, d, ...), computed by the complex step, which is exact up to rounding.
+        strain: ε(u), (D, ...).
+        strain_rate: ε(u̇), (D, ...).
         stress: σ = A ε(u̇) + G ε(u), (D, ...).
         body_force: f_0 = −Div σ, (d, ...).
     """
@@ -35,7 +37,10 @@ class Evaluation:
     body_force: Vectors
 
     def surface_load(self, part: Part) -> Vectors:
-        """Return the traction σν on a boundary part on which the points lie, (d, ...): f_2 on Γ2, −p ν on Γ3."""
+        """Return the traction σν at the points, which must lie on the given boundary part, (d, ...).
+
+        On Γ2 it is the load f_2, on Γ3 it is −p ν with the contact pressure p.
+        """
         return traction(self.stress, part.normal)
 
 

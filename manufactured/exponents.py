@@ -15,8 +15,8 @@ SMOOTH = (sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh, sp.tanh, sp.atan, sp.asinh, 
 def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
     """Return how a formula behaves near x = 0, as two exponents (a, k).
 
-    The formula is smooth there except for x_+^a and higher truncated powers, and it is of the size x^k. Sums, products
-    and powers of ``pos(x, ·)`` and of x are understood.
+    Near x = 0 the formula has the size x^k, and it is smooth there except for the truncated power x_+^a and higher
+    ones. Sums, products and powers of ``pos(x, ·)`` and of x are understood.
     """
     if formula in (x, -x):
         return math.inf, 1.0
@@ -37,7 +37,7 @@ def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
 
 
 def must_be_positive(part: sp.Expr) -> sp.Expr | None:
-    """Return the expression that must be positive where a part of a formula is smooth; None if it always is."""
+    """Return the expression that must be positive for a part of a formula to be smooth; None if none must be."""
     if isinstance(part, SMOOTH) or (isinstance(part, pos) and part.args[1].is_number):
         return None
     if isinstance(part, sp.log):
@@ -51,5 +51,5 @@ def must_be_positive(part: sp.Expr) -> sp.Expr | None:
 
 
 def is_natural(exponent: sp.Expr) -> bool:
-    """Return whether an exponent is one of the numbers 0, 1, 2, …."""
+    """Return whether an exponent is a natural number 0, 1, 2, …."""
     return bool(exponent.is_number and exponent.is_real and exponent >= 0 and float(exponent).is_integer())

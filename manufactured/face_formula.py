@@ -1,4 +1,4 @@
-"""Reads the exponents of fronts off the formulas of the contact data on a face."""
+"""Reads the exponents at contact fronts off the formulas of gap, pressure and strain on a face."""
 
 from __future__ import annotations
 
@@ -17,12 +17,14 @@ from manufactured.symbols import pos, s, s1, s2, t
 from manufactured.tensors import Array
 
 FACE = frozenset({s, s1, s2})
-"""The coordinates along contact faces."""
+"""The symbols of the coordinates along contact faces."""
 TINY = 1e-9
 """A value counts as zero if it is smaller than this fraction of the largest value on the face."""
 POINTS, ZOOMS = 33, 8
-"""Grid points along every axis in the search for an extremum, and number of grids; each grid covers the neighbourhood
-of the best point of the last one."""
+"""The search for the extremum of a formula on a face: points of a grid along every axis, and number of grids.
+
+Each grid covers the neighbourhood of the best point of the grid before it.
+"""
 
 
 class RoughError(ValueError):
@@ -31,7 +33,7 @@ class RoughError(ValueError):
 
 @dataclass(frozen=True)
 class FaceFormula:
-    """A formula of contact data on a face, used for times in [begin, end].
+    """A formula of the contact data on a face, such as the gap, for times between ``begin`` and ``end``.
 
     Attributes:
         formula: a formula of the coordinates along the face and of t.
@@ -48,10 +50,10 @@ class FaceFormula:
 
     @cached_property
     def plain(self) -> sp.Expr:
-        """The formula after replacing truncated powers x_+^a that are smooth on the face by x^a or 0.
+        """The formula without truncated powers x_+^a that are smooth on the face: they are replaced by x^a or 0.
 
         A truncated power is smooth if x does not change its sign on the face. The remaining ``pos(x, a)`` have a front
-        on the face, or vanish at an end of it with an exponent that is not a natural number.
+        on the face, or vanish at an end of the face with an exponent that is not a natural number.
         """
 
         def resolved(power: pos) -> sp.Expr:
@@ -72,9 +74,10 @@ class FaceFormula:
         points may be missed.
 
         Raises:
-            RoughError: there is such a part.
+            RoughError: there is such a part; the message names it.
         """
-        # A replaced truncated power may become an ordinary power, and the formula may lose parts of its argument.
+        # Both formulas are searched: in ``plain`` a truncated power may have become an ordinary power, and parts of its
+        # argument may have disappeared.
         parts = self.formula.atoms(sp.Function, sp.Pow) | self.plain.atoms(sp.Function, sp.Pow)
         for part in sorted(parts, key=str):
             base = must_be_positive(part) if part.free_symbols & FACE else None
@@ -90,7 +93,9 @@ class FaceFormula:
                 )
 
     def exponents(self) -> tuple[float, float]:
-        """Return the lowest exponent of fixed fronts and that of moving fronts; infinity if there is no such front.
+        """Return two exponents: the lowest at fronts that do not move, and the lowest at moving fronts.
+
+        If there is no such front, the exponent is infinity.
 
         Raises:
             RoughError: see ``refuse_unread``.
@@ -98,19 +103,22 @@ class FaceFormula:
         self.refuse_unread()
         found = {False: math.inf, True: math.inf}
         for front in {power.args[0] for power in self.plain.atoms(pos) if power.args[0].free_symbols & FACE}:
-            # t (s − c) vanishes at s = c for all t, so this front does not move.
+            # Whether a front moves is decided for each factor: t (s − c) depends on t, but vanishes at s = c for all t.
             factors = sp.Mul.make_args(sp.factor(front))
             moves = any(factor.has(t) and bool(factor.free_symbols & FACE) for factor in factors)
             found[moves] = min(found[moves], order_at(self.plain, front)[0])
         return found[False], found[True]
 
     def range(self, formula: sp.Expr) -> tuple[float, float]:
-        """Return the least and the largest value of a formula on the face and in [begin, end]; possibly infinity."""
+        """Return the least and the largest value of a formula on the face and in [begin, end]; they may be infinite."""
         values = function([*self.variables, t], [formula])
         return self._least(values, 1.0), -self._least(values, -1.0)
 
     def _least(self, values: Callable[..., list[Array]], sign: float) -> float:
-        """Return the least value of ``sign`` times a function, found on ever smaller grids around the best point."""
+        """Return the least value of ``sign`` times a function on the face and in [begin, end].
+
+        It is searched on ever smaller grids around the best point.
+        """
         outline = self.part.outline
         start, stop = np.array([*outline.min(1), self.begin]), np.array([*outline.max(1), self.end])
         low, high, least = start, stop, math.inf
@@ -129,9 +137,9 @@ class FaceFormula:
 
 
 def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> tuple[float, float, bool]:
-    """Return the lowest exponents α of the gap and m of the pressure side at fronts, and whether a front moves.
+    """Return the lowest exponents at fronts, α of the gap and m of pressure and strain, and whether a front moves.
 
-    The exponents are infinity if there is no front.
+    If there is no front, the exponents are infinity.
 
     Args:
         gaps: the formulas of the gap, and of an initial gap.
@@ -139,7 +147,8 @@ def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> t
 
     Raises:
         RoughError: exponents cannot be read off a formula, or the gap has a fixed front with a lower exponent than its
-            moving fronts. One ``Regularity`` cannot state both, because a moving front lowers the exponent of u̇ by one.
+            moving fronts. One ``Regularity`` cannot state both, because a moving front lowers the exponent of u̇ by
+            one.
     """
     sides = []
     for side in (gaps, pressures):

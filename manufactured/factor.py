@@ -1,4 +1,4 @@
-"""Scalar factors α(x) > 0 that multiply a tensor and so make a material heterogeneous."""
+"""Scalar factors α(x) > 0 of material tensors, by which a material becomes heterogeneous."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from manufactured.symbols import FormulaError, pos
 from manufactured.tensors import Array, Hyperplane, Points, Vectors
 
 x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)
-"""Cartesian coordinates, for formulas of α."""
+"""The Cartesian coordinates, as symbols for formulas."""
 
 
 @dataclass(frozen=True, eq=False)
 class Factor:
-    """A scalar factor α(x) > 0, given by a formula of x1, x2, x3.
+    """A scalar factor α(x) > 0 of a material tensor, given by a formula of x1, x2, x3.
 
     Attributes:
-        formula: the formula of α; jumps between layers are written with ``pos(·, 0)``.
-        low, high: bounds with 0 < low ≤ α ≤ high on the body. m_A and L_G are computed from them; the self-proof of a
-            case checks them.
+        formula: the formula of α. Jumps between layers are written with ``pos(·, 0)``.
+        low, high: bounds with 0 < low ≤ α ≤ high on the body. The constants m_A and L_G are computed from them; the
+            self-proof of a case checks them.
         steps: planes {x : direction·x = offset} across which α jumps, as pairs (direction, offset).
 
     Raises:
@@ -54,15 +54,15 @@ class Factor:
         return [np.broadcast_to(value, x.shape[1:]) for value in self._compiled(*coordinates)]
 
     def __call__(self, x: Points) -> Array:
-        """Return α at points: (d, ...) → (...)."""
+        """Return the factor α at points: (d, ...) → (...)."""
         return self._evaluate(x)[0]
 
     def gradient(self, x: Points) -> Vectors:
-        """Return the gradient ∂_j α at points that are not on a step: (d, ...) → (d, ...)."""
+        """Return the gradient ∂_j α at points where α does not jump: (d, ...) → (d, ...)."""
         return np.array(self._evaluate(x)[1 : 1 + len(x)])
 
     def along(self, start: Array, tangents: Array, variables: tuple[sp.Symbol, ...]) -> sp.Expr:
-        """Return α on the line or plane {start + Σ_i s_i t_i} as a formula of the coordinates s_i.
+        """Return the factor α on the line or plane {start + Σ_i s_i t_i} as a formula of the coordinates s_i.
 
         Args:
             start: a point, (d,).

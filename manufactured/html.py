@@ -1,4 +1,4 @@
-"""HTML tables for notebooks, which show a solution or a case as the value of a cell."""
+"""HTML tables by which notebooks show a solution or a case."""
 
 from collections.abc import Iterable
 from html import escape

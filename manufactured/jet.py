@@ -1,4 +1,4 @@
-"""Evaluates a formula of (s, t) and its derivatives at many points and times."""
+"""Evaluates a formula of the face coordinates s and of time t, and its derivatives, at many points and times."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True)
 class Jet:
-    """A function that evaluates a formula of (s, t) and its derivatives along the face.
+    """Evaluates a formula of (s, t) together with its derivatives along a contact face.
 
     A call with points, (d−1, ...), a time (or times that broadcast with the points) and an order returns the
     derivatives ∂^i with |i| ≤ order as a dict from multi-indices i to arrays, (...).
@@ -55,10 +55,10 @@ class Jet:
         return {key: _filled(value, shape) for key, value in zip(keys, values, strict=True)}
 
     def rate(self) -> Jet:
-        """Return the function for the time derivative of the formula."""
+        """Return the object that evaluates the time derivative of the formula."""
         return replace(self, in_time=self.in_time + 1)
 
 
 def _filled(value: Array | float, shape: tuple[int, ...]) -> Array:
-    """Return a value with the full shape; the value of a formula without some of the variables has fewer entries."""
+    """Extend the value of a formula to the shape of all points and times; formulas may not contain all variables."""
     return value if isinstance(value, np.ndarray) and value.shape == shape else np.broadcast_to(value, shape)

@@ -1,4 +1,4 @@
-"""Strains as sums of products of a function of the point and a function of the face coordinate and of time."""
+"""Strains as sums of products: a function of the point times a function of the face coordinate and of time."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """A strain at points x_p, written as ε(x_p, t) = Σ_k E_k φ_k(x_p) T_k(s_{j(p)}, t).
+    """A strain at points x_p, written as a sum of products ε(x_p, t) = Σ_k E_k φ_k(x_p) T_k(s_{j(p)}, t).
 
-    Only the functions T_k, called amplitudes, depend on time. Many points have the same coordinate s_j along the face,
-    so few values change with time. At points that are not listed the strain is zero.
+    Only the functions T_k, called amplitudes, depend on time. Many points have the same coordinate s_j along the
+    contact face, so few values change with time. At points that are not listed the strain is zero.
 
     Attributes:
         tensors: the constant tensors E_k in Mandel form, (K, D).
@@ -24,8 +24,8 @@ class Modes:
         shapes: the functions φ_k at these points, (K, n).
         places: j(p), the number of the coordinate s_j of each of these points, (n,).
         count: the number J of different coordinates s_j.
-        amplitudes: the function (t, rate) ↦ T_k(s_j, t), or ∂_t T_k(s_j, t) if ``rate`` is true, (K, J). For m times
-            it returns (K, J, m).
+        amplitudes: the function (t, rate) ↦ T_k(s_j, t), or ∂_t T_k(s_j, t) if ``rate`` is true, (K, J). For m times it
+            returns (K, J, m).
     """
 
     tensors: Array
@@ -36,8 +36,8 @@ class Modes:
     amplitudes: Callable[[Array | float, bool], Array]
 
     def among(self, first: int, stop: int) -> Modes:
-        """Return the strain at the points with the numbers first, …, stop − 1, which are numbered anew from 0."""
-        # The positions increase, so a slice without a copy is enough.
+        """Return the strain at the points with the numbers first, …, stop − 1, which are numbered again from 0."""
+        # The point numbers increase, so the chosen points are one slice and no array is copied.
         chosen = slice(*np.searchsorted(self.points, (first, stop)))
         return replace(
             self, points=self.points[chosen] - first, shapes=self.shapes[:, chosen], places=self.places[chosen]
@@ -49,5 +49,5 @@ def at_each(time: Array | complex, of: Callable[[Any], Array]) -> Array:
     if not (isinstance(time, np.ndarray) and time.ndim):
         return of(time)
     found = [of(one) for one in time]
-    # On fine meshes each call has a single time; np.stack would copy the array, which is noticeably slower.
+    # Usually there is one time. Then np.stack would copy the array, which takes noticeable time on fine meshes.
     return found[0][..., None] if len(found) == 1 else np.stack(found, axis=-1)

@@ -1,10 +1,11 @@
 """A front that advances and recedes on a material whose elasticity has no potential and is not monotone.
 
-The contact data are those of ``cases.softening``,
+The gap w, the contact pressure p, the front c and the normal strain q at t = 0 are those of ``cases.softening``,
 
     w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
 
-on the unit square with A τ = 2τ + (tr τ)/2 I, and G τ = τ − (3/2)(tr τ) I + W τ with the skew part
+on the bottom of the unit square. The viscosity is A τ = 2τ + (tr τ)/2 I, and the elasticity is G τ = τ − (3/2)(tr τ)
+I + W τ with the skew part
 
     (W τ)_11 = 3√2 τ_12,   (W τ)_12 = −(3/√2) τ_11,   (W τ)_22 = 0.
 
@@ -33,13 +34,13 @@ SKEW = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
 
 
 def law_without_potential(rotation: float = 3.0) -> KelvinVoigt:
-    """Return the law ``cases.laws.softening_in_volume`` with ``rotation`` times ``SKEW`` added to its G."""
+    """Return the law ``cases.laws.softening_in_volume`` with ``rotation`` times the skew ``SKEW`` added to its G."""
     G = NonSymmetric(isotropic_matrix(0.5, -1.5) + rotation * SKEW)
     return KelvinVoigt(isotropic(1, 0.5), G, "linear, G softens in volume and has no potential")
 
 
 def no_potential() -> Case:
-    # Imported here, so that other cases do not build ``softening``.
+    # Imported here, because the module computes the solution ``softening``, which other cases do not need.
     from manufactured.cases.softening import softening
 
     return Case(

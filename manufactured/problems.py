@@ -1,7 +1,6 @@
 """Problems whose solution and contact zone are not known, given by their data.
 
-* ramp: a wedge that is clamped in a wall on its left side and rests on the ground, with a load that travels down its
-top
+* ramp: a wedge that is clamped in a wall on its left side and rests on the ground. A load travels down its top,
 
       f_2 = −8 a(t) (1 − ((x_1 − c(t))/w)²)_+³ ν,   a = t²(3 − 2t),   c = 4/5 + 7t/5,   w = 4/5,
 
@@ -27,24 +26,24 @@ from manufactured.symbols import pos, t
 
 
 def _bump(x: Expr) -> Expr:
-    """Return the formula (1 − x²)_+³."""
+    """Return the formula (1 − x²)_+³ of a load that is concentrated on |x| < 1."""
     return pos(1 - x**2, 3)
 
 
 def ramp() -> Data:
-    """Return the data of the wedge under a travelling load."""
+    """Return the data of the problem ramp: a wedge on whose top a load travels."""
     slope = 1 / sqrt(3)
     height = Rational(1, 2) + 3 * slope
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
     body = polygon([(0, 0), (3, 0), (3, 0.5), (0, float(height))], kinds)
     strength = 8 * t**2 * (3 - 2 * t) * _bump((x1 - Rational(4, 5) - 7 * t / 5) / Rational(4, 5))
-    # The outward normal of the top is (sin 30°, cos 30°).
+    # The load presses against the outward normal of the top, which is (sin 30°, cos 30°).
     load = (-strength / 2, -strength * sqrt(3) / 2)
     return Data.formulas(body, not_proportional(), f0=(0, 0), f2={2: load})
 
 
 def bracket() -> Data:
-    """Return the data of the L-shaped body whose foot is pressed down."""
+    """Return the data of the problem bracket: an L-shaped body whose foot is pressed down."""
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
     body = polygon(corners, kinds, refine=((1.0, 1.0), (1.0, 2.0), (0.0, 2.0)))
@@ -57,7 +56,8 @@ class OpenProblem:
     """A problem whose solution is not known, with the predicted order of convergence.
 
     Attributes:
-        name, summary: name and one line of description, for tables.
+        name: the name for tables and commands.
+        summary: a description in one line.
         data: the data of the problem.
         order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}, or None.
         reason: the reason for this prediction.
@@ -71,7 +71,7 @@ class OpenProblem:
 
 
 def problems() -> tuple[OpenProblem, ...]:
-    """Return all problems of this module."""
+    """Return all problems whose solution is not known."""
     return (
         OpenProblem(
             "ramp",

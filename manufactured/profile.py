@@ -11,27 +11,36 @@ from numpy.polynomial.polynomial import polyadd, polyder, polymul
 from manufactured.tensors import Array
 
 HERMITE = (1.0, 0.0, -3.0, 2.0)
-"""φ(η) = (1 − η)²(1 + 2η), with φ(1) = φ'(1) = 0: the displacement may end inside the body; no traction on Γ1."""
+"""The polynomial φ(η) = (1 − η)²(1 + 2η) with φ(1) = φ'(1) = 0.
+
+The displacement may end inside the body, and there is no traction on the clamped boundary.
+"""
 
 QUARTIC = (1.0, 0.0, -6.0, 8.0, -3.0)
-"""φ(η) = (1 − η)³(1 + 3η), with φ(1) = φ'(1) = φ''(1) = 0: strains have no kink where the displacement ends."""
+"""The polynomial φ(η) = (1 − η)³(1 + 3η) with φ(1) = φ'(1) = φ''(1) = 0.
+
+Strains have no kink where the displacement ends.
+"""
 
 PARABOLA = (1.0, 0.0, -1.0)
-"""φ(η) = 1 − η², with φ(1) = 0 only: Γ1 must be at the depth where the displacement ends; its traction is not zero."""
+"""The polynomial φ(η) = 1 − η² with φ(1) = 0 only.
+
+The clamped boundary must be where the displacement ends, and its traction is not zero.
+"""
 
 
 class ProfileError(ValueError):
-    """Raised if a profile violates a condition at y = 0, so that it would change the contact data."""
+    """Raised if a profile violates a condition at y = 0 and would therefore change the contact data."""
 
 
 @lru_cache
 def _derived(pieces: tuple[tuple[float, ...], ...], derivative: int) -> list[tuple[float, ...]]:
-    """Return the coefficients of a derivative of the given polynomials."""
+    """Return the coefficients of a derivative of each of the given polynomials."""
     return [tuple(map(float, polyder(piece, derivative))) for piece in pieces]
 
 
 def _polynomial(coefficients: tuple[float, ...], y: Array) -> Array:
-    """Evaluate a polynomial by Horner's rule without new arrays, which would take most of the time in ``polyval``."""
+    """Evaluate a polynomial by Horner's rule in one array; ``polyval`` would spend most of its time on new arrays."""
     value = np.full(np.shape(y), coefficients[-1], dtype=np.result_type(y, float))
     for coefficient in reversed(coefficients[:-1]):
         value *= y
@@ -41,10 +50,10 @@ def _polynomial(coefficients: tuple[float, ...], y: Array) -> Array:
 
 @dataclass(frozen=True)
 class Piecewise:
-    """A continuous piecewise polynomial of y, zero beyond its last piece.
+    """A continuous piecewise polynomial of the depth y, zero beyond its last piece.
 
     Attributes:
-        ends: the ends of the pieces, increasing; the first piece starts at 0 and is also used for y < 0.
+        ends: the ends of the pieces, increasing. The first piece starts at 0 and is also used for y < 0.
         pieces: the coefficients of each piece in powers of y, lowest first.
     """
 
@@ -52,7 +61,7 @@ class Piecewise:
     pieces: tuple[tuple[float, ...], ...]
 
     def __call__(self, y: Array, derivative: int = 0) -> Array:
-        """Return a derivative of the function at depths y, (...) → (...)."""
+        """Return the function, or its derivative of the given order, at depths y, (...) → (...)."""
         total = np.zeros(np.shape(y), dtype=np.result_type(y, float))
         place, start = np.real(y), -np.inf
         for end, piece in zip(self.ends, _derived(self.pieces, derivative), strict=True):
@@ -62,7 +71,7 @@ class Piecewise:
         return total
 
     def jump(self, place: float, derivative: int) -> float:
-        """Return the jump of a derivative at the depth ``place``."""
+        """Return the jump of the derivative of the given order at the depth ``place``."""
         sides = (place * (1 + side * 1e-12) for side in (-1, 1))
         below, above = (float(self(np.array(side), derivative)) for side in sides)
         return above - below
@@ -70,12 +79,14 @@ class Piecewise:
 
 @dataclass(frozen=True)
 class Profile:
-    """The functions a, …, e of the depth y in the displacement of a contact face,
+    """The functions a, …, e of the depth y by which the displacement of a contact face continues into the body.
+
+    For the gap w, the normal strain q and the shear strain r on the face, the displacement is
 
         u_s = ∇_s w·a(y) + ∇_s q·e(y) + r·c(y),      u_n = w·b(y) + q·d(y).
 
-    At y = 0 they must satisfy a = c = d = e = 0, b = 1, a' = −1, c' = d' = 1 and b' = e' = 0. Then u_n = w, u_s = 0,
-    ε_nn = q, 2ε_sn = r and ε_ss = 0 on the face.
+    At y = 0 the functions must satisfy a = c = d = e = 0, b = 1, a' = −1, c' = d' = 1 and b' = e' = 0. Then u_n = w,
+    u_s = 0, ε_nn = q, 2ε_sn = r and ε_ss = 0 on the face.
 
     Attributes:
         a, b, c, d, e: the functions.
@@ -102,12 +113,12 @@ class Profile:
 
     @property
     def depth(self) -> float:
-        """The depth beyond which all functions are zero."""
+        """The depth beyond which the displacement is zero."""
         return max(function.ends[-1] for function in (self.a, self.b, self.c, self.d))
 
     @property
     def ends_with_kink(self) -> bool:
-        """Whether a first derivative is not zero at ``depth``. Then the body must end at this depth."""
+        """Whether a function has a kink where the displacement ends. The body must then end at this depth."""
         return any(abs(f.jump(f.ends[-1], 1)) > 1e-9 for f in (self.a, self.b, self.c, self.d, self.e))
 
 
@@ -115,7 +126,9 @@ ZERO = Piecewise((1.0,), ((0.0,),))
 
 
 def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
-    """Return the profile b = φ(y/ℓ), c = d = y φ(y/ℓ), a = −y φ(y/ℓ), e = 0.
+    """Return the profile of the standard construction: the displacement is multiplied by a cut-off φ(y/ℓ).
+
+    The functions are b = φ(y/ℓ), c = d = y φ(y/ℓ), a = −y φ(y/ℓ), e = 0.
 
     Args:
         depth: ℓ, the depth beyond which the displacement is zero.
@@ -134,23 +147,32 @@ def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 
 
 def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
-    """Return ``cutoff`` with b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ): for q = −w/ℓ, a constant gap gives a uniform strain."""
+    """Return a profile that contains uniform strains: for the strain q = −w/ℓ on the face, a constant gap w gives one.
+
+    It is ``cutoff`` with b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ).
+    """
     plain = cutoff(depth, phi)
     b = polyadd((1.0, -1 / depth), np.array(plain.d.pieces[0]) / depth)
     return replace(plain, b=Piecewise((depth,), (tuple(float(x) for x in b),)))
 
 
 def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
-    """Two layers, the upper one ``ratio`` = κ times as stiff and viscous as the one at the face; Γ1 at y = ℓ.
+    """Return a profile for a body of two layers that keeps the traction continuous at the interface.
 
-    On the interface y = y_0 the tangential displacement vanishes, so ε = sym(β ⊗ n) there. If also ε⁺ = ε⁻/κ, where κ
-    is the ratio of the layers, then the traction is continuous for any A and G and at all times. This requires
+    The clamped boundary must be at the depth ℓ. On the interface y = y_0 the tangential displacement vanishes, so
+    ε = sym(β ⊗ n) there. If also ε⁺ = ε⁻/κ, where κ is the ratio of the layers, then the traction is continuous for any
+    A and G and at all times. This requires
 
         ∂_y u_n⁺ = ∂_y u_n⁻/κ,      ∂_y u_s⁺ + ∇_s u_n = (∂_y u_s⁻ + ∇_s u_n)/κ.
 
-    b and d are quadratic in the lower layer, b = 1 + γ y² and d = y + δ y², and linear in the upper one, with γ
-    and δ such that they end with 0 at y = ℓ; c = −a = y(1 − y/y_0) and e = 0 in the lower layer, cubics
-    with the slopes that follow in the upper one.
+    In the lower layer, at the face, b = 1 + γ y² and d = y + δ y² are quadratic, c = −a = y(1 − y/y_0) and e = 0. In
+    the upper layer b and d are linear, with γ and δ such that they end with 0 at y = ℓ; the other functions are cubics
+    with the slopes that follow.
+
+    Args:
+        interface: the depth y_0 of the interface.
+        ratio: κ, how many times as stiff and viscous the upper layer is as the layer at the face.
+        depth: ℓ.
     """
     y0, rest = interface, depth - interface
     gamma = -ratio / (2 * y0 * rest + ratio * y0**2)
@@ -160,7 +182,7 @@ def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
     softer = 1 / ratio - 1
 
     def bulge(slope: float) -> tuple[float, ...]:
-        """Return the coefficients of slope · (y − y_0)(ℓ − y)²/(ℓ − y_0)²."""
+        """Return the coefficients of the cubic slope · (y − y_0)(ℓ − y)²/(ℓ − y_0)²."""
         return tuple(float(x) * slope / rest**2 for x in polymul((-y0, 1.0), polymul((depth, -1.0), (depth, -1.0))))
 
     def line(value: float) -> tuple[float, ...]:

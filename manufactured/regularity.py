@@ -19,9 +19,9 @@ s < λ − 1, and σ_ν ~ r^{λ−2} lies in L²(Γ3) if λ > 3/2.
 **Interfaces.** If the strain jumps across a line that the mesh does not follow, s < 1/2.
 
 **Orders.** On meshes that are not refined towards singular points, the predicted order of ‖u − u^h‖_{L∞(0,T;V)} for P1
-is the order of interpolation, (5.23) between H¹ and H²: min(1, s) for u(t) ∈ H^{1+s}. The order that the proof of Prop.
-5.4 gives, ``proved_order``, may be lower. For u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3) it is min(1, s', τ/2), from
-‖u̇ − Π^h u̇‖_V and ‖u_ν − Π^h u_ν‖^{1/2}_{L²(Γ3)} in (5.42). If σ_ν ∉ L²(Γ3), it is min(1, s', s/2), from (5.28).
+is the order of interpolation, (5.23) between H¹ and H²: min(1, s) for u(t) ∈ H^{1+s}. The order that the proof of
+Prop. 5.4 gives, ``proved_order``, may be lower. For u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3) it is min(1, s', τ/2), from ‖u̇ −
+Π^h u̇‖_V and ‖u_ν − Π^h u_ν‖^{1/2}_{L²(Γ3)} in (5.42). If σ_ν ∉ L²(Γ3), it is min(1, s', s/2), from (5.28).
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ NATURAL_FRONT = (
 
 @dataclass(frozen=True)
 class Regularity:
-    """The exponents that determine how smooth a solution is.
+    """The exponents of gap, pressure and singular fields that determine how smooth a solution is.
 
     >>> Regularity(gap=4, pressure=2, moving=True).proposition
     'Prop. 5.4'
@@ -47,8 +47,8 @@ class Regularity:
     0.75
 
     Attributes:
-        gap: α, the exponent of the gap at the fronts; math.inf without a front.
-        pressure: m, the exponent of the pressure at the fronts; math.inf without a front.
+        gap: α, the exponent of the gap at the contact fronts; math.inf without a front.
+        pressure: m, the exponent of the pressure at the contact fronts; math.inf without a front.
         moving: whether the front moves.
         corner: the smallest λ of singular fields r^λ at points that are not on Γ3; math.inf if there are none.
         on_contact: the smallest λ of singular fields r^λ at points on Γ3; math.inf if there are none.
@@ -75,47 +75,55 @@ class Regularity:
 
     @property
     def smoothness(self) -> float:
-        """The supremum of all s with u(t) ∈ H^{1+s}(Ω)."""
+        """The regularity of the displacement: the supremum of all s with u(t) ∈ H^{1+s}(Ω)."""
         return min(self.gap - 1.5, self.pressure - 0.5, self.corner, self.on_contact, 0.5 if self.kink else math.inf)
 
     @property
     def rate_smoothness(self) -> float:
-        """The supremum of all s with u̇(t) ∈ H^{1+s}(Ω). A moving front lowers the exponents of w and of r^λ by one."""
+        """The regularity of the velocity: the supremum of all s with u̇(t) ∈ H^{1+s}(Ω).
+
+        A moving front lowers the exponents of the gap and of singular fields r^λ by one.
+        """
         return min(self.smoothness, self.gap - 2.5, self.on_contact - 1) if self.moving else self.smoothness
 
     @property
     def force_in_L2(self) -> bool:
-        """Whether f_0(t) ∈ L²(Ω)^d, which holds if the lifting and its time derivative lie in H².
+        """Whether the body force is square integrable, f_0(t) ∈ L²(Ω)^d.
 
-        Singular fields r^λ at corners and natural fronts have Div σ = 0, so they do not contribute to f_0.
+        This holds if the displacement of the contact faces and its time derivative lie in H². Singular fields r^λ at
+        corners and natural fronts have Div σ = 0, so they do not contribute to f_0.
         """
         front = min(self.gap - 1.5 - self.moving, self.pressure - 0.5)
         return front > 1
 
     @property
     def trace(self) -> float:
-        """The supremum of all τ with u_ν(t) ∈ H^τ(Γ3,i)."""
+        """The regularity of the trace: the supremum of all τ with u_ν(t) ∈ H^τ(Γ3,i)."""
         return min(self.gap, self.on_contact) + 0.5
 
     @property
     def order(self) -> float:
-        """The predicted order of ‖u − u^h‖_{L∞(0,T;V)} on uniform meshes, min(1, s)."""
+        """The predicted order of ‖u − u^h‖_{L∞(0,T;V)} on uniform meshes: min(1, s) for u(t) ∈ H^{1+s}."""
         return min(1.0, self.smoothness)
 
     @property
     def proved_order(self) -> float:
-        """The order that the proof of Prop. 5.4 gives: min(1, s', τ/2), or min(1, s', s/2) if σ_ν ∉ L²(Γ3)."""
+        """The order of convergence that the proof of Prop. 5.4 gives.
+
+        It is min(1, s', τ/2) for u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3); if σ_ν ∉ L²(Γ3), it is min(1, s', s/2) for
+        u ∈ H^{1+s}.
+        """
         contact = self.trace / 2 if self.on_contact - self.moving > 0.5 else self.smoothness / 2
         return min(1.0, self.rate_smoothness, contact)
 
     @property
     def satisfies_5_36(self) -> bool:
-        """Whether (5.36) holds: u ∈ W^{1,2}(0,T;H²) and u_ν|Γ3,i ∈ L¹(0,T;H²)."""
+        """Whether the assumption (5.36) of Prop. 5.4 holds: u ∈ W^{1,2}(0,T;H²) and u_ν|Γ3,i ∈ L¹(0,T;H²)."""
         return self.rate_smoothness > 1 and self.trace > 2
 
     @property
     def proposition(self) -> str:
-        """The statement of the paper whose assumptions hold: Prop. 5.4 with (5.36), otherwise Prop. 5.3."""
+        """The statement of the paper that applies: Prop. 5.4 if its assumption (5.36) holds, otherwise Prop. 5.3."""
         return "Prop. 5.4" if self.satisfies_5_36 else "Prop. 5.3"
 
     def __str__(self) -> str:

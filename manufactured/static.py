@@ -1,4 +1,4 @@
-"""Static linear elasticity with contact: data of problems without viscosity and time."""
+"""Problems of static linear elasticity with contact, without viscosity and time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from manufactured.symbols import FormulaError, t
 
 
 class Static(Data):
-    """The data of elastic equilibrium in contact: find u ∈ K with (Gε(u), ε(v − u))_Q ≥ (f, v − u)_V for all v ∈ K.
+    """The data of a static contact problem: find u ∈ K with (Gε(u), ε(v − u))_Q ≥ (f, v − u)_V for all v ∈ K.
 
     There is no viscosity. The law has A = G, so that ‖·‖_V is the energy norm (Gε(v), ε(v))_Q^½. Instances are made by
     ``static``.
@@ -20,12 +20,12 @@ class Static(Data):
 
 
 def static(body: Body, G: Linear, f0: Formulas, f2: Mapping[int, Formulas] | None = None) -> Static:
-    """Return the data of a static problem as formulas of x1 and x2.
+    """Return the data of a static contact problem, from formulas of x1 and x2.
 
     Args:
-        body: Ω and the parts of its boundary; its final time is not used.
-        G: ``plane_strain`` or ``plane_stress`` of Young's modulus and Poisson's ratio, ``isotropic(mu, lam)``, or any
-            ``Linear``.
+        body: the body with its boundary parts; its final time is not used.
+        G: the elasticity: ``plane_strain`` or ``plane_stress`` of Young's modulus and Poisson's ratio,
+            ``isotropic(mu, lam)``, or any ``Linear``.
         f0: the components of the body force.
         f2: a dict from numbers of parts in ``body.parts`` to the components of the traction on them.
 
@@ -50,20 +50,20 @@ def static(body: Body, G: Linear, f0: Formulas, f2: Mapping[int, Formulas] | Non
 
 
 def plane_strain(E: float, nu: float) -> Linear:
-    """Return the elasticity tensor of Young's modulus E and Poisson's ratio ν in plane strain.
+    """Return the elasticity tensor for Young's modulus E and Poisson's ratio ν in plane strain.
 
     Raises:
-        LawError: not E > 0 and −1 < ν < 1/2.
+        LawError: E ≤ 0, or ν is not between −1 and 1/2.
     """
     _require_moduli(E, nu, 0.5)
     return isotropic(E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu)))
 
 
 def plane_stress(E: float, nu: float) -> Linear:
-    """Return the elasticity tensor of Young's modulus E and Poisson's ratio ν in plane stress.
+    """Return the elasticity tensor for Young's modulus E and Poisson's ratio ν in plane stress.
 
     Raises:
-        LawError: not E > 0 and −1 < ν < 1.
+        LawError: E ≤ 0, or ν is not between −1 and 1.
     """
     _require_moduli(E, nu, 1.0)
     return isotropic(E / (2 * (1 + nu)), E * nu / (1 - nu**2))

@@ -14,13 +14,16 @@ import sympy as sp
 from manufactured.tensors import Array
 
 s, s1, s2, t = sp.symbols("s s1 s2 t", real=True)
-"""Coordinate along a face of a polygon; the two coordinates along a face of a polyhedron; time."""
+"""The symbols of formulas: the coordinate s along a face in 2D, the coordinates s1 and s2 in 3D, and the time t."""
 
 Index = tuple[int, ...]
-"""A multi-index of derivatives along the face, one entry per coordinate."""
+"""The orders of a derivative along a contact face, one number for each coordinate."""
 
 Values = dict[Index, Array]
-"""Derivatives of a function on the face, by multi-index; the multi-index of zeros gives the function itself."""
+"""A function on a face with its derivatives, as a dict from multi-indices to values.
+
+The multi-index of zeros gives the function itself.
+"""
 
 
 class FormulaError(ValueError):
@@ -55,14 +58,14 @@ class pos(sp.Function):  # type: ignore[misc]
 
 @lru_cache
 def indices(variables: int, order: int) -> tuple[Index, ...]:
-    """Return all multi-indices with ``variables`` entries and total order ≤ ``order``, low orders first."""
+    """Return all multi-indices with ``variables`` entries and a sum of at most ``order``, small sums first."""
     every = [i for i in product(range(order + 1), repeat=variables) if sum(i) <= order]
     return tuple(sorted(every, key=lambda i: (sum(i), i)))
 
 
 @lru_cache(maxsize=4096)
 def differentiate(expression: sp.Expr, variables: tuple[sp.Symbol, ...], index: Index) -> sp.Expr:
-    """Return the derivative ∂^index of an expression in the given variables; lower derivatives are cached."""
+    """Return a derivative of an expression, given by a multi-index in the variables; lower derivatives are cached."""
     for position, times in enumerate(index):
         if times:
             lower = (*index[:position], times - 1, *index[position + 1 :])
@@ -71,13 +74,13 @@ def differentiate(expression: sp.Expr, variables: tuple[sp.Symbol, ...], index: 
 
 
 KINKED = (sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.sign)
-"""Functions with kinks or jumps; SymPy's derivatives of them are not those that are needed here."""
+"""SymPy functions with kinks or jumps. Their derivatives in SymPy are not the ones that are needed here."""
 
 
 def refuse_kinks(*formulas: sp.Expr | float | None) -> None:
-    """Refuse formulas whose kinks or jumps are not written with ``pos``; None is skipped.
+    """Refuse formulas with kinks or jumps that are not written with ``pos``.
 
-    This check comes before others, because these understand ``pos`` only.
+    This check comes before other checks, because these understand only ``pos``.
 
     Raises:
         FormulaError: a kink or jump is written in another way; the message shows how to write it.
@@ -91,7 +94,7 @@ def refuse_kinks(*formulas: sp.Expr | float | None) -> None:
 
 
 def written_with_pos(expression: sp.Expr) -> str:
-    """Return advice how to write the first power of Max(x, 0), or the first |x|, with ``pos``; "" if there is none."""
+    """Return advice how to write a Max(x, 0) or |x| of an expression with ``pos``; "" if the expression has none."""
     for power in sp.preorder_traversal(expression):
         base, exponent = power.as_base_exp() if isinstance(power, sp.Expr) else (power, 1)
         if isinstance(base, sp.Max) and 0 in base.args and len(base.args) == 2:

@@ -27,36 +27,39 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-# Real or complex: derivatives are checked by the complex step.
+# Arrays may be real or complex, because derivatives are checked by the complex step.
 Array = NDArray[Any]
 Points = NDArray[Any]
 Vectors = NDArray[Any]
 Tensors = NDArray[Any]
 
 Hyperplane = tuple[tuple[float, ...], float]
-"""(direction, offset) of {x : direction·x = offset}, a line in 2D, a plane in 3D."""
+"""A line (2D) or plane (3D) {x : direction·x = offset}, as the pair (direction, offset)."""
 
 
 def size(dim: int) -> int:
-    """Return D = d(d+1)/2, the dimension of S^d."""
+    """Return the number D = d(d+1)/2 of components of a symmetric d × d tensor."""
     return dim * (dim + 1) // 2
 
 
 def mapped(C: Array, x: Array) -> Array:
-    """Return C x for C (m, n) or (n,) and vectors x (n, ...), as NumPy's ``tensordot``, but faster for small C."""
+    """Return the product C x of a matrix (m, n) or row (n,) with many vectors x (n, ...).
+
+    For small C it is faster than NumPy's ``tensordot``.
+    """
     return (C @ x.reshape(len(x), -1)).reshape(*C.shape[:-1], *x.shape[1:])
 
 
 @lru_cache
 def pairs(dim: int) -> tuple[tuple[int, int], ...]:
-    """Return the index pairs (i, j), i ≤ j, in the order of the Mandel components."""
+    """Return the index pairs (i, j), i ≤ j, in the order of the Mandel components of a symmetric tensor."""
     above = [(i, j) for i in range(dim) for j in range(i + 1, dim)]
     return (*((i, i) for i in range(dim)), *reversed(above))
 
 
 @lru_cache
 def basis(dim: int) -> Array:
-    """Return the orthonormal basis E_I of S^d as full matrices, (D, d, d)."""
+    """Return the orthonormal basis E_I of the symmetric tensors that Mandel vectors use, as matrices, (D, d, d)."""
     matrices = np.zeros((size(dim), dim, dim))
     for row, (i, j) in enumerate(pairs(dim)):
         matrices[row, i, j] = matrices[row, j, i] = 1.0 if i == j else np.sqrt(0.5)
@@ -86,10 +89,14 @@ def identity(dim: int) -> Tensors:
 
 
 def rotation(frame: Array) -> Array:
-    """Return the orthogonal matrix, (D, D), that maps τ to F τ Fᵀ, for F with orthonormal columns, (d, d)."""
+    """Return the matrix that rotates Mandel vectors, τ ↦ F τ Fᵀ, (D, D); it is orthogonal.
+
+    Args:
+        frame: the matrix F with orthonormal columns, (d, d).
+    """
     matrices = basis(frame.shape[0])
     turned = np.einsum("Iij,ik,Jkl,jl->IJ", matrices, frame, matrices, frame)
-    # A rotation that only exchanges axes is made exact, so that it can be recognised.
+    # A rotation that only exchanges axes is made exact, so that callers can recognise the identity.
     whole = np.rint(turned)
     return np.where(abs(turned - whole) < 1e-15, whole, turned)
 

@@ -1,4 +1,4 @@
-"""``python -m study``: the ``study`` command."""
+"""Runs the ``study`` command as ``python -m study``."""
 
 from __future__ import annotations
 

@@ -38,8 +38,8 @@ INSTRUCTIVE = (
     "layered",
 )
 """The cases that come first: moving fronts, several faces, space, a gap, a rough solution, and other laws."""
-HEAD = """Every exact solution of the catalogue, instructive ones first. Choose some, and click a picture for its film,
-its formulas and its orders.
+HEAD = """This page shows every exact solution of the catalogue; the most instructive ones come first. Select cases by
+their properties, and click a picture to see the film, the formulas and the observed orders of a case.
 """
 CHOICES = {
     "dimension": ("dim", {"2": "2", "3": "3"}),
@@ -163,7 +163,7 @@ def entry(case: Case, film: str) -> str:
 
 {sentence(case)}. Law: {case.solution.law.name}. Regularity: {prose(str(case.regularity))}.
 
-Predicted order {case.order:.3g}: {prose(case.reason)}. Last orders measured: {orders(case)}.
+Predicted order {case.order:.3g}: {prose(case.reason)}. Observed orders between the two finest meshes: {orders(case)}.
 
 ```{{dropdown}} Formulas
 {prose(title)}

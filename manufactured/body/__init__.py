@@ -1,6 +1,7 @@
-"""The body Ω, its boundary parts Γ1, Γ2, Γ3 = ∪ Γ3,i and the time interval [0, T].
+"""The body Ω of the contact problem, with its boundary parts and the time interval [0, T].
 
-A body is a polygon bounded by segments (d = 2) or a polyhedron bounded by flat convex polygons (d = 3).
+The boundary consists of the clamped part Γ1, the loaded part Γ2 and the contact part Γ3, which may have several pieces
+Γ3,i. In 2D a body is a polygon bounded by segments, in 3D a polyhedron bounded by flat convex polygons.
 """
 
 from manufactured.body.constructors import box, polygon, unit_square

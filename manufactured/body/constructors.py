@@ -18,7 +18,7 @@ def polygon(
     refine: Sequence[tuple[float, float]] = (),
     interfaces: Sequence[tuple[tuple[float, float], tuple[float, float]]] = (),
 ) -> Body:
-    """Return a polygon.
+    """Return a polygon with a boundary condition on every side.
 
     Args:
         vertices: the vertices, counter-clockwise. If the boundary condition changes within a straight side, list the
@@ -44,7 +44,10 @@ def polygon(
 
 
 def unit_square(T: float = 1.0) -> Body:
-    """Return the unit square: clamped on top, loaded on both sides, with contact at the bottom, where s = x."""
+    """Return the unit square: clamped on top, loaded on its left and right, with contact at the bottom.
+
+    The coordinate s along the bottom is x.
+    """
     return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED], T)
 
 
@@ -59,11 +62,11 @@ def box(
     bottom: Kind = Kind.CONTACT,
     top: Kind = Kind.CLAMPED,
 ) -> Body:
-    """Return the box (0,X) × (0,Y) × (0,Z), by default clamped on top, loaded on its sides, with contact at the bottom.
+    """Return the box (0,X) × (0,Y) × (0,Z) with a boundary condition on every face.
 
-    The faces left and right are x = 0 and x = X, front and back y = 0 and y = Y, bottom and top z = 0 and z = Z. The
-    coordinates (s1, s2) along a face are (x, y) on the bottom, (y, z) on the left, (z, x) on the front, and in reverse
-    order on the opposite faces.
+    By default it is clamped on top and loaded on its sides, with contact at the bottom. The faces left and right are
+    x = 0 and x = X, front and back y = 0 and y = Y, bottom and top z = 0 and z = Z. The coordinates (s1, s2) along a
+    face are (x, y) on the bottom, (y, z) on the left, (z, x) on the front, and in reverse order on the opposite faces.
     """
     parts = []
     for face, kind in enumerate((left, right, front, back, bottom, top)):

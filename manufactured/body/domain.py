@@ -12,25 +12,29 @@ from manufactured.body.part import ROUNDING, BodyError, Kind, NDBool, Part, fan_
 from manufactured.tensors import Points
 
 SLENDER = 1000.0
-"""Largest accepted (largest extent)^d divided by the area or volume; Korn's constant grows with this ratio."""
+"""Limit of slenderness: a body is refused if (largest extent)^d divided by its area or volume exceeds this number.
+
+The constant of Korn's inequality grows with this ratio.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """A polygon or polyhedron Ω with boundary parts, and the final time T of the problem.
+    """A polygon or polyhedron Ω with boundary conditions on its parts, and the final time T of the problem.
 
     Attributes:
-        parts: the parts of ∂Ω; in 2D in counter-clockwise order, each starting at the end of the previous part.
+        parts: the parts of the boundary ∂Ω; in 2D in counter-clockwise order, each starting at the end of the previous
+            part.
         T: the final time.
-        refine: vertices of Ω towards which graded meshes refine: re-entrant corners, ends of Γ1.
-        interfaces: segments of the kind ``Kind.INTERFACE`` that cut a polygon Ω from boundary to boundary, along
-            which the material changes. Every mesh has to respect them.
+        refine: vertices of Ω towards which graded meshes refine, such as re-entrant corners and ends of Γ1.
+        interfaces: segments of the kind ``Kind.INTERFACE`` that cut a polygon Ω from boundary to boundary. The material
+            changes along them, and every mesh must contain them as edges.
 
     Raises:
-        BodyError: there are fewer than d + 1 parts, gaps between parts, or inward normals; there is no Γ1 (Korn's
-            inequality (2.17) needs meas Γ1 > 0); T ≤ 0; the body is too thin; a point of ``refine`` is not a vertex;
-            or an interface does not cut Ω. A body without Γ3 touches nothing: ``study bound`` serves it, an
-            ``ExactSolution`` needs Γ3.
+        BodyError: there are fewer than d + 1 parts, gaps between parts, or inward normals; there is no clamped part Γ1
+            (Korn's inequality (2.17) needs meas Γ1 > 0); T ≤ 0; the body is too thin; a point of ``refine`` is not a
+            vertex; or an interface does not cut Ω. A body may have no contact part Γ3: ``study bound`` serves it, but
+            an ``ExactSolution`` needs Γ3.
     """
 
     parts: tuple[Part, ...]
@@ -47,7 +51,10 @@ class Body:
 
     @cached_property
     def vertices(self) -> Points:
-        """The corners of all parts without repetition, (d, k); in 2D the starts of the parts, in their order."""
+        """The vertices of the body: the corners of all parts without repetition, (d, k).
+
+        In 2D they are the starts of the parts, in the order of the parts.
+        """
         corners = np.hstack([part.corners for part in self.parts])
         apart = np.linalg.norm(corners[:, :, None] - corners[:, None, :], axis=0)
         first = (apart <= ROUNDING * apart.max()).argmax(axis=1)
@@ -55,12 +62,15 @@ class Body:
 
     @cached_property
     def measure(self) -> float:
-        """The area (2D) or volume (3D) |Ω|, computed as ∫ x·ν / d over ∂Ω."""
+        """The area (2D) or volume (3D) of the body, computed from its boundary as ∫ x·ν / d."""
         return float(sum(part.vector @ part.start for part in self.parts) / self.dim)
 
     @cached_property
     def corners(self) -> Points:
-        """The vertices at which the body has a corner: the normals of the parts there span R^d, (d, corners)."""
+        """The corners of the body, (d, corners): vertices where the normals of the parts span R^d.
+
+        A vertex within a straight side, at which only the boundary condition changes, is not a corner.
+        """
         reach = ROUNDING * float(np.ptp(self.vertices, axis=1).max())
         turns = []
         for vertex in self.vertices.T:
@@ -69,7 +79,7 @@ class Body:
         return self.vertices[:, turns]
 
     def of(self, kind: Kind) -> tuple[Part, ...]:
-        """Return the boundary parts with the given condition."""
+        """Return the boundary parts of one kind: clamped, loaded or contact."""
         return tuple(part for part in self.parts if part.kind is kind)
 
     def contains(self, x: Points) -> NDBool:
@@ -89,7 +99,7 @@ class Body:
         return inside
 
     def sample(self, rng: np.random.Generator, count: int) -> Points:
-        """Return random points of Ω, evenly distributed, (d, count)."""
+        """Return random points of the body, evenly distributed, (d, count)."""
         return scattered(rng, self.vertices, self.contains, count)
 
     def _repr_html_(self) -> str:
@@ -98,11 +108,7 @@ class Body:
 
 
 def check(body: Body) -> None:
-    """Refuse parts that do not form a body of the contact problem.
-
-    Raises:
-        BodyError: see ``Body``.
-    """
+    """Raise BodyError if the parts do not form a body of the contact problem; ``Body`` lists the conditions."""
     _check_parts(body)
     _check_closed(body)
     if not body.of(Kind.CLAMPED):
@@ -126,7 +132,7 @@ def check(body: Body) -> None:
 
 
 def _check_parts(body: Body) -> None:
-    """Refuse parts of different dimensions, too few, with gaps between them, or with inward normals."""
+    """Refuse parts of different dimensions, too few parts, gaps between parts, and inward normals."""
     if len({part.dim for part in body.parts}) > 1:
         raise BodyError(
             f"the parts have the dimensions {[part.dim for part in body.parts]}; give parts of the same dimension"
@@ -153,7 +159,8 @@ def _check_parts(body: Body) -> None:
 def _check_closed(body: Body) -> None:
     """Refuse parts that do not enclose a body.
 
-    Then ∫ ν = 0 or ∫ x ⊗ ν = |Ω| 1 is violated, which is the divergence theorem for constant and linear fields.
+    Parts that enclose a body satisfy ∫ ν = 0 and ∫ x ⊗ ν = |Ω| 1, the divergence theorem for constant and linear
+    fields.
     """
     total = np.sum([part.vector for part in body.parts], axis=0)
     fans = [simplex for part in body.parts for simplex in part.fan]
@@ -172,7 +179,7 @@ def _check_closed(body: Body) -> None:
 
 
 def _check_refined(body: Body, point: tuple[float, ...]) -> None:
-    """Refuse a point of ``refine`` that is not a vertex."""
+    """Refuse a point for mesh refinement that is not a vertex of the body."""
     given = np.array(point, dtype=float)
     scale = float(np.ptp(body.vertices, axis=1).max())
     if given.shape != (body.dim,) or abs(body.vertices - given[:, None]).max(axis=0).min() > ROUNDING * scale:
@@ -183,7 +190,7 @@ def _check_refined(body: Body, point: tuple[float, ...]) -> None:
 
 
 def _check_interface(body: Body, interface: Part) -> None:
-    """Refuse an interface that does not cut Ω from boundary to boundary."""
+    """Refuse an interface that does not cut the body from boundary to boundary."""
     if interface.kind is not Kind.INTERFACE:
         raise BodyError(f"an interface has the kind {Kind.INTERFACE}, got {interface.kind}")
     if body.dim != 2 or interface.dim != 2:
@@ -201,7 +208,7 @@ def _check_interface(body: Body, interface: Part) -> None:
 
 
 def _check_apart(interface: Part, other: Part) -> None:
-    """Refuse interfaces that cross, that is, each of which has its ends on different sides of the other."""
+    """Refuse two interfaces that cross: each has its ends on different sides of the other."""
     sides = [one.coordinates(two.corners)[1] for one, two in ((interface, other), (other, interface))]
     if all(np.prod(side) < -ROUNDING * abs(side).max() ** 2 for side in sides):
         raise BodyError(

@@ -1,6 +1,6 @@
-"""A flat part of the boundary, or an interface inside the body.
+"""A flat part of the boundary of a body, or an interface inside it.
 
-Formulas that hold in 2D and in 3D use the vector |S| ν of a part S, its length or area times its outward normal. S is
+Formulas that hold in 2D and in 3D use the vector |S| ν of a part S: its length or area times its outward normal. S is
 divided into the simplices (c_0, c_i, …, c_{i+d−2}) that share its first corner c_0 (a fan). Then
 
     |S| ν = Σ_i a_i/(d−1)!,   where the vector a_i is given by a_i·x = det [x, c_i − c_0, …].
@@ -22,7 +22,7 @@ from manufactured.tensors import Array, Hyperplane, Points, mapped
 NDBool = NDArray[np.bool_]
 
 ROUNDING = 1e-9
-"""Relative distance below which two points are the same, or corners lie in one plane."""
+"""Relative distance below which two points count as equal, and below which corners count as lying in one plane."""
 
 
 class BodyError(ValueError):
@@ -30,7 +30,7 @@ class BodyError(ValueError):
 
 
 class Kind(Enum):
-    """The role of a part: boundary condition (2.3), (2.4) or (2.5), or an interface between two materials."""
+    """The role of a part: clamped (2.3), loaded (2.4) or contact (2.5), or an interface between two materials."""
 
     CLAMPED = "Γ1"
     LOADED = "Γ2"
@@ -40,7 +40,7 @@ class Kind(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A flat piece of ∂Ω with one boundary condition: a segment in 2D, a convex polygon in 3D.
+    """A flat piece of the boundary with one boundary condition: a segment in 2D, a convex polygon in 3D.
 
     Local coordinates are s ∈ R^{d−1} along the part, with the origin at its first corner, and y, the distance from the
     part into the body. The first axis of s points from the first corner to the last one, and the axes of (s, y) are
@@ -48,8 +48,8 @@ class Part:
 
     Attributes:
         kind: the boundary condition.
-        corners: the corners, (d, c). In 2D c = 2, and Ω lies to the left of the direction from the first to the second.
-            In 3D c ≥ 3, and the corners are counter-clockwise seen from outside.
+        corners: the c corners, (d, c). In 2D c = 2, and the body lies to the left of the direction from the first to
+            the second corner. In 3D c ≥ 3, and the corners are counter-clockwise seen from outside.
 
     Raises:
         BodyError: the corners are not finite, are repeated, do not lie in one plane, or do not form a convex polygon.
@@ -87,26 +87,26 @@ class Part:
 
     @property
     def start(self) -> Array:
-        """The first corner, (d,), the origin of s."""
+        """The first corner, (d,), which is the origin of the coordinate s."""
         return self.corners[:, 0]
 
     @property
     def end(self) -> Array:
-        """The last corner, (d,), which lies on the first axis of s."""
+        """The last corner, (d,), which lies on the first axis of the coordinates s."""
         return self.corners[:, -1]
 
     def line(self, c: float) -> Hyperplane:
-        """Return the line {s = c} in a 2D body, which is perpendicular to the part, as (direction, offset)."""
+        """Return the line perpendicular to a segment through its point s = c, as (direction, offset)."""
         return tuple(map(float, self.tangent)), float(self.tangent @ self.start) + c
 
     @cached_property
     def vector(self) -> Array:
-        """The length or area of the part times its outward normal, |S| ν, (d,)."""
+        """The length or area of the part times its outward unit normal, (d,)."""
         return np.sum([fan_vector(simplex) for simplex in self.fan], axis=0)
 
     @cached_property
     def fan(self) -> tuple[Array, ...]:
-        """The simplices into which the part is divided, by their corners, (d, d) each; all share the first corner."""
+        """Simplices that make up the part and share its first corner, each as an array of its corners, (d, d)."""
         dim, count = self.corners.shape
         return tuple(self.corners[:, [0, *range(i, i + dim - 1)]] for i in range(1, count - dim + 2))
 
@@ -128,43 +128,47 @@ class Part:
 
     @cached_property
     def frame(self) -> Array:
-        """The axes of the local coordinates (s, y) as columns, (d, d): the tangents and the inward normal −ν."""
+        """The axes of the local coordinates (s, y) as columns, (d, d): the tangents, then the inward normal −ν."""
         further = [] if self.dim == 2 else [np.cross(self.tangent, self.normal)]
         return np.column_stack([self.tangent, *further, -self.normal])
 
     @cached_property
     def outline(self) -> Array:
-        """The corners in the coordinates s, (d−1, c)."""
+        """The corners of the part in its local coordinates s, (d−1, c)."""
         return self.coordinates(self.corners)[0]
 
     @cached_property
     def sides(self) -> tuple[Array, Array]:
-        """The part as {s : n_k·s ≤ b_k for all k}: outward unit normals n_k, (d−1, k), and offsets b_k, (k,)."""
+        """The part as a set of inequalities {s : n_k·s ≤ b_k for all k}.
+
+        Returns:
+            The outward unit normals n_k of its sides, (d−1, k), and the offsets b_k, (k,).
+        """
         if self.dim == 2:
             return np.array([[-1.0, 1.0]]), np.array([0.0, self.measure])
-        # In the coordinates s the corners are clockwise, so the outside is to the left.
+        # In the coordinates s the corners run clockwise, so a left turn from an edge leads outside.
         edges = np.roll(self.outline, -1, axis=1) - self.outline
         normals = np.array([-edges[1], edges[0]]) / np.linalg.norm(edges, axis=0)
         return normals, np.einsum("ik,ik->k", normals, self.outline)
 
     def coordinates(self, x: Points) -> tuple[Array, Array]:
-        """Return the local coordinates of points (d, ...): s along the part, (d−1, ...), and y into the body, (...)."""
+        """Return the local coordinates of points (d, ...): s along the part, (d−1, ...), and the depth y, (...)."""
         local = mapped(self.frame.T, x - self.start.reshape((-1,) + (1,) * (x.ndim - 1)))
         return local[:-1], local[-1]
 
     def point(self, s: Array) -> Points:
-        """Return the points of the part with local coordinates s: (d−1, ...) → (d, ...)."""
+        """Return the points of the part that have given local coordinates s: (d−1, ...) → (d, ...)."""
         origin = self.start.reshape((-1,) + (1,) * (np.ndim(s) - 1))
         return origin + mapped(self.frame[:, :-1], s)
 
     def covers(self, s: Array, tolerance: float) -> NDBool:
-        """Return whether coordinates s belong to points of the part with its boundary: (d−1, ...) → (...)."""
+        """Return for local coordinates s whether the point lies on the part or its boundary: (d−1, ...) → (...)."""
         normals, offsets = self.sides
         beyond = np.moveaxis(mapped(normals.T, s), 0, -1) - offsets
         return np.asarray((beyond <= tolerance).all(axis=-1))
 
     def contains(self, x: Points, tolerance: float) -> NDBool:
-        """Return whether points lie on the part with its boundary, up to a distance: (d, ...) → (...)."""
+        """Return whether points lie on the part or its boundary, up to a distance ``tolerance``: (d, ...) → (...)."""
         s, y = self.coordinates(x)
         return (abs(y) <= tolerance) & self.covers(s, tolerance)
 
@@ -174,7 +178,10 @@ class Part:
 
 
 def fan_vector(simplex: Array) -> Array:
-    """Return |S| ν of a simplex S with corners (d, d); ν points outwards if they are ordered as in ``Part``."""
+    """Return the length or area of a simplex with corners (d, d), times its normal.
+
+    The normal points outwards if the corners are ordered as in ``Part``.
+    """
     dim = len(simplex)
     edges = simplex[:, 1:] - simplex[:, :1]
     cofactors = [np.linalg.det(np.column_stack([unit, edges])) for unit in np.eye(dim)]
@@ -186,7 +193,7 @@ def scattered(rng: np.random.Generator, corners: Points, inside: Callable[[Point
 
     Args:
         rng: the random number generator.
-        corners: the corners of the set, (k, c); points are drawn from the smallest box that contains them.
+        corners: the corners of the set, (k, c). Points are drawn from the smallest box that contains them.
         inside: function that returns whether points lie in the set.
         count: the number of points.
     """

@@ -1,11 +1,14 @@
 """A contact front that advances and then recedes; where it has been, the strain decays slowly.
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+
     w = 20 (x − c)_+^4,   p = 20 (c − x)_+²,   ψ = c − x,   c(t) = 1/4 + 2t(1 − t),   q(0) = −p(0)/3
 
-on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so a = g = 3.
+on the bottom of the unit square. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ) I, so their normal moduli
+are a = g = 3.
 
-Predicted order 1: the front moves, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that Prop. 5.4
-applies.
+Predicted order 1: the front moves. The exponents of gap and pressure at the front, α = 4 > 7/2 and m = 2 > 3/2, give
+(5.36), so that Prop. 5.4 applies.
 
 The front moves from 1/4 to 3/4 and back. Where it has receded, the strain q that the pressure has caused decays like
 e^{−t}.
@@ -23,7 +26,7 @@ from manufactured.symbols import pos, s, t
 
 
 def on(body: Body) -> ExactSolution:
-    """Return the solution on a unit square in any position."""
+    """Return the solution on a unit square that may be rotated and translated."""
     law = proportional()
     c = Rational(1, 4) + 2 * t * (1 - t)
     (part,) = body.of(Kind.CONTACT)

@@ -1,8 +1,10 @@
 """An advancing contact front, which the cases ``anisotropic``, ``heterogeneous`` and ``layered`` share.
 
+The gap w and the contact zone {ψ ≥ 0} with the front c are
+
     w = 8 (1/5 + t) (x − c)_+^4,   ψ = c − x,   c(t) = 1/4 + t/2
 
-on the unit square. Each case prescribes another pressure. The body starts in elastic equilibrium.
+on the bottom of the unit square. Each case prescribes another contact pressure. The body starts in elastic equilibrium.
 """
 
 from sympy import Expr, Rational
@@ -15,11 +17,18 @@ from manufactured.profile import Profile
 from manufactured.symbols import pos, s, t
 
 FRONT: Expr = Rational(1, 4) + t / 2
-"""The front c(t)."""
+"""The position c(t) of the contact front."""
 
 
 def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Expr) -> ExactSolution:
-    """Return the solution for a body, a law, a lifting profile and a pressure p(s, t), which is 0 beyond the front."""
+    """Return the solution with this front for a body and a law.
+
+    Args:
+        body: the unit square.
+        law: the material law.
+        profile: the functions that continue the displacement into the body.
+        pressure: the formula of the contact pressure p(s, t), which must be 0 beyond the front.
+    """
     (part,) = body.of(Kind.CONTACT)
     gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
     face = ContactFace.linear(part, law, body.T, gap, pressure, FRONT - s, profile=profile)

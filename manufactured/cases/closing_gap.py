@@ -1,12 +1,17 @@
-"""A body above a flat foundation, which its left end reaches first; A and G are not proportional.
+"""A body above a flat foundation, which its left end reaches first.
+
+The initial gap g, the gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q
+at t = 0 are
 
     g = 1/2,   w = 2 (x − c)_+^4/(1/4 + (x − c)²),   p = 40 (c − x)_+²,   ψ = c − x,   q(0) = 0,
     c(t) = −1/6 + 5t/6
 
-on the unit square. The paper does not treat this: the initial gap g is not zero, and w = g − u_ν is the remaining gap.
+on the bottom of the unit square. Viscosity A and elasticity G are not proportional. The paper does not treat this case:
+the initial gap g is not zero, and w = g − u_ν is the remaining gap.
 
-Predicted order 1: u_n = w − g on Γ3, and a constant g adds a smooth field. The front moves, and the exponents
-α = 4 > 7/2 and m = 2 > 3/2 give (5.36), with which the proof of Prop. 5.4 holds for u minus a lifting of g.
+Predicted order 1: u_n = w − g on Γ3, and a constant g adds a smooth field. The front moves. The exponents of gap and
+pressure at the front, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), with which the proof of Prop. 5.4 holds for u minus a
+lifting of g.
 
 There is no contact before t = 1/5. Then the front enters at the left end. At t = 1 it is at x = 2/3, which is a vertex
 of no structured mesh with 2^k cells along a side.

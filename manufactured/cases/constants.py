@@ -1,4 +1,4 @@
-"""The default of the factors with which the arguments of a case multiply its constants, to make similar solutions."""
+"""The factor 1, which the arguments of a case use as a default: other factors multiply constants of its formulas."""
 
 from sympy import Expr, Integer
 

@@ -1,15 +1,19 @@
-"""A block that is clamped on its left side, with a contact zone that begins at the clamp; A and G not proportional.
+"""A block that is clamped on its left side, with a contact zone that begins at the clamp.
+
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
 
     w = 20 (x − c)_+^4,   p = 400 x (c − x)_+²,   ψ = c − x,   q(0) = −p(0)/g,   c(t) = 1/5 + t/2
 
-on the unit square. Γ1 is the left side, Γ3 the bottom, Γ2 the rest: Γ1 and Γ3 meet at the origin, at a right angle, and
-the contact zone [0, c(t)] begins there.
+on the bottom of the unit square, with g = G_nnnn. Viscosity A and elasticity G are not proportional. Γ1 is the left
+side, Γ3 the bottom, Γ2 the rest. Γ1 and Γ3 meet at the origin, at a right angle, and the contact zone [0, c(t)] begins
+there.
 
 Predicted order 1: p has the factor x, so w and q vanish at x = 0 for all times. The displacement therefore vanishes on
-Γ1, (2.3), and is smooth at the corner between Γ1 and Γ3. The front moves, and the exponents α = 4 > 7/2 and m = 2 > 3/2
-give (5.36), so that Prop. 5.4 applies.
+Γ1, (2.3), and is smooth at the corner between Γ1 and Γ3. The front moves. The exponents of gap and pressure at the
+front, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
 
-Where a contact zone meets a clamped side, the solution is usually singular (``junction``); this load avoids it.
+Where a contact zone meets a clamped side, the solution is usually singular (``junction``). This load avoids the
+singularity.
 """
 
 from sympy import Rational

@@ -1,15 +1,17 @@
 """Two sides at right angles in contact, with pressure at the corner between them: a vertex with two constraints.
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+
     w = 4 (ρ − c)_+^4,   p = 40 (c² − ρ²)_+²,   ψ = c − ρ,   q(0) = −p(0)/g,
     bottom: c(t) = 2/5 + (4/5) t(1 − t),   left: c(t) = 3/5 − t/3
 
-on each side, with the distance ρ from the corner. Γ3 is the bottom and the left side of the unit square, whose liftings
-reach to the depths 1 and 3/4. Γ1 is the right quarter of the top. The two liftings do not disturb each other: p is even
-in ρ, so the lifting of one side is symmetric about the other side and causes no shear there, and A and G do not couple
-normal strains (``laws.without_contraction``).
+on each side, where ρ is the distance from the corner and g = G_nnnn. Γ3 is the bottom and the left side of the unit
+square. Their displacements reach to the depths 1 and 3/4. Γ1 is the right quarter of the top. The displacements of the
+two sides do not disturb each other. The reason is that p is even in ρ: so the displacement of one side is symmetric
+about the other side and causes no shear there. And A and G do not couple normal strains (``laws.without_contraction``).
 
-Predicted order 1: both fronts move, the exponents α = 4 > 7/2 and m = 2 > 3/2 hold on both sides, and u is smooth at
-the corner, which gives (5.36), so that Prop. 5.4 applies.
+Predicted order 1: both fronts move. On both sides the exponents of gap and pressure at the front are α = 4 > 7/2 and
+m = 2 > 3/2, and u is smooth at the corner. This gives (5.36), so that Prop. 5.4 applies.
 """
 
 from sympy import Expr, Rational
@@ -32,7 +34,7 @@ def case() -> Case:
     bottom, left = body.of(Kind.CONTACT)
     faces = (
         _at_corner(bottom, body, law, s, Rational(2, 5) + Rational(4, 5) * t * (1 - t), 1.0),
-        # The left side runs down to the corner.
+        # s runs down the left side, so the distance from the corner is 1 − s.
         _at_corner(left, body, law, 1 - s, Rational(3, 5) - t / 3, 0.75),
     )
     return Case(

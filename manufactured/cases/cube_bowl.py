@@ -1,14 +1,17 @@
 """The unit cube above a foundation shaped like an upturned bowl, on which a disc of contact grows and moves.
 
+The initial gap g, the gap w, the contact pressure p, the normal strain q at t = 0, and the contact zone {ψ ≥ 0}, a disc
+with the centre c, are
+
     g = 1/10 + (3/5) |s − (1/2, 1/2)|²,   w = 2 (1/5 + t) (−ψ)_+^4/(1/2 − ψ)²,   p = 500 ψ_+²,   q(0) = −p(0)/g_e,
     ψ = 1/10 + t/10 − |s − c(t)|²,   c(t) = (2/5 + t/10, 1/2 + t/20)
 
-with the coordinates s = (x, y) along the bottom; A and G not proportional, g_e = G_nnnn = 7. The paper does not treat
-this: the initial gap g is not zero, and w = g − u_ν is the remaining gap.
+with the coordinates s = (x, y) along the bottom and g_e = G_nnnn = 7. Viscosity A and elasticity G are not
+proportional. The paper does not treat this case: the initial gap g is not zero, and w = g − u_ν is the remaining gap.
 
-Predicted order 1: u_n = w − g on Γ3 with a polynomial g, which adds a smooth field. The front moves, and the exponents
-α = 4 > 7/2 and m = 2 > 3/2 across the circle give (5.36). With (5.36) the proof of Prop. 5.4 holds for u minus a
-lifting of g, also in 3D.
+Predicted order 1: u_n = w − g on Γ3 with a polynomial g, which adds a smooth field. The front moves. The exponents of
+gap and pressure across the circle, α = 4 > 7/2 and m = 2 > 3/2, give (5.36). With (5.36) the proof of Prop. 5.4 holds
+for u minus a lifting of g, also in 3D.
 """
 
 from sympy import Rational

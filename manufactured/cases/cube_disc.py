@@ -1,12 +1,15 @@
 """The unit cube with a disc of contact on its bottom that moves, grows and shrinks.
 
+The gap w, the contact pressure p, the normal strain q at t = 0, and the contact zone {ψ ≥ 0}, a disc with the centre c,
+are
+
     w = 2 (1/5 + t) (−ψ)_+^4/(1/2 − ψ)²,   p = 500 ψ_+²,   q(0) = −p(0)/g,
     ψ = 1/10 + (3/5) t(1 − t) − |s − c(t)|²,   c(t) = (2/5 + t/5, 1/2)
 
-with the coordinates s = (x, y) along the bottom; A and G not proportional.
+with the coordinates s = (x, y) along the bottom and g = G_nnnn. Viscosity A and elasticity G are not proportional.
 
-Predicted order 1: the front moves, and the exponents α = 4 > 7/2 and m = 2 > 3/2 across the circle give (5.36), so that
-Prop. 5.4 applies; its proof also holds in 3D.
+Predicted order 1: the front moves. The exponents of gap and pressure across the circle, α = 4 > 7/2 and m = 2 > 3/2,
+give (5.36), so that Prop. 5.4 applies; its proof also holds in 3D.
 """
 
 from sympy import Rational

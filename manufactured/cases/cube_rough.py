@@ -1,14 +1,17 @@
 """An oblique front that moves over the bottom of a cube; the solution is not smooth enough for (5.36).
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front x + y/2 = c, and the normal strain q at t = 0
+are
+
     w = 20 (1/5 + t) (−ψ)_+^{13/4},   p = 150 ψ_+²,   ψ = c(t) − (x + y/2),   c(t) = 1/2 + t/4,   q(0) = −p(0)/g
 
-on the unit cube with the coordinates (x, y) along its bottom, A and G not proportional. The front is the line
-x + y/2 = c(t), which is parallel to no edge of the meshes. This is the case ``moving-rough`` in 3D.
+on the bottom of the unit cube, with the coordinates (x, y) and g = G_nnnn. Viscosity A and elasticity G are not
+proportional. The front is parallel to no edge of the meshes. This is the case ``moving-rough`` in 3D.
 
-Predicted order 1: across the front u(t) ∈ H^{1+s} for s < min(α − 3/2, m − 1/2) = 3/2 with α = 13/4 and m = 2, so that
-the interpolation error of u has order 1. α < 7/2 violates (5.36), so Prop. 5.4 gives no order. The observed orders are
-predicted to rise towards 1 from below: on the coarsest meshes the cells are as large as the layer in which w and p
-change.
+Predicted order 1: the exponents of gap and pressure at the front are α = 13/4 and m = 2. So u(t) ∈ H^{1+s} for
+s < min(α − 3/2, m − 1/2) = 3/2, and the interpolation error of u has order 1. α < 7/2 violates (5.36), so Prop. 5.4
+gives no order. The observed orders are predicted to rise towards 1 from below: on the coarsest meshes the cells are as
+large as the layer in which w and p change.
 """
 
 from sympy import Rational

@@ -1,14 +1,17 @@
 """The unit cube with contact on its bottom and on one side, and pressure on the edge between them: ``corner`` in 3D.
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} and the normal strain q at t = 0 are
+
     w = (1/5 + t) (−ψ)_+^4/(1 − ψ)²,   p = 1500 t ψ_+²,   ψ = c(t)² + (η − 1/2)²/4 − ρ²,   q(0) = 0,
     bottom: c(t) = 1/2 + (2/5) t(1 − t),   side: c(t) = 3/5 − t/4
 
-on each face, with the distance ρ from the edge and the coordinate η along it. Γ3 is the bottom z = 0 and the side x =
-0, whose liftings reach to the depths 1 and 2/3. Γ1 is the third x > 2/3 of the top. The liftings of the two faces do
-not disturb each other: p is even in ρ, and A and G do not couple normal strains (``laws.without_contraction``).
+on each face, where ρ is the distance from the edge and η the coordinate along it. Γ3 is the bottom z = 0 and the side
+x = 0. Their displacements reach to the depths 1 and 2/3. Γ1 is the third x > 2/3 of the top. The displacements of the
+two faces do not disturb each other: p is even in ρ, and A and G do not couple normal strains
+(``laws.without_contraction``).
 
-Predicted order 1: both fronts move, the exponents α = 4 > 7/2 and m = 2 > 3/2 hold on both faces, and u is smooth at
-the edge. This gives (5.36), so that Prop. 5.4 applies; its proof also holds in 3D.
+Predicted order 1: both fronts move. On both faces the exponents of gap and pressure at the front are α = 4 > 7/2 and
+m = 2 > 3/2, and u is smooth at the edge. This gives (5.36), so that Prop. 5.4 applies; its proof also holds in 3D.
 """
 
 import numpy as np
@@ -63,7 +66,8 @@ def _cube_clamped_on_a_third() -> Body:
 
 
 def _at_edge(part: Part, body: Body, law: KelvinVoigt, c: Expr, depth: float) -> ContactFace:
-    # On both faces the first corner lies on the edge x = z = 0; ρ runs along the first or second axis of s.
+    # Both faces have their first corner on the edge x = z = 0, so the distance ρ is the first or second coordinate
+    # along a face.
     edge = np.array([0.0, 1.0, 0.0])
     rho, eta = (s1, s2) if abs(part.tangent @ edge) < 0.5 else (s2, s1)
     level = c**2 + (eta - Rational(1, 2)) ** 2 / 4 - rho**2

@@ -1,18 +1,21 @@
 """An advancing contact front on a prestressed material that softens and then hardens: G is nonlinear, not monotone.
 
+The gap w, the normal strain q = −Q, the contact pressure p and the contact zone {ψ ≥ 0} with the front c are
+
     w = 5 (1 + 24t(1 − t)) (x − c)_+^4,   q = −Q,   Q = 20 (c − x)_+³,   p = a Q̇ − Q + 4 (Q − 2)_+,
     ψ = c − x,   c(t) = 5/24 + t/2
 
-on the unit square; A τ = 2τ + (tr τ)/2 I with a = 5/2, G ε = S − ε + 4 (ε − P_K ε), K = {|τ| ≤ 2}, S = e_1 ⊗ e_1.
+on the bottom of the unit square. The viscosity is A τ = 2τ + (tr τ)/2 I with a = A_nnnn = 5/2. The elasticity is
+G ε = S − ε + 4 (ε − P_K ε) with K = {|τ| ≤ 2} and the stress at rest S = e_1 ⊗ e_1.
 
-Predicted order 1: the front moves. q has the exponent 3, so p ~ q̇ has m = 2 > 3/2, and α = 4 > 7/2. This gives (5.36),
-so that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
+Predicted order 1: the front moves. At the front q has the exponent 3, so p ~ q̇ has m = 2 > 3/2, and the gap has
+α = 4 > 7/2. This gives (5.36), so that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
 
 Without S, the stored energy is smallest on a sphere around ε = 0, as in a body that snaps through. The slope of G is −1
 inside K and 3 far from K. So L_G/m_A = 3/2, and differences of solutions may grow at the rate 1/2. The stress at rest S
 acts along the face and causes no traction on it, so it enters f_2 only.
 
-The gap is largest while the front moves. In a first version the gap was small and the pressure caused most of the
+The gap is largest while the front moves. In a first version the gap was small, and the pressure caused most of the
 error. There the check that (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed on criss-cross meshes, with
 a quotient of up to 1.24.
 """

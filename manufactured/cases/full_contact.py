@@ -1,14 +1,17 @@
-"""The whole of Γ3 stays in contact while the pressure grows from zero; A and G are not proportional.
+"""The whole of the contact boundary stays in contact while the pressure grows from zero.
+
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} and the normal strain q at t = 0 are
 
     w = 0,   p = 20 t (1 + 4 x(1 − x)),   ψ = 1,   q(0) = 0,   φ(y) = 1 − y²
 
-on the unit square.
+on the bottom of the unit square, where the cut-off φ lets the displacement end at the top. Viscosity A and elasticity G
+are not proportional.
 
 Predicted order 1: there is no front, and w and q are smooth in space and time, which gives (5.36), so that Prop. 5.4
 applies.
 
 The body starts at rest, u_0 = 0, so the error is zero at t = 0 and grows with the pressure. With this cut-off φ, the
-traction on Γ1 is not zero.
+traction on the clamped boundary is not zero.
 """
 
 from sympy import Integer

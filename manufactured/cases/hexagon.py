@@ -1,16 +1,19 @@
 """An irregular hexagon with contact on three sides of different directions.
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+
     w = 4 (1/5 + t) (z − c)_+^4/(1/4 + (z − c)²),   p = P (c − z)_+²,   ψ = c − z,   q(0) = −p(0)/g,
     first:  z = s,               c(t) = 3/10 + t/4,        P = 50,
     second: z = |Γ3,2| − s,      c(t) = 3/4 − t/4,         P = 900 z²,
     third:  z = s,               c(t) = 1/2 + t(1 − t),    P = 900 z²
 
-with the coordinate s along each side. A and G are not proportional. On the two sides that meet Γ1, z is the distance
-from the end at Γ1, and P has the factor z² so that the displacement vanishes on Γ1. The liftings have the depth 4/5 and
-do not reach from one contact side to another.
+with the coordinate s along each side and g = G_nnnn. Viscosity A and elasticity G are not proportional. Two of the
+sides meet the clamped boundary Γ1. On them z is the distance from the end at Γ1, and P has the factor z² so that the
+displacement vanishes on Γ1. The displacements of the sides have the depth 4/5 and do not reach from one contact side to
+another.
 
-Predicted order 1: the fronts move, and the exponents α = 4 > 7/2 and m = 2 > 3/2 on every side give (5.36), so that
-Prop. 5.4 applies.
+Predicted order 1: the fronts move. On every side the exponents of gap and pressure at the front, α = 4 > 7/2 and
+m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.
 
 The denominator of w makes the gap flatter away from the fronts.
 """

@@ -1,11 +1,13 @@
-"""Γ1 and Γ3 meet on a straight side, with contact on all of Γ3: a singularity u ~ r^{1/2} at the junction.
+"""Clamped and contact boundary meet on a straight side, with contact everywhere: a singularity u ~ r^{1/2}.
+
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} and the function of time θ are
 
     w = 0,   p = (κ − 1)/2 (2μ_A θ̇ + 2μ_G θ) x^{−1/2},   ψ = 1,   θ(t) = t
 
-on [−1, 1] × [0, 1]. The bottom is clamped for x < 0 and in contact for x > 0. G = 2A, so κ = (λ_L + 3μ)/(λ_L + μ) is
-the same for both. The displacement is θ(t) times Williams' singular field for these two boundary conditions. The field
-has the exponent λ = 1/2 and the potentials Φ = z^{1/2}, Ψ = −(κ + 1/2) z^{1/2} (``singular.kolosov``). It satisfies σ_τ
-= 0 on Γ3 and Div σ = 0. p is not in L²(Γ3).
+on the bottom of [−1, 1] × [0, 1]. The bottom is clamped for x < 0 and in contact for x > 0. The elasticity is G = 2A,
+so κ = (λ_L + 3μ)/(λ_L + μ) is the same for A and G. The displacement is θ(t) times Williams' singular field for these
+two boundary conditions. The field has the exponent λ = 1/2 and the potentials Φ = z^{1/2}, Ψ = −(κ + 1/2) z^{1/2}
+(``singular.kolosov``). It satisfies σ_τ = 0 on Γ3 and Div σ = 0. p is not in L²(Γ3).
 
 Predicted order 1/2: u(t) ∈ H^{1+s} for s < λ = 1/2 at the junction, so interpolation has the order 1/2 on uniform
 meshes, and 1 on graded ones. Prop. 5.3 gives no order.
@@ -30,7 +32,12 @@ LAW = proportional(2.0)
 
 
 def case(law: KelvinVoigt = LAW, mode: Expr = ONE) -> Case:
-    """Return the case, optionally with another law with proportional A and G, and the field multiplied by ``mode``."""
+    """Return the case, optionally with other data.
+
+    Args:
+        law: another law with proportional A and G.
+        mode: a factor that multiplies the displacement.
+    """
     kinds = [Kind.CLAMPED, Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED]
     body = polygon([(-1, 0), (0, 0), (1, 0), (1, 1), (-1, 1)], kinds, refine=((0.0, 0.0),))
     kappa = kolosov_constant(law.A)

@@ -1,6 +1,6 @@
 """Material laws that several cases share, and constants of isotropic tensors.
 
-a = A_nnnn and g = G_nnnn are the moduli for the normal strain on a contact face.
+Below, a = A_nnnn and g = G_nnnn are the moduli of viscosity and elasticity for the normal strain on a contact face.
 """
 
 import numpy as np
@@ -22,10 +22,12 @@ from manufactured.tensors import Array, rotation
 
 
 def proportional(ratio: float = 1.0, factor: Factor = UNIFORM) -> KelvinVoigt:
-    """Return the isotropic law with A τ = α (2τ + (tr τ) I) and G = ``ratio`` · A; a = 3 where α = 1.
+    """Return an isotropic law whose elasticity is proportional to its viscosity.
+
+    A τ = α (2τ + (tr τ) I) and G = ``ratio`` · A.
 
     Args:
-        ratio: G/A.
+        ratio: the ratio G/A.
         factor: α, a scalar function of the point that multiplies A and G.
     """
     name = "linear, A = G" if ratio == 1 else f"linear, G = {ratio:g} A"
@@ -37,10 +39,11 @@ def proportional(ratio: float = 1.0, factor: Factor = UNIFORM) -> KelvinVoigt:
 
 
 def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = UNIFORM) -> KelvinVoigt:
-    """Return the isotropic law A τ = α (2τ + (tr τ)/2 I), G τ = γ (4τ + 3 (tr τ) I); a = 5/2, g = 7 where α = γ = 1.
+    """Return an isotropic law whose viscosity and elasticity are not proportional.
 
-    A and G differ in size and in the ratio of shear to compression. A program that confuses A and G therefore gives
-    wrong results for this law.
+    A τ = α (2τ + (tr τ)/2 I) and G τ = γ (4τ + 3 (tr τ) I); for α = γ = 1 the normal moduli are a = 5/2 and g = 7. A
+    and G differ in size and in the ratio of shear to compression. A program that confuses A and G therefore gives wrong
+    results for this law.
 
     Args:
         dim: 2 or 3.
@@ -55,23 +58,23 @@ def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = 
 
 
 def two_layers(interface: float, ratio: float) -> KelvinVoigt:
-    """Return ``not_proportional()``, with A and G multiplied by ``ratio`` where x_2 > ``interface``."""
+    """Return the law of a body of two layers: ``not_proportional()`` times ``ratio`` where x_2 > ``interface``."""
     factor = layers((0.0, 1.0), interface, ratio)
     return not_proportional(2, factor, factor)
 
 
 def softening_in_volume() -> KelvinVoigt:
-    """Return a law whose G is positive in shear and negative in volume: A τ = 2τ + (tr τ)/2 I, G τ = τ − (3/2)(tr τ) I.
+    """Return a law whose elasticity G is positive in shear and negative in volume, so that the material softens.
 
-    a = 5/2, g = −1/2.
+    A τ = 2τ + (tr τ)/2 I and G τ = τ − (3/2)(tr τ) I; the normal moduli are a = 5/2 and g = −1/2.
     """
     return KelvinVoigt(isotropic(1, 0.5), Indefinite(isotropic_matrix(0.5, -1.5)), "linear, G softens in volume")
 
 
 def softening_then_hardening() -> KelvinVoigt:
-    """Return a prestressed law whose G softens inside K = {|τ| ≤ 2} and hardens outside.
+    """Return a prestressed law whose elasticity G softens inside K = {|τ| ≤ 2} and hardens outside.
 
-    A τ = 2τ + (tr τ)/2 I, G ε = S − ε + 4 (ε − P_K ε), S = e_1 ⊗ e_1; a = 5/2.
+    A τ = 2τ + (tr τ)/2 I with the normal modulus a = 5/2, and G ε = S − ε + 4 (ε − P_K ε) with S = e_1 ⊗ e_1.
     """
     softens = Indefinite(isotropic_matrix(-0.5, 0))
     G = Combined(np.array([1.0, 0.0, 0.0]), softens, Yield(4.0, FrobeniusBall(2.0)))
@@ -90,10 +93,10 @@ def kolosov_constant(tensor: Linear) -> float:
 
 
 def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
-    """Return 2μ_A θ̇ + 2μ_G θ for isotropic A and G with the same Kolosov constant κ.
+    """Return 2μ_A θ̇ + 2μ_G θ, the factor from a plane elastic stress field to the stress of a viscoelastic motion.
 
-    If U is the displacement with the potentials Φ and Ψ (``singular.kolosov``), then the stress of θ(t) U is this
-    function of t times the stress that Φ and Ψ give.
+    A and G must be isotropic with the same Kolosov constant κ. If U is the displacement with the potentials Φ and Ψ
+    (``singular.kolosov``), then the stress of θ(t) U is this factor times the stress that Φ and Ψ give.
     """
     assert isinstance(law.G, Linear)
     mu_A, mu_G = (Rational(lame(tensor)[0]) for tensor in (law.A, law.G))
@@ -101,9 +104,9 @@ def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
 
 
 def anisotropic() -> KelvinVoigt:
-    """Return a law with orthotropic A and G. Their axes differ from each other and from the faces of the unit square.
+    """Return a law with orthotropic viscosity A and elasticity G that couples normal and shear strains on a face.
 
-    So normal and shear strains on a face are coupled.
+    The reason is that the axes of A and G differ from each other and from the faces of the unit square.
     """
     A = _turned([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]], 0.5)
     G = _turned([[3.0, 1.0, 0.0], [1.0, 6.0, 0.0], [0.0, 0.0, 2.0]], -0.3)
@@ -118,10 +121,10 @@ def _turned(matrix: list[list[float]], angle: float) -> Array:
 
 
 def without_contraction(dim: int = 2) -> KelvinVoigt:
-    """Return a law with orthotropic A and G along the axes that do not couple normal strains in different directions.
+    """Return a law that does not couple normal strains in different directions; A and G are orthotropic along the axes.
 
-    The lifting of one face then does not change the pressure on a face at right angles, so two faces under pressure may
-    meet at a corner.
+    The displacement of one contact face then does not change the pressure on a face at right angles, so two faces under
+    pressure may meet at a corner.
     """
     shear = dim * (dim - 1) // 2
     A = np.diag([2.0, 3.0, 2.5][:dim] + [1.5, 2.0, 1.8][:shear])

@@ -1,12 +1,14 @@
 """Full contact of a body of two layers; the interface cuts through cells of the meshes.
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} and the normal strain q at t = 0 are
+
     w = 0,   p = 20 t (1 + x(1 − x)),   ψ = 1,   q(0) = 0
 
-on the unit square, A and G not proportional. For y > 1/3 the body is 10 times as stiff and viscous. At y = 1/3 the
-displacement has a kink that keeps σν continuous (``profile.layered``).
+on the bottom of the unit square. Viscosity A and elasticity G are not proportional, and for y > 1/3 both are 10 times
+as large. At y = 1/3 the displacement has a kink that keeps σν continuous (``profile.layered``).
 
-Predicted order 1/2: the strain jumps inside cells, so u(t) ∈ H^{1+s} for s < 1/2 only, and interpolation has the order
-1/2. Prop. 5.3 gives no order.
+Predicted order 1/2: the strain jumps inside cells, so u(t) ∈ H^{1+s} for s < 1/2 only, and interpolation has the
+order 1/2. Prop. 5.3 gives no order.
 
 Apart from the kink the solution is smooth, so the kink causes most of the error.
 """

@@ -1,16 +1,19 @@
 """The whole contact face lifts off and lands again; the velocity jumps at the landing.
 
+The gap w, the contact zone {ψ ≥ 0}, the contact pressure p and the normal strain q at t = 0 are
+
     w = 40 (t − t_1)_+² (t_2 − t)_+,   ψ = (t − t_1)(t − t_2),   t_1 = 3/10, t_2 = 7/10,
     p = 3000 t (1 + 4x(1 − x)) (t_1 − t)_+² + [a·40 (t_2 − t_1)² + 60 (t − t_2) (1 + 4x(1 − x))] H(t − t_2),   q(0) = 0
 
-on the unit square, A without lateral contraction (λ_A = 0, a = 2).
+on the bottom of the unit square, with the unit step H. The viscosity A has no lateral contraction (λ_A = 0), and
+a = A_nnnn = 2.
 
-Predicted order 1: there is no front; w and q are smooth in space, and u̇ is bounded with one jump in time, so that u ∈
-W^{1,∞}(0,T;H²), which gives (5.36), so that Prop. 5.4 applies.
+Predicted order 1: there is no front. w and q are smooth in space, and u̇ is bounded with one jump in time, so that
+u ∈ W^{1,∞}(0,T;H²). This gives (5.36), so that Prop. 5.4 applies.
 
 At the landing u̇ jumps by −ẇ(t_2^−) (1 − y) n. For this A, the viscous stress of the jump is balanced by the pressure
 −a ẇ(t_2^−) on Γ3 alone. So p jumps, but the loads f_0 and f_2 stay continuous: f ∈ W^{1,1}(0,T;V), while u is only in
-W^{1,∞}(0,T;V). The lifting contains this field because it has u_n = w (1 − y) + … (``profile.slab``).
+W^{1,∞}(0,T;V). The displacement contains this field because it has u_n = w (1 − y) + … (``profile.slab``).
 """
 
 from sympy import Rational

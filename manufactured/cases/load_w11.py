@@ -1,12 +1,15 @@
 """Full contact under a load that is hardly smoother in time than W^{1,1}, as the paper requires.
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} and the normal strain q are
+
     w = 0,   p = (1 + 4x(1 − x)) (a θ̇ + g θ),   ψ = 1,   θ(t) = t + (t − t_0)_+^{5/4}/4,   t_0 = 9/20,
     ε_nn = q = −(1 + 4x(1 − x)) θ,   φ(y) = 1 − y²
 
-on the unit square, A and G not proportional, a = 5/2, g = 7.
+on the bottom of the unit square, where the cut-off φ lets the displacement end at the top. Viscosity A and elasticity G
+are not proportional; their normal moduli are a = 5/2 and g = 7.
 
-Predicted order 1: there is no front. θ̇ is bounded and all functions are smooth in space, so u̇ is bounded with values in
-H². This gives (5.36), so that Prop. 5.4 applies.
+Predicted order 1: there is no front. θ̇ is bounded and all functions are smooth in space, so u̇ is bounded with values
+in H². This gives (5.36), so that Prop. 5.4 applies.
 
 One could expect that only Prop. 5.3, which gives no order, applies to such a load. The loads contain θ̇ with the term
 (t − t_0)_+^{1/4}, so ḟ ~ (t − t_0)^{−3/4}, and the loads are in W^{1,r}(0,T) for r < 4/3 only. But both propositions

@@ -1,12 +1,14 @@
-"""Two patches of contact appear, merge into one and separate again; A and G are not proportional.
+"""Two patches of contact appear, merge into one and separate again.
+
+The gap w, the contact pressure p, the normal strain q at t = 0 and the contact zone {ψ ≥ 0} are
 
     w = 8 (1/4 + 3t(1 − t)) (−ψ)_+^4/(1/5 − ψ)³,   p = 3000 ψ_+²,   q(0) = 0,
     ψ = −1/50 + (2/5) t(1 − t) − h(x),   h = 16 ((x − 1/4)(x − 7/10))²
 
-on the unit square.
+on the bottom of the unit square. Viscosity A and elasticity G are not proportional.
 
-Predicted order 1: all four fronts move, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that Prop. 5.4
-applies.
+Predicted order 1: all four fronts move. The exponents of gap and pressure at the fronts, α = 4 > 7/2 and m = 2 > 3/2,
+give (5.36), so that Prop. 5.4 applies.
 
 The patches appear at x = 1/4 and x = 7/10, merge, separate and vanish. The number of fronts is 0, 4, 2, 4, 0 in turn.
 The denominator of w makes the gap flatter away from the fronts.

@@ -1,15 +1,18 @@
 """A moving front that violates (5.36): u(t) ∈ H², but u̇(t) only in H^{7/4−ε}.
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+
     w = 20 (1/5 + t) (x − c)_+^{13/4},   p = 150 (c − x)_+²,   ψ = c − x,   c(t) = 3/8 + t/4,   q(0) = −p(0)/g
 
-on the unit square, A and G not proportional.
+on the bottom of the unit square, with g = G_nnnn. Viscosity A and elasticity G are not proportional.
 
-Predicted order 1: u(t) ∈ H^{1+s} for s < min(α − 3/2, m − 1/2) = 3/2 with α = 13/4 and m = 2, so that the interpolation
-error of u has order 1. α < 7/2 violates (5.36), so Prop. 5.4 gives no order.
+Predicted order 1: the exponents of gap and pressure at the front are α = 13/4 and m = 2. So u(t) ∈ H^{1+s} for
+s < min(α − 3/2, m − 1/2) = 3/2, and the interpolation error of u has order 1. α < 7/2 violates (5.36), so Prop. 5.4
+gives no order.
 
-ẇ ~ (x − c)_+^{9/4}, so ‖u̇ − Π^h u̇‖_V ~ h^{3/4}, and the proof of Prop. 5.4 gives the order α − 5/2 = 3/4. The predicted
-order is higher because the front passes each cell in a time of order h. In this time a velocity error of order h^{3/4}
-changes the displacement by h^{7/4} only.
+ẇ ~ (x − c)_+^{9/4}, so ‖u̇ − Π^h u̇‖_V ~ h^{3/4}, and the proof of Prop. 5.4 gives the order α − 5/2 = 3/4. The
+predicted order is higher because the front passes each cell in a time of order h. In this time a velocity error of
+order h^{3/4} changes the displacement by h^{7/4} only.
 """
 
 from sympy import Rational

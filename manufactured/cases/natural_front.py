@@ -1,11 +1,14 @@
 """The natural front of frictionless contact, at rest: the solution just violates (5.36).
 
+The gap w, the contact pressure p and the contact zone {ψ ≥ 0} with the front c are
+
     w = θ (κ + 1) (x − c)_+^{3/2},   p = 3 (2μ_A θ̇ + 2μ_G θ) (c − x)_+^{1/2},   ψ = c − x,   c = 2/5,   θ(t) = 1/4 + 2t
 
-on the unit square. G = 2A, so κ = (λ_L + 3μ)/(λ_L + μ) is the same for both. At the point between contact and
-separation without friction, a plane elastic body has Williams' field with the exponent 3/2, which is half of the
-symmetric mode of a crack. Its potentials are Φ = i z^{3/2}, Ψ = −(i/2) z^{3/2} with z = (x − c) + iy
-(``singular.kolosov``), and Div σ = 0. The displacement is this field times θ(t) and the cut-off (1 − y)²(1 + 2y).
+on the bottom of the unit square. The elasticity is G = 2A, so κ = (λ_L + 3μ)/(λ_L + μ) is the same for A and G. At the
+point between contact and separation without friction, a plane elastic body has Williams' field with the exponent 3/2,
+which is half of the symmetric mode of a crack. Its potentials are Φ = i z^{3/2}, Ψ = −(i/2) z^{3/2} with
+z = (x − c) + iy (``singular.kolosov``), and Div σ = 0. The displacement is this field times θ(t) and the cut-off
+(1 − y)²(1 + 2y).
 
 Predicted order 1: u(t) ∈ H^{1+s} for s < 3/2, so interpolation has order 1. The trace is u_ν(t) ∈ H^τ(Γ3) for τ < 2
 only, which just violates (5.36), so Prop. 5.4 gives no order.
@@ -30,7 +33,10 @@ LAW = proportional(2.0)
 
 
 def case(law: KelvinVoigt = LAW, mode: Expr = ONE, speed: Expr = ONE, place: Expr = ONE) -> Case:
-    """Return the case, optionally with another law with proportional A and G, and with its constants multiplied."""
+    """Return the case, optionally with another law with proportional A and G.
+
+    ``mode``, ``speed`` and ``place`` are factors that multiply constants of the formulas.
+    """
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     front, theta = place * Rational(2, 5), mode * (Rational(1, 4) + 2 * speed * t)

@@ -1,14 +1,16 @@
-"""No contact at any time; a strain from earlier contact relaxes. A and G are not proportional.
+"""No contact at any time; a strain from earlier contact relaxes.
+
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0}, which is empty, and the normal strain q at t = 0 are
 
     w = (1/10 + t²)(1 + 4x(1 − x)),   p = 0,   ψ = −1,   q(0) = −x(1 − x)
 
-on the unit square.
+on the bottom of the unit square. Viscosity A and elasticity G are not proportional.
 
 Predicted order 1: there is no front, and w and q are smooth in space and time, which gives (5.36), so that Prop. 5.4
 applies.
 
 Signorini's condition is never active, so the scheme must solve the linear problem. The initial strain q(0) relaxes like
-e^{−gt/a}.
+e^{−gt/a} with a = A_nnnn and g = G_nnnn.
 """
 
 from sympy import Integer, Rational

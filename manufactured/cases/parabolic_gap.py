@@ -1,13 +1,17 @@
 """A body above a round foundation: the initial gap is a parabola, and a patch of contact lies around its apex.
 
+The initial gap g, the gap w, the contact pressure p, the normal strain q at t = 0 and the contact zone {ψ ≥ 0} are
+
     g = 2 (x − 1/2)²,   w = 8 (1 + t) (−ψ)_+^4/(1/5 − ψ)³,   p = 500 ψ_+²,   q(0) = −p(0)/g_e,
     ψ = 1/16 + t(1 − t)/4 − (x − b(t))²,   b(t) = 9/20 + t/10
 
-on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so a = g_e = G_nnnn = 3. The paper does not treat this: the initial
-gap g is not zero, and w = g − u_ν is the remaining gap.
+on the bottom of the unit square. Viscosity and elasticity are equal, A = G: τ ↦ 2τ + (tr τ) I, so their normal moduli
+are a = g_e = 3. The paper does not treat this case: the initial gap g is not zero, and w = g − u_ν is the remaining
+gap.
 
-Predicted order 1: u_n = w − g on Γ3 with a polynomial g, which adds a smooth field. Both fronts move, and the exponents
-α = 4 > 7/2 and m = 2 > 3/2 give (5.36), with which the proof of Prop. 5.4 holds for u minus a lifting of g.
+Predicted order 1: u_n = w − g on Γ3 with a polynomial g, which adds a smooth field. Both fronts move. The exponents of
+gap and pressure at the fronts, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), with which the proof of Prop. 5.4 holds for u
+minus a lifting of g.
 
 The half-width of the patch is 1/4 at t = 0 and t = 1, and 0.35 at t = 1/2. In the patch the body takes the shape of the
 foundation.

@@ -1,15 +1,17 @@
 """An L-shaped body with a singularity at its re-entrant corner and an advancing contact front on its bottom.
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+
     w = (x − c)_+^4,   p = 5 (c − x)_+²,   ψ = c − x,   c(t) = 3/5 + t/2,   q(0) = −p(0)/g
 
-on the bottom of the body with the corners (0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2). G = 2A, and the lifting has
-the depth 9/10. The interior angle at the corner (1, 1) is ω = 3π/2. There Williams' symmetric singular field U for
-sides free of traction is added, with a cut-off,
+on the bottom of the body with the corners (0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2), where g = G_nnnn. The
+elasticity is G = 2A, and the displacement of the contact face has the depth 9/10. The interior angle at the corner
+(1, 1) is ω = 3π/2. There Williams' symmetric singular field U for sides free of traction is added, with a cut-off,
 
     4t (1 − (r/R)²)_+³ U,   R = 9/10,   Φ = z^λ,   Ψ = b z^λ,   b = −(cos λω + λ cos ω).
 
-U has the potentials Φ and Ψ (``singular.kolosov``), and λ ≈ 0.5445 is the smallest positive root of
-sin λω + λ sin ω = 0. Both sides of the corner are free of traction at all times because A and G are proportional.
+U has the potentials Φ and Ψ (``singular.kolosov``), and λ ≈ 0.5445 is the smallest positive root of sin λω + λ sin
+ω = 0. Both sides of the corner are free of traction at all times because A and G are proportional.
 
 Predicted order 0.5445 (λ): u(t) ∈ H^{1+s} for s < λ at the corner, so interpolation has the order λ on uniform meshes,
 and 1 on graded ones. Prop. 5.3 gives no order.
@@ -37,7 +39,7 @@ LAW = proportional(2.0)
 
 
 def exponent() -> float:
-    """Return λ, the smallest positive root of sin λω + λ sin ω = 0 for ω = 3π/2."""
+    """Return the exponent λ of the singularity: the smallest positive root of sin λω + λ sin ω = 0 for ω = 3π/2."""
     root = Symbol("root")
     return float(nsolve(sin(3 * pi / 2 * root) - root, root, 0.54))
 
@@ -50,7 +52,10 @@ def case(
     speed: Expr = ONE,
     place: Expr = ONE,
 ) -> Case:
-    """Return the case, optionally with another law with proportional A and G, and with its constants multiplied."""
+    """Return the case, optionally with another law with proportional A and G.
+
+    The other arguments are factors that multiply constants of the formulas.
+    """
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     body = polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds, refine=((1.0, 1.0),))
     (part,) = body.of(Kind.CONTACT)
@@ -59,7 +64,7 @@ def case(
     face = ContactFace.linear(part, law, body.T, w, p, c - s, profile=cutoff(0.9, QUARTIC))
     lam, omega = exponent(), 1.5 * np.pi
     x, y = kolosov(kolosov_constant(law.A), 1.0, -(np.cos(lam * omega) + lam * np.cos(omega)), lam)
-    # The axis of symmetry points into the body.
+    # The first axis of the singular field is its axis of symmetry, which must point into the body.
     frame = np.array([[-1.0, 1.0], [-1.0, -1.0]]) / np.sqrt(2)
     fade = Piecewise((RADIUS,), ((1.0, 0.0, -3 / RADIUS**2, 0.0, 3 / RADIUS**4, 0.0, -1 / RADIUS**6),))
     corner = SingularField((1.0, 1.0), frame, x, y, 4 * mode * speed * t, radial=fade)

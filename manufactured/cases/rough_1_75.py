@@ -1,11 +1,13 @@
-"""A fixed front at which the strain is unbounded: w ~ r^{7/4}, p ~ r^{3/4}.
+"""A fixed front at which the strain is unbounded: gap and pressure behave like r^{7/4} and r^{3/4}.
+
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
 
     w = 60 t (x − c)_+^{7/4} (1 − x)²,   p = 200 t (c − x)_+^{3/4} x²,   ψ = c − x,   c = 1/3,   q(0) = 0
 
-on the unit square, A and G not proportional.
+on the bottom of the unit square. Viscosity A and elasticity G are not proportional.
 
-Predicted order 1/4: with α = 7/4 and m = 3/4, u(t) ∈ H^{1+s} for s < min(α − 3/2, m − 1/2) = 1/4, so interpolation has
-that order. Prop. 5.3 gives no order.
+Predicted order 1/4: the exponents of gap and pressure are α = 7/4 and m = 3/4. So u(t) ∈ H^{1+s} for
+s < min(α − 3/2, m − 1/2) = 1/4, and interpolation has the order 1/4. Prop. 5.3 gives no order.
 """
 
 from functools import partial

@@ -1,11 +1,13 @@
-"""A fixed front at which the strain jumps: w ~ r², p ~ r.
+"""A fixed front at which the strain jumps: gap and pressure behave like r² and r.
+
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
 
     w = 60 t (x − c)_+² (1 − x)²,   p = 200 t (c − x)_+ x²,   ψ = c − x,   c = 1/3,   q(0) = 0
 
-on the unit square, A and G not proportional.
+on the bottom of the unit square. Viscosity A and elasticity G are not proportional.
 
-Predicted order 1/2: with α = 2 and m = 1, u(t) ∈ H^{1+s} for s < min(α − 3/2, m − 1/2) = 1/2, so interpolation has that
-order. Prop. 5.3 gives no order.
+Predicted order 1/2: the exponents of gap and pressure are α = 2 and m = 1. So u(t) ∈ H^{1+s} for
+s < min(α − 3/2, m − 1/2) = 1/2, and interpolation has the order 1/2. Prop. 5.3 gives no order.
 """
 
 from functools import partial

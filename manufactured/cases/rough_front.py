@@ -1,8 +1,11 @@
 """A fixed front with any exponent 3/2 < α < 5/2, which violates (5.36): ``rough_1_75``, ``rough_2``, ``rough_2_25``.
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+
     w = 60 t (x − c)_+^α (1 − x)²,   p = 200 t (c − x)_+^{α−1} x²,   ψ = c − x,   c = 1/3,   q(0) = 0
 
-on the unit square, A and G not proportional. u(t) ∈ H^{1+s} for s < min(α − 3/2, (α − 1) − 1/2) = α − 3/2 only.
+on the bottom of the unit square. Viscosity A and elasticity G are not proportional. u(t) ∈ H^{1+s} for s < min(α − 3/2,
+(α − 1) − 1/2) = α − 3/2 only.
 
 Prop. 5.3 gives convergence but no order. The order α − 3/2 is predicted from the interpolation error of functions in
 H^{1+s}. c is not a vertex of the structured meshes. The factors (1 − x)² and x² make the error far from the front, of
@@ -31,7 +34,10 @@ def rough_front(
     pressure: Expr = ONE,
     place: Expr = ONE,
 ) -> Case:
-    """Return the case for an exponent α, optionally with another linear law and with its constants multiplied."""
+    """Return the case for an exponent α of the gap, optionally with another linear law.
+
+    ``gap``, ``pressure`` and ``place`` are factors that multiply constants of the formulas.
+    """
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     c = place * Rational(1, 3)

@@ -1,8 +1,11 @@
 """A fixed front with u(t) ∈ H²(Ω), but with a trace on Γ3 that is not in H²(Γ3) and so violates (5.36).
 
+The gap w, the contact pressure p and the contact zone {ψ ≥ 0} with the front c are
+
     w = W θ (x − c)_+^α,   p = Q (A_nnnn θ̇ + G_nnnn θ) (c − x)_+^{α−1},   ψ = c − x,   c = 2/5,   θ(t) = 1/4 + 2t
 
-on the unit square, α = 5/4, W = 4, Q = 3; A and G not proportional, A_nnnn = 5/2, G_nnnn = 7. The displacement is
+on the bottom of the unit square with α = 5/4, W = 4, Q = 3. Viscosity A and elasticity G are not proportional,
+A_nnnn = 5/2, G_nnnn = 7. The displacement is
 
     u_s = −α y Re(a z^{α−1}),   u_n = Re(a z^α) + y Re(b z^{α−1}),   z = (x − c) + iy,
 
@@ -37,7 +40,10 @@ def case(
     speed: Expr = ONE,
     place: Expr = ONE,
 ) -> Case:
-    """Return the case, optionally with another isotropic law and with its constants multiplied."""
+    """Return the case, optionally with another isotropic law.
+
+    The other arguments are factors that multiply constants of the formulas.
+    """
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     front, theta = place * Rational(2, 5), Rational(1, 4) + 2 * speed * t

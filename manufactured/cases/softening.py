@@ -1,13 +1,15 @@
 """A front that advances and recedes on a material that softens in volume: G is symmetric but not positive.
 
+The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c, and the normal strain q at t = 0 are
+
     w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   ψ = c − x,   c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
 
-on the unit square. A τ = 2τ + (tr τ)/2 I with m_A = 2. G τ = τ − (3/2)(tr τ) I has the eigenvalues 1 in shear and −2 in
-volume. a = 5/2, g = −1/2.
+on the bottom of the unit square. The viscosity is A τ = 2τ + (tr τ)/2 I with m_A = 2. The elasticity G τ = τ − (3/2)(tr
+τ) I has the eigenvalues 1 in shear and −2 in volume. The normal moduli are a = 5/2 and g = −1/2.
 
-Predicted order 1: the front moves, and the exponents α = 5 > 7/2 and m = 3 > 3/2 give (5.36), so that Prop. 5.4
-applies, for which it is enough that G is Lipschitz. The exponents also satisfy α > 9/2 and m > 5/2, so (3.4) holds as
-it is printed.
+Predicted order 1: the front moves. The exponents of gap and pressure at the front, α = 5 > 7/2 and m = 3 > 3/2, give
+(5.36), so that Prop. 5.4 applies, for which it is enough that G is Lipschitz. The exponents also satisfy α > 9/2 and
+m > 5/2, so (3.4) holds as it is printed.
 
 G is not monotone, and L_G/m_A = 1. The strain that the pressure has caused does not decay but grows like e^{t/5}.
 Errors may grow like e^{2t/3}. A time step is known to have a unique solution for k < 1.
@@ -32,7 +34,10 @@ LAW = softening_in_volume()
 
 
 def softening(law: KelvinVoigt = LAW, T: float = 1.0) -> ExactSolution:
-    """Return the solution for a law with a > 0 on [0, T]; t/T replaces t in the formulas of gap and pressure."""
+    """Return the solution on [0, T] for a law whose normal modulus of viscosity is positive.
+
+    In the formulas of gap and pressure t/T replaces t.
+    """
     body, time = unit_square(T), t / Rational(T).limit_denominator(1000)
     (part,) = body.of(Kind.CONTACT)
     c = Rational(7, 24) + Rational(15, 8) * time * (1 - time)

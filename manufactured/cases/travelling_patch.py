@@ -1,12 +1,14 @@
-"""A contact patch that appears, travels and vanishes; A and G are not proportional.
+"""A contact patch that appears, travels and vanishes.
+
+The gap w, the contact pressure p, the normal strain q at t = 0, and the contact zone {ψ ≥ 0} with the centre b are
 
     w = 60 (1/4 + 3t(1 − t)) (−ψ)_+^4,   p = 3000 ψ_+²,   q(0) = 0,
     ψ = (3/4)(t − 1/8)(7/8 − t) − (x − b(t))²,   b(t) = 3/10 + 2t/5
 
-on the unit square.
+on the bottom of the unit square. Viscosity A and elasticity G are not proportional.
 
-Predicted order 1: the fronts move, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that Prop. 5.4
-applies.
+Predicted order 1: the fronts move. The exponents of gap and pressure at the fronts, α = 4 > 7/2 and m = 2 > 3/2, give
+(5.36), so that Prop. 5.4 applies.
 
 The patch appears at t = 1/8, travels from left to right and vanishes at t = 7/8; its largest half-width is 0.32. When
 it appears and vanishes, the speed of its fronts is infinite. The gap is largest between these times, so that the error

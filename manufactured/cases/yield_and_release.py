@@ -1,10 +1,13 @@
-"""Law (3.3), K a ball in the Frobenius norm: all of Γ3 is pressed from rest, leaves K point by point, and is released.
+"""A face under the nonlinear law (3.3) is pressed from rest, leaves the set K point by point, and is released.
+
+The gap w, the contact pressure p and the contact zone {ψ ≥ 0} are
 
     w = 8 (t − t_1)_+² (1 + 4x(1 − x)),   p = a Q̇ + b (Q − ρ)_+,   ψ = t_1 − t,   t_1 = 3/5
 
-on the unit square, with Q of ``yielding`` from Q_0 = 0 to Q_1 = (3/2 + 2x(1 − x)) ρ > ρ; a = 3, b = β = 6, ρ = 1/2.
+on the bottom of the unit square. K is a ball in the Frobenius norm. The normal strain is q = −Q with Q of ``yielding``,
+from Q_0 = 0 to Q_1 = (3/2 + 2x(1 − x)) ρ > ρ; a = 3, b = β = 6, ρ = 1/2.
 
-Predicted order 1: there is no front; w and q = −Q are smooth in space, and u̇ is Lipschitz in time, which gives (5.36),
+Predicted order 1: there is no front. w and q = −Q are smooth in space, and u̇ is Lipschitz in time, which gives (5.36),
 so that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
 """
 
@@ -24,7 +27,10 @@ LAW = KelvinVoigt(isotropic(1, 1), Yield(6.0, FrobeniusBall(0.5)), "(3.3), Frobe
 
 
 def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: Expr = ONE) -> Case:
-    """Return the case, optionally with another law (3.3) and with its constants multiplied."""
+    """Return the case, optionally with another law (3.3).
+
+    ``gap``, ``pressure`` and ``speed`` are factors that multiply constants of the formulas.
+    """
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     release = RELEASE / speed

@@ -1,13 +1,15 @@
-"""Law (3.3), K = {|dev τ| ≤ r}: only x < c is in contact; its strain leaves K at once, and then it is released.
+"""A face under the nonlinear law (3.3): only x < c is in contact, its strain leaves the set K at once; then release.
+
+The gap w, the contact pressure p and the contact zone {ψ ≥ 0} are
 
     w = 15 t² (x − c)_+³ + 4 (t − t_1)_+²,   p = a Q̇ + b (Q − ρ)_+,   c = 3/5,   t_1 = 3/5,
     ψ = c − x for t < t_1,   ψ = −1 for t ≥ t_1
 
-on the unit square, with Q of ``yielding`` from Q_0 = ρ, the edge of K, to Q_1 = ρ + 3 (c − x)_+²; a = 5/2, b = β/2 = 4,
-ρ = √2/10.
+on the bottom of the unit square. K = {|dev τ| ≤ r}. The normal strain is q = −Q with Q of ``yielding``, from Q_0 = ρ,
+the boundary of K, to Q_1 = ρ + 3 (c − x)_+²; a = 5/2, b = β/2 = 4, ρ = √2/10.
 
-Predicted order 1: the front is fixed, and the exponents α = 3 > 5/2 and m = 2 > 3/2 give u(t) ∈ H² and (5.36), so that
-Prop. 5.4 applies.
+Predicted order 1: the front is fixed. The exponents of gap and pressure at the front, α = 3 > 5/2 and m = 2 > 3/2, give
+u(t) ∈ H² and (5.36), so that Prop. 5.4 applies.
 """
 
 from sympy import Expr, Float, Rational
@@ -26,7 +28,10 @@ LAW = KelvinVoigt(isotropic(1, 0.5), Yield(8.0, DeviatoricBall(0.1)), "(3.3), de
 
 
 def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: Expr = ONE, place: Expr = ONE) -> Case:
-    """Return the case, optionally with another law (3.3) and with its constants multiplied."""
+    """Return the case, optionally with another law (3.3).
+
+    The other arguments are factors that multiply constants of the formulas.
+    """
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     release, c = RELEASE / speed, place * Rational(3, 5)

@@ -17,17 +17,24 @@ from manufactured.law import KelvinVoigt, Yield
 from manufactured.symbols import t
 
 RELEASE = Rational(3, 5)
-"""The time t_1 of the cases."""
+"""The time t_1 at which the face is released."""
 
 
 def edge(law: KelvinVoigt, part: Part) -> float:
-    """Return ρ, the Q at which the strain −Q n⊗n reaches the boundary of K, for the normal n of a face."""
+    """Return the value ρ of Q at which the strain −Q n⊗n on a face with the normal n reaches the boundary of K."""
     assert isinstance(law.G, Yield)
     return law.G.normal_response(part.normal)[1]
 
 
 def pressed_and_released(law: KelvinVoigt, part: Part, start: Expr, rise: Expr, release: Expr) -> Prescribed:
-    """Return the strain −Q on a face, for Q_0 = ``start``, Q_1 = ``start`` + ``rise`` and t_1 = ``release``."""
+    """Return the prescribed normal strain −Q on a face that is loaded and then released.
+
+    Args:
+        law: the law (3.3).
+        part: the face.
+        start, rise: the formulas of Q_0 and of Q_1 − Q_0.
+        release: the time t_1 of release.
+    """
     assert isinstance(law.G, Yield)
     response, rho = law.G.normal_response(part.normal)
     tau = t / release

@@ -1,14 +1,14 @@
-"""Exact solutions with contact: a displacement in the body is made from the gap and the pressure on a contact face.
+"""Exact solutions with contact: the displacement in the body is made from the gap and the pressure on a contact face.
 
-This construction is called lifting. Near a flat part of Γ3 let s be coordinates along the face, y the distance from it
-into the body, and n = −ν. Given are an initial gap g(s) ≥ 0, the remaining gap w(s, t) = g − u_ν ≥ 0 and a pressure
-p(s, t) = −σ_ν ≥ 0 with w p = 0. Let q = ε_nn and r = 2ε_sn be the strain on the face that p produces
-(``manufactured.face_strain``). The displacement is
+This construction is called lifting. Near a flat part of the contact boundary Γ3 let s be coordinates along the face, y
+the distance from it into the body, and n = −ν. Given are an initial gap g(s) ≥ 0, the remaining gap
+w(s, t) = g − u_ν ≥ 0 and a pressure p(s, t) = −σ_ν ≥ 0 with w p = 0. Let q = ε_nn and r = 2ε_sn be the strain on the
+face that p produces (``manufactured.face_strain``). The displacement is
 
     u_s = −y ∇_s (w − g) φ(y/ℓ) + y r φ(y/ℓ),     u_n = (w − g + y q) φ(y/ℓ),
 
-with a polynomial φ on [0, 1] that satisfies φ(0) = 1, φ'(0) = 0 and φ(1) = 0, and φ = 0 beyond 1. Other functions of y
-with the same values and slopes at y = 0 may be used (``manufactured.profile``).
+with a depth ℓ and a polynomial φ on [0, 1] that satisfies φ(0) = 1, φ'(0) = 0 and φ(1) = 0; φ = 0 beyond 1. Other
+functions of y with the same values and slopes at y = 0 may be used (``manufactured.profile``).
 
 On the face y = 0, u_n = w − g, u_s = 0, ε_ss = 0, ε_nn = q, and 2ε_sn = −∇_s (w − g) + r + ∇_s (w − g) = r. By the
 choice of (q, r), σ_τ = 0 and σ_ν = −p. So the contact conditions hold exactly, for every contact zone. The displacement

@@ -1,4 +1,4 @@
-"""The contact data on one part of Γ3, and the displacement in the body that is made from them (lifting)."""
+"""The contact data on one part of the contact boundary, and the displacement that is made from them (lifting)."""
 
 from __future__ import annotations
 
@@ -19,31 +19,39 @@ from manufactured.symbols import FormulaError, Index, Values, refuse_kinks, s, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, mapped, pairs, rotation
 
 VARIABLES = {2: (s,), 3: (s1, s2)}
-"""The coordinates along a face, by the dimension of the body."""
+"""The symbols of the coordinates along a contact face, by the dimension of the body."""
 
 
 PLAIN = cutoff()
-"""The default profile, φ = HERMITE down to depth 1."""
+"""The default profile: the displacement is continued by the polynomial ``HERMITE`` down to the depth 1."""
 ZERO_GAP = sp.Integer(0)
 SIGNS, ROUNDED = {1: 1001, 2: 101}, 1e-12
-"""Number of points along each axis at which the sign of the initial gap is tested (in 2D and 3D), and the permitted
-relative round-off."""
+"""The test that an initial gap is nowhere negative.
+
+``SIGNS`` is the number of points along each axis of the face, in 2D and in 3D; ``ROUNDED`` is the permitted relative
+round-off.
+"""
 PLACES, DIVISIONS, PARTS = 1000, 11, 16
-"""Fronts are found as follows. The sign of ψ is tested at PLACES points of the face. An interval in which it changes is
-divided into PARTS parts, and the part with the change again, DIVISIONS times, down to 1e-16 of the face."""
+"""Numbers for the search of contact fronts, where the level function ψ changes its sign along a face.
+
+The sign of ψ is tested at ``PLACES`` points of the face. An interval in which it changes is divided into ``PARTS``
+parts, and then the part with the change again, ``DIVISIONS`` times, down to 1e-16 of the face.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class ContactFace:
-    """The contact data on one part of Γ3, from which the displacement in the body is made.
+    """The contact data on one part of the contact boundary, from which the displacement in the body is made.
 
     Attributes:
-        part: the part Γ3,i. gap: the gap w(s, t), a SymPy formula of ``symbols.s`` (``s1`` and ``s2`` in 3D) and
-        ``symbols.t``. strain: the strain (q, r) on the face as a function of s and t. level: the formula of ψ(s, t);
-        the contact zone is {ψ ≥ 0}. profile: the functions of the depth y that continue the data into the body. rough:
-        the coordinates s at which the strain is singular or has a kink at all times; quadrature cuts cells there.
-        initial_gap: the formula of g(s), the distance of the undeformed body from the foundation; 0 in the paper. The
-            gap is w = g − u_ν.
+        part: the part Γ3,i.
+        gap: the formula of the gap w(s, t) = g − u_ν, with the symbols ``s`` (``s1`` and ``s2`` in 3D) and ``t``.
+        strain: the normal strain q and the shear strain r on the face, as functions of s and t.
+        level: the formula of a function ψ(s, t); the contact zone is {ψ ≥ 0}.
+        profile: the functions of the depth y that continue the data into the body.
+        rough: the coordinates s at which the strain is singular or has a kink at all times; quadrature cuts cells
+            there.
+        initial_gap: the formula of g(s), the distance of the undeformed body from the foundation; 0 in the paper.
 
     Raises:
         FormulaError: a kink is not written with ``pos``; a formula has symbols other than s, s1, s2 and t; an entry of
@@ -60,7 +68,7 @@ class ContactFace:
 
     def __post_init__(self) -> None:
         refuse_kinks(self.gap, self.strain.formula, self.level, self.initial_gap)
-        # Evaluated here, so that an invalid formula raises an error when the face is made, not when it is used.
+        # Computed now, so that an invalid formula raises an error when the face is made and not when it is used.
         self.gap_jet, self.level_jet, self.inward_jet  # noqa: B018
         if not np.isfinite(self.rough).all():
             raise FormulaError(f"the rough points {self.rough} are not all numbers")
@@ -80,14 +88,16 @@ class ContactFace:
         rough: tuple[float, ...] = (),
         initial_gap: sp.Expr = ZERO_GAP,
     ) -> ContactFace:
-        """Return the contact face for a linear law, for which the pressure determines the strain on the face.
+        """Return the contact face for a linear law; the strain on the face is computed from the pressure.
 
         Args:
             part: the part Γ3,i.
             law: the material law, with linear G.
             T: the final time.
-            gap, pressure, level: the formulas of w, p and ψ.
-            initial: the formula of the strain q(s, 0); without it the body starts in elastic equilibrium.
+            gap: the formula of the gap w(s, t).
+            pressure: the formula of the contact pressure p(s, t).
+            level: the formula of ψ(s, t); the contact zone is {ψ ≥ 0}.
+            initial: the formula of the normal strain q(s, 0). By default the body starts in elastic equilibrium.
             profile, rough, initial_gap: see ``ContactFace``.
 
         In this example the left half of the bottom of the unit square is always in contact, with p = t(½ − s)²₊:
@@ -130,7 +140,7 @@ class ContactFace:
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
-        """The coordinates along the face."""
+        """The symbols of the coordinates along the face."""
         return VARIABLES[len(self.part.frame)]
 
     @cached_property
@@ -143,7 +153,7 @@ class ContactFace:
 
     @cached_property
     def inward_jet(self) -> Jet:
-        """The jet of the displacement into the body, u_n = −u_ν = w − g."""
+        """The displacement of the face into the body, u_n = −u_ν = w − g, as a formula with its derivatives."""
         return Jet(sp.sympify(self.gap) - self.initial_gap, self.variables) if self.initial_gap else self.gap_jet
 
     @cached_property
@@ -156,7 +166,7 @@ class ContactFace:
 
     @cached_property
     def pressure_jet(self) -> Jet | None:
-        """The jet of the prescribed pressure p; None if p is not prescribed but follows from the law."""
+        """The prescribed pressure p as a formula with its derivatives; None if p follows from a prescribed strain."""
         stated = getattr(self.strain, "pressure", None)
         return None if stated is None else Jet(stated, self.variables)
 
@@ -166,7 +176,7 @@ class ContactFace:
         return self.strain.formula
 
     def fronts(self, time: float) -> tuple[float, ...]:
-        """Return the fronts, that is, the coordinates s at which ψ(·, t) changes its sign, for a body in 2D.
+        """Return the contact fronts at a time for a body in 2D: the coordinates s at which ψ(·, t) changes its sign.
 
         Two fronts whose distance is less than a thousandth of the face may be missed.
         """
@@ -174,21 +184,23 @@ class ContactFace:
         def contact(s: Array) -> Array:
             return np.broadcast_to(self.level_jet(s[None], time)[(0,)] > 0, s.shape)
 
-        # The grid is not uniform, so that fronts at simple fractions of the face do not lie on it.
+        # Fronts often lie at simple fractions of the face. The grid is not uniform, so that they do not coincide with
+        # its points.
         grid = self.part.measure * np.linspace(0, 1, PLACES) ** 1.01
         inside = contact(grid)
         here = np.flatnonzero(inside[:-1] != inside[1:])
         low, high, left = grid[here], grid[here + 1], inside[here]
         parts = np.arange(1, PARTS)[:, None] / PARTS
         for _ in range(DIVISIONS if here.size else 0):
-            # PARTS parts instead of bisection, because a formula takes about as long for many points as for one.
+            # Many parts instead of bisection, because evaluating a formula takes about as long for many points as for
+            # one.
             places = np.vstack([low, low + (high - low) * parts, high])
             before = (contact(places[1:-1]) == left).cumprod(axis=0).sum(axis=0)
             low, high = np.take_along_axis(places, before + np.array([[0], [1]]), axis=0)
         return tuple(map(float, (low + high) / 2))
 
     def _refuse_wrong_initial_gap(self) -> None:
-        """Refuse an initial gap that depends on t or is negative somewhere on the face (FormulaError)."""
+        """Raise FormulaError if the initial gap depends on t or is negative somewhere on the face."""
         if sp.sympify(self.initial_gap).has(t):
             raise FormulaError(
                 f"the initial gap {self.initial_gap} depends on t, but it is the distance of the undeformed body from "
@@ -212,9 +224,10 @@ class ContactFace:
 
 
 class _Traces:
-    """Evaluates u_n and (q, r), or their rates, at fixed points of a face, with derivatives along the face.
+    """Evaluates the displacement u_n and the strain (q, r) on a face at fixed points, with derivatives along the face.
 
-    The derivatives of u_n are up to order + 1, the derivatives of (q, r) up to the given order.
+    A call returns derivatives of u_n up to order + 1, and derivatives of (q, r) up to ``order``; if ``rate`` is true,
+    of their rates.
     """
 
     def __init__(self, face: ContactFace, s: Array) -> None:
@@ -227,11 +240,11 @@ class _Traces:
 
 
 class Lifting:
-    """Evaluates the displacement field of a contact face, its strain and their rates at fixed points.
+    """Evaluates the displacement field of a contact face, its strain and their rates at fixed points of the body.
 
     For n times, the results have n as an additional last axis. Factors that do not depend on time are computed once.
     Formulas are evaluated once for each distinct coordinate s, because many points have the same s on structured
-    meshes. At points deeper than the profile all fields are zero.
+    meshes. At points deeper than the profile reaches, all fields are zero.
     """
 
     def __init__(self, face: ContactFace, x: Points) -> None:
@@ -248,7 +261,7 @@ class Lifting:
         self._functions: dict[tuple[str, int], Array] = {}
 
     def _profile(self, name: str, derivative: int) -> Array:
-        """Return a derivative of a combination of profile functions (``COMBINATIONS``) at the points, computed once."""
+        """Return a derivative in y of a profile function (a name in ``COMBINATIONS``) at the points, cached."""
         if (name, derivative) not in self._functions:
             self._functions[name, derivative] = sum(
                 getattr(self.face.profile, f)(self.y, derivative + k) for f, k in COMBINATIONS[name]
@@ -256,9 +269,9 @@ class Lifting:
         return self._functions[name, derivative]
 
     def traces(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
-        """Return u_n and (q, r) on the face, or their rates, for every point.
+        """Return the displacement u_n and the strain (q, r) on the face below every point, or their rates.
 
-        u_n comes with its derivatives along the face up to order + 1, (q, r) with theirs up to ``order``.
+        u_n comes with its derivatives along the face up to order + 1, (q, r) with their derivatives up to ``order``.
         """
         w, strain = self.on_face(time, rate, order)
         return self._spread(w), tuple(self._spread(values) for values in strain)
@@ -267,7 +280,7 @@ class Lifting:
         return values if self.where is None else {index: v[self.where] for index, v in values.items()}
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
-        """Return u, or u̇ if ``rate``, in global axes, (d, ...)."""
+        """Return the displacement u, or the velocity u̇ if ``rate`` is true, in global axes, (d, ...)."""
         deep = self.deep
         w, (q, *shear) = self.traces(time, rate, int(deep))
         zero, first = first_indices(len(self.s))
@@ -283,7 +296,7 @@ class Lifting:
         return self._everywhere(mapped(self.frame, np.array(local)), 1)
 
     def _everywhere(self, values: Array, inner: int) -> Array:
-        """Return values at all points from values at the points within the depth of the profile; 0 elsewhere.
+        """Extend values at points within the depth of the profile to all points, by 0.
 
         The axes of the points follow the first ``inner`` axes.
         """
@@ -295,13 +308,13 @@ class Lifting:
         return found
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
-        """Return ε(u), or ε(u̇) if ``rate``, in global axes, as Mandel vectors (D, ...)."""
+        """Return the strain ε(u), or its rate if ``rate`` is true, in global axes, as Mandel vectors (D, ...)."""
         w, strain = self.traces(time, rate, 1 + self.deep)
         local = self._local(w, strain, (0,) * len(self.s), 0, time)
         return self._everywhere(local if self.rotation is None else mapped(self.rotation, local), 1)
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
-        """Return the derivatives ∂_j ε(u), or ∂_j ε(u̇) if ``rate``, in global axes, (D, d, ...).
+        """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, in global axes, (D, d, ...).
 
         At fronts they may not exist; one-sided values are returned there.
         """
@@ -314,8 +327,9 @@ class Lifting:
         return self._everywhere(np.moveaxis(mapped(self.frame, local), 0, 1), 2)
 
     def modes(self) -> Modes:
-        """Return ε(u) as a sum of products of functions of x and of (s, t)."""
-        # Local variables, so that the function below does not keep ``self`` with all points in memory.
+        """Return the strain ε(u) as a sum of products: a function of the point times a function of (s, t)."""
+        # The function below uses local variables. A reference to ``self`` would keep the arrays of all points in
+        # memory.
         on_face, order, count = self.on_face, 1 + self.deep, self.s[0].size
         terms = strain_terms(len(self.s), self.deep, len(on_face(0.0, False, 0)[1]) - 1)
         axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
@@ -336,18 +350,18 @@ class Lifting:
 
     @property
     def deep(self) -> bool:
-        """Whether the profile has a function e, so that the strain contains second derivatives of q."""
+        """Whether the profile has a function e; the strain then contains second derivatives of q along the face."""
         return self.face.profile.e is not ZERO
 
     def _local(self, w: Values, strain: Components, along: Index, into: int, time: Array | complex) -> Tensors:
-        """Return the derivative ∂_s^along ∂_y^into of the local strain in the axes (s, n), for into ∈ {0, 1}."""
+        """Return the derivative ∂_s^along ∂_y^into of the strain in the axes (s, n) of the face; ``into`` is 0 or 1."""
         n, traces = len(self.s), (w, *strain)
         dtype = np.result_type(w[along], strain[0][along], self.y)
         components = np.empty((len(pairs(n + 1)), *self.y.shape, *np.shape(time)), dtype=dtype)
         begun: set[int] = set()
         for term in strain_terms(n, self.deep, len(strain) - 1):
             trace, shape = traces[term.source][plus(term.along, along)], self._shape(term.profile, into, time)
-            # The first term of each row initialises the row, which saves the addition to zeros.
+            # The first term of each row initialises the row, so the array need not be filled with zeros.
             first = term.row not in begun
             part = np.multiply(trace, shape, out=components[term.row] if first else None)
             if term.factor != 1:
@@ -358,19 +372,24 @@ class Lifting:
         return components
 
     def _shape(self, name: str, derivative: int, time: Array | complex) -> Array:
-        """Return ``_profile`` with an additional axis if there are several times."""
+        """Return the result of ``_profile``, with an additional axis if there are several times."""
         return self._profile(name, derivative).reshape(*self.y.shape, *(1,) * np.ndim(time))
 
 
 def distinct(places: Array) -> tuple[Array, Array | None]:
-    """Return the distinct coordinates of points, (d − 1, m), and for each point the index of its coordinates, (...).
+    """Find the distinct coordinates s among many points.
 
-    Coordinates that differ only by round-off count as equal. If few are equal, the result is (places, None).
+    Coordinates that differ only by round-off count as equal.
+
+    Returns:
+        The distinct coordinates, (d − 1, m), and for each point the index of its coordinates, (...). If few coordinates
+        are equal, the result is (places, None).
     """
     if np.iscomplexobj(places) or places[0].size < 64:
         return places, None
     rounded = np.round(places.reshape(len(places), -1), 13)
-    # Two coordinates are combined to one complex number, which NumPy sorts by its real and then its imaginary part.
+    # To sort pairs of coordinates, each pair is stored as one complex number, which NumPy sorts by real, then imaginary
+    # part.
     keys = rounded[0] if len(rounded) == 1 else rounded[0] + 1j * rounded[1]
     distinct = np.unique(keys)
     if 2 * len(distinct) > len(keys):

@@ -20,17 +20,19 @@ COMBINATIONS: dict[str, tuple[tuple[str, int], ...]] = {
     "a'+b": (("a", 1), ("b", 0)),
     "e'+d": (("e", 1), ("d", 0)),
 }
-"""The combinations of profile functions and their derivatives that occur in strains."""
+"""For each function of y that occurs in strains: its profile functions and the orders of their derivatives."""
 
 
 class StrainTerm(NamedTuple):
-    """One term of a component of the local strain, factor · ∂^along (w, q or r) · (function of y).
+    """One term of a component of the strain in the axes of a contact face.
+
+    It is factor · ∂^along (w, q or r) · (function of y) for the gap w, the normal strain q and the shear strain r.
 
     Attributes:
         row: the row of the Mandel vector in the axes (s, n).
         factor: the factor, which contains √2 or √½ for off-diagonal components.
         source: 0 for w, 1 for q, 2 + i for r_i.
-        along: the multi-index of the derivative of w, q or r along the face.
+        along: the multi-index of the derivative along the face.
         profile: the name of the function of y in ``COMBINATIONS``.
     """
 
@@ -43,12 +45,12 @@ class StrainTerm(NamedTuple):
 
 @lru_cache
 def strain_terms(n: int, deep: bool, shear: int) -> tuple[StrainTerm, ...]:
-    """Return the terms of the strain.
+    """Return all terms of the strain of a contact face.
 
     Args:
         n: the number of coordinates along the face.
         deep: whether the profile has a function e, so that the strain contains second derivatives of q.
-        shear: the number of components r_i.
+        shear: the number of shear components r_i.
     """
     zero, first = first_indices(n)
     found = []
@@ -74,6 +76,6 @@ def plus(*indices: tuple[int, ...]) -> tuple[int, ...]:
 
 
 def first_indices(variables: int) -> tuple[tuple[int, ...], list[tuple[int, ...]]]:
-    """Return the multi-index 0 of the value, and the multi-indices of the first derivatives."""
+    """Return the multi-index of a function itself, (0, …), and the multi-indices of its first derivatives."""
     unit = np.eye(variables, dtype=int)
     return (0,) * variables, [tuple(int(i) for i in row) for row in unit]

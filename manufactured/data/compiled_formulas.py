@@ -14,18 +14,19 @@ from manufactured.symbols import FormulaError, pos, t
 from manufactured.tensors import Points, Vectors
 
 KNOWN = {str(symbol): symbol for symbol in (x1, x2, x3, t)}
-"""The symbols of formulas by name."""
+"""The symbols that formulas may contain, by their names."""
 SMALLEST, LARGEST = float(np.finfo(float).tiny), float(np.finfo(float).max)
 
 
 def compiled(
     formulas: Sequence[sp.Expr | float], count: int, name: str, symbols: tuple[sp.Symbol, ...]
 ) -> Callable[..., Vectors]:
-    """Return a function of points (d, ...), and of a time, that evaluates formulas: (count, ...).
+    """Return a function that evaluates formulas at points, (d, ...) → (count, ...), and at a time if t is among the
+    symbols.
 
     Args:
         formulas: the formulas.
-        count: how many there must be.
+        count: the number of formulas that is expected.
         name: the name of the quantity, for messages.
         symbols: the symbols that the formulas may contain, in the order of the arguments.
 
@@ -44,7 +45,7 @@ def compiled(
     call = function(symbols, expressions)
     _require_values(call, len(symbols), expressions, name)
 
-    # NumPy joins the conditions of a Piecewise only if they have one shape.
+    # NumPy can evaluate a Piecewise only if all of its conditions have the same shape, so all arguments get one shape.
     spread = any(expression.has(sp.Piecewise) for expression in expressions)
 
     def values(x: Points, *time: float) -> Vectors:
@@ -55,7 +56,7 @@ def compiled(
 
 
 def own_formula(formula: sp.Expr | float) -> sp.Expr:
-    """Return a formula with the symbols of this package and with steps written with ``pos``.
+    """Return a formula of the user with the symbols of this package, and with steps written with ``pos``.
 
     SymPy distinguishes symbols of the same name by their assumptions, so x1, x2, x3 and t of the user are replaced.
     Heaviside(x) becomes pos(x, 0), which is 1 for x > 0 and 0 elsewhere.
@@ -67,7 +68,7 @@ def own_formula(formula: sp.Expr | float) -> sp.Expr:
 
 
 def _require_numbers(expression: sp.Expr, name: str) -> None:
-    """Refuse a formula with a number that is not real or that double precision cannot represent (FormulaError)."""
+    """Raise FormulaError if a formula contains a number that is not real or that double precision cannot represent."""
     if expression.has(sp.I, sp.nan, sp.oo, -sp.oo, sp.zoo):
         raise FormulaError(f"{name} = {expression} is not a real finite number everywhere; correct the formula")
     for number in expression.atoms(sp.Number):
@@ -79,7 +80,7 @@ def _require_numbers(expression: sp.Expr, name: str) -> None:
 
 
 def _require_values(call: Callable[..., Any], count: int, expressions: Sequence[sp.Expr], name: str) -> None:
-    """Refuse formulas with functions that NumPy does not have (FormulaError), by evaluating them once."""
+    """Evaluate formulas once, and raise FormulaError if they contain functions that NumPy does not have."""
     try:
         with np.errstate(all="ignore"):
             call(*np.zeros((count, 1)))

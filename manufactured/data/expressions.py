@@ -9,11 +9,14 @@ import sympy as sp
 
 @dataclass(frozen=True)
 class Expressions:
-    """The formulas of f_0, f_2 and u_0 in x1, x2 (x3) and t. Two instances are equal if their formulas are.
+    """Formulas of the body force f_0, the tractions f_2 and the initial displacement u_0 in x1, x2 (x3) and t.
+
+    Two instances are equal if their formulas are equal.
 
     Attributes:
         force: the components of f_0.
-        loads: (number of a part of ``body.parts``, components of f_2 on it), by number; no load on the other parts.
+        loads: pairs of the number of a part in ``body.parts`` and the components of f_2 on it, sorted by number. On
+            other parts there is no load.
         start: the components of u_0.
     """
 

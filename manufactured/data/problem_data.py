@@ -23,7 +23,7 @@ Formulas = Sequence[sp.Expr | float]
 
 
 def no_fronts(time: float) -> tuple[Hyperplane, ...]:
-    """Return no lines, for a body force without moving fronts."""
+    """Return an empty tuple of lines, for a body force without moving fronts."""
     return ()
 
 
@@ -32,15 +32,15 @@ class Data:
     """The data of Problem 2.1: body, law, loads and initial displacement.
 
     Attributes:
-        body: Ω, Γ1, Γ2, Γ3, T.
-        law: A and G.
+        body: the body with its boundary parts and the final time.
+        law: the material law.
         body_force: a function from points (d, ...) to the function t ↦ f_0 at these points, (d, ...).
         surface_load: a function from a part of Γ2 and points on it to the function t ↦ f_2 at these points, (d, ...).
             Loads of an exact solution also accept an array of n times and then return values with n as a last axis.
-        start: a function from points to u_0, (d, ...), with u_0 = 0 on Γ1 and u_0ν ≤ 0 on Γ3.
-        initial: a function from points to ε(u_0), (D, ...).
+        start: a function from points to the initial displacement u_0, (d, ...), with u_0 = 0 on Γ1 and u_0ν ≤ 0 on Γ3.
+        initial: a function from points to the initial strain ε(u_0), (D, ...).
         lines: lines (direction, offset) across which f_0 or ε(u_0) is not smooth at any time, for quadrature.
-        points: vertices of Ω at which f_0 or ε(u_0) is singular.
+        points: vertices of the body at which f_0 or ε(u_0) is singular.
         formulas_of: the source of the functions, by which equal data are recognised: an exact solution,
             ``Expressions``, or None for functions of Python.
         fronts: a function from a time to lines across which f_0 jumps or has kinks at this time only.
@@ -62,7 +62,7 @@ class Data:
 
     @property
     def has_initial_gap(self) -> bool:
-        """Whether the data belong to an exact solution with an initial gap; data from formulas have none."""
+        """Whether the data belong to an exact solution with an initial gap. Data from formulas have no initial gap."""
         return isinstance(self.formulas_of, ExactSolution) and self.formulas_of.has_initial_gap
 
     @classmethod
@@ -160,7 +160,7 @@ class Data:
 def _surface_load(
     body: Body, f2: Mapping[int, Formulas], symbols: tuple[sp.Symbol, ...]
 ) -> Callable[[Part, Points], ForceInTime]:
-    """Return the function ``Data.surface_load`` for given formulas; f_2 is zero on other parts."""
+    """Return the function ``Data.surface_load`` for given formulas of f_2; on parts without a formula, f_2 is zero."""
     loads = {}
     for number, load in f2.items():
         if not 0 <= number < len(body.parts) or body.parts[number].kind is not Kind.LOADED:
@@ -177,9 +177,9 @@ def _surface_load(
 
 
 POINTS, TIMES = 64, 5
-"""Points in the body and on each part, and times, at which the data are checked."""
+"""Numbers of random points in the body and on each part, and of times, at which the data are checked."""
 ROUNDING = 1e-12
-"""Relative size below which u_0 vanishes on Γ1 and lies in K."""
+"""Relative size up to which u_0 on Γ1, and penetration of u_0 on Γ3, count as round-off."""
 LARGEST = 1e100
 """Largest permitted value of f_0, f_2, u_0 and ε(u_0): their squares must not overflow."""
 
@@ -189,7 +189,7 @@ class LoadError(ValueError):
 
 
 def check(data: Data) -> None:
-    """Raise LoadError unless the data are admissible; see ``Data.check``."""
+    """Raise LoadError unless the data are admissible; ``Data.check`` lists the conditions."""
     rng = np.random.default_rng(0)
     inside = _inside(data.body, rng)
     _check_factors(data.law, inside)
@@ -231,7 +231,7 @@ def _check_start(data: Data, inside: Points, rng: np.random.Generator) -> None:
 
 
 def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
-    """Return the initial gap at points of a part; 0 outside Γ3 and for data without an initial gap."""
+    """Return the initial gap at points of a boundary part; 0 outside Γ3 and for data without an initial gap."""
     solution = data.formulas_of
     if not (isinstance(solution, ExactSolution) and solution.has_initial_gap and part.kind is Kind.CONTACT):
         return 0.0
@@ -240,14 +240,14 @@ def _initial_gap(data: Data, part: Part, x: Points) -> Array | float:
 
 
 def _inside(body: Body, rng: np.random.Generator) -> Points:
-    """Return at most POINTS random points of Ω, (d, n)."""
+    """Return at most POINTS random points of the body, (d, n)."""
     low, high = body.vertices.min(axis=1, keepdims=True), body.vertices.max(axis=1, keepdims=True)
     x = low + (high - low) * rng.random((body.dim, 8 * POINTS))
     return x[:, body.contains(x)][:, :POINTS]
 
 
 def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -> Vectors:
-    """Return the values; LoadError if they have a wrong shape, are not finite or exceed ``LARGEST``."""
+    """Return values of data, or raise LoadError if they have a wrong shape, are not finite or exceed ``LARGEST``."""
     if np.shape(values) != (components, *x.shape[1:]):
         raise LoadError(
             f"{name} has the shape {np.shape(values)} at points {x.shape}{when}, expected {(components, *x.shape[1:])}"

@@ -13,10 +13,10 @@ from manufactured.tensors import Array, Points, Tensors, Vectors
 
 
 class ContributionAtPoints(Protocol):
-    """A displacement field at fixed points, as a function of time.
+    """The interface of a displacement field at fixed points, as a function of time.
 
-    The methods return the field, its strain, or the gradient of its strain; if ``rate`` is true, the time derivatives.
-    For n times, (n,), the results have n as an additional last axis.
+    Its methods return the field, its strain, or the gradient of its strain. If ``rate`` is true, they return the time
+    derivatives. For n times, (n,), the results have n as an additional last axis.
     """
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors: ...
@@ -26,17 +26,18 @@ class ContributionAtPoints(Protocol):
 
 
 class Contribution(Protocol):
-    """A displacement field on the body; ``at`` returns the field at fixed points, (d, ...)."""
+    """The interface of a displacement field on the body; ``at`` returns the field at fixed points, (d, ...)."""
 
     def at(self, x: Points) -> ContributionAtPoints: ...
 
 
 class Face(Contribution, Protocol):
-    """A displacement field with contact on one part of Γ3, such as ``ContactFace`` or ``SingularFace``.
+    """The interface of a displacement field with contact on one part of Γ3, such as ``ContactFace``.
 
     Attributes:
-        gap, level: the formulas of w and ψ; ``gap_jet`` and ``level_jet`` evaluate them with their derivatives.
-        initial_gap: the formula of g; 0 in the paper.
+        gap, level: the formulas of the gap w and of the level function ψ, where {ψ ≥ 0} is the contact zone.
+            ``gap_jet`` and ``level_jet`` evaluate them with their derivatives.
+        initial_gap: the formula of the initial gap g; 0 in the paper.
         pressure_jet: evaluates the prescribed pressure; None if the pressure follows from the law.
         exponents_in: a formula whose truncated powers show how smooth the strain is near a front.
         rough: the coordinates s at which the strain is singular at all times.

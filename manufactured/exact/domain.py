@@ -1,4 +1,4 @@
-"""Refuses points and times outside the domain of an exact solution, because its formulas have values there, too."""
+"""Refuses points outside the body and times outside [0, T], where formulas of exact solutions have values, too."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from manufactured.body import Body
 from manufactured.tensors import Array, Points
 
 ROUNDING = 1e-9
-"""The distance from the body, relative to its extent, and from [0, T], relative to T, that counts as round-off."""
+"""Distance that counts as round-off: of a point from the body, relative to its extent, and of a time from [0, T]."""
 
 
 def coordinates(values: ArrayLike, count: int, what: str) -> Array:
@@ -35,13 +35,10 @@ def coordinates(values: ArrayLike, count: int, what: str) -> Array:
 
 
 def require_inside(body: Body, x: Points) -> None:
-    """Raise ValueError, naming the first point, if a point of x (d, ...) lies outside the body by more than round-off.
-
-    For a convex body this takes one product of x with each normal.
-    """
+    """Raise ValueError if a point of x, (d, ...), lies outside the body by more than round-off."""
     points = np.real(x).reshape(body.dim, -1)
     reach = ROUNDING * float(np.ptp(body.vertices, axis=1).max())
-    # The condition is negated, so that NaN coordinates are refused.
+    # Comparisons with NaN are false, so the condition is written such that NaN coordinates are refused.
     with np.errstate(invalid="ignore"):
         within = [part.normal @ points <= part.normal @ part.start + reach for part in body.parts]
         left = points[:, ~np.all(within, axis=0)]
@@ -60,7 +57,7 @@ def require_inside(body: Body, x: Points) -> None:
 def require_times(T: float, time: Array | complex) -> None:
     """Raise ValueError if a time lies outside [0, T] by more than round-off."""
     times = np.asarray(time).real.reshape(-1)
-    # The condition is negated, so that NaN is refused.
+    # Comparisons with NaN are false, so the condition is written such that NaN is refused.
     outside = ~(abs(times - T / 2) <= (0.5 + ROUNDING) * T)
     if outside.any():
         first = times[outside][0]

@@ -1,8 +1,8 @@
-"""The body force f_0 of a linear law as a sum of fixed fields times functions of (s, t).
+"""The body force f_0 of a linear law as a sum of fixed fields times functions of time and of the face coordinate s.
 
-−Div(α C ε(u)) is linear in u, and the displacement of a contact face is linear in the derivatives of w, q and r along
-the face. So f_0 is a sum over these derivatives, each multiplied by a field that does not depend on time. Other
-displacement fields are evaluated point by point.
+For a linear operator C, −Div(α C ε(u)) is linear in u. The displacement of a contact face is linear in the derivatives
+of w, q and r (gap, normal and shear strain) along the face. So f_0 is a sum over these derivatives, each multiplied by
+a field that does not depend on time. Other displacement fields are evaluated point by point.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from manufactured.tensors import Array, basis, rotation
 
 @dataclass(frozen=True, eq=False)
 class ForceModes:
-    """The body force f_0 = −Div(A ε(u̇)) − Div(G ε(u)) as sums of products, one sum for each displacement field.
+    """The body force f_0 = −Div(A ε(u̇)) − Div(G ε(u)) as sums of products, one sum for each displacement field of u.
 
     Attributes:
         viscous: −Div(A ε(u)); its time derivative is the viscous part of f_0.
-        elastic: −Div(G ε(u)).
+        elastic: −Div(G ε(u)), the elastic part of f_0.
     """
 
     viscous: list[Modes]
@@ -34,11 +34,14 @@ class ForceModes:
 
 
 Trace = tuple[int, Index]
-"""A derivative along the face: the number of the function, w (0), q (1) or r_i (2 + i), and the multi-index."""
+"""A derivative along the face of the gap or the strain.
+
+It is a pair of the number of the function, 0 for w, 1 for q and 2 + i for r_i, and the multi-index of the derivative.
+"""
 
 
 def force_modes(of: AtPoints, part: ContributionAtPoints, count: int) -> Modes:
-    """Return −Div(α C ε) of a displacement field at ``count`` points as a sum of products.
+    """Return the force −Div(α C ε) of a displacement field at ``count`` points, as a sum of products.
 
     In the result, ``Modes.tensors`` are the K constant vectors of the products, (K, d).
 
@@ -51,7 +54,7 @@ def force_modes(of: AtPoints, part: ContributionAtPoints, count: int) -> Modes:
 
 
 def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
-    """Return the force with one amplitude for each point and component."""
+    """Return the force of any displacement field, with one time-dependent value for each point and component."""
     dim = 2 if len(of.matrix) == 3 else 3
 
     def amplitudes(time: Array | float, rate: bool) -> Array:
@@ -66,34 +69,46 @@ def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
 
 @dataclass
 class _Fields:
-    """Collects, for each trace, the field −Div(α C ε), (d, n), that belongs to the value 1 of this trace alone."""
+    """Collects the force fields −Div(α C ε), (d, n), that belong to single derivatives of w, q and r along the face.
+
+    The field of a derivative (``Trace``) is the force if this derivative is 1 and all others are 0.
+    """
 
     of: Scaled
     reach: Array
     found: dict[Trace, Array] = field(default_factory=dict)
 
     def add(self, trace: Trace, vector: Array, values: Array) -> None:
-        """Add −v(x) values(x) to the field of a trace, with v of shape (d,) or (d, n)."""
+        """Add the vector field −v(x) f(x) to the field of a derivative of w, q or r.
+
+        Args:
+            trace: the derivative.
+            vector: v, (d,) or (d, n).
+            values: the scalar f at the points, (n,).
+        """
         product = -(vector if vector.ndim == 2 else vector[:, None]) * values
         self.found[trace] = self.found.get(trace, 0.0) + product
 
     @property
     def factor(self) -> Array | float:
-        """The factor α at the points within the depth of the lifting, (n,)."""
+        """The material factor α at the points within the depth of the displacement, (n,)."""
         return self.of.factor if isinstance(self.of.factor, float) else self.of.factor[self.reach]
 
     @property
     def slopes(self) -> Array | None:
-        """The derivatives ∂_j α at the points within the depth of the lifting, (d, n)."""
+        """The derivatives ∂_j α of the material factor at the points within the depth of the displacement, (d, n)."""
         return None if self.of.slopes is None else self.of.slopes[:, self.reach]
 
 
 def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
-    """Return the force of a contact face: one product for each trace and each non-zero component of its field."""
+    """Return the force of a contact face as a sum of products.
+
+    There is one product for each derivative of w, q and r, and each component of its field that is not zero.
+    """
     fields = _fields_of(of, lifting)
     dim = len(lifting.frame)
     chosen = [(trace, i) for trace, values in fields.items() for i in range(dim) if values[i].any()]
-    # Local variables, so that the function below does not keep the lifting with all points in memory.
+    # The function below uses local variables. A reference to the lifting would keep the arrays of all points in memory.
     on_face, count = lifting.on_face, lifting.s[0].size
     order = 2 + lifting.deep
 
@@ -113,7 +128,7 @@ def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
 
 
 def _fields_of(of: Scaled, lifting: Lifting) -> dict[Trace, Array]:
-    """Return the fields of all traces at the points within the depth of the lifting."""
+    """Return the force fields of all derivatives of w, q and r, at the points within the depth of the displacement."""
     profile, frame, y = lifting.face.profile, lifting.frame, lifting.y.ravel()
     axes, (_, first) = rotation(frame), first_indices(len(lifting.s))
     shear = len(lifting.on_face(0.0, False, 0)[1]) - 1

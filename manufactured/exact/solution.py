@@ -1,4 +1,4 @@
-"""An exact solution, and its fields at fixed points."""
+"""The class of exact solutions, and their fields at fixed points."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, ba
 
 @dataclass(frozen=True, eq=False)
 class ExactSolution:
-    """An exact solution of Problem 2.1, and the data that belong to it.
+    """An exact solution of Problem 2.1, and the loads that belong to it.
 
     The displacement u is the sum of displacement fields. The stress is σ = A ε(u̇) + G ε(u), and the loads are
     f_0 = −Div σ and f_2 = σν.
 
     Attributes:
-        body: Ω with Γ1, Γ2, Γ3 and the final time T.
-        law: A and G.
+        body: the body with its boundary parts and the final time T.
+        law: the material law, with viscosity A and elasticity G.
         faces: one displacement field for each part of Γ3, in the order of ``body.of(Kind.CONTACT)``. The field of one
             face must vanish on Γ1 and must not change the contact data of other faces.
         others: displacement fields without contact, such as the singularity of a corner.
@@ -73,7 +73,10 @@ class ExactSolution:
 
     @property
     def rough(self) -> tuple[Hyperplane, ...]:
-        """The lines or planes at which strains are never smooth: at ``rough`` points of faces and jumps of A and G."""
+        """The lines or planes at which strains are not smooth at any time.
+
+        They go through the points ``rough`` of the faces, or A or G jumps across them.
+        """
         fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
         return (*fronts, *self.law.steps)
 
@@ -109,10 +112,11 @@ class ExactSolution:
         return Fields(self, points)
 
     def on(self, face: Face, s: ArrayLike) -> FaceFields:
-        """Return gap, pressure and zone at fixed points of a contact face, (d − 1, ...), as functions of t ∈ [0, T].
+        """Return gap, pressure and zone at fixed points s of a contact face, (d − 1, ...), as functions of t ∈ [0,
+        T].
 
         Raises:
-            ValueError: s has another shape, or a point lies outside the body; the methods of the result raise it for
+            ValueError: s has another shape, or a point lies outside the body. The methods of the result raise it for
                 times outside [0, T].
         """
         return FaceFields(self, face, coordinates(s, self.body.dim - 1, "points of a face"))
@@ -150,7 +154,7 @@ class Fields:
         return self._law_at_times if np.ndim(time) else self.law
 
     def _total(self, field: Callable[[ContributionAtPoints], Array], time: Array | complex) -> Array:
-        """Return the sum of a field over all displacement fields; ValueError for times outside [0, T]."""
+        """Return the sum of a quantity, such as the strain, over all displacement fields."""
         require_times(self.solution.body.T, time)
         return reduce(np.add, map(field, self._parts))
 
@@ -175,7 +179,7 @@ class Fields:
         return [part.modes() for part in self._parts]
 
     def strain_gradient(self, time: Array | complex) -> Array:
-        """Return the derivatives ∂_j ε(u), (D, d, ...)."""
+        """Return the derivatives ∂_j of the strain ε(u), (D, d, ...)."""
         return self._total(lambda part: part.strain_gradient(time), time)
 
     def stress(self, time: Array | complex) -> Tensors:
@@ -191,7 +195,7 @@ class Fields:
         return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
 
     def force_modes(self) -> ForceModes:
-        """Return f_0 as sums of products, for a linear G; points are numbered as in ``x``."""
+        """Return the body force f_0 as sums of products; G must be linear. Points are numbered as in ``x``."""
         viscous, elastic = (
             [force_modes(tensor, part, self.x[0].size) for part in self._parts] for tensor in (self.law.A, self.law.G)
         )
@@ -213,7 +217,7 @@ class FaceFields:
         self._fields = solution.at(face.part.point(s))
 
     def _value(self, jet: Jet, time: Array | float) -> Array:
-        """Return the value of a formula at the points."""
+        """Return the value of a formula at the points and a time."""
         require_times(self.solution.body.T, time)
         return jet(self.s.reshape(*self.s.shape, *(1,) * np.ndim(time)), time)[(0,) * len(self.s)]
 
@@ -223,7 +227,7 @@ class FaceFields:
         return -np.tensordot(normal, traction(self._fields.stress(time), normal), axes=1)
 
     def stated_pressure(self, time: Array | float) -> Array:
-        """Return the prescribed pressure, or ``pressure`` if none was prescribed, (...)."""
+        """Return the prescribed contact pressure; if none was prescribed, the pressure from the stress, (...)."""
         jet = self.face.pressure_jet
         return self.pressure(time) if jet is None else self._value(jet, time)
 
@@ -236,7 +240,7 @@ class FaceFields:
     def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
         """Return the functions that must be continuous along the face, each with its derivative along an axis.
 
-        They are w, and for a ``ContactFace`` also ∇_s w, (q, r), and the initial gap g with ∇_s g.
+        They are the gap w, and for a ``ContactFace`` also ∇_s w, the strains q and r, and the initial gap g with ∇_s g.
 
         Returns:
             A dict from the name of a function to its values and the values of its derivative, (...) each.

@@ -1,4 +1,4 @@
-"""The strain on a contact face, q = ε_nn and r = 2ε_sn, for a given pressure p(s, t) = −σ_ν.
+"""The normal strain q = ε_nn and the shear strain r = 2ε_sn on a contact face, for a given pressure p(s, t) = −σ_ν.
 
 **Linear law** (``Memory``). If A and G do not couple the components nn and sn, only ε_nn is not zero on the face. Then
 σ_ν = a q̇ + g q with a = A_nnnn, g = G_nnnn, and

@@ -1,4 +1,4 @@
-"""Divides the pressure at a point into intervals of contact, in each of which it is a smooth function of t."""
+"""Divides the pressure at a point of a face into intervals of contact, in each of which it is smooth in time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ from manufactured.tensors import Array
 
 
 def smooth_branch(term: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
-    """Return the moving fronts ψ of a term of p, and the formula of the term where all ψ are positive.
+    """Return the moving fronts of a term of the pressure, and the formula of the term where there is contact.
+
+    A moving front is given by a formula ψ that is positive where there is contact.
 
     Raises:
         FormulaError: the exponent of a moving front is not an integer ≥ 2, or the formula between the fronts contains
@@ -24,8 +26,8 @@ def smooth_branch(term: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[tupl
     """
     fronts = [p for p in term.atoms(pos) if p.args[0].has(t)]
     for power in fronts:
-        # With m = 1 the second derivative along the face would contain a term at the front. For a ψ that depends on
-        # time only there is no such term.
+        # With the exponent 1, the second derivative of the strain along the face would contain a Dirac measure at the
+        # front. If ψ depends on time only, there is no such measure.
         lowest = 2 if power.args[0].free_symbols & set(variables) else 0
         if not (power.args[1].is_integer and power.args[1] >= lowest):
             raise FormulaError(
@@ -44,11 +46,11 @@ def smooth_branch(term: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[tupl
 
 @dataclass(frozen=True, eq=False)
 class PressureTerm:
-    """The terms of p/a with the same moving fronts.
+    """Terms of p/a (pressure divided by viscosity) that have the same moving fronts.
 
     Attributes:
         moving: the fronts.
-        integral: the hereditary integral of their smooth branch.
+        integral: computes integrals over time of the formula that holds where there is contact.
     """
 
     moving: tuple[Front, ...]
@@ -63,7 +65,10 @@ class PressureTerm:
         return cls(tuple(front(formula, variables) for formula in fronts), integral)
 
     def intervals(self, points: Array, T: float) -> tuple[Array, Array]:
-        """Return the times at which contact begins and ends at N points, (J, N) each; equal times mean no contact."""
+        """Return the times at which contact begins and ends at N points, (J, N) each.
+
+        If both times of an interval are equal, there is no contact in this interval.
+        """
         passes = [np.empty((0, points.shape[1]))]
         for moving in self.moving:
             passes.append(moving.passes(points, T))

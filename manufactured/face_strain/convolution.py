@@ -1,4 +1,4 @@
-"""Integrals of polynomials times e^{−λ(t−r)}, by the φ-functions of exponential integrators."""
+"""Integrals over time of polynomials times e^{−λ(t−r)}, by the φ-functions of exponential integrators."""
 
 from __future__ import annotations
 
@@ -17,32 +17,47 @@ from manufactured.tensors import Array
 
 
 class Started(Protocol):
-    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points with fixed a, as functions of b."""
+    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points, as functions of b for a fixed a."""
 
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """Return the integrals up to the times ``upper``, (n,), at the points with the indices ``chosen``, (n,).
+        """Return the integrals up to given times, at some of the points.
 
-        The result is a dict from multi-indices i to values, (n,).
+        Args:
+            upper: the times b, (n,).
+            chosen: the indices of the points, (n,).
+
+        Returns:
+            A dict from the multi-index i of the derivative to the values, (n,).
         """
         ...
 
 
 class Integral(Protocol):
-    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr of a smooth part P of p/a."""
+    """The interface of integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time.
+
+    P is a smooth part of p/a, pressure over viscosity.
+    """
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals for |i| ≤ order at points (d − 1, N), from ``lower`` (N,) to at most ``upper`` (N,)."""
+        """Prepare the integrals for given points and starting times.
+
+        Args:
+            points: the coordinates s of the points, (d − 1, N).
+            lower: the starting times a, (N,).
+            upper: the latest times b for which integrals will be needed, (N,).
+            order: the highest order |i| of derivatives along the face.
+        """
         ...
 
 
 class Convolution:
-    """Computes ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a smooth part P of p/a that is a polynomial of r, of degree m.
+    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a polynomial P of the time r, of degree m.
 
     With τ = b − a, Taylor's formula at a gives
 
-        ∫_a^b e^{−λ(b−r)} P(r) dr = Σ_{j≤m} ∂_r^j P(a) τ^{j+1} φ_{j+1}(−λτ),    φ_k(z) = Σ_n z^n/(n + k)!,
+        ∫_a^b e^{−λ(b−r)} P(r) dr = Σ_{j≤m} ∂_r^j P(a) τ^{j+1} φ_{j+1}(−λτ),    φ_k(z) = Σ_n z^n/(n + k)!.
 
-    where only τ depends on b, so the coefficients of a point are computed once.
+    Only τ depends on b, so the coefficients of a point are computed once.
 
     Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
     """
@@ -56,7 +71,7 @@ class Convolution:
             coefficients = [n * c for n, c in zip(range(len(coefficients) - 1, 0, -1), coefficients, strict=False)]
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals by computing ∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and every j."""
+        """Prepare the integrals by computing the derivatives ∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and every j."""
         values = []
         for jet in self.derivatives:
             values.append(jet(points, lower, order))
@@ -66,7 +81,7 @@ class Convolution:
 
 @dataclass(frozen=True, eq=False)
 class _Taylor:
-    """The integrals from a = ``lower``, (N,), with the Taylor coefficients of P at a, (m + 1, N) for each i."""
+    """The integrals from starting times a, (N,), with the Taylor coefficients at a, (m + 1, N) for each multi-index."""
 
     decay: float
     degree: int
@@ -74,7 +89,7 @@ class _Taylor:
     coefficients: dict[Index, Array]
 
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """See ``Started.upto``."""
+        """Return the integrals up to the times ``upper``; see ``Started.upto``."""
         found = {i: np.empty(upper.shape, np.result_type(upper, value)) for i, value in self.coefficients.items()}
         for first in range(0, len(upper), TOGETHER):
             here = slice(first, first + TOGETHER)
@@ -89,13 +104,13 @@ class _Taylor:
 TOGETHER = 1 << 12
 """Number of integrals that are evaluated together, so that the values of all φ_k stay in the processor's cache."""
 SMALL = 12.0
-"""Largest |z| for which φ_k is computed from φ_K by downward recurrence, which amplifies rounding by |z|^K/K!."""
+"""Up to this |z|, φ_k is computed from φ_K by downward recurrence, which amplifies rounding by |z|^K/K!."""
 TERMS = 48
-"""Number of terms of the series of φ_K: the next term |z|^n/(n + K)! is below the rounding of the sum."""
+"""Number of terms of the power series of φ_K. The next term |z|^n/(n + K)! is below the rounding of the sum."""
 
 
 def phi(z: Array, count: int) -> Array:
-    """Return φ_1, …, φ_count at z, (N,) with Re z ≤ 0, as an array (count, N).
+    """Return the functions φ_1, …, φ_count of exponential integrators at points z, (N,) with Re z ≤ 0, as (count, N).
 
     The recurrence φ_k = z φ_{k+1} + 1/k! is used. Where |z| is small it runs downwards from the power series of
     φ_count, elsewhere upwards from φ_1 = (e^z − 1)/z.
@@ -106,7 +121,7 @@ def phi(z: Array, count: int) -> Array:
     size, terms, first = float(abs(near).max(initial=0.0)), 1, 1e18 * math.factorial(count)
     while terms < TERMS and size**terms * first >= math.factorial(terms + count):
         terms += 1
-    # Horner's rule without new arrays, because most of the time for a hereditary strain is spent here.
+    # Horner's rule overwrites one array, because most of the time for a strain with memory is spent here.
     series = found[-1]
     series[:] = 0.0
     for n in reversed(range(terms)):

@@ -1,4 +1,4 @@
-"""The strain on a contact face for a linear law that couples the components nn and sn."""
+"""The strain on a contact face for a linear law that couples normal and shear strains (components nn and sn)."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True, eq=False)
 class Coupled:
-    """The strain y = (q, r) on the face for a linear law that couples nn with sn: 𝒜 ẏ + 𝒢 y = (−p, 0).
+    """The strain on a contact face for a linear law that couples the normal strain q with the shear strain r.
 
-    The solution is y = Σ_i x_i η_i with the eigenvectors x_i, for which 𝒢 x_i = λ_i 𝒜 x_i and Xᵀ𝒜X = I. Each η_i is the
-    solution of η̇_i + λ_i η_i = −(x_i)_0 p, a scalar equation that ``Memory`` solves.
+    y = (q, r) satisfies 𝒜 ẏ + 𝒢 y = (−p, 0) with the contact pressure p and matrices 𝒜, 𝒢 of moduli. The solution is
+    y = Σ_i x_i η_i with the eigenvectors x_i, for which 𝒢 x_i = λ_i 𝒜 x_i and Xᵀ𝒜X = I. Each η_i is the solution of
+    η̇_i + λ_i η_i = −(x_i)_0 p, a scalar equation that ``Memory`` solves.
 
     Attributes:
         pressure: the formula of p(s, t).
@@ -39,11 +40,11 @@ class Coupled:
         T: float,
         variables: tuple[sp.Symbol, ...],
     ) -> Coupled:
-        """Return the strain on the face, in elastic equilibrium at t = 0.
+        """Return the strain on a face for a body that is in elastic equilibrium at t = 0.
 
         Args:
-            pressure: the formula of p(s, t).
-            viscous, elastic: 𝒜 and 𝒢 without a common factor, (d, d) each.
+            pressure: the formula of the contact pressure p(s, t).
+            viscous, elastic: the matrices 𝒜 and 𝒢 of moduli without a common factor, (d, d) each.
             scale: the formula of the common factor.
             T: the final time.
             variables: the coordinates along the face.
@@ -59,7 +60,7 @@ class Coupled:
 
     @property
     def formula(self) -> sp.Expr:
-        """The pressure."""
+        """The formula of the contact pressure, from whose truncated powers the smoothness of the strain is read off."""
         return self.pressure
 
     def at(self, points: Array) -> StrainAtPoints:

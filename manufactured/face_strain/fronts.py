@@ -1,4 +1,4 @@
-"""The times at which fronts pass given points of a face, so that contact begins or ends there."""
+"""The times at which contact fronts pass given points of a face, so that contact begins or ends there."""
 
 from __future__ import annotations
 
@@ -15,38 +15,41 @@ from manufactured.tensors import Array
 
 
 class Front(Protocol):
-    """The interface of fronts, given by a function ψ(s, t) that is positive where there is contact."""
+    """The interface of contact fronts, each given by a function ψ(s, t) that is positive where there is contact."""
 
     def passes(self, points: Array, T: float) -> Array:
-        """Return the times in (0, T) at which ψ changes its sign at N points, (d − 1, N).
+        """Return the times in (0, T) at which the front passes N points, that is, ψ changes its sign there.
 
-        The result has the shape (most times at a point, N); missing times are T.
+        The points have the shape (d − 1, N), the result (most times at a point, N). Missing times are T.
         """
         ...
 
     def beyond(self, points: Array, time: Array) -> Array:
-        """Return whether ψ > 0 at points, (d − 1, N), and times, (…, N): (…, N)."""
+        """Return whether there is contact, ψ > 0, at points (d − 1, N) and times (…, N): (…, N)."""
         ...
 
 
 def between(passes: Array, T: float) -> tuple[Array, Array]:
-    """Return starts and ends of the intervals into which given times, (n, N), divide [0, T], (n + 1, N) each."""
+    """Return the starts and ends of the intervals into which given times divide [0, T], (n, N) → (n + 1, N) each."""
     ends = np.zeros((1, passes.shape[1]))
     nodes = np.sort(np.vstack([ends, passes, ends + T]), axis=0)
     return nodes[:-1], nodes[1:]
 
 
 WITHIN = 0.38
-"""The position in a time interval, relative to its length, at which the sign of ψ in this interval is evaluated."""
+"""Whether there is contact in a time interval is tested at this relative position in the interval."""
 
 
 def within(begin: Array, end: Array) -> Array:
-    """Return a time inside each interval; not the middle, where ψ of a symmetric motion may be zero."""
+    """Return a time inside each interval.
+
+    It is not the middle, because ψ of a symmetric motion may be zero there.
+    """
     return begin + WITHIN * (end - begin)
 
 
 def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
-    """Return the front for a formula ψ: a ``PolynomialFront`` if ψ is a polynomial of t, else a ``SmoothFront``."""
+    """Return the contact front for a formula ψ, a ``PolynomialFront`` if ψ is a polynomial of t."""
     if formula.is_polynomial(t):
         return PolynomialFront(function(variables, coefficients_in_t(formula)))
     symbols = (*variables, t)
@@ -55,7 +58,7 @@ def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
 
 @dataclass(frozen=True)
 class PolynomialFront:
-    """A front for which ψ is a polynomial of t.
+    """A contact front for which ψ is a polynomial of time.
 
     Attributes:
         coefficients: the function from s to the coefficients of the polynomial, highest power first.
@@ -76,24 +79,27 @@ class PolynomialFront:
 
 
 INSTANTS, SURE = (257, 600), 1e-6
-"""INSTANTS: the turning points of ψ are searched twice, with these numbers of intervals of [0, T]. SURE: the
-largest accepted difference of the two results for the total time with ψ > 0, relative to T. Where ψ only touches zero,
-rounding changes this time by 1e-8."""
+"""The search for the turning points of ψ in time, which is made twice as a check.
+
+``INSTANTS`` are the numbers of intervals of [0, T] in both searches. ``SURE`` is the largest accepted difference of the
+two results for the total time of contact, relative to T. Where ψ only touches zero, rounding changes this time by 1e-8.
+"""
 HALVINGS = 64
-"""Number of bisections, after which an interval has shrunk to rounding."""
+"""Number of bisections, after which an interval is as short as rounding permits."""
 BLOCK = 1024
-"""Number of points that are treated together."""
+"""Number of points of a face that are treated together."""
 
 
 @dataclass(frozen=True)
 class SmoothFront:
-    """A front for which ψ is any smooth function of t.
+    """A contact front for which ψ is any smooth function of time.
 
     Between two turning points of ψ, at which ∂_t ψ changes its sign, ψ has at most one root. It is found by bisection.
 
     Attributes:
         formula: the formula of ψ, for messages.
-        level, slope: functions from s and t to [ψ] and to [∂_t ψ].
+        level: the function from s and t to a list with the value of ψ.
+        slope: the function from s and t to a list with the value of ∂_t ψ.
     """
 
     formula: sp.Expr
@@ -101,7 +107,7 @@ class SmoothFront:
     slope: Callable[..., list[Array]]
 
     def passes(self, points: Array, T: float) -> Array:
-        """See ``Front.passes``.
+        """Return the times at which the front passes given points; see ``Front.passes``.
 
         Raises:
             FormulaError: ψ turns so often that turning points may be missed.
@@ -126,7 +132,7 @@ class SmoothFront:
         return self._changes(self.level, points, np.sort(np.concatenate([grid, turns]), axis=0), T)
 
     def _beyond_for(self, passes: Array, points: Array, T: float) -> Array:
-        """Return the length of time for which ψ > 0 at each point, (N,)."""
+        """Return the total time of contact, ψ > 0, at each point, (N,)."""
         begin, end = between(passes, T)
         found: Array = np.sum((end - begin) * self.beyond(points, within(begin, end)), axis=0)
         return found
@@ -135,7 +141,14 @@ class SmoothFront:
         return _positive(self.level, points, time)
 
     def _changes(self, of: Callable[..., list[Array]], points: Array, times: Array, T: float) -> Array:
-        """Return the times at which a function changes its sign between given times, (n, N), as in ``Front.passes``."""
+        """Return the times at which a function changes its sign between given times.
+
+        Args:
+            of: the function.
+            points: the N points, (d − 1, N).
+            times: the times between which a change of sign is searched, (n, N).
+            T: the final time, which stands for missing times in the result.
+        """
         signs = _positive(of, points, times)
         interval, point = np.nonzero(signs[1:] != signs[:-1])
         low, high, at = times[interval, point], times[interval + 1, point], points[:, point]
@@ -190,7 +203,7 @@ def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> A
     Newton's method is used, and bisection where Newton's method leaves the interval, until no root changes.
 
     Args:
-        coefficients: (degree+1, n).
+        coefficients: the coefficients, highest power first, (degree+1, n).
         low, high: the ends of the intervals, (n,) each; they are overwritten.
         before: whether the polynomial is positive at ``low``, (n,).
     """
@@ -217,7 +230,7 @@ def _derivative(coefficients: Array) -> Array:
 
 
 def _of_degree_two(coefficients: Array, T: float) -> Array:
-    """Return ``real_roots`` of polynomials of degree at most 2."""
+    """Return the roots in (0, T) of polynomials of degree at most 2, as ``real_roots`` does."""
     degree, count = coefficients.shape[0] - 1, coefficients.shape[1]
     if degree == 0:
         return np.empty((0, count))
@@ -231,7 +244,8 @@ def _of_degree_two(coefficients: Array, T: float) -> Array:
         found = -monic.astype(complex)
     else:
         discriminant = np.sqrt((monic[0] ** 2 - 4 * monic[1]).astype(complex))
-        # The larger root is computed first, and the other one from their product, to avoid cancellation.
+        # The root of larger absolute value is computed first, and the other one from their product. This avoids
+        # cancellation.
         larger = -(monic[0] + np.where(monic[0] >= 0, 1, -1) * discriminant) / 2
         other = np.divide(monic[1], larger, out=np.zeros_like(larger), where=larger != 0)
         found = np.array([larger, other])

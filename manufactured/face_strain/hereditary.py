@@ -16,24 +16,25 @@ from manufactured.symbols import Values, s, t
 from manufactured.tensors import Array
 
 RECENT = 3
-"""Number of times for which computed values of q are cached."""
+"""Number of times for which computed values of the strain are cached."""
 
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """The normal strain q on the face for a linear law, exact up to rounding: the solution of a q̇ + g q = −p.
+    """The normal strain q on a contact face for a linear law, computed from the history of the contact pressure p.
 
-    The pressure must be a sum of terms θ(s, t)·∏ pos(ψ_i(s, t), m_i). θ and the moving ψ_i must be smooth in t, and the
-    m_i of moving ψ_i must be integers ≥ 2. At each s, the roots of the ψ_i divide [0, T] into intervals of contact
+    q is the solution of a q̇ + g q = −p, exact up to rounding. The pressure must be a sum of terms θ(s, t)·∏
+    pos(ψ_i(s, t), m_i), where moving ψ_i are contact fronts. θ and the moving ψ_i must be smooth in t, and the m_i of
+    moving ψ_i must be integers ≥ 2. At each s, the roots of the ψ_i divide [0, T] into intervals of contact
     (``fronts``), on which p/a is a smooth function P(s, ·). The integral of e^{−λ(t−r)} P is known in closed form if P
     is a polynomial of t (``convolution``); otherwise Gauss's rule is used (``quadrature``). Since p vanishes where a
     moving contact begins and ends, ∂_s^i q is the same expression with ∂_s^i P.
 
     Attributes:
         pressure: the formula of p(s, t).
-        viscosity, elasticity: a and g, positive numbers, or formulas of s with a constant ratio.
+        viscosity, elasticity: the normal moduli a and g, positive numbers, or formulas of s with a constant ratio.
         T: the final time.
-        initial: the formula of q(s, 0); without it, elastic equilibrium, −p(s, 0)/g.
+        initial: the formula of q(s, 0). By default the body starts in elastic equilibrium, q = −p/g.
         variables: the coordinates along the face.
 
     Raises:
@@ -52,33 +53,33 @@ class Memory:
 
     @property
     def formula(self) -> sp.Expr:
-        """The pressure and the initial strain, from which q is computed."""
+        """The formula from which the smoothness of the strain is read off: pressure plus initial strain."""
         return self.pressure + (0 if self.initial is None else self.initial)
 
     @cached_property
     def decay(self) -> float:
-        """The relaxation rate λ = g/a."""
+        """The relaxation rate λ = g/a, elasticity over viscosity."""
         return relaxation_rate(self.elasticity, self.viscosity)
 
     @property
     def source(self) -> sp.Expr:
-        """The formula of p/a."""
+        """The formula of p/a, pressure over viscosity."""
         return self.pressure / self.viscosity
 
     @cached_property
     def start(self) -> Jet:
-        """The formula of q(s, 0) as a ``Jet``."""
+        """The initial strain q(s, 0) as a formula with its derivatives."""
         elastic = -self.pressure.subs(t, 0) / self.elasticity
         return Jet(elastic if self.initial is None else self.initial, self.variables)
 
     @cached_property
     def source_jet(self) -> Jet:
-        """The formula of p/a as a ``Jet``."""
+        """p/a, pressure over viscosity, as a formula with its derivatives."""
         return Jet(self.source, self.variables)
 
     @cached_property
     def terms(self) -> tuple[PressureTerm, ...]:
-        """The terms of p/a; terms with the same moving fronts are added up."""
+        """The terms of p/a, pressure over viscosity; terms with the same moving fronts are added up."""
         branches: dict[tuple[sp.Expr, ...], sp.Expr] = {}
         for term in sp.Add.make_args(sp.expand(self.pressure)):
             fronts, branch = smooth_branch(term, self.variables)
@@ -94,7 +95,10 @@ class Memory:
 
 
 class MemoryAtPoints:
-    """Evaluates q and q̇ at fixed points; intervals of contact, and integrals over past ones, are computed once."""
+    """Evaluates the normal strain q and its rate q̇ at fixed points of a face.
+
+    The intervals of contact, and integrals over past intervals, are computed once.
+    """
 
     def __init__(self, memory: Memory, points: Array) -> None:
         self.memory = memory
@@ -102,7 +106,8 @@ class MemoryAtPoints:
         self.flat = points.reshape(points.shape[0], -1)
         self.contacts = [_ContactIntervals(term, self.flat, memory) for term in memory.terms]
         self._start: dict[int, Values] = {}
-        # A stress needs the strain and the strain rate at one time, and several computations need the same times.
+        # Strains are cached, because a stress needs strain and strain rate at one time, and several computations need
+        # the same times.
         self._found = lru_cache(RECENT)(self._strain)
 
     def __call__(self, time: Array | complex, rate: bool, order: int) -> Components:
@@ -114,7 +119,7 @@ class MemoryAtPoints:
         return ({index: -source[index] - self.memory.decay * value for index, value in strain.items()},)
 
     def _strain(self, when: tuple[float, ...] | complex, order: int) -> Values:
-        """Return q with its derivatives along the face."""
+        """Return the strain q at one or several times, with its derivatives along the face up to an order."""
         time = np.array(when) if isinstance(when, tuple) else when
         memory, shape = self.memory, (*self.points.shape[1:], *np.shape(time))
         if order not in self._start:
@@ -131,10 +136,11 @@ class MemoryAtPoints:
 
 
 class _ContactIntervals:
-    """Computes ∫ e^{−λ(t−r)} ∂^i P dr of one term over all intervals of contact, up to their ends or to the time t.
+    """Computes the integrals ∫ e^{−λ(t−r)} ∂_s^i P dr of a term of the pressure over all intervals of contact before
+    t.
 
     Attributes:
-        touched: the number of the point of each of the M intervals, (M,); a point may have several intervals.
+        touched: for each of the M intervals, the number of its point, (M,). A point may have several intervals.
         entry, exit: the times at which contact begins and ends, (M,) each.
     """
 
@@ -148,7 +154,7 @@ class _ContactIntervals:
         self._found: dict[int, tuple[Started, Values]] = {}
 
     def subtract(self, totals: Values, time: Array | complex, order: int) -> None:
-        """Subtract the integrals up to a time, or to several times, from ``totals``, for every multi-index."""
+        """Subtract the integrals up to one or several times from the strains ``totals``, for every derivative."""
         started, whole = self._started(order)
         times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
         now = times.real
@@ -161,13 +167,14 @@ class _ContactIntervals:
         touching, when = np.nonzero((entry < now) & (exit_ > now))
         if touching.size:
             found = started.upto(times[when], touching)
-            # At any time, a point belongs to at most one interval of contact.
+            # No index occurs twice, because at any time a point belongs to at most one interval of contact. So ``-=``
+            # is safe.
             places = self.touched[touching] * len(times) + when
             for index, total in totals.items():
                 total.reshape(-1)[places] -= found[index]
 
     def _started(self, order: int) -> tuple[Started, Values]:
-        """Return the integrals from the beginnings of contact on, and their values at the ends of contact."""
+        """Return the integrals since the beginning of contact, as functions of time, and their values at its end."""
         if order not in self._found:
             started = self.integral.started(self.points, self.entry, self.exit, order)
             self._found[order] = started, started.upto(self.exit, np.arange(self.exit.size))

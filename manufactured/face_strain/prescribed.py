@@ -1,4 +1,4 @@
-"""A prescribed strain on the face; the pressure follows from the law."""
+"""A prescribed strain on a contact face; the pressure follows from the law."""
 
 from __future__ import annotations
 
@@ -16,11 +16,12 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True, eq=False)
 class Prescribed:
-    """A prescribed normal strain q on the face; the pressure follows from q and q̇ by the law.
+    """A prescribed normal strain q on a contact face; the pressure follows from q and q̇ by the law.
 
     Attributes:
-        phases: pairs of the end of an interval of time and the formula of q(s, t) in this interval, in order; the last
-            one ends at T. Consecutive formulas must agree at the end of an interval; the self-proof checks this.
+        phases: pairs of the end of a time interval and the formula of q(s, t) in it, in the order of time. The last
+            interval ends at T. Formulas of neighbouring intervals must agree where they meet; the self-proof checks
+            this.
         variables: the coordinates along the face.
     """
 
@@ -29,7 +30,7 @@ class Prescribed:
 
     @property
     def formula(self) -> sp.Expr:
-        """The sum of the formulas of all intervals."""
+        """The formula from which the smoothness of the strain is read off: the sum over all time intervals."""
         return sum((formula for _, formula in self.phases), sp.Integer(0))
 
     @cached_property
@@ -44,7 +45,7 @@ class Prescribed:
             times = np.atleast_1d(time)
             phase = np.minimum(np.searchsorted(ends, times.real), len(ends) - 1)
             if (phase != phase[0]).any():
-                # Every phase has different formulas.
+                # Times are grouped by their interval, because every interval has a different formula.
                 return _joined([(phase == n, strain(times[phase == n], rate, order)) for n in np.unique(phase)])
             places = points.reshape(*points.shape, *(1,) * np.ndim(time))
             return (self._jets[phase[0]][1 + rate](places, time, order),)
@@ -53,7 +54,7 @@ class Prescribed:
 
 
 def _joined(pieces: list[tuple[Array, Components]]) -> Components:
-    """Join values at different times; each piece has a mask of times and the values at these times."""
+    """Join strains at different times; each piece has a mask of its times and the strains at these times."""
     found: Values = {}
     for among, (values,) in pieces:
         for index, value in values.items():

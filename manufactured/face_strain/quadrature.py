@@ -1,4 +1,4 @@
-"""Integrals of smooth functions times e^{−λ(t−r)} by Gauss's rule, where no closed form is known."""
+"""Integrals over time of smooth functions times e^{−λ(t−r)} by Gauss's rule, if no closed form is known."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ from manufactured.symbols import FormulaError, Values
 from manufactured.tensors import Array
 
 POINTS = 40
-"""Number of Gauss points on an interval of contact, or on each of its pieces."""
+"""Number of Gauss points on an interval of contact, or on each of its equal pieces."""
 PIECES = (1, 4)
-"""Numbers of equal pieces of an interval of contact, tried in turn; a long contact may contain many periods."""
+"""Numbers of equal pieces of an interval of contact that are tried in turn. A long contact may contain many periods."""
 ACCURACY = 1e-13
 """Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
 TINY = float(np.finfo(float).tiny)
 
 
 class Quadrature:
-    """Computes ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a smooth part P of p/a, by Gauss's rule."""
+    """Computes integrals ∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr over time by Gauss's rule, for a smooth part P of p/a."""
 
     def __init__(self, branch: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float) -> None:
         self.branch, self.decay, self.jet = branch, decay, Jet(branch, variables)
         self.use(PIECES[0])
 
     def use(self, pieces: int) -> None:
-        """Set nodes and weights of Gauss's rule on equal pieces of (0, 1)."""
+        """Use Gauss's rule on this number of equal pieces of (0, 1)."""
         x, w = np.polynomial.legendre.leggauss(POINTS)
         starts = np.arange(pieces)[:, None]
         self.nodes, self.weights = ((starts + (1 + x) / 2) / pieces).ravel(), np.tile(w / (2 * pieces), pieces)
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """Prepare the integrals as in ``Integral.started``.
+        """Prepare the integrals for given points and starting times; see ``Integral.started``.
 
         Raises:
             FormulaError: P changes too fast in time for the rule.
@@ -63,9 +63,9 @@ class _Started:
     order: int
 
     def defect(self, upper: Array) -> tuple[float, float]:
-        """Return the error of the rule, estimated from the rule on both halves, and the size of the integral.
+        """Return the error of Gauss's rule, estimated from the rule on both halves, and the size of the integral.
 
-        Both belong to the multi-index with the largest relative error.
+        Both numbers belong to the derivative with the largest relative error.
         """
         rule, lower, every = self.rule, self.lower, np.arange(self.lower.size)
         middle = (lower + upper) / 2
@@ -78,7 +78,7 @@ class _Started:
         return max(found, key=lambda pair: math.inf if math.isnan(pair[0]) else pair[0] / max(pair[1], TINY))
 
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """See ``Started.upto``."""
+        """Return the integrals up to the times ``upper``; see ``Started.upto``."""
         rule, lower = self.rule, self.lower[chosen][:, None]
         length = upper[:, None] - lower
         left = length * (1 - rule.nodes)

@@ -10,24 +10,27 @@ from manufactured.symbols import FormulaError, Values
 from manufactured.tensors import Array
 
 Components = tuple[Values, ...]
-"""The strain on a face with its derivatives along the face: (q,), or (q, r_1, …, r_{d−1}) if there is shear."""
+"""The strain on a contact face with its derivatives along the face.
+
+It is (q,) with the normal strain q, or (q, r_1, …, r_{d−1}) if there is also shear.
+"""
 
 
 class StrainAtPoints(Protocol):
-    """The strain at fixed points of a face as a function of time.
+    """The interface of the strain at fixed points of a contact face, as a function of time.
 
-    Its arguments are a time, whether to return the time derivative, and up to which order to return derivatives along
-    the face. For n times, (n,), the values have n as an additional last axis.
+    A call needs a time, whether to return the time derivative, and up to which order to return derivatives along the
+    face. For n times, (n,), the values have n as an additional last axis.
     """
 
     def __call__(self, time: Array | complex, rate: bool, order: int) -> Components: ...
 
 
 class FaceStrain(Protocol):
-    """The strain (q, r) on a face as a function of s and t.
+    """The interface of the strain (q, r) on a contact face as a function of s and t.
 
-    ``at`` returns the strain at fixed points s, (d−1, ...), after computing what does not depend on t. ``formula`` is a
-    formula that contains the truncated powers of q, or of the pressure that determines q.
+    ``at`` prepares the evaluation at fixed points s, (d−1, ...). ``formula`` is a formula that contains the truncated
+    powers of q, or of the pressure that determines q.
     """
 
     @property
@@ -37,13 +40,14 @@ class FaceStrain(Protocol):
 
 
 def relaxation_rate(elasticity: sp.Expr | float, viscosity: sp.Expr | float) -> float:
-    """Return the relaxation rate g/a, which must be constant along the face.
+    """Return the relaxation rate g/a, elasticity over viscosity, which must be constant along the face.
 
     Raises:
         FormulaError: g/a varies along the face.
     """
     ratio = sp.sympify(elasticity) / viscosity
-    # ``cancel`` is enough for most factors; ``simplify`` takes longer because SymPy loads its physical units.
+    # ``cancel`` is tried first: it is enough for most factors, and ``simplify`` takes longer because SymPy loads its
+    # physical units.
     for shortened in (sp.cancel, sp.simplify):
         ratio = shortened(ratio) if ratio.free_symbols else ratio
     if ratio.free_symbols:

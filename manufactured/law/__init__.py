@@ -5,7 +5,8 @@ A is a linear tensor that satisfies (3.1). G satisfies (3.2) and is one of the f
 * linear (``Linear``);
 * the law (3.3), G(ε) = β (ε − P_K ε), with the projection P_K onto a closed convex set K of S^d with 0 ∈ K (``Yield``);
 * the sum of a stress at rest, a linear operator and (3.3) (``Combined``);
-* linear and not positive (``Indefinite``), or linear and not symmetric, so without a potential (``NonSymmetric``).
+* linear and not positive (``Indefinite``);
+* linear and not symmetric, so without a potential (``NonSymmetric``).
 
 A linear operator may vary in space through a scalar factor, C(x) = α(x) C. Tensors are Mandel vectors, (D, ...).
 """

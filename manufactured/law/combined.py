@@ -19,12 +19,13 @@ class Combined:
     """The elasticity operator G(ε) = S + C ε + β (ε − P_K ε): a stress at rest, a linear operator and the law (3.3).
 
     For K = {|Pτ| ≤ r}, the derivative of G is C inside K, tends to C + βP far from K, and always lies between the two.
-    So the constant of monotonicity m is the smallest eigenvalue of C, and L_G is the largest absolute eigenvalue of C
-    and of C + βP. If C is not positive, G softens inside K and hardens outside if β is large enough.
+    So the constant of monotonicity m is the smallest eigenvalue of C, and the Lipschitz constant L_G is the largest
+    absolute eigenvalue of C and of C + βP. If C is not positive, G softens inside K and hardens outside if β is large
+    enough.
 
     Attributes:
-        prestress: S, (D,).
-        linear: C, which may be ``Indefinite``.
+        prestress: the stress at rest S, (D,).
+        linear: the linear operator C, which may be ``Indefinite``.
         yielding: the operator β (ε − P_K ε).
 
     Raises:
@@ -56,7 +57,7 @@ class Combined:
 
     @property
     def _far(self) -> Array:
-        """The derivative of G far from K, C + βP, (D, D)."""
+        """The derivative C + βP that G has far from the convex set K, (D, D)."""
         return self.linear.matrix + self.yielding.beta * self.yielding.convex.projector
 
     @property
@@ -70,7 +71,10 @@ class Combined:
 
     @property
     def reference(self) -> Array:
-        """The matrix C + (β/2) P, (D, D). The difference of G and this matrix has the Lipschitz constant β/2."""
+        """The constant matrix C + (β/2) P that a solver uses instead of the derivative of G, (D, D).
+
+        G minus this matrix has the Lipschitz constant β/2.
+        """
         return self.linear.matrix + self.yielding.reference
 
     @property
@@ -99,12 +103,15 @@ class Combined:
         return self.linear(change) + self.yielding.gradient(strain, change)
 
     def energy(self, strain: Tensors) -> Array:
-        """Return the stored energy W(ε) = S·ε + ½ Cε·ε + β/2 dist²(ε, K), for which W' = G: (D, ...) → (...)."""
+        """Return the stored energy W(ε) = S·ε + ½ Cε·ε + β/2 dist²(ε, K), whose derivative is G: (D, ...) → (...)."""
         resisting = self.yielding(strain)
         linear = np.tensordot(self.prestress, strain, axes=1) + 0.5 * np.sum(strain * self.linear(strain), axis=0)
         return np.asarray(linear + np.sum(resisting**2, axis=0) / (2 * self.yielding.beta))
 
     def normal_response(self, normal: Array) -> tuple[float, float, float, float]:
-        """Return (s, g, b, ρ) such that G(−Q n⊗n)_nn = s − g Q − b (Q − ρ)_+ for Q ≥ 0."""
+        """Return the response to a normal strain −Q n⊗n, as numbers (s, g, b, ρ).
+
+        The normal stress is G(−Q n⊗n)_nn = s − g Q − b (Q − ρ)_+ for Q ≥ 0.
+        """
         b, edge = self.yielding.normal_response(normal)
         return float(self.prestress @ dyad(normal, normal)), self.linear.normal_modulus(normal), b, edge

@@ -1,4 +1,4 @@
-"""The Kelvin–Voigt law (2.1), and the law at fixed points."""
+"""The Kelvin–Voigt law (2.1), and the law at fixed points of a heterogeneous body."""
 
 from __future__ import annotations
 
@@ -46,23 +46,22 @@ class KelvinVoigt:
 
     @property
     def kappa(self) -> float:
-        """κ = L_G/m_A, which is a Lipschitz constant of B in (4.3) and an admissible ω in (4.5) for every G."""
+        """The constant κ = L_G/m_A, which bounds how fast two solutions can move apart.
+
+        It is a Lipschitz constant of B in (4.3) and an admissible ω in (4.5) for every G.
+        """
         return self.G.lipschitz / self.A.ellipticity
 
     @property
     def growth(self) -> float:
-        """The rate at which differences of solutions may grow: max(−m, 0)/m_A with the constant of monotonicity m of G.
+        """The rate at which differences of solutions may grow, max(−m, 0)/m_A with the monotonicity constant m of G.
 
         It is at most ``kappa``, and 0 if G is monotone.
         """
         return max(-self.G.monotonicity, 0.0) / self.A.ellipticity
 
     def require_dimension(self, dim: int) -> None:
-        """Refuse a body or boundary part whose dimension differs from that of the law.
-
-        Raises:
-            LawError: the dimensions differ.
-        """
+        """Raise LawError if the law does not have the dimension of a body or boundary part."""
         if self.dim != dim:
             raise LawError(
                 f"the law {self.name} acts in dimension {self.dim}, the body has dimension {dim}; give its tensors "
@@ -70,7 +69,10 @@ class KelvinVoigt:
             )
 
     def stress(self, strain_rate: Tensors, strain: Tensors) -> Tensors:
-        """Return the stress A ε̇ + G(ε) of a homogeneous law: (D, ...), (D, ...) → (D, ...)."""
+        """Return the stress A ε̇ + G(ε) for a strain rate and a strain: (D, ...), (D, ...) → (D, ...).
+
+        The law must be homogeneous.
+        """
         return self.A(strain_rate) + self.G(strain)
 
     @property
@@ -79,21 +81,21 @@ class KelvinVoigt:
         return sorted({*self.A.factor.steps, *self.G.factor.steps})
 
     def at(self, x: Points) -> PointLaw:
-        """Return the law at fixed points, (d, ...)."""
+        """Return the law at fixed points of the body, (d, ...)."""
         return PointLaw(self.A.at(x), self.G.at(x))
 
     def scaled(self, viscous: Array, elastic: Array) -> PointLaw:
-        """Return the law for given values of the factors of A and of G, each of shape (...)."""
+        """Return the law for given values of the material factors of A and of G, each of shape (...)."""
         return PointLaw(self.A.scaled(viscous), self.G.scaled(elastic))
 
 
 @dataclass(frozen=True)
 class PointLaw:
-    """A Kelvin–Voigt law at fixed points."""
+    """A Kelvin–Voigt law at fixed points, with the values of its material factors there."""
 
     A: AtPoints
     G: AtPoints
 
     def stress(self, strain_rate: Tensors, strain: Tensors) -> Tensors:
-        """Return the stress A ε̇ + G(ε): (D, ...), (D, ...) → (D, ...)."""
+        """Return the stress A ε̇ + G(ε) at the points: (D, ...), (D, ...) → (D, ...)."""
         return self.A(strain_rate) + self.G(strain)

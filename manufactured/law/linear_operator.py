@@ -18,8 +18,8 @@ class Linear:
     """A linear elliptic operator τ ↦ α(x) C τ, used as viscosity A, (3.1), and as linear elasticity G, (2.7).
 
     Attributes:
-        matrix: C in Mandel form, symmetric and positive definite, (D, D).
-        factor: α > 0.
+        matrix: the constant tensor C in Mandel form, symmetric and positive definite, (D, D).
+        factor: the scalar factor α > 0.
 
     Raises:
         LawError: C is not a 3 × 3 or 6 × 6 matrix, or is not finite, not symmetric or not elliptic.
@@ -45,12 +45,12 @@ class Linear:
 
     @cached_property
     def ellipticity(self) -> float:
-        """The constant m_A, which is the smallest eigenvalue of α C on the body."""
+        """The ellipticity constant: the smallest eigenvalue of α C on the body (m_A for a viscosity)."""
         return self.factor.low * float(np.linalg.eigvalsh(self.matrix)[0])
 
     @cached_property
     def lipschitz(self) -> float:
-        """The constant L_G, which is the largest eigenvalue of α C on the body."""
+        """The Lipschitz constant: the largest eigenvalue of α C on the body (L_G for an elasticity)."""
         return self.factor.high * float(np.linalg.eigvalsh(self.matrix)[-1])
 
     @property
@@ -63,16 +63,16 @@ class Linear:
 
     @property
     def at_rest(self) -> Tensors:
-        """0, (D,)."""
+        """The stress for the strain 0, which is 0, (D,)."""
         return np.zeros(len(self.matrix))
 
     def normal_modulus(self, normal: Array) -> float:
-        """Return the normal modulus C_nnnn = (n⊗n)·C(n⊗n), without the factor."""
+        """Return the normal modulus C_nnnn = (n⊗n)·C(n⊗n) of the constant tensor for a unit vector n."""
         direction = dyad(normal, normal)
         return float(direction @ self.matrix @ direction)
 
     def __call__(self, strain: Tensors) -> Tensors:
-        """Return C ε of a homogeneous tensor: (D, ...) → (D, ...).
+        """Return the stress C ε for a strain, if the tensor is homogeneous: (D, ...) → (D, ...).
 
         Raises:
             LawError: the tensor is heterogeneous and needs points: use ``at`` or ``scaled``.
@@ -90,15 +90,22 @@ class Linear:
         return Scaled(self.matrix, factor)
 
     def face_block(self, frame: Array) -> Array:
-        """Return the moduli d_a·C d_b, (d, d), for the strains d_a that a contact face can have (``face_strains``)."""
+        """Return the moduli d_a·C d_b, (d, d), for the strains d_a that a contact face can have (``face_strains``).
+
+        Args:
+            frame: the tangents of the face and its normal as columns, (d, d).
+        """
         directions = face_strains(frame)
         return directions @ self.matrix @ directions.T
 
 
 def face_strains(frame: Array) -> Array:
-    """Return the strains that occur on a contact face, n⊗n and (n⊗t_i + t_i⊗n)/2, as Mandel vectors, (d, D).
+    """Return the strains that can occur on a contact face, as Mandel vectors, (d, D).
 
-    ``frame`` has the tangents t_i and the normal n as columns, (d, d).
+    They are n⊗n and (n⊗t_i + t_i⊗n)/2 for the normal n and the tangents t_i.
+
+    Args:
+        frame: the tangents and then the normal as columns, (d, d).
     """
     n = frame[:, -1]
     return np.array([dyad(n, n), *(dyad(n, tangent) for tangent in frame[:, :-1].T)])
@@ -108,8 +115,8 @@ def face_strains(frame: Array) -> Array:
 class Indefinite(Linear):
     """A linear elasticity operator τ ↦ α(x) C τ with C symmetric but not positive, so that the material softens.
 
-    It cannot be a viscosity. (2.7) requires that G is symmetric and positive, but existence and error estimates need
-    only (3.2), that G is Lipschitz.
+    It cannot be a viscosity. The paper requires in (2.7) that a linear G is symmetric and positive, but existence and
+    error estimates need only (3.2), that G is Lipschitz.
 
     Raises:
         LawError: C is not a 3 × 3 or 6 × 6 matrix, or is not finite or not symmetric.
@@ -120,18 +127,18 @@ class Indefinite(Linear):
 
     @cached_property
     def ellipticity(self) -> float:
-        """The constant of monotonicity m, which is the smallest eigenvalue of α C; it is negative if G softens."""
+        """The monotonicity constant m: the smallest eigenvalue of α C on the body; it is negative if G softens."""
         least = float(np.linalg.eigvalsh(self.matrix)[0])
         return least * (self.factor.low if least > 0 else self.factor.high)
 
     @cached_property
     def lipschitz(self) -> float:
-        """The constant L_G, which is the largest absolute eigenvalue of α C."""
+        """The Lipschitz constant L_G: the largest absolute eigenvalue of α C on the body."""
         return self.factor.high * float(abs(np.linalg.eigvalsh(self.matrix)).max())
 
 
 def symmetric(matrix: Array) -> Array:
-    """Return a matrix in Mandel form, (D, D), after checking that it belongs to a symmetric tensor on S^d.
+    """Check that a matrix in Mandel form, (D, D), belongs to a symmetric tensor on S^d, and return it.
 
     Raises:
         LawError: it is not a 3 × 3 or 6 × 6 matrix, or is not finite or not symmetric.
@@ -148,11 +155,11 @@ def symmetric(matrix: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Scaled:
-    """A linear operator ε ↦ α C ε at fixed points.
+    """A linear operator ε ↦ α C ε at fixed points of the body.
 
     Attributes:
-        matrix: C, (D, D).
-        factor: α at the points, (...).
+        matrix: the constant tensor C, (D, D).
+        factor: the values of α at the points, (...).
         slopes: the gradient ∂_j α at the points, (d, ...); None if α is constant.
     """
 

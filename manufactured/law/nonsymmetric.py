@@ -45,22 +45,22 @@ class NonSymmetric:
 
     @cached_property
     def lipschitz(self) -> float:
-        """The constant L_G, which is the largest singular value of C."""
+        """The Lipschitz constant L_G: the largest singular value of C."""
         return float(np.linalg.norm(self.matrix, 2))
 
     @cached_property
     def monotonicity(self) -> float:
-        """The constant of monotonicity m, which is the smallest eigenvalue of the symmetric part of C."""
+        """The monotonicity constant m: the smallest eigenvalue of the symmetric part of C."""
         return float(np.linalg.eigvalsh(self.reference)[0])
 
     @cached_property
     def reference(self) -> Array:
-        """The symmetric part (C + Cᵀ)/2, (D, D)."""
+        """The constant symmetric matrix that a solver uses instead of G: the symmetric part (C + Cᵀ)/2, (D, D)."""
         return (self.matrix + self.matrix.T) / 2
 
     @property
     def at_rest(self) -> Tensors:
-        """0, (D,)."""
+        """The stress for the strain 0, which is 0, (D,)."""
         return np.zeros(len(self.matrix))
 
     @property
@@ -77,6 +77,10 @@ class NonSymmetric:
         return Scaled(self.matrix, factor)
 
     def face_block(self, frame: Array) -> Array:
-        """Return the moduli d_a·C d_b, (d, d), for the strains d_a that a contact face can have (``face_strains``)."""
+        """Return the moduli d_a·C d_b, (d, d), for the strains d_a that a contact face can have (``face_strains``).
+
+        Args:
+            frame: the tangents of the face and its normal as columns, (d, d).
+        """
         directions = face_strains(frame)
         return directions @ self.matrix @ directions.T

@@ -1,4 +1,4 @@
-"""Interfaces of constitutive operators: elasticity operators with (3.2), and operators at fixed points of the body."""
+"""Interfaces of constitutive operators: elasticity operators that satisfy (3.2), and operators at fixed points."""
 
 from __future__ import annotations
 
@@ -14,18 +14,21 @@ class LawError(ValueError):
 
 
 class AtPoints(Protocol):
-    """A constitutive operator at fixed points: tensors (D, ...) over these points."""
+    """The interface of a constitutive operator at fixed points of the body; strains and stresses are (D, ...)."""
 
     def __call__(self, strain: Tensors) -> Tensors:
-        """Return C(x) ε or G(x, ε): (D, ...) → (D, ...)."""
+        """Return the stress C(x) ε or G(x, ε) at the points: (D, ...) → (D, ...)."""
         ...
 
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
-        """Return the derivative with respect to ε in a direction, where it exists: (D, ...), (D, ...) → (D, ...)."""
+        """Return the derivative of the stress with respect to the strain in a direction: (D, ...), (D, ...) → (D, ...).
+
+        It is used only where the derivative exists.
+        """
         ...
 
     def gradient(self, strain: Callable[[], Tensors], change: Array) -> Array:
-        """Return the derivatives ∂_j of C(x) ε(x) or G(x, ε(x)), (D, d, ...).
+        """Return the derivatives ∂_j in space of the stress C(x) ε(x) or G(x, ε(x)), (D, d, ...).
 
         Args:
             strain: a function that returns ε, (D, ...); it is called only if ε is needed.
@@ -35,13 +38,13 @@ class AtPoints(Protocol):
 
 
 class Elasticity(Protocol):
-    """An elasticity operator G : S^d → S^d with (3.2).
+    """The interface of an elasticity operator G from strains to stresses that satisfies (3.2).
 
     Attributes:
         lipschitz: the Lipschitz constant L_G.
         monotonicity: a constant m with (G(a) − G(b))·(a − b) ≥ m |a − b|²; negative if G softens.
-        reference: a constant symmetric matrix, (D, D), that a solver may use instead of the derivative of G; for a
-            linear G it is the matrix of G.
+        reference: a constant symmetric matrix, (D, D), that a solver may use instead of the derivative of G. For a
+            linear symmetric G it is the matrix of G.
         at_rest: the stress G(0), (D,).
     """
 
@@ -58,17 +61,17 @@ class Elasticity(Protocol):
 
     @property
     def factor(self) -> Factor:
-        """The scalar field α of α(x) G(ε)."""
+        """The scalar factor α(x) by which G is multiplied at the point x."""
         ...
 
     def __call__(self, strain: Tensors) -> Tensors:
-        """Return G(ε) of a homogeneous operator: (D, ...) → (D, ...)."""
+        """Return the stress G(ε) for a strain, if the operator is homogeneous: (D, ...) → (D, ...)."""
         ...
 
     def at(self, x: Points) -> AtPoints:
-        """Return G at fixed points, (d, ...)."""
+        """Return the operator at fixed points of the body, (d, ...)."""
         ...
 
     def scaled(self, factor: Array) -> AtPoints:
-        """Return α G for given values of α, (...), such as values of ``factor`` at points or means over cells."""
+        """Return the operator α G for given values of α, (...), for example means of ``factor`` over cells."""
         ...

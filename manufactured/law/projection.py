@@ -15,7 +15,8 @@ from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped,
 
 
 class ConvexSet(Protocol):
-    """The interface of closed convex sets K = {τ : |Pτ| ≤ r} in S^d with an orthogonal projector P, (D, D)."""
+    """The interface of closed convex sets K = {τ : |Pτ| ≤ r} of symmetric tensors; P is an orthogonal projector,
+    (D, D)."""
 
     @property
     def dim(self) -> int: ...
@@ -52,13 +53,14 @@ class DeviatoricBall:
 
 @dataclass(frozen=True, eq=False)
 class Yield:
-    """The elasticity operator (3.3), G(ε) = β (ε − P_K ε), with L_G = β; it is monotone with m = 0.
+    """The elasticity operator (3.3), G(ε) = β (ε − P_K ε), where P_K is the projection onto a convex set K.
 
-    For K = {|Pτ| ≤ r} this is G(ε) = β (1 − r/|Pε|)_+ Pε.
+    G is 0 inside K. Its Lipschitz constant is L_G = β, and it is monotone, but not strongly: m = 0. For K = {|Pτ| ≤ r}
+    it is G(ε) = β (1 − r/|Pε|)_+ Pε.
 
     Attributes:
-        beta: β.
-        convex: K.
+        beta: the stiffness β.
+        convex: the convex set K.
 
     Raises:
         LawError: β or r is not positive and finite.
@@ -87,16 +89,20 @@ class Yield:
 
     @property
     def reference(self) -> Array:
-        """The matrix (β/2) P. G minus this matrix has the Lipschitz constant β/2, the least for constant ones."""
+        """The constant matrix (β/2) P that a solver uses instead of the derivative of G, (D, D).
+
+        G minus this matrix has the Lipschitz constant β/2, which is the least for any constant matrix.
+        """
         return 0.5 * self.beta * self.convex.projector
 
     @property
     def at_rest(self) -> Tensors:
-        """The stress G(0), which is 0 because 0 ∈ K, (D,)."""
+        """The stress for the strain 0, which is 0 because K contains 0, (D,)."""
         return np.zeros(size(self.dim))
 
     def _norm(self, part: Tensors) -> Array:
-        # Not np.linalg.norm: complex-step derivatives need the analytic square root.
+        # The square root is written out, because derivatives by the complex step need an analytic function, and
+        # np.linalg.norm is none.
         return np.sqrt(np.sum(part * part, axis=0))
 
     def __call__(self, strain: Tensors) -> Tensors:
@@ -128,6 +134,9 @@ class Yield:
         return np.stack([self.derivative(at, each) for each in np.moveaxis(change, 1, 0)], axis=1)
 
     def normal_response(self, normal: Array) -> tuple[float, float]:
-        """Return (b, ρ) such that G(−Q n⊗n)_nn = −b (Q − ρ)_+ for Q ≥ 0: b = β |P(n⊗n)|², ρ = r/|P(n⊗n)|."""
+        """Return the response to a normal strain −Q n⊗n, as numbers (b, ρ).
+
+        The normal stress is G(−Q n⊗n)_nn = −b (Q − ρ)_+ for Q ≥ 0, with b = β |P(n⊗n)|² and ρ = r/|P(n⊗n)|.
+        """
         length = float(np.linalg.norm(self.convex.projector @ dyad(normal, normal)))
         return self.beta * length**2, self.convex.radius / length

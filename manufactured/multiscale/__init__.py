@@ -1,4 +1,4 @@
-"""Exact solutions with details of many sizes, each of which reaches into the body in proportion to its size."""
+"""Exact solutions with details of many sizes. Each detail reaches into the body in proportion to its size."""
 
 from manufactured.multiscale.fading import FadingFace
 from manufactured.multiscale.roller import COARSEST_ROLLER, ROLLERS, rollers

@@ -1,4 +1,6 @@
-"""Contact data on a straight part of Γ3 whose displacement reaches to a depth D(s, t) that varies along it and in time.
+"""A contact face whose displacement reaches to a depth D(s, t) that varies along the face and in time.
+
+For the gap w and the normal strain q on the face, the displacement is
 
     u_s = −y ∂_s w φ(y/D),   u_n = (w + y q) φ(y/D),   φ(η) = (1 − η)²(1 + 2η) for η < 1, zero beyond,
 
@@ -24,15 +26,15 @@ from manufactured.symbols import Index, Values, indices, refuse_kinks, s, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
 
 y = sp.Symbol("y", real=True)
-"""The distance from the face."""
+"""The symbol of the distance from the face into the body."""
 
 
 @lru_cache
 def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
-    """Return a function that computes the derivatives of u_s, then of u_n, up to an order, or of their rates.
+    """Return a function that computes the derivatives of u_s and u_n up to an order, or of their rates.
 
-    Its arguments are y and the derivatives along the face of w (up to order + 1), q and D (up to the order), and, if
-    ``rate``, also of their time derivatives. All faces share these long formulas.
+    Its arguments are y and the derivatives along the face of w (up to order + 1), q and D (up to the order). For rates,
+    the time derivatives of these follow. All faces share these long formulas.
     """
     w, q, D = (sp.Function(name)(s, t) for name in "wqD")
     eta = y / D
@@ -46,22 +48,23 @@ def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
         for i in range(order + more + 1)
     ]
     symbols = sp.symbols(f"v0:{len(values)}", real=True)
-    # Higher derivatives first: they contain the lower ones.
+    # Higher derivatives are substituted first, because they contain the lower ones.
     stated = dict(reversed([*zip(values, symbols, strict=True)]))
     return function((y, *symbols), [formula.doit().subs(stated) for formula in formulas])
 
 
 @dataclass(frozen=True, eq=False)
 class FadingFace:
-    """The contact data on a part of Γ3 and the depth to which the displacement reaches, as formulas of s and t.
+    """A contact face whose displacement reaches to a variable depth; all data are formulas of s and t.
 
     Attributes:
-        part: the part Γ3,i.
-        gap: w(s, t), three times differentiable along the face almost everywhere.
-        strain: q(s, t), the normal strain on the face.
-        pressure: p(s, t). It must be the pressure that the law gives for q; the self-proof checks this.
-        level: ψ(s, t); the contact zone is {ψ ≥ 0}.
-        depth: D(s, t) > 0.
+        part: the part Γ3,i of the contact boundary.
+        gap: the gap w(s, t), three times differentiable along the face almost everywhere.
+        strain: the normal strain q(s, t) on the face.
+        pressure: the contact pressure p(s, t). It must be the pressure that the law gives for q; the self-proof checks
+            this.
+        level: the function ψ(s, t); the contact zone is {ψ ≥ 0}.
+        depth: the depth D(s, t) > 0.
         least_depth: the smallest value of D; quadrature meshes are refined in a strip of this depth.
         rough: the coordinates s at which strains are singular at all times; there are none.
 
@@ -83,7 +86,7 @@ class FadingFace:
 
     @property
     def initial_gap(self) -> sp.Expr:
-        """The initial gap, which is 0."""
+        """The initial gap, which is 0 for such faces."""
         return sp.Integer(0)
 
     @cached_property
@@ -100,33 +103,36 @@ class FadingFace:
 
     @cached_property
     def depth_jet(self) -> Jet:
-        """The formula of D as a ``Jet``."""
+        """The depth D as a formula with its derivatives."""
         return Jet(self.depth)
 
     @cached_property
     def traces(self) -> tuple[Jet, Jet, Jet]:
-        """The formulas of w, q and D, which determine the displacement."""
+        """Gap w, strain q and depth D, which determine the displacement, as formulas with their derivatives."""
         return self.gap_jet, Jet(self.strain), self.depth_jet
 
     @cached_property
     def trace_rates(self) -> tuple[Jet, Jet, Jet]:
-        """The formulas of the time derivatives of w, q and D."""
+        """The time derivatives of w, q and D as formulas with their derivatives."""
         w, q, D = self.traces
         return w.rate(), q.rate(), D.rate()
 
     def traced(self, s: Array, time: complex, rate: bool, order: int) -> list[Array]:
-        """Return the derivatives of w, q and D, and of their rates if ``rate``, that ``lifted`` needs, at s, (1, n)."""
+        """Return the derivatives of w, q and D along the face that ``lifted`` needs, at points s, (1, n).
+
+        If ``rate`` is true, the derivatives of their rates follow.
+        """
         jets = (*self.traces, *self.trace_rates) if rate else self.traces
         traces = [jet(s, time, order + more) for jet, more in zip(jets, (1, 0, 0) * 2, strict=False)]
         return [trace[i,] for trace in traces for i in range(len(trace))]
 
     def lifted(self, traced: Sequence[Array], into: Array, rate: bool, order: int) -> tuple[Values, Values]:
-        """Return the derivatives of u_s and of u_n in (s, y) up to an order, or of their rates, at points with y < D.
+        """Return the derivatives of the displacements u_s and u_n in (s, y) up to an order, at points with y < D.
 
         Args:
             traced: the result of ``traced`` at the coordinates s of the points.
-            into: y, (n,).
-            rate: whether to return the rates.
+            into: the distances y of the points from the face, (n,).
+            rate: whether to return the derivatives of the velocities instead.
             order: the highest order.
         """
         values = _lifting(rate, order)(into, *traced)
@@ -140,7 +146,7 @@ class FadingFace:
 
     @property
     def exponents_in(self) -> sp.Expr:
-        """A formula whose truncated powers show how smooth the strain is near a front: the pressure."""
+        """A formula whose truncated powers show how smooth the strain is near a front: the contact pressure."""
         return self.pressure
 
     def at(self, x: Points) -> Fading:
@@ -149,7 +155,10 @@ class FadingFace:
 
 
 class Fading:
-    """The fields of a ``FadingFace`` at fixed points; formulas are evaluated only at points within the depth D."""
+    """The displacement field of a ``FadingFace`` at fixed points.
+
+    Formulas are evaluated only at points within the depth of the face.
+    """
 
     def __init__(self, face: FadingFace, x: Points) -> None:
         self.face, self.frame = face, face.part.frame
@@ -159,15 +168,15 @@ class Fading:
         self.s, self.where = distinct(places.reshape(1, -1))
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
-        """Return u, or u̇ if ``rate``, (2, ...)."""
+        """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
         return self._everywhere(lambda values: self.frame @ np.array([of[0, 0] for of in values]), time, rate, 0)
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
-        """Return ε(u), or ε(u̇) if ``rate``, in Mandel form, (3, ...)."""
+        """Return the strain ε(u), or its rate if ``rate`` is true, in Mandel form, (3, ...)."""
         return self._everywhere(lambda values: self.turned @ _strain(values, (0, 0)), time, rate, 1)
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
-        """Return the derivatives ∂_j ε(u), or ∂_j ε(u̇) if ``rate``, (3, 2, ...)."""
+        """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, (3, 2, ...)."""
 
         def gradient(values: tuple[Values, Values]) -> Array:
             local = np.array([self.turned @ _strain(values, along) for along in ((1, 0), (0, 1))])
@@ -176,7 +185,10 @@ class Fading:
         return self._everywhere(gradient, time, rate, 2)
 
     def modes(self) -> Modes:
-        """Return ε(u) with one amplitude for every component and point; there is no shorter sum of products."""
+        """Return the strain as a ``Modes`` object with one amplitude for every component and point.
+
+        There is no shorter sum of products, because the depth changes with time.
+        """
         count = len(self.y)
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
@@ -187,8 +199,15 @@ class Fading:
     def _everywhere(
         self, of: Callable[[tuple[Values, Values]], Array], time: Array | complex, rate: bool, order: int
     ) -> Array:
-        """Return a function of the derivatives of (u_s, u_n), or of their rates, at all points; 0 for y ≥ D."""
-        # The set of points within the depth changes with time.
+        """Return a quantity, such as the strain, at all points; it is 0 at points deeper than D.
+
+        Args:
+            of: computes the quantity from the derivatives of (u_s, u_n), or of their rates if ``rate`` is true.
+            time: one time or several times.
+            rate: whether rates are needed.
+            order: the highest order of derivatives that is needed.
+        """
+        # Times are treated one by one, because the set of points within the depth changes with time.
         return at_each(time, lambda moment: self._at_one(of, moment, rate, order))
 
     def _at_one(self, of: Callable[[tuple[Values, Values]], Array], time: complex, rate: bool, order: int) -> Array:
@@ -201,7 +220,10 @@ class Fading:
         return found.reshape(*found.shape[:-1], *self.shape)
 
     def _traced(self, time: complex, rate: bool, order: int) -> Callable[[Array], Sequence[Array]]:
-        """Return the function from point numbers to ``FadingFace.traced``; formulas are evaluated once for equal s."""
+        """Return the function from numbers of points to the result of ``FadingFace.traced`` at these points.
+
+        Formulas are evaluated once for points with the same s.
+        """
         where = self.where
         if where is None:
             return lambda chosen: self.face.traced(self.s[:, chosen], time, rate, order)
@@ -210,6 +232,11 @@ class Fading:
 
 
 def _strain(values: tuple[Values, Values], more: Index) -> Tensors:
-    """Return the derivative ∂^more of the strain in the axes (s, n), in Mandel form, (3, n)."""
+    """Return a derivative of the strain in the axes (s, n), in Mandel form, (3, n).
+
+    Args:
+        values: the derivatives of u_s and of u_n.
+        more: the multi-index of the derivative.
+    """
     gradient = [[of[i + more[0], j + more[1]] for i, j in ((1, 0), (0, 1))] for of in values]
     return mandel(np.array(gradient))

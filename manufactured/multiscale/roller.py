@@ -37,24 +37,27 @@ from manufactured.symbols import pos, s, t
 
 T = 0.7
 START = Rational(3, 20)
-"""The front of a roller at t = 0."""
+"""The position of the front of a roller at t = 0."""
 MIDDLE = Rational(1, 2)
-"""The centre of a standing patch."""
+"""The position of the centre of a standing patch."""
 LANDINGS = Rational(1, 10), Rational(2, 5)
-"""The times t_j at which a standing patch touches."""
+"""The times t_j at which a standing patch comes into contact."""
 SLOPE = Rational(1, 10)
-"""The factor ω of the gap."""
+"""The factor ω in the formula of the gap."""
 ROLLERS = "roller", "pushing-roller", "steep-roller", "standing"
-"""The names of the cases without the level at their end."""
+"""The names of the roller cases; a case of level n has "-n" added."""
 COARSEST_ROLLER = 5
-"""The smallest level n: a standing patch of half-width 2/n must lie within the face."""
+"""The smallest level n of the cases. A standing patch of half-width 2/n must lie within the contact face."""
 DEPTH = Rational(7, 10)
-"""The depth of the lifting divided by (ℓ² + ξ²)^{1/2}."""
+"""The depth of the displacement divided by (ℓ² + ξ²)^{1/2}, where ξ is the position relative to the patch."""
 
 
 @lru_cache
 def rollers(level: int) -> tuple[Case, ...]:
-    """Return the cases with ℓ = 2/n for a level n. They are not in the catalogue, because each belongs to one level."""
+    """Return the roller cases for a level n, in which the width or half-width ℓ of the patch is 2/n.
+
+    They are not in the catalogue, because each of them belongs to one level.
+    """
     width, (plain, pushing, steep, still) = Rational(2, level), (f"{kind}-{level}" for kind in ROLLERS)
     return (
         roller(plain, width),
@@ -65,7 +68,7 @@ def rollers(level: int) -> tuple[Case, ...]:
 
 
 def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
-    """Return the roller with the width ℓ = ``width``, Q = ``push`` and ω = ``slope``."""
+    """Return the case of a moving patch, for ℓ = ``width``, Q = ``push`` and ω = ``slope`` in the formulas."""
     xi = s - START - t
     place = -xi / width
     return _case(
@@ -82,7 +85,7 @@ def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
 
 
 def standing(name: str, width: Expr) -> Case:
-    """Return the standing patch with the half-width ℓ = ``width``, which comes into contact twice."""
+    """Return the case of a standing patch with the half-width ℓ = ``width``, which comes into contact twice."""
     xi = s - MIDDLE
     place, bump = xi / width, pos(1 - (xi / width) ** 2, 4)
     since = [(t - start) / width for start in LANDINGS]
@@ -103,18 +106,18 @@ def standing(name: str, width: Expr) -> Case:
 
 
 def step(z: Expr) -> Expr:
-    """Return the formula H(z) = z³(10 − 15z + 6z²) on [0, 1], constant beyond."""
+    """Return the formula of the smooth step H(z) = z³(10 − 15z + 6z²) on [0, 1], which is constant beyond."""
     inside = pos(z, 1) - pos(z - 1, 1)
     return inside**3 * (10 - 15 * inside + 6 * inside**2)
 
 
 def kick(z: Expr) -> Expr:
-    """Return the formula H'(z) = 30 z²(1 − z)² on [0, 1], zero beyond."""
+    """Return the formula of the derivative H'(z) = 30 z²(1 − z)² of the smooth step on [0, 1], which is zero beyond."""
     return 30 * pos(z, 2) * pos(1 - z, 2)
 
 
 def away(rho: Expr) -> Expr:
-    """Return the formula W(ρ_+) with W(ρ) = ρ³/(1 + ρ²)^{9/8}."""
+    """Return the formula W(ρ_+) of the gap outside the patch, with W(ρ) = ρ³/(1 + ρ²)^{9/8}."""
     return pos(rho, 3) / (1 + rho**2) ** Rational(9, 8)
 
 

@@ -1,8 +1,8 @@
-"""Contact data whose displacement is confined to the strip above one part of Γ3.
+"""A contact face whose displacement is confined to the strip above it.
 
-The parts of one straight side have details of different sizes, and the displacement of each part reaches to a depth in
-proportion to its details. The displacement of one part must not reach into the strip above the next part. It is set to
-zero beyond the lines s = 0 and s = |Γ3,i|, where the contact data must vanish so smoothly that no strain jumps.
+One straight side is divided into parts whose details have different sizes. The displacement of each part reaches to a
+depth in proportion to its details, and must not reach into the strip above the next part. So it is set to zero beyond
+the ends s = 0 and s = |Γ3,i| of the part. There the contact data must vanish so smoothly that no strain jumps.
 """
 
 from __future__ import annotations
@@ -28,30 +28,30 @@ class StripFace(ContactFace):
 
 
 class InStrip:
-    """A displacement field at fixed points that is zero at points outside the strip."""
+    """A displacement field at fixed points that is zero at points outside a strip above the contact face."""
 
     def __init__(self, field: ContributionAtPoints, inside: Array) -> None:
         self.field, self.inside = field, inside
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
-        """Return u, or u̇ if ``rate``, (d, ...)."""
+        """Return the displacement u, or the velocity u̇ if ``rate`` is true, (d, ...)."""
         return self._everywhere(self.field.displacement(time, rate), 1)
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
-        """Return ε(u), or ε(u̇) if ``rate``, in Mandel form, (D, ...)."""
+        """Return the strain ε(u), or its rate if ``rate`` is true, in Mandel form, (D, ...)."""
         return self._everywhere(self.field.strain(time, rate), 1)
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
-        """Return the derivatives ∂_j ε(u), or ∂_j ε(u̇) if ``rate``, (D, d, ...)."""
+        """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, (D, d, ...)."""
         return self._everywhere(self.field.strain_gradient(time, rate), 2)
 
     def modes(self) -> Modes:
-        """Return ε(u) as a sum of products."""
+        """Return the strain ε(u) as a sum of products of functions of the point and of time."""
         found = self.field.modes()
         return replace(found, points=np.flatnonzero(self.inside)[found.points])
 
     def _everywhere(self, values: Array, inner: int) -> Array:
-        """Extend values at points of the strip by 0 to all points; the axis of points comes after ``inner`` axes."""
+        """Extend values at points of the strip to all points, by 0; the axis of points comes after ``inner`` axes."""
         found = np.zeros((*values.shape[:inner], *self.inside.shape, *values.shape[inner + 1 :]), dtype=values.dtype)
         found[(slice(None),) * inner + (self.inside,)] = values
         return found

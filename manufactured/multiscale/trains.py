@@ -38,21 +38,24 @@ from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 TRAINS = 7
-"""The number of trains, and of parts of Γ3."""
+"""The number of trains of contact patches, one on each part of Γ3."""
 LENGTH = Rational(1, 8)
-"""The length L of the parts."""
+"""The length L of every part of Γ3."""
 GAP, PRESSURE = 2, 200
-"""The factors ω and ϖ of gap and pressure."""
+"""The factors ω and ϖ in the formulas of gap and pressure."""
 
 
 @lru_cache
 def multiscale() -> tuple[Case, ...]:
-    """Return the cases with trains of patches. They are not in the catalogue, because its meshes are too coarse."""
+    """Return the cases with trains of contact patches.
+
+    They are not in the catalogue, because the meshes of its cases are too coarse for them.
+    """
     return static(), breathing()
 
 
 def static() -> Case:
-    """Return the case with fixed patches under a growing pressure."""
+    """Return the case with fixed contact patches under a growing pressure."""
     return _case(
         "trains",
         "patches of contact of seven widths",
@@ -62,7 +65,7 @@ def static() -> Case:
 
 
 def breathing() -> Case:
-    """Return the case with patches that widen and narrow again."""
+    """Return the case with contact patches that widen and narrow again."""
     mu = 4 * t * (1 - t) - Rational(1, 2)
     return _case(
         "breathing-trains",
@@ -73,7 +76,7 @@ def breathing() -> Case:
 
 
 Piece = tuple[float, Expr, Expr, Expr]
-"""Depth, w, p and ψ of a train."""
+"""The data of a train of patches: its depth, and the formulas of gap w, pressure p and level function ψ."""
 
 
 def _wave(j: int) -> Expr:
@@ -113,7 +116,7 @@ def _face(part: Part, body: Body, law: KelvinVoigt, piece: Piece) -> StripFace:
 
 
 def _body() -> Body:
-    """Return the unit square with a bottom that is divided into parts."""
+    """Return the unit square whose bottom is divided into parts, one for each train."""
     bottom = [(float(k * LENGTH), 0.0) for k in range(TRAINS + 1)]
     kinds = [Kind.CONTACT] * TRAINS + [Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     return polygon([*bottom, (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)], kinds)

@@ -1,4 +1,4 @@
-"""Checks of the boundary conditions (2.3), (2.4) and (2.5) at random points."""
+"""Checks of the boundary conditions (2.3), (2.4) and (2.5) of the contact problem at random points."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from manufactured.tensors import Array, Points, mandel, traction
 
 
 def clamped_and_loaded(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
-    """Check u = 0 on Γ1 and σν = f_2 on Γ2."""
+    """Check the boundary conditions u = 0 on Γ1 and σν = f_2 on Γ2."""
     inside = solution.at(solution.body.sample(rng, count))
     scale_u = norms(at_times(inside.displacement, instants, count))
     findings = []
@@ -32,14 +32,14 @@ def clamped_and_loaded(solution: ExactSolution, rng: np.random.Generator, count:
 
 
 def _traction_by_step(solution: ExactSolution, part: Part, x: Points, times: Array) -> Array:
-    """Return the traction Aε(u̇)ν + Gε(u)ν from derivatives by the complex step, (d, points, times)."""
+    """Return the traction Aε(u̇)ν + Gε(u)ν, with strains from derivatives by the complex step, (d, points, times)."""
     shifted = shifted_fields(solution, x)
     rate, strain = (mandel(gradient(shifted, of, times)) for of in (Fields.velocity, Fields.displacement))
     return traction(solution.law.at(x[..., None]).stress(rate, strain), part.normal)
 
 
 def contact(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
-    """Check that the fields have the stated contact data on Γ3: u_ν = g − w, σ_ν = −p, σ_τ = 0."""
+    """Check that displacement and stress have the stated contact data on Γ3: u_ν = g − w, σ_ν = −p, σ_τ = 0."""
     inside = solution.at(solution.body.sample(rng, count))
     scale_u = norms(at_times(inside.displacement, instants, count))
     scale_stress = norms(at_times(inside.stress, instants, count))

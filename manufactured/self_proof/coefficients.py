@@ -10,7 +10,7 @@ from manufactured.tensors import Array, traction
 
 
 def traction_at_jumps(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
-    """Check that the traction is continuous where a factor of A or G jumps, so that Div σ is a function."""
+    """Check that the traction is continuous where a material factor jumps; otherwise Div σ would not be a function."""
     findings = []
     inside = solution.body.sample(rng, 50 * count)
     size = float(np.ptp(solution.body.vertices, axis=1).max())

@@ -18,7 +18,7 @@ STEP = 1e-30
 
 
 def shifted_fields(solution: ExactSolution, x: Points) -> list[Fields]:
-    """Return the solution at the complex points x + i·STEP·e_j, one for every direction j."""
+    """Return the fields of the solution at the complex points x + i·STEP·e_j, one object for every direction j."""
     found = []
     for j in range(len(x)):
         shifted = x.astype(complex)

@@ -1,4 +1,4 @@
-"""Checks of signs and continuity of the contact data, on grids of the contact faces and of [0, T]."""
+"""Checks of the contact data on grids of the contact faces and of [0, T]: signs, contact zone and continuity."""
 
 from __future__ import annotations
 
@@ -10,16 +10,22 @@ from manufactured.self_proof.finding import OPEN_IN_CONTACT, ROUND_OFF, Finding,
 from manufactured.tensors import Array
 
 JUMP = 0.05
-"""Largest accepted difference between the change of a quantity along a face and the integral of its derivative,
-relative to the quantity. It is large because the derivative may be singular at a front."""
+"""Largest accepted relative jump of a quantity along a face.
+
+The jump is the change of the quantity minus the integral of its derivative. The number is large because the derivative
+may be singular at a front.
+"""
 GRID, INSTANTS = 211, 101
 """Numbers of points along a face and of times at which signs and the contact zone are checked."""
 TINY = 1e-150
-"""The scale used for a quantity that is zero everywhere."""
+"""Replaces the scale of a quantity that is zero everywhere, because relative defects are divided by the scale."""
 
 
 def signs(solution: ExactSolution) -> list[Finding]:
-    """Check signs, complementarity and the stated contact zone on a dense grid of each face and of [0, T]."""
+    """Check that gap and pressure are not negative, that one of them is 0, and that the contact zone is as stated.
+
+    A dense grid of each face and of [0, T] is used.
+    """
     instants = np.linspace(0, solution.body.T, INSTANTS)
     findings = []
     for i, face in enumerate(solution.faces, start=1):
@@ -29,9 +35,9 @@ def signs(solution: ExactSolution) -> list[Finding]:
             at_times(of, instants, s.shape[1]) for of in (fields.gap, fields.pressure, fields.level)
         )
         contact = level >= 0
-        # A body at rest touches with w = p = 0 and needs no zone.
+        # A body at rest touches the foundation with w = p = 0 everywhere, so any contact zone is right.
         resting = (abs(gap).max(axis=1) == 0) & (abs(pressure).max(axis=1) <= ROUND_OFF * fields.stress_scale())
-        # Each quantity has its own scale; where it is zero, the scale of the strains times a small number is used.
+        # Every quantity is compared with its own size. If it is zero, a small fraction of the size of stresses is used.
         scale_w = np.maximum(abs(gap), TINY)
         scale_p = np.maximum(abs(pressure), 1e-6 * fields.stress_scale())
         checks = [
@@ -51,7 +57,7 @@ def signs(solution: ExactSolution) -> list[Finding]:
 
 
 def _grid(part: Part) -> Array:
-    """Return GRID points along a segment, at most GRID^{3/2} points on a plane part, none on its edges, (d−1, N)."""
+    """Return grid points inside a face, (d−1, N): GRID points on a segment, at most GRID^{3/2} on a polygon."""
     # The ends of the face are left out, because a formula may be singular there.
     low, high = part.outline.min(axis=1), part.outline.max(axis=1)
     count = round(GRID ** (1 if part.dim == 2 else 0.75))
@@ -61,7 +67,7 @@ def _grid(part: Part) -> Array:
 
 
 def continuity(solution: ExactSolution, rng: np.random.Generator) -> list[Finding]:
-    """Check that w, ∇_s w and (q, r) do not jump along a face; otherwise u would not lie in H¹.
+    """Check that gap, its derivative and the strain do not jump along a face; otherwise u would not lie in H¹.
 
     Along a line in the direction of each coordinate, the change of a quantity must be the integral of its derivative.
     """

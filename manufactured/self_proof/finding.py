@@ -1,4 +1,4 @@
-"""The result of the check of one condition, and the error that lists all violated conditions."""
+"""The result of checking one condition of the contact problem, and the error that lists all violated conditions."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ import numpy as np
 from manufactured.tensors import Array, Points
 
 TOGETHER = 1 << 13
-"""Number of values that are evaluated together, so that they fit into the processor's cache."""
+"""Number of values that are evaluated at a time, so that they fit into the processor's cache."""
 ROUND_OFF = 1e-9
-"""Largest defect relative to the size of the terms that counts as round-off."""
+"""Largest defect, relative to the size of the terms of a condition, that counts as round-off."""
 
 
 OPEN_IN_CONTACT = "w = 0, so σ_ν w = 0, on the stated zone"
-"""The condition that is violated if the gap is positive somewhere in the contact zone."""
+"""Name of the condition that is violated if the gap is positive somewhere in the contact zone."""
 INITIAL_GAP_ADVICE = (
     "`gap` is the distance that is left at the time t, 0 where there is contact. If your formula is the distance of "
     "the undeformed body from the foundation, give it as `initial_gap` of ContactFace.linear, and give `gap` a formula "
@@ -26,13 +26,13 @@ INITIAL_GAP_ADVICE = (
 
 @dataclass(frozen=True)
 class Finding:
-    """The largest violation that was found of one condition.
+    """The largest violation of one condition that was found.
 
     Attributes:
         condition: the number of the condition in the paper, and its formula.
-        defect: size of the violation relative to the scale of the terms.
+        defect: the size of the violation, relative to the size of the terms of the condition.
         tolerance: the largest defect that passes.
-        x, time: point and time of the largest defect.
+        x, time: the point and the time of the largest defect.
     """
 
     condition: str
@@ -43,7 +43,7 @@ class Finding:
 
     @property
     def passes(self) -> bool:
-        # Not (defect > tolerance): a NaN must not pass.
+        # ``not defect > tolerance`` would let a NaN pass.
         return self.defect <= self.tolerance
 
     def __str__(self) -> str:
@@ -71,7 +71,7 @@ class SelfProofError(ValueError):
 def worst(
     condition: str, x: Points, instants: Array, defect: Array, scale: Array, tolerance: float = ROUND_OFF
 ) -> Finding:
-    """Return the finding for the largest defect, relative to the largest entry of ``scale``.
+    """Return the largest violation of a condition, relative to the largest entry of ``scale``.
 
     Args:
         condition: the number and formula of the condition.
@@ -79,7 +79,7 @@ def worst(
         instants: the times, (times,).
         defect: the size of the violation, (times, points).
         scale: the size of the terms of the condition.
-        tolerance: the largest relative defect that passes.
+        tolerance: the largest relative violation that passes.
     """
     defect = np.where(np.isfinite(defect), defect, np.inf)
     when, where = np.unravel_index(np.argmax(defect), defect.shape)
@@ -90,9 +90,12 @@ def worst(
 
 
 def at_times(of: Callable[[Array], Array], instants: Array, points: int) -> Array:
-    """Evaluate a field at all times, which become the first axis, in blocks that fit the processor cache.
+    """Evaluate a field at many times, which become the first axis, in blocks that fit into the processor's cache.
 
-    ``of`` takes times (n,) and returns values with a last axis of length n.
+    Args:
+        of: a function from times (n,) to values whose last axis has the length n.
+        instants: the times.
+        points: the number of points at which the field is evaluated.
     """
     together = max(1, TOGETHER // points)
     blocks = (instants[first : first + together] for first in range(0, len(instants), together))
@@ -100,5 +103,5 @@ def at_times(of: Callable[[Array], Array], instants: Array, points: int) -> Arra
 
 
 def norms(values: list[Array] | Array) -> Array:
-    """Euclidean norm over the component axis of (times, components, points)."""
+    """Return the Euclidean norms of vectors with the axes (times, components, points)."""
     return np.linalg.norm(np.asarray(values), axis=1)

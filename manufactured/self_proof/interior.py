@@ -1,4 +1,4 @@
-"""Checks of the conditions inside the body: strain, velocity and law, (2.10), (2.6), (2.1), and equilibrium, (2.2)."""
+"""Checks of the conditions inside the body: strain (2.10), velocity (2.6), law (2.1) and equilibrium (2.2)."""
 
 from __future__ import annotations
 
@@ -15,10 +15,15 @@ from manufactured.symbols import t as clock
 from manufactured.tensors import Array, Points, basis, mandel
 
 INTEGRATION = 1e-5
-"""Largest accepted relative difference between the change of u and ∫u̇ dt. u̇ has kinks in time where a front passes."""
+"""Largest accepted relative difference between the change of u and ∫u̇ dt.
+
+It is much larger than rounding, because u̇ has kinks in time where a front passes.
+"""
 PANELS, FINER, MOST = 8, 4, 512
-"""Panels of Gauss's rule in each eighth of [0, T]: the first number, the factor to the next one, and the largest one. A
-long T may contain many periods of a motion, and more panels are needed to resolve them."""
+"""Numbers of panels of Gauss's rule in each eighth of [0, T]: the first one, the factor to the next, the largest.
+
+If T is long, it may contain many periods of a motion, and more panels are needed to resolve them.
+"""
 
 
 def kinematics(solution: ExactSolution, x: Points, instants: Array) -> list[Finding]:
@@ -29,7 +34,7 @@ def kinematics(solution: ExactSolution, x: Points, instants: Array) -> list[Find
         return at_times(of, instants, x.shape[1])
 
     def law(t: Array) -> Array:
-        """Return σ from derivatives of u by the complex step."""
+        """Return the stress from derivatives of u by the complex step."""
         rate, strain = (mandel(gradient(shifted, of, t)) for of in (Fields.velocity, Fields.displacement))
         return at_points.stress(rate, strain)
 
@@ -46,7 +51,7 @@ def kinematics(solution: ExactSolution, x: Points, instants: Array) -> list[Find
 
 
 def history(solution: ExactSolution, x: Points) -> Finding:
-    """Check that u changes by ∫u̇ dt over each eighth of [0, T], so that u does not jump in time.
+    """Check that u does not jump in time: over each eighth of [0, T] it must change by the integral of u̇.
 
     The number of panels of the integral is increased as long as the defect is too large and decreases. If u jumps, the
     defect does not decrease.
@@ -61,7 +66,7 @@ def history(solution: ExactSolution, x: Points) -> Finding:
 
 
 def _history(solution: ExactSolution, x: Points, count: int) -> Finding:
-    """Return the finding of ``history`` for a number of panels in each eighth of [0, T]."""
+    """Compare the change of u with the integral of u̇, for a number of panels in each eighth of [0, T]."""
     fields, T = solution.at(x), solution.body.T
     nodes, weights = np.polynomial.legendre.leggauss(4)
     ends = np.linspace(0, T, 9)
@@ -78,14 +83,14 @@ def _history(solution: ExactSolution, x: Points, count: int) -> Finding:
 
 
 def _switches(solution: ExactSolution) -> list[float]:
-    """Return the zeros of the arguments of truncated powers that depend on t only; u̇ may jump at these times."""
+    """Return the times at which u̇ may jump: zeros of the arguments of truncated powers that depend on t only."""
     formulas = [sp.sympify(f) for face in solution.faces for f in (face.gap, face.exponents_in)]
     switches = {front.args[0] for f in formulas for front in f.atoms(pos) if front.args[0].free_symbols == {clock}}
     return [float(root) for switch in switches for root in sp.real_roots(switch, clock)]
 
 
 def equilibrium(solution: ExactSolution, x: Points, instants: Array) -> Finding:
-    """Check the equilibrium Div σ + f_0 = 0."""
+    """Check that the stress balances the body force, Div σ + f_0 = 0."""
     fields, shifted = solution.at(x), shifted_fields(solution, x)
     force = at_times(fields.body_force, instants, x.shape[1])
     slopes = at_times(lambda t: gradient(shifted, Fields.stress, t), instants, x.shape[1])

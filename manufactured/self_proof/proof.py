@@ -1,4 +1,4 @@
-"""The self-proof of an exact solution: checks all conditions of Problem 2.1."""
+"""The self-proof of an exact solution, which checks all conditions of Problem 2.1."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from manufactured.self_proof.interior import equilibrium, history, kinematics
 
 
 def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
-    """Check every condition of Problem 2.1 and return the findings, all of which pass.
+    """Check every condition of Problem 2.1 and return the largest violation of each; raise an error if one is too
+    large.
 
     >>> from manufactured import named
     >>> all(finding.passes for finding in prove(named("full-contact").solution, "full-contact"))
@@ -30,7 +31,7 @@ def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
 
 
 def examine(solution: ExactSolution, seed: int = 0, points: int = 40, times: int = 8) -> list[Finding]:
-    """Return the largest defect of every condition at random points and times."""
+    """Return the largest violation of every condition of Problem 2.1 at random points and times."""
     rng = np.random.default_rng(seed)
     instants = np.sort(rng.uniform(0, solution.body.T, times))
     inside = solution.body.sample(rng, points)

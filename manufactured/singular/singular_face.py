@@ -1,4 +1,4 @@
-"""A part of Γ3 with contact, whose displacement is a singular field."""
+"""A part of the contact boundary where the displacement is a singular field."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ from manufactured.tensors import Points
 
 @dataclass(frozen=True, eq=False)
 class SingularFace:
-    """A part of Γ3 with contact whose displacement is a singular field, with the contact data that belong to the field.
+    """A part of the contact boundary where the displacement is a singular field, with the contact data of this field.
 
     Attributes:
         part: the part Γ3,i.
-        gap: the formula of w(s, t).
-        pressure: the formula of p(s, t). It must be the pressure that the law gives; the self-proof checks this.
+        gap: the formula of the gap w(s, t).
+        pressure: the formula of the contact pressure p(s, t). It must be the pressure that the law gives; the
+            self-proof checks this.
         level: the formula of ψ(s, t); the contact zone is {ψ ≥ 0}.
-        field: the displacement.
+        field: the displacement field.
         rough: coordinates s of the singular points that do not move.
 
     Raises:
@@ -43,7 +44,7 @@ class SingularFace:
 
     @property
     def initial_gap(self) -> sp.Expr:
-        """The initial gap, which is 0."""
+        """The initial gap, which is 0 for such faces."""
         return sp.Integer(0)
 
     @cached_property
@@ -64,7 +65,7 @@ class SingularFace:
 
     @property
     def exponents_in(self) -> sp.Expr:
-        """A formula whose truncated powers show how smooth the strain is near a front: the pressure."""
+        """A formula whose truncated powers show how smooth the strain is near a front: the contact pressure."""
         return self.pressure
 
     def at(self, x: Points) -> SingularAtPoints | TravellingAtPoints:

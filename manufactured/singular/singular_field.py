@@ -21,14 +21,14 @@ from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, mapped
 
 @dataclass(frozen=True, eq=False)
 class SingularField:
-    """The displacement u = θ(t) χ U(x, y) near a point, where U is singular at the point and χ is a cut-off function.
+    """The displacement u = θ(t) χ U(x, y) near a point: U is singular at the point, and χ is a cut-off function.
 
     Attributes:
-        centre: the point, (2,). frame: the local axes as columns, (2, 2). z^β is discontinuous on the negative x-axis,
-        which must lie outside the
-            body or on its boundary.
-        x, y: the monomials of U_x and U_y.
-        theta: the formula of θ(t).
+        centre: the point, (2,).
+        frame: the local axes as columns, (2, 2). The power z^β is discontinuous on the negative x-axis, which must lie
+            outside the body or on its boundary.
+        x, y: the terms y^m Re(c z^β) of which U_x and U_y consist.
+        theta: the formula of the function of time θ(t).
         radial: χ as a function of the distance r from the point.
         depth: χ as a function of the local coordinate y. If neither ``radial`` nor ``depth`` is given, χ = 1.
     """
@@ -43,21 +43,24 @@ class SingularField:
 
     @cached_property
     def amplitude(self) -> tuple[Jet, Jet]:
-        """The formulas of θ and of its time derivative."""
+        """The function of time θ and its derivative, as formulas that can be evaluated."""
         jet = Jet(sp.sympify(self.theta), (s,))
         return jet, jet.rate()
 
     def at_time(self, time: Array | complex, rate: bool) -> Array:
-        """Return θ(t), or its time derivative if ``rate``."""
+        """Return the factor θ(t), or its time derivative if ``rate`` is true."""
         return self.amplitude[rate](np.zeros(1), time)[0,]
 
     def at(self, x: Points) -> SingularAtPoints:
-        """Return the field at fixed points, (2, ...)."""
+        """Return the displacement field at fixed points, (2, ...)."""
         return SingularAtPoints(self, x)
 
 
 class SingularAtPoints:
-    """A singular field at fixed points: θ(t) times fields that do not depend on time and are computed once."""
+    """A singular displacement field at fixed points.
+
+    It is θ(t) times fields that do not depend on time and are computed once.
+    """
 
     def __init__(self, field: SingularField, x: Points) -> None:
         self.field = field
@@ -65,19 +68,19 @@ class SingularAtPoints:
         self.local = mapped(field.frame.T, offset)
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
-        """Return u, or u̇ if ``rate``, (2, ...)."""
+        """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
         return np.multiply.outer(self._displacement, self.field.at_time(time, rate))
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
-        """Return ε(u), or ε(u̇) if ``rate``, (3, ...)."""
+        """Return the strain ε(u), or its rate if ``rate`` is true, (3, ...)."""
         return np.multiply.outer(self._strain, self.field.at_time(time, rate))
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
-        """Return the derivatives ∂_j ε(u), or ∂_j ε(u̇) if ``rate``, (3, 2, ...)."""
+        """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, (3, 2, ...)."""
         return np.multiply.outer(self._strain_gradient, self.field.at_time(time, rate))
 
     def modes(self) -> Modes:
-        """Return ε(u) as a sum of products: one for each component, with the amplitude θ(t)."""
+        """Return the strain ε(u) as a sum of products: one for each component, with the amplitude θ(t)."""
         shapes = self._strain.reshape(len(self._strain), -1)
         field, count = self.field, len(shapes)
 
@@ -111,7 +114,7 @@ class SingularAtPoints:
         return np.moveaxis(turned, 0, 1)
 
     def _derivative(self, dx: int, dy: int) -> Array:
-        """Return the derivative ∂_x^dx ∂_y^dy of χ U in local axes, by the product rule, (2, ...)."""
+        """Return the derivative ∂_x^dx ∂_y^dy of the field χ U without its factor θ(t), in local axes, (2, ...)."""
         total = np.zeros(self.local.shape, dtype=self.local.dtype)
         for i in range(dx + 1):
             for j in range(dy + 1):
@@ -122,7 +125,7 @@ class SingularAtPoints:
         return total
 
     def _singular(self, dx: int, dy: int) -> Array:
-        """Return the derivative ∂_x^dx ∂_y^dy of U in local axes, (2, ...)."""
+        """Return the derivative ∂_x^dx ∂_y^dy of U, the field without cut-off, in local axes, (2, ...)."""
         y = self.local[1]
         return np.array(
             [
@@ -137,7 +140,7 @@ class SingularAtPoints:
         )
 
     def _cutoff(self, dx: int, dy: int) -> Array | float | None:
-        """Return the derivative ∂_x^dx ∂_y^dy of χ; None if it is zero everywhere."""
+        """Return the derivative ∂_x^dx ∂_y^dy of the cut-off function χ; None if it is zero everywhere."""
         x, y = self.local
         if self.field.depth is not None:
             return None if dx else self.field.depth(y, dy)
@@ -161,7 +164,7 @@ def _binomial(n: int, k: int) -> int:
 
 
 class _OfMonomials(Protocol):
-    """The interface of fields that consist of monomials."""
+    """The interface of fields whose components are sums of terms y^m Re(c z^β)."""
 
     @property
     def x(self) -> tuple[Monomial, ...]: ...
@@ -170,5 +173,5 @@ class _OfMonomials(Protocol):
 
 
 def least_exponent(fields: Iterable[_OfMonomials]) -> float:
-    """Return the smallest power of the distance r in singular fields, min(m + β); infinity without fields."""
+    """Return the smallest exponent λ of fields that behave like r^λ at a point; infinity without fields."""
     return min((m.m + m.beta for field in fields for m in (*field.x, *field.y) if m.c != 0), default=math.inf)

@@ -1,4 +1,4 @@
-"""A singular field whose singular point moves along a straight piece of Γ3."""
+"""A singular displacement field whose singular point moves along a straight piece of the contact boundary."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from manufactured.symbols import s
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
 
 Of = Callable[[SingularAtPoints, complex, bool], Array]
-"""A method of ``SingularAtPoints``, as a function of the field, the time and ``rate``."""
+"""The type of a method of ``SingularAtPoints``, as a function of the field, the time and ``rate``."""
 
 
 @dataclass(frozen=True, eq=False)
 class TravellingField:
-    """The displacement u = θ(t) χ(y) U(x − c(t), y), whose singular point moves.
+    """The displacement u = θ(t) χ(y) U(x − c(t), y), whose singular point x = c(t) moves.
 
     Its velocity is u̇ = θ̇ χ U(x − c, y) − θ ċ χ ∂_x U(x − c, y).
 
@@ -47,17 +47,17 @@ class TravellingField:
 
     @property
     def x(self) -> tuple[Monomial, ...]:
-        """The monomials of U_x."""
+        """The terms y^m Re(c z^β) of which the component U_x consists."""
         return self.steady.x
 
     @property
     def y(self) -> tuple[Monomial, ...]:
-        """The monomials of U_y."""
+        """The terms y^m Re(c z^β) of which the component U_y consists."""
         return self.steady.y
 
     @cached_property
     def slope(self) -> SingularField:
-        """The field θ(t) χ(y) ∂_x U(x, y)."""
+        """The field θ(t) χ(y) ∂_x U(x, y), which the velocity contains."""
         return replace(self.steady, x=_along(self.steady.x), y=_along(self.steady.y))
 
     @cached_property
@@ -66,28 +66,31 @@ class TravellingField:
         return jet, jet.rate()
 
     def place_at(self, time: Any, rate: bool = False) -> Any:
-        """Return c(t), or its time derivative if ``rate``; complex for complex t."""
+        """Return the position c(t) of the singular point, or its velocity if ``rate`` is true."""
         return self._place[rate](np.zeros((1, 1)), time)[(0,)][0]
 
     def at(self, x: Points) -> TravellingAtPoints:
-        """Return the field at fixed points of the body, (2, ...)."""
+        """Return the displacement field at fixed points of the body, (2, ...)."""
         return TravellingAtPoints(self, x)
 
 
 def _along(component: tuple[Monomial, ...]) -> tuple[Monomial, ...]:
-    """Return the monomials of the derivative ∂_x."""
+    """Return the terms of the derivative ∂_x of a component."""
     return tuple(Monomial(*term) for monomial in component for term in monomial.terms(1, 0))
 
 
 class TravellingAtPoints:
-    """A travelling field at fixed points. Seen from the singular point, the points move along the face."""
+    """A field with a moving singular point, at fixed points of the body.
+
+    It is evaluated in coordinates in which the singular point rests and the points move.
+    """
 
     def __init__(self, field: TravellingField, x: Points) -> None:
         self.field, self.x = field, x
         self._now = lru_cache(1)(self._moved)
 
     def _moved(self, time: complex) -> tuple[SingularAtPoints, SingularAtPoints]:
-        """Return the fields with U and with ∂_x U at the points x − c(t)."""
+        """Return two fields at the points x − c(t): the field with U, and the field with its derivative ∂_x U."""
         along = self.field.steady.frame[:, 0] * self.field.place_at(time)
         x = self.x - along.reshape((-1,) + (1,) * (self.x.ndim - 1))
         return self.field.steady.at(x), self.field.slope.at(x)
@@ -102,19 +105,19 @@ class TravellingAtPoints:
         return at_each(time, at_one)
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
-        """Return u, or u̇ if ``rate``, (2, ...)."""
+        """Return the displacement u, or the velocity u̇ if ``rate`` is true, (2, ...)."""
         return self._value(time, rate, SingularAtPoints.displacement)
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
-        """Return ε(u), or ε(u̇) if ``rate``, (3, ...)."""
+        """Return the strain ε(u), or its rate if ``rate`` is true, (3, ...)."""
         return self._value(time, rate, SingularAtPoints.strain)
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
-        """Return the derivatives ∂_j ε(u), or ∂_j ε(u̇) if ``rate``, (3, 2, ...)."""
+        """Return the derivatives ∂_j of the strain, or of its rate if ``rate`` is true, (3, 2, ...)."""
         return self._value(time, rate, SingularAtPoints.strain_gradient)
 
     def modes(self) -> Modes:
-        """Return ε(u) in the form ``Modes`` without any saving: one amplitude for every component and point."""
+        """Return the strain as a ``Modes`` object, with one amplitude for every component and point."""
         count, rows = int(np.prod(self.x.shape[1:])), size(2)
 
         def amplitudes(time: Array | float, rate: bool) -> Array:

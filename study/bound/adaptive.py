@@ -1,9 +1,10 @@
 """The command ``study bound --adapt``: refine mesh and time steps until the error bound is below a tolerance.
 
-The bound is computed from u_h alone. ``study.bound.terms`` divides it into shares of the cells and of time. The fewest
-cells that together have half of all shares of cells are refined (red, green and blue refinement after C. Carstensen,
-Constr. Approx. 20 (2004) 549–564, which leaves no hanging nodes and angles bounded from below). All time steps are
-halved if the share of time is more than a quarter of the bound.
+The error bound is computed from the displacement u_h alone. ``study.bound.terms`` divides it into contributions of the
+cells and of the time steps, called shares. The cells with the largest shares are refined, just so many that they have
+half of the sum. Red, green and blue refinement (C. Carstensen, Constr. Approx. 20 (2004) 549–564) leaves no hanging
+nodes and bounds the angles from below. If the time steps contribute more than a quarter of the bound, all steps are
+halved.
 """
 
 from __future__ import annotations
@@ -36,18 +37,21 @@ from study.ledger.text import up, width
 from study.solve.evolution import Scheme
 
 PART = 0.5
-"""Fraction of the sum of all cell shares that the refined cells have together."""
+"""The cells to refine contribute together this fraction of the part of the error bound that is due to cells."""
 IN_TIME = 0.25
-"""Fraction of the bound due to time above which steps are halved; if cells have less, the mesh is not refined."""
+"""Time steps are halved if they contribute more than this fraction of the error bound.
+
+If the cells contribute less than this fraction, the mesh is not refined.
+"""
 TOUCHING = 1e-9
-"""Gap, relative to the largest displacement, up to which a vertex of Γ3 counts as in contact."""
+"""A vertex of the contact boundary Γ3 counts as in contact up to this gap, relative to the largest displacement."""
 SHOWN = 4
-"""Significant digits of bounds in the printed table."""
+"""Number of significant digits of the error bounds in the printed table."""
 
 
 @dataclass(frozen=True, eq=False)
 class Adapted:
-    """The solution u_h on one mesh, the bound of its error, and what each cell contributes to the bound."""
+    """The solution u_h on one mesh, the bound of its error, and the contributions of cells and time to the bound."""
 
     mesh: Mesh
     computed: DiscreteSolution
@@ -57,7 +61,13 @@ class Adapted:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A mesh, by its vertices (2, n) and cells (3, n), and a number of time steps."""
+    """The discretisation of one refinement step.
+
+    Attributes:
+        p: the vertices of the mesh, (2, n).
+        t: the vertex numbers of the triangles, (3, cells).
+        steps: the number of time steps.
+    """
 
     p: Array
     t: Array
@@ -76,6 +86,10 @@ class Stage:
 class Tolerance:
     """The tolerance for the error bound: a number, or a percentage of max ‖u(t)‖_V.
 
+    Attributes:
+        number: the number or the percentage.
+        percent: whether ``number`` is a percentage.
+
     Raises:
         BoundError: the number is not positive.
     """
@@ -88,7 +102,7 @@ class Tolerance:
             raise BoundError(f"--adapt needs a tolerance that is a positive number, got {self.number:g}")
 
     def reached(self, row: pd.Series) -> bool:
-        """Return whether the bound of a row of ``adaptive.csv`` is at most this tolerance."""
+        """Return whether the error bound of a mesh, from its row of ``adaptive.csv``, is at most this tolerance."""
         return bool(row["percent" if self.percent else "bound"] <= self.number)
 
     def __str__(self) -> str:
@@ -96,10 +110,10 @@ class Tolerance:
 
 
 def tolerance_from(text: str) -> Tolerance:
-    """Return the tolerance that is written as text, such as ``0.2`` or ``5%``.
+    """Convert a text such as ``0.2`` or ``5%`` to a tolerance.
 
     Raises:
-        BoundError: the text is not a tolerance.
+        BoundError: the text is neither a positive number nor a percentage.
     """
     percent = text.strip().endswith("%")
     try:
@@ -127,11 +141,12 @@ def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adap
 
 
 def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
-    """Return the mesh and the number of steps after one refinement.
+    """Return the mesh and the number of time steps after one adaptive refinement.
 
     Args:
-        cells: shares of the cells, (cells,).
-        in_time: the share of time.
+        stage: the present mesh and number of steps.
+        cells: the contribution of each cell to the error bound, (cells,).
+        in_time: the contribution of the time steps to the error bound.
     """
     part = in_time / (float(cells.sum()) + in_time)
     steps = stage.steps * (2 if part > IN_TIME else 1)
@@ -142,7 +157,14 @@ def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
 
 
 def marked(shares: Array, part: float) -> Array:
-    """Return the numbers of the fewest cells whose shares add up to a fraction 0 < part ≤ 1 of all shares, (n,).
+    """Select the cells to refine: the fewest cells that have at least the fraction ``part`` of the sum of all shares.
+
+    Args:
+        shares: the contribution of each cell to the bound, (cells,).
+        part: the fraction, 0 < part ≤ 1.
+
+    Returns:
+        The numbers of the selected cells in ascending order, (n,).
 
     Source: W. Dörfler, SIAM J. Numer. Anal. 33 (1996) 1106–1124.
     """
@@ -154,8 +176,13 @@ def marked(shares: Array, part: float) -> Array:
 def record(number: int, found: Adapted) -> dict[str, Any]:
     """Return the results on one mesh as a dict.
 
-    Keys: ``row`` of ``adaptive.csv``; ``inside``, whether a known error lies in the enclosure; ``sentences`` on the
-    evidence for the bound.
+    Args:
+        number: the number of the mesh in the sequence of refinements.
+        found: the solution on this mesh and the bound of its error.
+
+    Returns:
+        ``row``: the row of ``adaptive.csv``; ``inside``: whether the error lies in the enclosure, if it is known;
+        ``sentences``: texts that say whether the bound is guaranteed.
     """
     enclosure = found.enclosure
     row = {
@@ -175,7 +202,8 @@ def record(number: int, found: Adapted) -> dict[str, Any]:
 def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     """Return the table ``adaptive.csv``, with one row for each mesh.
 
-    The column ``order`` is the order log(b/b')/log(N'/N) of the bound b in the number of unknowns N.
+    The column ``order`` compares each mesh with the previous one. For the bounds b, b' and the numbers N, N' of
+    unknowns on the two meshes, it is log(b/b')/log(N'/N).
     """
     found = pd.DataFrame(rows)
     unknowns, bounds = np.log(found["dofs"]).diff(), -np.log(found["bound"]).diff()
@@ -194,10 +222,16 @@ def text(
     sentences: Sequence[str],
     norm: str = MOVING,
 ) -> list[str]:
-    """Return the printed lines: whether the tolerance is reached, the evidence, and one line for each mesh.
+    """Return the printed lines: whether the tolerance is reached and the bound is guaranteed, and a line for each
+    mesh.
 
     Args:
+        name: the name of the problem.
+        rows: the table ``adaptive.csv``.
+        tolerance: the tolerance for the error bound.
         stopped: why refinement ended before the tolerance was reached; empty if it was reached.
+        sentences: texts that say whether the bound is guaranteed.
+        norm: the norm of the error, ``MOVING`` or ``STATIC``.
     """
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
     percents = [f"{up(percent, SHOWN)} %" if percent < math.inf else "∞" for percent in rows["percent"]]
@@ -225,17 +259,22 @@ def text(
 
 
 def stage_file(directory: Path, number: int) -> Path:
-    """Return the path of the file for one mesh, with its displacement and the shares of its cells."""
+    """Return the path of the file with the displacement on one mesh and the contributions of its cells to the bound."""
     return directory / f"adapted-{number}.npz"
 
 
 def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, Array]:
-    """Return the end points (2, 2, n) of the edges of Γ3, and which edges are in contact at both ends, (n,).
+    """Find out which edges of the contact boundary Γ3 are in contact.
 
     Args:
-        displacement: at the vertices, (2, vertices).
+        data: the problem.
+        mesh: the mesh.
+        displacement: the values at the vertices, (2, vertices).
+
+    Returns:
+        The end points of the n edges on Γ3, (2, 2, n), and for each edge whether both end points are in contact, (n,).
     """
-    # The empty arrays serve bodies without contact.
+    # Bodies without contact have no array to concatenate, so each list starts with an empty array.
     ends, closed = [np.empty((2, 2, 0))], [np.empty(0, dtype=bool)]
     size = max(float(abs(displacement).max()), np.finfo(float).tiny)
     for part, facets in zip(data.body.parts, boundary_parts(mesh, data.body), strict=True):

@@ -30,38 +30,39 @@ from study.solve.evolution import Scheme
 from study.solve.steps import rate_steps, require_steps
 
 LINES = 8
-"""Number of times that the printed table shows."""
+"""The printed table shows the error at no more than this number of times."""
 DIGITS = 9
-"""Decimals in files."""
+"""Number of decimals in the files that the command writes."""
 SHOWN, PERCENT = 4, 3
-"""Significant digits of bounds, and of bounds in per cent, in the printed table."""
+"""Numbers of significant digits in the printed table: of error bounds, and of error bounds in per cent."""
 MOVING, STATIC = "‖u(t) − u_h(t)‖_V", "‖u − u_h‖_G"
-"""The norms of the error in the printed text: of a problem in time, and the energy norm of static elasticity."""
+"""Names of the norms of the error in printed texts: for problems in time, and for static problems (energy norm)."""
 MEANING = {
     MOVING: "norm: ‖v‖_V² = ∫ Aε(v)·ε(v), weighted by the viscosity A",
     STATIC: "norm: ‖v‖_G² = ∫ Gε(v)·ε(v), weighted by the elasticity G (energy norm)",
 }
-"""The printed definition of each norm."""
+"""The definitions of the norms of the error, as they are printed."""
 NAME = 20
-"""Columns for the name of a file in the printed table."""
+"""Width, in characters, of the column with file names in the printed table."""
 NO_PLAIN = "the bound from u_h alone is left out: {why} (the interval does not need this bound)"
-"""The printed sentence if there is no bound from u_h alone."""
+"""The sentence that is printed if no error bound can be computed from u_h alone."""
 INSIDE = 1e-12
-"""Penetration, relative to the largest displacement, up to which it counts as round-off."""
+"""Penetration of the foundation up to this fraction of the largest displacement counts as round-off."""
 SMALLER = 0.95
-"""Largest ratio of two mesh sizes for which an order is computed."""
+"""An observed order is computed from two meshes only if the ratio of their mesh sizes is at most this number."""
 ON_LINE = 1e-9
-"""Distance, relative to the size of the body, up to which a side counts as lying on a line."""
+"""A side of the body counts as lying on a line up to this distance, relative to the size of the body."""
 
 
 @dataclass(frozen=True, eq=False)
 class BoundedSolution:
-    """The solution u_h with two bounds of its error.
+    """The displacement u_h with two bounds of its error.
 
     Attributes:
         computed: u_h.
-        plain: the bound from u_h alone; None if there is none, and a sentence of ``remarks`` then says why.
-        enclosure: the lower and upper bound from a displacement that is closer to u.
+        plain: the bound that is computed from u_h alone; None if there is none.
+        enclosure: the lower and upper bound that are computed from a more accurate displacement ũ.
+        remarks: sentences for the user, for example why ``plain`` is None.
     """
 
     computed: Computed
@@ -71,29 +72,32 @@ class BoundedSolution:
 
     @property
     def error(self) -> tuple[float, float]:
-        """Interval that contains max_t ‖u(t) − u_h(t)‖_V, from the sharper ends of both bounds."""
+        """Interval that contains the largest error max_t ‖u(t) − u_h(t)‖_V; each end is the sharper of two bounds."""
         both = [self.enclosure, *([self.plain] if self.plain else [])]
         return max(one.lowest for one in both), min(one.highest for one in both)
 
     @property
     def norm(self) -> tuple[float, float]:
-        """Interval that contains max_t ‖u(t)‖_V, from the sharper ends of both bounds."""
+        """Interval that contains the norm max_t ‖u(t)‖_V; each end is the sharper of two bounds."""
         both = [self.enclosure, *([self.plain] if self.plain else [])]
         return max(one.norm[0] for one in both), min(one.norm[1] for one in both)
 
     @property
     def relative(self) -> tuple[float, float]:
-        """Interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V."""
+        """Interval that contains the relative error max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V."""
         return relative(self.error, self.norm)
 
 
 def norm_of(data: Data) -> str:
-    """Return the norm in which errors are bounded, for texts: ``STATIC`` or ``MOVING``."""
+    """Return the name of the norm of the error: ``STATIC`` for static problems, otherwise ``MOVING``."""
     return STATIC if isinstance(data, Static) else MOVING
 
 
 def steps_on(data: Data, level: int, wanted: int | None) -> int:
-    """Return the number of time steps of u_h on a level: as wanted, or by the rule of the study; 1 without time."""
+    """Return the number of time steps of u_h on a level.
+
+    For a static problem it is 1. Otherwise it is ``wanted``, or by default the number that ``rate_steps`` gives.
+    """
     return 1 if isinstance(data, Static) else wanted or rate_steps(data.body.T, level)
 
 
@@ -120,7 +124,7 @@ def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
     """Refuse a problem, steps or refinements for which no bound can be computed on any mesh.
 
     Raises:
-        BoundError: names the reason.
+        BoundError: the message names the reason.
         LoadError: no solution can exist for the data.
     """
     if steps is not None:
@@ -146,7 +150,18 @@ def bounded_solution(
     refined: Refined,
     progress: Callable[[float], object] = lambda time: None,
 ) -> BoundedSolution:
-    """Compute u_h and both bounds; ``progress`` is called with each time up to which the enclosure is computed."""
+    """Compute the displacement u_h on one level and both bounds of its error.
+
+    Args:
+        data: the problem.
+        case: the case if the exact solution is known, otherwise None; the true error is then reported as well.
+        family: the mesh family.
+        level: the level of the mesh.
+        scheme: the time scheme of u_h.
+        steps: the number of time steps of u_h.
+        refined: how the more accurate displacement ũ is computed.
+        progress: a function that is called with each time up to which the enclosure is computed.
+    """
     discretisation = Discretisation(data, family(data.body, level))
     if isinstance(data, Static):
         return bounded_static(discretisation, compute_static(discretisation), refined.refinements, progress)
@@ -165,9 +180,15 @@ def bounded_static(
     refinements: int,
     progress: Callable[[float], object] = lambda time: None,
 ) -> BoundedSolution:
-    """Return both bounds of the error of a static displacement; the bound from u_h alone only if u_h lies in K.
+    """Return both bounds of the error of a static displacement u_h.
 
-    ``progress`` is called with a quarter of the final time after the bound from u_h alone, and with the final time.
+    If u_h penetrates the foundation, there is no bound from u_h alone.
+
+    Args:
+        coarse: the problem and the mesh of u_h.
+        computed: u_h.
+        refinements: how often the mesh is refined for the more accurate displacement ũ.
+        progress: a function that is called with T/4 after the bound from u_h alone, and with T at the end.
     """
     V, u_h = coarse.displacements, computed.on(coarse)(0.0)
     penetrates = float((V.N @ u_h).max(initial=0.0)) > INSIDE * float(abs(u_h).max())
@@ -180,7 +201,7 @@ def bounded_static(
 
 
 def series(level: int, found: BoundedSolution) -> pd.DataFrame:
-    """Return the rows of ``enclosure.csv`` for one level: the bounds at each knot of ũ."""
+    """Return the rows of ``enclosure.csv`` for one level: the bounds of the error at every time of the enclosure."""
     enclosure, size = found.enclosure, found.norm
     columns = {name: getattr(enclosure, name) for name in ("error", "lower", "distance", "bound")}
     columns |= {"plain": found.plain.bound_at(enclosure.times) if found.plain else math.nan}
@@ -188,7 +209,7 @@ def series(level: int, found: BoundedSolution) -> pd.DataFrame:
     columns |= {"percent_low": 100 * enclosure.lower / size[1] if size[1] > 0 else 0.0}
     columns |= {"percent_high": 100 * columns["upper"] / size[0] if size[0] > 0 else math.inf}
     frame = pd.DataFrame({"level": level, "time": enclosure.times} | columns)
-    # Outward rounding: the printed interval must contain the computed one.
+    # Rounding outward, because the printed interval must contain the computed one.
     below, above = ["lower", "percent_low"], ["upper", "bound", "plain", "percent_high"]
     frame[below] = np.floor(frame[below] * 10**DIGITS) / 10**DIGITS
     frame[above] = np.ceil(frame[above] * 10**DIGITS) / 10**DIGITS
@@ -198,8 +219,14 @@ def series(level: int, found: BoundedSolution) -> pd.DataFrame:
 def record(level: int, found: BoundedSolution) -> dict[str, Any]:
     """Return the results on one level as a dict, from which tables and text are made.
 
-    Keys: ``row`` of ``levels.csv`` without orders; ``series``, the level's rows of ``enclosure.csv``; ``inside``,
-    whether a known error lies in the enclosure; ``sentences`` on the evidence for the bounds.
+    Args:
+        level: the level of the mesh.
+        found: the displacement and the bounds of its error.
+
+    Returns:
+        ``row``: the row of ``levels.csv`` without orders; ``series``: the rows of ``enclosure.csv``; ``inside``:
+        whether the error lies in the enclosure, if it is known; ``sentences``: texts that say whether the bounds are
+        guaranteed.
     """
     enclosure = found.enclosure
     row = {
@@ -226,10 +253,10 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
 
 
 def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Return the table ``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of two observed orders.
+    """Return the table ``levels.csv``: for each level intervals of the largest error and of two observed orders.
 
-    The order in the columns ``order_…`` is computed from the first level, the order in ``pair_…`` from the previous
-    level. It is NaN if the mesh is not finer than the other one, as on the first level.
+    The columns ``order_…`` compare a level with the first one, the columns ``pair_…`` with the previous one. On the
+    first level, and if a mesh is not finer than the mesh to compare with, the order is NaN.
     """
     table = pd.DataFrame(rows)
     for name, earlier in (("order", [rows[0]] * len(rows)), ("pair", [rows[0], *rows[:-1]])):
@@ -250,12 +277,13 @@ def text(
     norm: str = MOVING,
     names: Sequence[str] | None = None,
 ) -> str:
-    """Return the printed text: what is enclosed, the evidence, the norm, and one line for each mesh.
+    """Return the printed text: the interval of the error, whether it is guaranteed, and one line for each mesh.
 
     Args:
-        table: from ``levels``.
-        over_time: from ``series``, of all levels.
-        sentences: on the evidence for the bounds.
+        name: the name of the problem.
+        table: the result of ``levels``.
+        over_time: the results of ``series`` for all levels.
+        sentences: texts that say whether the bounds are guaranteed.
         norm: the norm of the error, ``MOVING`` or ``STATIC``.
         names: the file that each row of the table is about; by default the rows are named by their levels.
     """
@@ -277,7 +305,7 @@ def text(
 
 
 def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:
-    """Return lines with the enclosure at up to ``LINES`` times on the finest level."""
+    """Return lines with the interval of the error on the finest level, at up to ``LINES`` times."""
     finest = over_time[over_time["level"] == over_time["level"].max()]
     places = np.unique(np.linspace(0, len(finest) - 1, LINES).round().astype(int))
     head = f"{'t':>7} {'lower':>9} {'error':>9} {'upper':>9} {'% of u':>15} {'upper/lower':>11}"
@@ -294,7 +322,7 @@ def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:
 def _intervals(table: pd.DataFrame, known: bool, moving: bool = True, names: Sequence[str] | None = None) -> list[str]:
     """Return lines with the interval of the error on each mesh, then lines with the intervals of the orders.
 
-    All lines have at most 80 columns if the names have at most ``NAME``; longer names are cut.
+    Names of more than ``NAME`` characters are cut, so that a line has at most 80 characters.
     """
     labels = [one if len(one) <= NAME else f"{one[: NAME - 1]}…" for one in names or map(str, table["level"])]
     kind = "file" if names else "level"
@@ -329,7 +357,7 @@ def _percent(low: float, high: float) -> str:
 
 
 def contact_sentences(body: Body) -> list[str]:
-    """Return a sentence on the shape of the foundation if the sides of Γ3 do not lie on one line."""
+    """If the sides of Γ3 do not lie on one line, return a list with a sentence about the shape of the foundation."""
     sides = body.of(Kind.CONTACT)
     if not sides:
         return []
@@ -352,14 +380,15 @@ def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list
 
 
 def trajectory_file(directory: Path, level: int) -> Path:
-    """Return the path of the file with the displacement of a level."""
+    """Return the path of the file with the displacement u_h of a level."""
     return directory / f"trajectory-{level}.npz"
 
 
 def write_displacement(path: Path, computed: Computed, **more: Array) -> Path:
-    """Write the mesh, the times, the nodal values of u_h and further arrays; return the path.
+    """Write the displacement u_h to an .npz file and return its path.
 
-    The arrays are p (2, vertices), t (3, cells), times (steps + 1,), u (steps + 1, 2, vertices).
+    The file contains the mesh, p (2, vertices) and t (3, cells), the times (steps + 1,), the nodal values u
+    (steps + 1, 2, vertices), and the arrays ``more``.
     """
     assert isinstance(computed, DiscreteSolution)
     space = computed.space

@@ -1,6 +1,6 @@
-"""The finite element spaces on one mesh that the bound needs: displacements of degree 2 and stresses of degree 3.
+"""The finite element spaces on one mesh that the error bound needs: displacements of degree 2 and stresses of degree 3.
 
-``Discretisation`` also has the data of the problem on this mesh, and refuses problems that cannot be bounded on it.
+``Discretisation`` also evaluates the data of the problem on this mesh. It refuses problems that cannot be bounded.
 """
 
 from __future__ import annotations
@@ -29,22 +29,26 @@ from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
 LEAST_TIMES, CACHED_NUMBERS = 40, 1 << 23
-"""The data of at least ``LEAST_TIMES`` times are cached, and of more times up to ``CACHED_NUMBERS`` stored numbers."""
+"""Limits of the cache of the data at single times.
+
+At least ``LEAST_TIMES`` times are cached, and more as long as all arrays together have at most ``CACHED_NUMBERS``
+numbers.
+"""
 DEGREE = 3
-"""Degree of stresses. The projection P f_0 then has degree 2, so that it contains the rigid motions of the cells."""
+"""Polynomial degree of the stresses. The projected force P f_0 then has degree 2, so it can be any rigid motion."""
 GRAM = interval_mass(2, DEGREE)
-"""Integrals ∫_0^1 B_i B_j of Bernstein polynomials of displacements and of stresses, (3, n)."""
+"""Integrals ∫_0^1 B_i B_j of the Bernstein polynomials of degree 2 (displacements) and 3 (stresses), (3, 4)."""
 ON_VERTEX = 1e-9
-"""Distance, relative to the cell, up to which a line of discontinuity of the material counts as meeting a vertex."""
+"""Relative distance up to which a vertex counts as lying on a line of discontinuity of the material."""
 
 
 @dataclass(frozen=True, eq=False)
 class Discretisation:
-    """Spaces and matrices on one mesh.
+    """The finite element spaces, matrices and data of a problem on one mesh.
 
     Raises:
-        BoundError: the body is not plane; T, the body or the law has an extreme size; A or G jumps inside a cell; or
-            the law has no usable monotonicity constant.
+        BoundError: the body is not plane; there is an initial gap; the final time, the body or the law has an extreme
+            size; A or G jumps inside a cell; or the law has no finite monotonicity constant.
     """
 
     data: Data
@@ -53,31 +57,30 @@ class Discretisation:
     def __post_init__(self) -> None:
         refuse_unserved(self.data)
         refuse_jumps_in_cells(self.data, self.mesh)
-        self.moduli  # noqa: B018
+        self.moduli  # an unusable law is refused here, before anything is computed  # noqa: B018
 
     @cached_property
     def moduli(self) -> Moduli:
-        """The moduli of G relative to A, which decide how the bound grows in time."""
+        """The moduli of the elasticity G relative to the viscosity A; they decide how the error bound grows in time."""
         return moduli(self.data.law)
 
     @cached_property
     def displacements(self) -> Quadratic:
-        """The displacements of degree 2."""
         return Quadratic(self.mesh, self.data.body)
 
     @cached_property
     def stresses(self) -> StressSpace:
-        """The composite stresses of degree 3."""
+        """The composite stresses of degree 3 on the mesh."""
         return StressSpace(self.mesh, self.data.body, DEGREE)
 
     @cached_property
     def inverse_viscosity(self) -> Array:
-        """The factor 1/α of A⁻¹ at the quadrature points of the stresses, (cells, Q)."""
+        """The reciprocal 1/α of the material factor of A at the quadrature points of the stresses, (cells, Q)."""
         return 1 / self.data.law.A.factor(self.stresses.points)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
-        """The minimisation of the residual over Σ^h, in the norm of ``Moduli.compliance``."""
+        """Computes the equilibrated stress with the smallest residual of the law, in the norm ``Moduli.compliance``."""
         compliance = self.moduli.compliance(self.data.body.T)
         if self.data.law.A.factor is not UNIFORM:
             compliance = np.multiply.outer(self.inverse_viscosity, compliance)
@@ -85,28 +88,32 @@ class Discretisation:
 
     @cached_property
     def snapshot(self) -> Callable[[float], Snapshot]:
-        """Function from a time to the data at that time, cached because loads and bounds use the same times."""
-        # One snapshot stores about as many numbers as there are quadrature points.
+        """Function from a time to the projected loads at this time.
+
+        Its results are cached, because u_h, ũ and the bounds use the loads at the same times.
+        """
+        # The cache is limited by memory: the results at one time contain about as many numbers as there are quadrature
+        # points.
         times = max(LEAST_TIMES, CACHED_NUMBERS // self.stresses.weights.size)
         return lru_cache(maxsize=times)(ProjectedLoads(self.data, self.stresses).at)
 
     @cached_property
     def oscillation(self) -> Oscillation:
-        """Bounds of f − P f on each cell in the dual norm."""
+        """Bounds, on each cell, the dual norm of the loads f − P f that the projection P leaves out."""
         A = self.data.law.A
         return Oscillation(self.stresses, np.linalg.inv(A.matrix), A.factor.low)
 
     @cached_property
     def sampling(self) -> Sampling:
-        """Decides whether the bound is guaranteed, and bounds how much the data can differ from their samples."""
+        """Decides whether the bound is guaranteed, and bounds how much the data change between sample points."""
         return Sampling(self.data, self.stresses)
 
     def load(self, time: float) -> Array:
-        """Return the projected load (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} at a time for the basis functions v, (dofs,)."""
+        """Return the load vector of the projected loads at a time: the values of ``functional``, (dofs,)."""
         return self.functional(self.snapshot(time).loads)
 
     def functional(self, loads: Loads) -> Array:
-        """Return (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} for the basis functions v and given projected loads, (dofs,)."""
+        """Return the load vector (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} of projected loads, (dofs,)."""
         space, V = self.stresses, self.displacements
         force = space.volumes[:, None, None] * (self._moments @ loads.force.reshape(space.cells, -1, 2))
         places, moments = [V.numbers.T.ravel()], [force.reshape(-1, 2)]
@@ -119,71 +126,75 @@ class Discretisation:
 
     @cached_property
     def _moments(self) -> Array:
-        """Integrals ∫ B_β b_α/|T| of basis functions of displacements and of P f_0, (6, 3 thirds · lower)."""
+        """Means on a cell of products of basis functions of displacements and of P f_0, (6, 3 thirds · lower)."""
         space = self.stresses
         thirds = np.kron(np.eye(3), space.force_shapes)
         return self.displacements.shapes(space.barycentric) * space.shares @ thirds.T
 
     @cached_property
     def M(self) -> sps.csc_array:
-        """The matrix of the inner product (·,·)_V."""
+        """The matrix of the inner product (u, v)_V = (Aε(u), ε(v))_Q, (dofs, dofs)."""
         return self.displacements.form(self.data.law.A.matrix, self.data.law.A.factor(self.displacements.points))
 
     def norm(self, v: Array) -> Any:
-        """Return the norm ‖v‖_V, (..., dofs) → (...)."""
+        """Return the norms ‖v‖_V of displacements, (..., dofs) → (...)."""
         return np.sqrt(np.maximum(np.einsum("...i,...i->...", v, (self.M @ v.T).T), 0.0))
 
     @cached_property
     def _strains(self) -> sps.csr_array:
-        """The matrix from v to ε(v) at the vertices of the cells; on a cell ε(v) is linear."""
+        """The matrix from displacements to their strains at the vertices of every cell, where strains are linear."""
         return self.displacements.strains(np.eye(3))
 
     def strain(self, v: Array) -> Tensors:
-        """Return ε(v) at the quadrature points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        """Return the strain ε(v) at the quadrature points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
         corners = (self._strains @ v.T).reshape(3, self.stresses.cells, 3, *reversed(v.shape[:-1]))
         found: Tensors = np.ascontiguousarray(np.moveaxis(corners, (1, 2), (-2, -1))) @ self.stresses.barycentric
         return found
 
     @cached_property
     def _law(self) -> tuple[Callable[[Tensors], Tensors], Callable[[Tensors], Tensors]]:
-        """The operators A and G at the quadrature points of the stresses."""
+        """The operators A and G from strains to stresses at the quadrature points."""
         law, points = self.data.law, self.stresses.points
         return law.A.at(points), law.G.at(points)
 
     def viscous(self, rate: Array) -> Tensors:
-        """Return Aε(rate) at the quadrature points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        """Return the viscous stress Aε(u̇) at the quadrature points, (..., dofs) → (3, ..., cells, Q)."""
         return self._law[0](self.strain(rate))
 
     def elastic(self, u: Array) -> Tensors:
-        """Return Gε(u) at the quadrature points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        """Return the elastic stress Gε(u) at the quadrature points, (..., dofs) → (3, ..., cells, Q)."""
         return self._law[1](self.strain(u))
 
     def nearest_stress(self, loads: Loads, target: Tensors, u: Array) -> EquilibratedStress:
-        """Return the stress σ̃ that minimises ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν among the stresses that balance the
-        loads.
+        """Return the equilibrated stress σ̃ nearest to a given stress, in the norm that ``Moduli.compliance``
+        defines.
 
-        ``Moduli.compliance`` defines the norm. The ``values`` of the result are σ̃ − target.
+        Among all stresses that balance the loads, σ̃ minimises ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν. The attribute
+        ``values`` of the result is the difference σ̃ − target.
 
         Args:
-            loads: at one time or several times.
-            target: Aε(ũ̇) + Gε(ũ), (3, ..., cells, Q).
-            u: ũ ∈ K, (..., dofs).
+            loads: the projected loads at one time or at several times.
+            target: the given stress Aε(ũ̇) + Gε(ũ), (3, ..., cells, Q).
+            u: the admissible displacement ũ, (..., dofs).
         """
         return self.equilibrium.nearest(loads, target, self.normal_moments(u))
 
     @cached_property
     def cells_at_contact(self) -> Array:
-        """The number of the cell at each edge of Γ3, (edges of Γ3,)."""
+        """For each edge of the contact boundary Γ3, the number of the cell to which it belongs, (edges of Γ3,)."""
         return np.asarray(self.stresses.mesh.f2t[0, self.equilibrium.contact])
 
     def normal_moments(self, v: Array) -> Array:
-        """Return the integrals ∫_e v_ν B_i on the edges of Γ3, (..., dofs) → (..., edges of Γ3, n)."""
+        """Return the moments ∫_e v_ν B_i of the normal displacement on every edge e of the contact boundary Γ3.
+
+        The B_i are the n Bernstein polynomials of degree 3: (..., dofs) → (..., edges of Γ3, n).
+        """
         found: Array = (self._normal_moments @ v.reshape(-1, v.shape[-1]).T).T
         return found.reshape(*v.shape[:-1], -1, DEGREE + 1)
 
     @cached_property
     def _normal_moments(self) -> sps.csr_array:
-        """The matrix of ``normal_moments``, with the edges of Γ3 and then i as row index."""
+        """The matrix that ``normal_moments`` applies; its rows are ordered by edge e, then by polynomial B_i."""
         on = self.stresses.on(Kind.CONTACT)
         traces = self.displacements.normal_components(
             [(part, self.displacements.on_edges(edges).T.ravel()) for part, edges in on]
@@ -208,7 +219,7 @@ def refuse_unserved(data: Data) -> None:
 
 
 def refuse_jumps_in_cells(data: Data, mesh: Mesh) -> None:
-    """Raise BoundError if A or G jumps inside a cell, because integrals over cells assume smooth coefficients."""
+    """Raise BoundError if A or G jumps inside a cell, because the quadrature on cells assumes smooth coefficients."""
     for direction, offset in data.law.steps:
         distance = (np.array(direction) @ mesh.p - offset)[mesh.t]
         near = ON_VERTEX * np.ptp(distance, axis=0)
@@ -220,7 +231,10 @@ def refuse_jumps_in_cells(data: Data, mesh: Mesh) -> None:
 
 
 def check_force(case: Case | None) -> None:
-    """Raise BoundError if f_0 ∉ L²(Ω)²: its oscillation is then infinite, and no composite stress balances it."""
+    """Raise BoundError if the body force f_0 of a case is not square integrable.
+
+    The error bound would be infinite, because no stress of the element can balance such a force.
+    """
     if case is not None and not case.regularity.force_in_L2:
         raise BoundError(
             f"case {case.name}: {case.regularity} has f_0 ∉ L²(Ω)², and the bound needs stresses with Div σ = −P f_0; "

@@ -1,12 +1,12 @@
-"""Lower and upper bounds of the error ‖u(t) − u_h(t)‖_V, although the solution u is unknown.
+"""Lower and upper bounds of the error ‖u(t) − u_h(t)‖_V of a displacement u_h for an unknown exact solution u.
 
-A second displacement ũ is computed (``study.bound.trajectory``), and a bound y of its error ‖u(t) − ũ(t)‖_V
-(``study.bound.terms``). The distance d = ‖ũ − u_h‖_V is known exactly, and the triangle inequality gives
+A second displacement ũ is computed (``study.bound.trajectory``), and an upper bound y of its error ‖u(t) − ũ(t)‖_V
+(``study.bound.terms``). The distance d = ‖ũ − u_h‖_V can be computed exactly. The triangle inequality gives
 
     d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t).
 
-If ũ is closer to u than u_h is, y is smaller than d and the lower bound is positive. If ũ is u_h itself, smoothed in
-time, only the upper bound says something.
+If ũ is much closer to u than u_h is, y is smaller than d and the lower bound is positive. ũ may also be u_h itself,
+smoothed in time; then only the upper bound is useful.
 """
 
 from __future__ import annotations
@@ -29,30 +29,35 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.quadrature import Line, cell_rules
 
 POOR = 0.5
-"""Fraction of y due to remainders of data above which the output says where the samples are too coarse."""
+"""If sampling of the data causes more than this fraction of an error bound, a message says at which place."""
 SAME_TIME = 1e-9
-"""Difference of two times, relative to the length of a piece, up to which they count as equal."""
+"""Two times count as equal if they differ by less than this fraction of a time interval between knots."""
 RAISED = 4
-"""Added to the degree of the standard quadrature for a known error. On coarse meshes the standard rule has a relative
-error of 3 % (n = 2) to 0.1 % (n = 8), and bounds at small times differ by a few per cent only."""
+"""Increase of the degree of the standard quadrature rule when the error is computed from a known exact solution.
+
+On coarse meshes, the standard rule has a relative error of 3 % (level 2) to 0.1 % (level 8). At small times, error and
+bound differ by a few per cent only, so this is not accurate enough.
+"""
 INITIAL_DEGREE = 6
-"""Degree of the quadrature rule for ‖u_0 − ũ(0)‖_V."""
+"""Degree of the quadrature rule for the initial error ‖u_0 − ũ(0)‖_V."""
 
 
 @dataclass(frozen=True, eq=False)
 class Enclosure:
-    """Lower and upper bounds of ‖u(t) − u_h(t)‖_V over [0, T].
+    """Lower and upper bounds of the error ‖u(t) − u_h(t)‖_V over [0, T].
+
+    They are computed from a more accurate displacement ũ, which is a spline in time.
 
     Attributes:
-        h: mesh size of u_h.
+        h: the mesh size of u_h.
         times: the knots of ũ after 0, (n,).
-        distance: d at the times, (n,).
-        bound: y at the times, (n,).
-        error: the true error if the exact solution is known, otherwise NaN, (n,).
-        intervals: the terms of y, one interval up to each time.
-        start: bound of the error at t = 0.
-        initial: ‖u_0 − ũ(0)‖² on the cells of ũ, from samples of u_0, (cells,).
-        between: bound of the error on the interval that ends at each time, (n,).
+        distance: d = ‖ũ − u_h‖_V at these times, (n,).
+        bound: the bound y of ‖u − ũ‖_V at these times, (n,).
+        error: the error of u_h at these times if the exact solution is known, otherwise NaN, (n,).
+        intervals: for each time interval between knots, the terms from which y is computed.
+        start: a bound of the error of u_h at t = 0.
+        initial: ‖u_0 − ũ(0)‖² on each cell of ũ, from samples of u_0, (cells,).
+        between: for each time interval between knots, a bound of the error of u_h on all of it, (n,).
         evidence: whether the bounds are guaranteed or estimated, and why.
         norm: an interval that contains max_t ‖u(t)‖_V.
     """
@@ -70,7 +75,7 @@ class Enclosure:
     norm: tuple[float, float]
 
     def __post_init__(self) -> None:
-        """Raise BoundError unless all bounds are finite; a NaN would be lost in maxima and minima."""
+        """Raise BoundError unless all bounds are finite, because maxima and minima taken later could hide a NaN."""
         names = "distance", "bound", "start", "between"
         require_finite({f"the {name} of the enclosure": getattr(self, name) for name in names})
         if not np.isnan(self.error).all():
@@ -78,19 +83,23 @@ class Enclosure:
 
     @property
     def highest(self) -> float:
-        """A bound of the error over all of [0, T], including times between knots."""
+        """An upper bound of the error of u_h over all of [0, T], including times between knots."""
         return max(self.start, float(self.between.max()))
 
     def bound_at(self, times: Array) -> Array:
-        """Return bounds of the error at m times in (0, T], (m,): the bounds on the pieces that contain the times."""
+        """Return upper bounds of the error of u_h at given times in (0, T], (m,) → (m,).
+
+        Each is the bound for the whole time interval between knots that contains the time.
+        """
         return self.between[np.searchsorted(self.times[:-1], times)]
 
     def shares(self, moduli: Moduli) -> Shares:
-        """Return the contributions of the cells and of time to ``highest``, the bound of the error.
+        """Return how much each cell and the time steps contribute to the error bound ``highest``.
 
-        They are the shares of the initial error and of all pieces up to the time at which the bound is largest; each
-        has decayed until then. The remainder of u_0 is divided in proportion to the sampled initial error. The increase
-        due to smoothing in time belongs to time.
+        The contributions come from the initial error and from all time intervals before the bound is largest. Each is
+        multiplied by the factor by which errors decay until then. The part due to u_0 between sample points is divided
+        among the cells like the sampled initial error. The increase due to smoothing u_h in time counts as a
+        contribution of the time steps.
         """
         last = int(self.between.argmax()) if self.highest > self.start else -1
         found = Shares(self.initial, 0.0).scaled_to(self.intervals[0].at_a)
@@ -100,32 +109,38 @@ class Enclosure:
 
     @property
     def lower(self) -> Array:
-        """Lower bound max(d − y, 0) of the error at the times, (n,)."""
+        """The lower bound max(d − y, 0) of the error of u_h at ``times``, (n,)."""
         return np.maximum(self.distance - self.bound, 0.0)
 
     @property
     def upper(self) -> Array:
-        """Upper bound d + y of the error at the times, (n,)."""
+        """The upper bound d + y of the error of u_h at ``times``, (n,)."""
         return self.distance + self.bound
 
     @property
     def lowest(self) -> float:
-        """A lower bound of max_t ‖u(t) − u_h(t)‖_V."""
+        """A lower bound of the largest error max_t ‖u(t) − u_h(t)‖_V."""
         return float(self.lower.max())
 
     @property
     def relative(self) -> tuple[float, float]:
-        """Interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V; the upper end is ∞ if u may be 0."""
+        """Interval that contains the relative error max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V.
+
+        If u may be 0, the upper end is ∞.
+        """
         return relative((self.lowest, self.highest), self.norm)
 
     @property
     def contains(self) -> bool:
-        """Whether the known error lies in the enclosure at all times."""
+        """Whether the known error lies between the lower and the upper bound at all times."""
         return bool(((self.lower <= self.error) & (self.error <= self.upper)).all())
 
 
 def relative(error: tuple[float, float], norm: tuple[float, float]) -> tuple[float, float]:
-    """Return an interval that contains error / norm, from intervals of both. It ends at ∞ if the norm may be 0."""
+    """Return an interval that contains the quotient of an error and a norm, which are known as intervals.
+
+    If the norm may be 0, the interval ends at ∞.
+    """
     return (error[0] / norm[1] if norm[1] > 0 else 0.0), (error[1] / norm[0] if norm[0] > 0 else math.inf)
 
 
@@ -136,15 +151,18 @@ def enclose(
     error: Callable[[float, Array], float] | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> Enclosure:
-    """Return lower and upper bounds of the error of a computed displacement on the mesh of ``coarse``.
+    """Return lower and upper bounds of the error of a computed displacement u_h.
 
     Args:
-        error: function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if the exact solution is known.
-        progress: called with each knot after its bound is computed.
+        coarse: the problem on the mesh of u_h.
+        computed: u_h.
+        trajectory: how the displacement ũ is computed from which the bounds follow.
+        error: the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if the exact solution is known.
+        progress: a function that is called with each time up to which the bounds are computed.
 
     Raises:
-        BoundError: the nodes of ũ are not equally spaced in time; its mesh is not a refinement of the mesh of u_h; or
-            the data are so large or so small that their squares overflow or underflow.
+        BoundError: the nodes of ũ are not equally spaced in time; the mesh of ũ is not a refinement of the mesh of u_h;
+            or the data are so large or so small that their squares overflow or underflow.
     """
     return enclose_several(coarse, [computed], trajectory, error, progress)[0]
 
@@ -156,11 +174,13 @@ def enclose_several(
     error: Callable[[float, Array], float] | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> list[Enclosure]:
-    """Return the bounds of the errors of several displacements on one mesh; ũ and y are computed once.
+    """Return bounds of the errors of several displacements on one mesh.
+
+    The more accurate displacement ũ and the bound of its error are the same for all of them and computed once.
 
     Args:
-        computed: displacements on the mesh of ``coarse``. The first one decides the time steps of ũ.
-        error, progress: as in ``enclose``.
+        coarse, trajectory, error, progress: as in ``enclose``.
+        computed: the displacements. The first one decides the time steps of ũ.
 
     Raises:
         BoundError: as in ``enclose``.
@@ -183,7 +203,8 @@ def enclose_several(
         intervals.append(interval)
         progress(piece.b)
     times, bounds = (np.array([getattr(one, name) for one in intervals]) for name in ("b", "at_b"))
-    # Where the data are seen poorly counts if what samples may miss is most of y.
+    # A message names the place where the samples of the data are too coarse. It is given only if the data between
+    # sample points contribute most of the bound y.
     worst = max(intervals, key=lambda one: one.missed / (one.b - one.a))
     poor = sum(one.missed for one in intervals) > POOR * intervals[-1].at_b
     evidence = Evidence(fine.sampling.reasons, fine.sampling.worst(worst.a, worst.b) if poor else "")
@@ -206,7 +227,7 @@ def enclose_several(
             (low, high),
         )
         require_visible(fine.data, one.highest, loaded or bool(given.nodes.any()))
-        # Squares may have vanished at single times.
+        # Squares of small data may have underflowed to 0 at single times, so the bound is at least SMALLEST.
         result.append(replace(one, bound=np.maximum(bounds, SMALLEST)) if one.highest > 0 else one)
     return result
 
@@ -220,10 +241,16 @@ def known_error(case: Case | None, computed: DiscreteSolution) -> Callable[[floa
 
 
 def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: Callable[[float], Array]) -> float:
-    """Return a bound of ‖ũ(t) − u_h(t)‖_V on a piece: the largest norm of the Bernstein coefficients in time.
+    """Return a bound of the distance ‖ũ(t) − u_h(t)‖_V over one time interval, on which ũ is a parabola in time.
+
+    Each part of the interval on which u_h is linear is considered separately. There ũ − u_h is a parabola in Bernstein
+    form, and the norm is at most the largest norm of its coefficients.
 
     Args:
-        nodes: times between which u_h is linear. The parabola is divided at these times and in the middle of the piece.
+        fine: the spaces on the mesh of ũ.
+        piece: the parabola ũ.
+        nodes: the times between which u_h is linear.
+        u_h: the function t ↦ u_h(t).
     """
     k, middle = piece.b - piece.a, (piece.a + piece.b) / 2
     low, high = np.searchsorted(nodes, [piece.a + SAME_TIME * k, piece.b - SAME_TIME * k])
@@ -237,12 +264,14 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
 def squared_distances(
     discretisation: Discretisation, strain: Callable[[Points], Tensors], v: Array, rough: Sequence[Hyperplane]
 ) -> Array:
-    """Return the integrals ∫_T A(ε − ε(v))·(ε − ε(v)) over the cells, (cells,).
+    """Return the squared energy norm ∫_T A(ε − ε(v))·(ε − ε(v)) of the difference of two strains on every cell,
+    (cells,).
 
     Args:
-        strain: function from points to ε, (2, ...) → (3, ...).
-        v: displacement of degree 2, (dofs,).
-        rough: lines (direction, offset) at which ε is not smooth, for graded quadrature.
+        discretisation: the mesh and the space of v.
+        strain: the function from points to the strain ε, (2, ...) → (3, ...).
+        v: a displacement of degree 2, (dofs,).
+        rough: lines (direction, offset) at which ε is not smooth; the quadrature points are graded towards them.
     """
     data, V = discretisation.data, discretisation.displacements
     squares = np.zeros(discretisation.mesh.t.shape[1])
@@ -255,10 +284,13 @@ def squared_distances(
 
 
 def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio: float) -> tuple[float, float]:
-    """Return the interval of the order log(E/E')/ratio; an end is infinite if a lower bound is 0.
+    """Return the interval of the order log(E/E')/log(h/h') of two errors E and E' that are known as intervals.
+
+    If the lower bound of an error is 0, an end of the result is infinite.
 
     Args:
-        coarse, fine: intervals that contain the errors E and E' ≥ 0 on meshes of sizes h > h'.
+        coarse: an interval that contains the error E ≥ 0 on the mesh of size h.
+        fine: an interval that contains the error E' ≥ 0 on the mesh of size h' < h.
         ratio: log(h/h').
     """
     low = math.log(coarse[0] / fine[1]) / ratio if coarse[0] > 0 else -math.inf

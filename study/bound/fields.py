@@ -15,19 +15,22 @@ from manufactured.tensors import Array
 from study.bound.problem import BoundError
 
 ARRAYS = ("points", "triangles", "times", "u")
-"""Names of the arrays in an .npz file."""
+"""Names of the arrays in an .npz file with a displacement."""
 OURS = {"p": "points", "t": "triangles"}
-"""Names of arrays in the files that ``study bound`` writes. There they are stored transposed."""
+"""Other names of these arrays, in files that ``study bound`` writes. There the arrays are stored transposed."""
 DISPLACEMENT = ("u", "displacement", "displacements", "u_h", "uh", "disp")
-"""Field names that count as displacements, in lower case."""
+"""Names, in lower case, by which the displacement is recognised among the fields of a mesh file."""
 CELLS = {"triangle": 3, "triangle6": 6}
 IGNORED = ("vertex", "line", "line3")
-"""Cell types of lower dimension, which mesh files often contain as well."""
+"""Types of cells that are ignored: mesh files often contain points and boundary edges besides the triangles."""
 
 
 @dataclass(frozen=True)
 class Field:
-    """A displacement from a file, as arguments of ``study.bound.given.given``; ``times`` may be None."""
+    """The mesh, times and displacements from a file. If the file has no times, ``times`` is None.
+
+    The arrays have the shapes that ``study.bound.given.given`` describes.
+    """
 
     points: Array
     triangles: Array
@@ -36,13 +39,13 @@ class Field:
 
 
 def read(path: Path | str, name: str | None = None) -> Field:
-    """Read mesh, times and displacements.
+    """Read a mesh, times and displacements from a file.
 
     Args:
-        path: .npz with ``points``, ``triangles``, ``times`` and ``u``, or as ``study bound`` writes it; .pvd; .xdmf
-            with a time series; or one mesh, such as .vtu, for a static problem.
-        name: name of the displacement field in a mesh file; by default a name in ``DISPLACEMENT``, or the only vector
-            field.
+        path: an .npz file with ``points``, ``triangles``, ``times`` and ``u``, or as ``study bound`` writes it; a .pvd
+            file; an .xdmf file with a time series; or for a static problem a file with one mesh, such as .vtu.
+        name: the name of the displacement field in a mesh file. By default this is a name in ``DISPLACEMENT``, or the
+            only vector field.
 
     Raises:
         BoundError: the file cannot be read, or has no displacement.
@@ -89,13 +92,13 @@ def _meshio() -> Any:
 
 
 def _pvd(path: Path) -> Iterator[tuple[float | None, Any]]:
-    """Yield the times and meshes that a ParaView collection lists."""
+    """Yield the times and the meshes of the files that a ParaView collection (.pvd) lists."""
     for entry in ET.parse(path).getroot().iter("DataSet"):
         yield float(entry.attrib["timestep"]), _meshio().read(path.parent / entry.attrib["file"])
 
 
 def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
-    """Yield the times and meshes of a time series on one mesh, or one mesh without a time if the file has no series."""
+    """Yield the times and meshes of an .xdmf file. Without a time series, yield its one mesh and the time None."""
     meshio = _meshio()
     try:
         series = meshio.xdmf.TimeSeriesReader(path)
@@ -112,7 +115,7 @@ def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
 def _together(
     path: Path, meshes: Iterator[tuple[float | None, Any]] | list[tuple[None, Any]], name: str | None
 ) -> Field:
-    """Return one field from the meshes of all times; the mesh must be the same at all times."""
+    """Join the displacements of all times into one field; raise BoundError if the mesh changes in time."""
     first: Any = None
     times, values = [], []
     for time, mesh in meshes:
@@ -129,7 +132,7 @@ def _together(
 
 
 def _triangles(path: Path, mesh: Any) -> Array:
-    """Return the triangles of a mesh file, (cells, 3 or 6); all must have the same degree."""
+    """Return the point numbers of the triangles in a mesh file: (cells, 3) if linear, (cells, 6) if quadratic."""
     blocks = [block for block in mesh.cells if block.type not in IGNORED]
     kinds = sorted({block.type for block in blocks})
     if len(kinds) != 1 or kinds[0] not in CELLS:
@@ -141,7 +144,7 @@ def _triangles(path: Path, mesh: Any) -> Array:
 
 
 def _vector(path: Path, mesh: Any, name: str | None) -> Array:
-    """Return the displacements at the points, (points, 2 or 3)."""
+    """Find the displacement field of a mesh by its name and return its values at the points, (points, 2 or 3)."""
     vectors = {key: data for key, data in mesh.point_data.items() if np.ndim(data) == 2 and data.shape[1] in (2, 3)}
     known = [key for key in vectors if key.lower() in DISPLACEMENT]
     chosen = [name] if name is not None else known if len(known) == 1 else list(vectors)

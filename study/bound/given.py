@@ -1,9 +1,10 @@
-"""Bounds of the error of a displacement of another program, given by its mesh, times and nodal values.
+"""Bounds of the error of a displacement u_h that another program has computed.
 
-``given`` checks the arrays, and ``bound_displacement`` encloses the error. Any displacement u_h that vanishes on Γ1 is
-served. It may penetrate the foundation, and it may even be the solution of another problem: a more accurate
-displacement ũ(t) ∈ K is computed, the error of ũ is bounded, and the triangle inequality encloses the error of u_h. ũ
-lives on a refinement of the mesh of u_h and has time steps of equal length.
+u_h is given by its mesh, times and nodal values. ``given`` checks these arrays, and ``bound_displacement`` bounds the
+error. u_h must vanish on the clamped boundary Γ1. It may penetrate the foundation and may even solve another problem,
+because nothing else is assumed: a more accurate admissible displacement ũ is computed, the error of ũ is bounded, and
+the triangle inequality then bounds the error of u_h from both sides. The mesh of ũ is a refinement of the mesh of u_h,
+and its time steps have equal length.
 """
 
 from __future__ import annotations
@@ -36,17 +37,17 @@ from study.ledger.text import interval
 from study.solve.steps import require_steps
 
 LEAST_STEPS = 16
-"""The number of time steps of ũ is computed from at least this many intervals of u_h."""
+"""The number of time steps of ũ is chosen as if u_h had at least this many time steps."""
 SINGLE = 1e-6
-"""Relative accuracy of numbers in files, which may be in single precision."""
+"""Relative accuracy of the numbers in files, which may be in single precision."""
 EQUAL = 1e-9
-"""Relative difference up to which time steps count as equal."""
+"""Time steps count as equal if their relative difference is at most this number."""
 CLAMPED = 1e-9
-"""Displacement on Γ1, relative to the largest displacement, up to which it counts as 0."""
+"""A displacement on the clamped boundary counts as 0 up to this fraction of the largest displacement."""
 ROUNDING = 1e-12
-"""Distance, relative to the size of the mesh, up to which a vertex counts as unmoved."""
+"""A vertex counts as unmoved up to this distance, relative to the size of the mesh."""
 FLAT = 1e-12
-"""Area of a cell, relative to its squared diameter, below which the cell counts as degenerate."""
+"""A triangle counts as degenerate if its area divided by its squared diameter is below this number."""
 
 
 def bound_displacement(
@@ -62,15 +63,15 @@ def bound_displacement(
     case: Case | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> BoundedSolution:
-    """Enclose the error ‖u(t) − u_h(t)‖_V of a displacement u_h that any program has computed.
+    """Bound the error ‖u(t) − u_h(t)‖_V of a displacement u_h, computed by any program, from below and from above.
 
     Args:
-        data: the problem; for a ``Static`` problem the norm is the energy norm of G.
+        data: the problem. If it is ``Static``, the norm is the energy norm of G.
         points, triangles, times, u, steps, nearest: as in ``given``.
-        refine: how often the mesh of u_h is refined for ũ.
-        shorter: the number of steps of ũ in each of ``steps``.
-        case: the exact solution if it is known; the true error is then reported as well.
-        progress: called with each time up to which the enclosure is computed.
+        refine: how often the mesh of u_h is refined for the more accurate displacement ũ.
+        shorter: how many times more time steps ũ has than u_h (than ``steps``, if given).
+        case: the case if the exact solution is known; the true error is then reported as well.
+        progress: a function that is called with each time up to which the bounds are computed.
 
     Raises:
         BoundError: the displacement does not fit the problem, or the problem cannot be bounded.
@@ -88,7 +89,7 @@ def bounded_displacement(
     case: Case | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> BoundedSolution:
-    """Return the enclosure of the error of a checked displacement, and the bound from u_h alone if there is one."""
+    """Return bounds of the error of a displacement that ``given`` has checked. See ``bound_displacement``."""
     coarse = Discretisation(data, computed.mesh)
     if isinstance(data, Static):
         found = bounded_static(coarse, computed, refined.refinements, progress)
@@ -105,7 +106,7 @@ def bounded_displacement(
 
 
 def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
-    """Return the reason why u_h alone gives no bound, or an empty text if it gives one."""
+    """Return the reason why no error bound follows from u_h alone, or an empty text if there is such a bound."""
     steps = np.diff(computed.times)
     if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
         return "its time steps are not equal"
@@ -130,7 +131,7 @@ def true_error(
     return error
 
 
-# Checks of the arrays in a file.
+# The remaining functions check the arrays of a displacement that another program has computed.
 
 
 def given(
@@ -142,24 +143,25 @@ def given(
     steps: int | None = None,
     nearest: bool = False,
 ) -> GivenDisplacement:
-    """Check the displacement of another program and return it on its mesh.
+    """Check the displacement of another program and return it together with its mesh.
 
     Points that belong to no triangle are removed. Points at the same position with the same displacement are merged.
     Vertices whose distance to the boundary of the body is less than 1e-6 of its size are moved onto the boundary.
 
     Args:
         data: the problem.
-        points: (n, 2), or (n, 3) with equal third coordinates.
-        triangles: numbers of points, (cells, 3) for degree 1; (cells, 6) for degree 2: the corners 0, 1, 2, then the
-            midpoints of the sides 01, 12 and 20.
-        times: increasing from 0 to T, (k,); None, or one time, for a ``Static`` problem.
-        u: displacements of the points at the times, (k, n, 2), or (k, n, 3) with third component 0.
-        steps: the number of intervals from which the number of time steps of ũ is computed; by default the number of
-            intervals of u_h, but at least ``LEAST_STEPS``.
-        nearest: if u does not vanish on Γ1, use the nearest field that does.
+        points: the coordinates of the points, (n, 2), or (n, 3) with equal third coordinates.
+        triangles: for each cell the numbers of its points: (cells, 3) for a linear displacement; (cells, 6) for a
+            quadratic one, with the corners 0, 1, 2 first, then the midpoints of the sides 01, 12 and 20.
+        times: the times, increasing from 0 to T, (k,). For a ``Static`` problem None or one time.
+        u: the displacements of the points at the times, (k, n, 2), or (k, n, 3) with third component 0.
+        steps: the number of time steps of ũ is computed from this number. By default it is the number of time intervals
+            of u, but at least ``LEAST_STEPS``.
+        nearest: what to do if u does not vanish on Γ1: if true, use the nearest field that does, otherwise raise an
+            error.
 
     Raises:
-        BoundError: names the invalid input and its position, and says how to mend it.
+        BoundError: an array is invalid. The message says which and where, and how to mend it.
     """
     given_times = np.zeros(1) if times is None else times
     points, triangles, times, u = _arrays(points, triangles, given_times, u)
@@ -185,7 +187,7 @@ def given(
 
 
 def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
-    """Return the arrays with shapes (n, 2), (cells, 3 or 6), (k,) and (k, n, 2); raise BoundError for invalid input."""
+    """Convert the arrays to shapes (n, 2), (cells, 3 or 6), (k,), (k, n, 2); raise BoundError if one is invalid."""
     points, times, u = (np.asarray(array, dtype=float) for array in (points, np.atleast_1d(times), u))
     triangles = np.asarray(triangles)
     if triangles.ndim != 2 or triangles.shape[1] not in (3, 6) or not np.issubdtype(triangles.dtype, np.integer):
@@ -220,7 +222,7 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
 
 
 def _checked_times(times: Array, T: float) -> Array:
-    """Return the times; raise BoundError unless they increase from 0 to T."""
+    """Check that the times increase from 0 to T, and return them; equal steps are made exactly equal."""
     if times.ndim != 1 or (np.diff(times) <= 0).any():
         raise BoundError("times have to increase strictly")
     if abs(times[0]) > SINGLE * T:
@@ -236,12 +238,15 @@ def _checked_times(times: Array, T: float) -> Array:
     if abs(times[-1] - T) > SINGLE * T:
         raise BoundError(f"the last time is {times[-1]:.6g}, the problem ends at T = {T:g}: change T of its body")
     equal = np.linspace(0.0, T, len(times))
-    # Rounding to single precision makes equal steps differ slightly.
+    # Steps that were equal before rounding to single precision differ slightly, so they are made equal again.
     return equal if abs(times - equal).max() <= SINGLE * equal[1] else np.array([0.0, *times[1:-1], T])
 
 
 def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, Array, list[str]]:
-    """Remove unused points and merge points at the same position, which files of discontinuous fields repeat."""
+    """Remove points that belong to no triangle, and merge points at the same position.
+
+    Files of discontinuous fields repeat a point for each of its triangles.
+    """
     size, remarks = float(np.ptp(points, axis=0).max()), []
     used, triangles = np.unique(triangles, return_inverse=True)
     points, u, triangles = points[used], u[:, used], triangles.reshape(-1, triangles.shape[-1])
@@ -263,8 +268,12 @@ def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, 
 
 
 def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, int]:
-    """Return the mesh, the numbers of its nodes among the points, in the order of ``GivenDisplacement``, and the
-    degree."""
+    """Make the mesh from points and triangles.
+
+    Returns:
+        The mesh; for each of its nodes the number of the point there, in the order that ``GivenDisplacement``
+        describes; and the polynomial degree of the displacement, 1 or 2.
+    """
     corners, local = np.unique(triangles[:, :3], return_inverse=True)
     p = _on_boundary(body, points[corners].T)
     mesh = MeshTri(np.ascontiguousarray(p), np.ascontiguousarray(local.reshape(-1, 3).T))
@@ -291,7 +300,10 @@ def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, in
 
 
 def _on_boundary(body: Body, p: Points) -> Points:
-    """Return the vertices, after moving vertices close to a corner or side of the body (single precision) onto it."""
+    """Move vertices that are close to a corner or a side of the body onto it, (2, n) → (2, n).
+
+    Such vertices lie off the boundary only because files are in single precision.
+    """
     p, near = p.copy(), SINGLE * float(np.ptp(body.vertices, axis=1).max())
     for part in body.parts:
         along, off = part.coordinates(p)
@@ -319,7 +331,7 @@ def _check_cells(mesh: Mesh) -> None:
 
 
 def _check_fit(mesh: Mesh, body: Body) -> None:
-    """Raise BoundError with a position unless the mesh covers the body and follows the parts of its boundary."""
+    """Raise BoundError unless the mesh covers the body and follows the parts of its boundary."""
     tolerance = 1e-8 * math.sqrt(body.measure)
     border = mesh.boundary_facets()
     ends, middle = mesh.p[:, mesh.facets[:, border]], mesh.p[:, mesh.facets[:, border]].mean(axis=1)
@@ -338,7 +350,7 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 
 
 def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
-    """Return a list with a sentence on how far u_h penetrates the foundation; the list is empty if it does not."""
+    """If u_h penetrates the foundation, return a list with a sentence that says how far; otherwise an empty list."""
     values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
     for part, edges in zip(found.body.parts, boundary_parts(found.mesh, found.body), strict=True):
         if part.kind is Kind.CONTACT:
@@ -364,7 +376,7 @@ def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
 
 
 class _Unclamped(Quadratic):
-    """Displacements of degree 2 that need not vanish on Γ1."""
+    """Displacements of degree 2 that need not vanish on the clamped boundary Γ1."""
 
     @cached_property
     def free(self) -> Array:
@@ -372,7 +384,11 @@ class _Unclamped(Quadratic):
 
 
 def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDisplacement:
-    """Return the displacement if it vanishes on Γ1, otherwise the nearest field that does, or raise BoundError."""
+    """Return a displacement that vanishes on the clamped boundary Γ1.
+
+    This is ``found`` if it vanishes there up to round-off. Otherwise, if ``nearest`` is true, it is the field nearest
+    to ``found`` in ‖·‖_V that does, else BoundError is raised.
+    """
     mesh, size = found.mesh, float(abs(found.nodes).max())
     clamped = Quadratic(mesh, found.body)
     fixed = np.setdiff1d(np.arange(2 * clamped.count), clamped.free)
@@ -381,7 +397,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     largest = float(abs(coefficients[fixed]).max(initial=0.0))
     if largest <= CLAMPED * size:
         return found
-    # The matrix of (Aε(v), ε(w))_Q for all displacements of degree 2, including those that do not vanish on Γ1.
+    # u_h does not vanish on Γ1, so the matrix of (Aε(v), ε(w))_Q is needed for displacements without this constraint.
     V = _Unclamped(mesh, found.body)
     M = V.form(data.law.A.matrix, data.law.A.factor(V.points))
     projected = np.zeros_like(coefficients)
@@ -401,7 +417,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
         f"u_h reaches {largest:.3g} on Γ1, so the bounds are those of the nearest field that vanishes there; it "
         f"differs from u_h by at most {share}"
     )
-    # Convert Bernstein coefficients back to nodal values at the midpoints.
+    # Bernstein coefficients are converted, because a ``GivenDisplacement`` stores values at the midpoints of edges.
     nodal = projected.T.reshape(len(found.times), -1, 2)
     vertices = mesh.p.shape[1]
     of_ends = nodal[:, mesh.facets].sum(axis=1)

@@ -1,8 +1,9 @@
-"""Growth of the bound y of ‖e‖_V, e = u − ũ, over one time step [a, b] of length k.
+"""How much the bound y of the error ‖e‖_V, e = u − ũ, can grow over one time step [a, b] of length k.
 
-Let g_i be the moduli of G against A (``study.bound.problem``), |τ|²_i the part of |τ|²_{A⁻¹} in the i-th direction,
-0 ≤ θ ≤ min g_i a modulus, ‖·‖ the norm of A⁻¹, and ρ = ρ_A + ρ_G the residual, with the fractions 1 − w_i and w_i in
-each direction, 0 ≤ w_i ≤ 1. Then
+The elasticity G is described by moduli g_i relative to the viscosity A, one for each direction i of strain space
+(``study.bound.problem``). ‖·‖ is the norm of A⁻¹, and |τ|²_i is the part of |τ|²_{A⁻¹} in the i-th direction. Choose θ
+with 0 ≤ θ ≤ min g_i. Split the residual of the law into ρ = ρ_A + ρ_G, with the fractions 1 − w_i and w_i in each
+direction, 0 ≤ w_i ≤ 1. Then
 
     (ρ, ε(e))_Q ≤ ‖ρ_A‖ ‖e‖_V + q + Σ_i (g_i − θ) ‖ε(e)‖²_i,     q = ¼ Σ_i w_i² ‖ρ‖²_i / (g_i − θ),
 
@@ -12,9 +13,10 @@ compensates a part of the residual:
 
     y(b) ≤ (e^{−2θk} y(a)² + 2 ∫ e^{−2θ(b−t)} (c + q))^{1/2} + ∫ e^{−θ(b−t)} (‖ρ_A‖ + η).
 
-The smallest value over several θ and w is used. Each integral is at most the integral of its kernel times the largest
-value of the other factor, which is sharp for steps much longer than 1/θ. By the Cauchy–Schwarz inequality it is also at
-most a multiple of the mean value. If the least g_i is m < 0, then θ = 0 and the right side has the factor e^{|m|k}.
+Here c is the contact term and η the dual norm of the loads that are not balanced (``study.bound.terms``). The smallest
+value over several θ and w is used. Each integral is at most the integral of its kernel times the largest value of the
+other factor, which is sharp for steps much longer than 1/θ. By the Cauchy–Schwarz inequality it is also at most a
+multiple of the mean value. If the least g_i is m < 0, then θ = 0 and the right side has the factor e^{|m|k}.
 """
 
 from __future__ import annotations
@@ -27,24 +29,24 @@ import numpy as np
 from manufactured.tensors import Array
 
 ROUNDS = 4
-"""Number of times that the weights w are improved."""
+"""Number of iterations that improve the weights w_i of the module's docstring."""
 SMALL = 2.0**-20
-"""Value of k β for which the weights are nearly 1."""
+"""Value of k β with which an iteration for the weights g/(g + β) starts, so that the first weights are nearly 1."""
 LAGRANGE = np.array([[16.0, 15.0, 4.0], [15.0, 64.0, 15.0], [4.0, 15.0, 16.0]]) / 120
-"""Integrals ∫_0^1 |L_i L_j| of the Lagrange polynomials for the nodes 0, 1/2 and 1."""
+"""Integrals ∫_0^1 |L_i L_j| of the Lagrange polynomials L_i for the nodes 0, 1/2 and 1."""
 LEBESGUE = 1.25
-"""The largest value of Σ |L_i| on [0, 1]."""
+"""The largest value of Σ_i |L_i| on [0, 1] for the Lagrange polynomials L_i for the nodes 0, 1/2 and 1."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """The terms that drive the error, at one time of a step or as means over it.
+    """The quantities on which the growth of the error bound depends, at one time of a step or as means over it.
 
     Attributes:
-        residual: |ρ|²_i on cells, (directions, cells).
-        oscillation: η_T², (cells,).
-        contact: c.
-        rest: the bound of terms that are not computed for each cell.
+        residual: the squared residual |ρ|²_i of the law in every direction i on every cell, (directions, cells).
+        oscillation: the square of the oscillation η_T of the loads on every cell, (cells,).
+        contact: the contact term c.
+        rest: a bound of all quantities that are not computed for each cell.
     """
 
     residual: Array
@@ -53,24 +55,31 @@ class Sizes:
     rest: float
 
     def joined(self, share: Array) -> float:
-        """Return the square root of Σ_T (‖ρ‖_T + η_T)², with a fraction of ρ in every direction, (directions,)."""
+        """Return (Σ_T (‖ρ_A‖_T + η_T)²)^½, the norm of a part ρ_A of the residual together with the oscillation η.
+
+        Args:
+            share: the fraction of the residual ρ that belongs to ρ_A, for every direction, (directions,).
+        """
         residual = np.sqrt(np.tensordot(share**2, self.residual, axes=1))
         return float(np.linalg.norm(residual + np.sqrt(self.oscillation)))
 
     def squares(self, inverse: Array) -> float:
-        """Return 2 (c + q).
+        """Return 2 (c + q), the contact term and the quadratic term of the residual.
 
         Args:
-            inverse: w_i²/(g_i − θ), (directions,).
+            inverse: the factors w_i²/(g_i − θ) in q, (directions,).
         """
         return 2 * self.contact + float(inverse @ self.residual.sum(axis=1)) / 2
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One time step: its length k, the means of the terms, and bounds of the terms at any time of the step.
+    """The quantities that drive the error over one time step.
 
-    Means of η_T and |ρ|_i are mean squares.
+    Attributes:
+        k: the length of the step.
+        mean: means over the step; for the residual and the oscillation these are mean squares.
+        largest: bounds that hold at all times of the step.
     """
 
     k: float
@@ -79,7 +88,13 @@ class Step:
 
 
 def grow(y: float, moduli: Array, step: Step) -> tuple[float, float]:
-    """Return bounds of ‖e‖_V at the end of a step and at any time of it, from the bound y at its start."""
+    """Return two bounds of the error ‖u − ũ‖_V: at the end of a time step, and at all times of the step.
+
+    Args:
+        y: a bound of the error at the start of the step.
+        moduli: the moduli g_i of G relative to A, (directions,).
+        step: the residual, the loads and the contact term on the step.
+    """
     m = float(moduli.min())
     growth = float(np.exp(max(-m, 0.0) * step.k))
     bounds = [pair for theta in {0.0, max(m, 0.0)} for pair in _bounds(y, moduli, theta, step)]
@@ -88,10 +103,11 @@ def grow(y: float, moduli: Array, step: Step) -> tuple[float, float]:
 
 
 def _bounds(y: float, moduli: Array, theta: float, step: Step) -> Iterator[tuple[float, float]]:
-    """Yield bounds for several weights w_i = g/(g + β), g = g_i − θ, starting from w = 0 and from w close to 1.
+    """Yield pairs of bounds as in ``grow`` for one rate of decay θ and several weights w_i.
 
-    Each iteration computes β from the condition that the bound is stationary, then the weights from β. Any β ≥ 0 gives
-    a valid bound. If y = c = 0, the best weights are w = 1, but the iteration from w = 0 does not leave 0.
+    The weights are w_i = g/(g + β) with g = g_i − θ. Every β ≥ 0 gives a valid bound. Each iteration computes β from
+    the condition that the bound is stationary, then the weights from β. One iteration starts from w = 0. Another starts
+    close to w = 1, because w = 1 is best for y = c = 0, but the first iteration then stays at 0.
     """
     k, mean, largest = step.k, step.mean, step.largest
     g = np.maximum(moduli - theta, 0.0)
@@ -110,18 +126,25 @@ def _bounds(y: float, moduli: Array, theta: float, step: Step) -> Iterator[tuple
 
 
 def kernel(rate: float, k: float) -> float:
-    """Return the integral ∫_a^b e^{−rate (b−t)} dt."""
+    """Return ∫_0^k e^{−rate·s} ds, the weight of a constant right-hand side over a step of length k."""
     return float(-np.expm1(-rate * k) / rate) if rate > 0 else k
 
 
 def mean_square(*norms: Array) -> Array:
-    """Return a bound of the mean of ‖f‖² for a parabola f in time, from ‖f‖ at both ends and in the middle.
+    """Return a bound of the mean of ‖f‖² over a time step, for a function f that is a parabola in time.
 
     The bound follows from ‖f‖ ≤ Σ |L_i| ‖f_i‖ with the Lagrange polynomials L_i.
+
+    Args:
+        norms: ‖f‖ at the start, in the middle and at the end of the step.
     """
     return np.einsum("ij,i...,j...->...", LAGRANGE, np.array(norms), np.array(norms))
 
 
 def largest_square(*norms: Array) -> Array:
-    """Return a bound of ‖f‖² at all times for a parabola f in time, from ‖f‖ at both ends and in the middle."""
+    """Return a bound of ‖f‖² at all times of a step, for a function f that is a parabola in time.
+
+    Args:
+        norms: ‖f‖ at the start, in the middle and at the end of the step.
+    """
     return (LEBESGUE * np.max(norms, axis=0)) ** 2

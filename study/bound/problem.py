@@ -43,49 +43,58 @@ from study.stresses.stress_space import StressSpace
 
 LEAST, MOST = 1e-25, 1e25
 SMALLEST, LARGEST = 1e-50, 1e100
-"""Nonzero bounds and all quantities whose squares are summed must lie between these numbers."""
+"""The error bound, if it is not 0, and all quantities whose squares are summed must lie between these numbers."""
 LEVEL = 2
-"""Level of the coarse mesh for C_Ω and C_Γ. On finer meshes both constants change by a few per cent only."""
+"""Level of the coarse mesh on which C_Ω and C_Γ are computed. On finer meshes they change by a few per cent only."""
 DEGREE = 2
-"""Degree of stresses that balance linear loads."""
+"""Polynomial degree of the stresses that balance linear loads when C_Ω and C_Γ are computed."""
 
 
 class BoundError(ValueError):
-    """Raised if no bound can be computed for the data."""
+    """Raised if no error bound can be computed for a problem."""
 
 
 @dataclass(frozen=True, eq=False)
 class Moduli:
-    """The moduli g in ascending order, (directions,), and the directions v_i as columns, (D, directions)."""
+    """The moduli of the elasticity G relative to the viscosity A (see the docstring of the module).
+
+    Attributes:
+        values: the moduli g_i in ascending order, (directions,).
+        directions: the directions v_i as columns, (D, directions).
+    """
 
     values: Array
     directions: Array
 
     def decay(self, k: float) -> float:
-        """Return e^{−mk}, m the least modulus: the factor by which an error changes over a step of length k."""
+        """Return e^{−mk} with the least modulus m, the factor by which the error changes over a step of length k."""
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:
-        """Return how much the squared residual in every direction counts, time/(1 + 2 time g_i), (directions,).
+        """Return the weights of the squared residual in every direction, time/(1 + 2 time g_i), (directions,).
 
-        Residuals in directions in which G is stiff count less, because the elasticity compensates a part of them: to
-        first order a step adds to y² twice ∫ (c + ¼ Σ_i |ρ|²_i/(g_i + β)), β ~ 1/(2T) (``study.bound.growth``).
+        In a direction in which G is stiff the weight is small, because the elasticity compensates a part of the
+        residual. The weights come from ``study.bound.growth``: to first order, a time step increases y² by 2 ∫ (c + ¼
+        Σ_i |ρ|²_i/(g_i + β)) with β ~ 1/(2T).
 
         Args:
-            time: the final time T of the body.
+            time: the final time T.
         """
         return np.asarray(time / (1 + 2 * time * np.maximum(self.values, 0.0)))
 
     def compliance(self, time: float) -> Array:
-        """Return the matrix Σ_i w_i v_i v_iᵀ of the norm in which residuals are minimised, Mandel (D, D).
+        """Return the matrix Σ_i w_i v_i v_iᵀ of the norm in which residuals are minimised, in Mandel form (D, D).
 
-        The w_i are ``weights(time)`` and the v_i the directions.
+        The v_i are the directions, and the w_i their weights from ``weights``.
+
+        Args:
+            time: the final time T.
         """
         return (self.directions * self.weights(time)) @ self.directions.T
 
 
 def moduli(law: KelvinVoigt) -> Moduli:
-    """Return the moduli of G relative to A.
+    """Return the moduli of the elasticity G of a law relative to its viscosity A.
 
     Raises:
         BoundError: G has no finite monotonicity constant.
@@ -109,7 +118,10 @@ def moduli(law: KelvinVoigt) -> Moduli:
 
 @dataclass(frozen=True)
 class LoadConstants:
-    """The constants C_Ω and C_Γ; C_Γ is 0 if Γ2 is empty."""
+    """The constants C_Ω for the body force and C_Γ for the traction, as in the docstring of the module.
+
+    If Γ2 is empty, C_Γ is 0.
+    """
 
     volume: float
     surface: float
@@ -117,12 +129,17 @@ class LoadConstants:
 
 @lru_cache(maxsize=16)
 def load_constants(body: Body, A: Linear) -> LoadConstants:
-    """Return the constants C_Ω and C_Γ of a body for a homogeneous A."""
+    """Return the constants that bound the work of loads on a body: C_Ω for the body force and C_Γ for the traction.
+
+    Args:
+        body: the body.
+        A: the viscosity, the same at all points.
+    """
     family = next(family for family in FAMILIES if family.serves(body))
     space = StressSpace(family(body, LEVEL), body, DEGREE)
     compliance = np.linalg.inv(A.matrix)
     equilibrium, components = Equilibrium(space, compliance), np.eye(2)
-    # The basis of the linear force functions on cells, by their values at the vertices of thirds.
+    # A basis of the forces that are linear on every cell, given by their values at the vertices of the thirds of cells.
     hats = np.moveaxis(thirds(np.eye(3)), 2, 1)
     force = np.einsum("kc,itv,de->kidctve", np.eye(space.cells), hats, components).reshape(-1, space.cells, 3, 3, 2)
     surface = np.zeros((len(force), len(space.lengths), DEGREE + 1, 2))
@@ -133,7 +150,7 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
     sides = [constants for *_, constants in loaded_sides(space, compliance)]
     if not any(constants.size for constants in sides):
         return LoadConstants(float(np.sqrt(volume)), 0.0)
-    # The basis of the linear functions on loaded edges: 1 at one end and 0 at the other, in each direction.
+    # A basis of the tractions that are linear on every loaded edge: 1 at one end and 0 at the other, in each direction.
     edges, ends = np.concatenate([mine for _, mine in space.on(Kind.LOADED)]), np.array([[1, 0.5, 0], [0, 0.5, 1]])
     surface = np.einsum("ke,in,df->kidenf", np.eye(len(space.lengths))[edges], ends, components)
     surface = surface.reshape(-1, len(space.lengths), DEGREE + 1, 2)
@@ -144,7 +161,13 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
 
 
 def _largest_ratio(equilibrium: Equilibrium, loads: Loads, mass: Array) -> float:
-    """Return the largest λ = min ‖τ‖²_{A⁻¹}/‖load‖² over all linear combinations of loads, with their mass matrix."""
+    """Return the largest λ = min ‖τ‖²_{A⁻¹}/‖load‖² over the loads in a space; the stresses τ balance the load.
+
+    Args:
+        equilibrium: finds the stress with the smallest norm.
+        loads: a basis of the loads.
+        mass: the integrals of products of two loads of the basis.
+    """
     stresses = equilibrium.balance(loads).values
     weighted = np.einsum("IJ,Jncq,cq->Incq", equilibrium.compliance, stresses, equilibrium.space.weights, optimize=True)
     energy = np.einsum("Incq,Imcq->nm", weighted, stresses, optimize=True)
@@ -152,10 +175,10 @@ def _largest_ratio(equilibrium: Equilibrium, loads: Loads, mass: Array) -> float
 
 
 def require_units(data: Data) -> None:
-    """Refuse a material, a body or a final time of extreme size.
+    """Refuse a material, a body or a final time of extreme size, because squares would overflow or underflow.
 
     Raises:
-        BoundError: names the quantity and its value.
+        BoundError: the message names the quantity and its value.
     """
     law, vertices = data.law, data.body.vertices
     sizes = {
@@ -177,11 +200,14 @@ def require_units(data: Data) -> None:
 def require_finite(quantities: Mapping[str, Array | float]) -> None:
     """Refuse quantities that are infinite, NaN, or so large that their squares overflow.
 
+    Args:
+        quantities: the values of each quantity, by its name.
+
     Raises:
-        BoundError: names the first such quantity.
+        BoundError: the message names the first such quantity.
     """
     for name, values in quantities.items():
-        # The condition is negated because every comparison with NaN is false.
+        # Every comparison with NaN is false, so the condition is written such that NaN is refused as well.
         if not (np.abs(values) <= LARGEST).all():
             raise BoundError(
                 f"{name} is not a finite number below {LARGEST:g}, so nothing can be bounded: large data overflow, and "
@@ -191,14 +217,15 @@ def require_finite(quantities: Mapping[str, Array | float]) -> None:
 
 
 def require_visible(data: Data, highest: float, sampled: bool) -> None:
-    """Refuse a bound so small that squares of nonzero data may have underflowed to 0.
+    """Refuse an error bound so small that squares of nonzero data may have underflowed to 0.
 
     Args:
-        highest: the bound of the error at all times.
-        sampled: whether any sample of the data is nonzero; used for data that are not formulas.
+        data: the problem.
+        highest: the error bound.
+        sampled: whether any sample of the data is nonzero. It is used only if the data are not given as formulas.
 
     Raises:
-        BoundError: states the bound.
+        BoundError: the bound is too small; the message states it.
     """
     formulas = data.formulas_of
     if isinstance(formulas, Expressions):

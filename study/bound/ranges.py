@@ -1,16 +1,17 @@
-"""Ranges of the Taylor coefficients of a formula over boxes: interval arithmetic on truncated power series.
+"""Ranges of the Taylor coefficients of a formula over boxes, by interval arithmetic on truncated power series.
 
-For boxes X_1, …, X_N and an order m, the ranges of a formula f are numbers with
+For a formula f, boxes X_1, …, X_N and an order m, the ranges are intervals with
 
     {∂^α f(x)/α! : x ∈ X_n} ⊂ [low_αn, high_αn],   |α| ≤ m.
 
-They are computed from the ranges of the parts of f. Sums and products are sums and products of power series; g(u) is
-the series Σ_j g^(j)(u)/j! δ^j, where δ is the series of u without its constant term (R. E. Moore, Methods and
-Applications of Interval Analysis, SIAM 1979, chapter 3). Ends are not rounded outward, so the ranges hold up to
-round-off.
+They are computed from the ranges of the parts of f. Sums and products are sums and products of power series. A function
+g of a part u has the series Σ_j g^(j)(u)/j! δ^j, where δ is the series of u without its constant term (R. E. Moore,
+Methods and Applications of Interval Analysis, SIAM 1979, chapter 3). Ends of intervals are not rounded outward, so the
+ranges hold up to round-off.
 
-If the kink of pos(x, a) lies in a box, derivatives that do not exist at the kink have the range (−∞, ∞). The range of
-the derivative of order a covers both sides of the kink, which suffices for Taylor's theorem with Lipschitz derivatives.
+Formulas may contain the truncated power pos(x, a) = x_+^a, which has a kink or a jump at x = 0. If 0 lies in the range
+of x, derivatives that do not exist there have the range (−∞, ∞). The range of the derivative of order a covers both
+sides of the kink, which suffices for Taylor's theorem with Lipschitz derivatives.
 """
 
 from __future__ import annotations
@@ -29,32 +30,38 @@ from manufactured.symbols import Index, indices, pos
 from manufactured.tensors import Array
 
 Pair = tuple[Array, Array]
-"""The lower and upper ends of ranges, (boxes,) each."""
+"""Intervals, one for each box, given by their lower and their upper ends, (boxes,) each."""
 TINY, LARGEST = np.finfo(float).tiny, np.finfo(float).max
 REAL = 1e-9
-"""Imaginary part up to which a root counts as real."""
+"""A root of a polynomial counts as real if its imaginary part is smaller than this number."""
 
 
 class RangeError(ValueError):
-    """Raised for a formula with a function whose derivatives have no known ranges."""
+    """Raised for a formula that contains a function for which no ranges of derivatives are known."""
 
 
-# ---- arithmetic of ranges
+# ---- arithmetic of intervals
 
 
 def enclosed(low: Array, high: Array) -> Pair:
-    """Return the ends of a range after overflow: an end that is infinite on the wrong side becomes the largest
-    number."""
+    """Make the ends of intervals valid after overflow.
+
+    A lower end of +∞ becomes the largest number, and an upper end of −∞ becomes the smallest number.
+    """
     return np.minimum(low, LARGEST), np.maximum(high, -LARGEST)
 
 
 def times(a: Pair, b: Pair) -> Pair:
-    """Return the range of a product. Zero times (−∞, ∞) is zero; a product that underflows gets a range around zero."""
+    """Return the product of two intervals.
+
+    Zero times (−∞, ∞) is zero. If the product of nonzero intervals underflows, the result is a small interval around
+    zero.
+    """
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
         every = [x * y for x in a for y in b]
         low, high = reduce(np.minimum, every), reduce(np.maximum, every)
     if np.isnan(low).any():
-        # Minima and maxima of NaN are NaN, so the products 0 · ∞ need to be searched only here.
+        # A product 0 · ∞ makes the minimum NaN. Only then is it necessary to look at the single products.
         every = [np.where(np.isnan(product), 0.0, product) for product in every]
         low, high = reduce(np.minimum, every), reduce(np.maximum, every)
     zero = (low == 0) & (high == 0)
@@ -65,30 +72,35 @@ def times(a: Pair, b: Pair) -> Pair:
 
 
 def _scaled(c: float, ends: Pair) -> Pair:
-    """Return the range of a constant multiple."""
+    """Return a constant times an interval."""
     return times((np.array(c), np.array(c)), ends)
 
 
 def _monotone(u: Pair, function: Callable[[Array], Array]) -> Pair:
-    """Return the range of a monotone function of one variable, taken from its values at the ends."""
+    """Return the range of a monotone function on intervals, from its values at their ends."""
     ends = function(u[0]), function(u[1])
     return np.minimum(*ends), np.maximum(*ends)
 
 
 def _or_line(where: Array, ends: Pair) -> Pair:
-    """Return the ends, replaced by (−∞, ∞) for the boxes where the condition holds."""
+    """Replace the intervals of some boxes by (−∞, ∞).
+
+    Args:
+        where: the boxes in which this is done, as flags, (boxes,).
+        ends: the intervals.
+    """
     return np.where(where, -np.inf, ends[0]), np.where(where, np.inf, ends[1])
 
 
-# ---- functions of one variable: ranges of g^(j)(u)/j! for u in an interval and j ≤ order
+# ---- functions g of one variable: ranges of the Taylor coefficients g^(j)(u)/j! for u in an interval
 
 
 def _power(u: Pair, q: float) -> Pair:
-    """Return the range of x^q."""
+    """Return the range of the power x^q for x in given intervals."""
     low, high = u
 
     def monotone(u: Pair, q: float) -> Pair:
-        """Return the range for ends of one sign. If u is not 0, the range excludes 0 even if the power underflows."""
+        """Return the range of x^q on intervals of one sign; if x ≠ 0, 0 is not in it, even if the power underflows."""
         bottom, top = enclosed(*_monotone(u, lambda x: x**q))
         zero = (bottom == 0) & (top == 0) & ((u[0] != 0) | (u[1] != 0))
         return np.where(zero, -TINY * (u[0] < 0), bottom), np.where(zero, TINY, top)
@@ -106,7 +118,7 @@ def _power(u: Pair, q: float) -> Pair:
 
 
 def _truncated(u: Pair, q: float) -> Pair:
-    """Return the range of x_+^q away from x = 0; for q = 0 this is the range of the step function."""
+    """Return the range of the truncated power x_+^q for x ≠ 0 in given intervals; for q = 0 it is a step function."""
     low, high = u
     if q == 0:
         return (low > 0).astype(float), (high > 0).astype(float)
@@ -118,12 +130,13 @@ def _truncated(u: Pair, q: float) -> Pair:
 
 
 def _of_power(u: Pair, q: float, order: int, truncated: bool = False) -> list[Pair]:
-    """Return the Taylor coefficients of x^q, or of x_+^q, which has a kink at 0."""
+    """Return the ranges of the Taylor coefficients of x^q, or of the truncated power x_+^q if ``truncated`` is true."""
     kink = (u[0] <= 0) & (u[1] >= 0)
     found, binomial = [], 1.0
     for j in range(order + 1):
         ends = _scaled(binomial, _truncated(u, q - j) if truncated else _power(u, q - j))
-        # If q is an integer, the derivative of order q + 1 is 0 on both sides of the kink and a measure at the kink.
+        # At the kink, derivatives of order above q do not exist. For an integer q this includes the order q + 1, which
+        # is 0 on both sides and a Dirac measure at the kink.
         found.append(_or_line(kink, ends) if truncated and q - j < 0 else ends)
         binomial *= (q - j) / (j + 1)
     return found
@@ -138,13 +151,13 @@ def _of_exp(u: Pair, order: int) -> list[Pair]:
 def _of_log(u: Pair, order: int) -> list[Pair]:
     with np.errstate(all="ignore"):
         ends = _monotone((np.maximum(u[0], 0.0), np.maximum(u[1], 0.0)), np.log)
-        # Near 0 the logarithm is unbounded only from below; for negative numbers it is undefined.
+        # Towards 0 the logarithm is unbounded only from below; for negative numbers it is not defined.
         value = _or_line((u[0] < 0) | (u[1] <= 0), ends)
     return [value, *(_scaled((-1) ** (j - 1) / j, _power(u, -j)) for j in range(1, order + 1))]
 
 
 def _cosine(u: Pair) -> Pair:
-    """Return the range of cos, which includes ±1 if a maximum or minimum lies in the interval."""
+    """Return the range of cos on intervals; it contains ±1 if a maximum or minimum lies in the interval."""
     with np.errstate(invalid="ignore"):
         ends = _monotone(u, np.cos)
     tops = np.floor(u[1] / (2 * np.pi)) >= np.ceil(u[0] / (2 * np.pi))
@@ -153,13 +166,16 @@ def _cosine(u: Pair) -> Pair:
 
 
 def _of_cosine(u: Pair, order: int, shift: float = 0.0) -> list[Pair]:
-    """Return the Taylor coefficients of cos(x + shift); each derivative shifts by π/2."""
+    """Return the ranges of the Taylor coefficients of cos(x + shift); each derivative adds π/2 to the shift."""
     shifts = [shift + j * np.pi / 2 for j in range(order + 1)]
     return [_scaled(1 / math.factorial(j), _cosine((u[0] + c, u[1] + c))) for j, c in enumerate(shifts)]
 
 
 def _of_sinh(u: Pair, order: int, shift: int = 0) -> list[Pair]:
-    """Return the Taylor coefficients of sinh, or of cosh for an odd shift; each is the derivative of the other."""
+    """Return the ranges of the Taylor coefficients of sinh, or of cosh if ``shift`` is odd.
+
+    Each of the two functions is the derivative of the other.
+    """
     with np.errstate(over="ignore"):
         sinh, (low, high) = enclosed(*_monotone(u, np.sinh)), enclosed(*_monotone(u, np.cosh))
     cosh = np.where((u[0] <= 0) & (u[1] >= 0), 1.0, low), high
@@ -167,9 +183,15 @@ def _of_sinh(u: Pair, order: int, shift: int = 0) -> list[Pair]:
 
 
 def _of_polynomials(value: Pair, derivative: Polynomial, order: int) -> list[Pair]:
-    """Return the Taylor coefficients of a function f with f' = derivative(f): all of them are polynomials of f.
+    """Return the ranges of the Taylor coefficients of a function f whose derivative is a polynomial of f, such as tanh.
 
-    A polynomial takes its extrema at the ends of the range of f or where its derivative vanishes.
+    All coefficients are then polynomials of f. Their extrema are at the ends of the range of f or at zeros of their
+    derivatives.
+
+    Args:
+        value: the range of f.
+        derivative: the polynomial p with f' = p(f).
+        order: the highest order of the coefficients.
     """
     found, polynomial = [], Polynomial([0.0, 1.0])
     for j in range(order + 1):
@@ -187,14 +209,15 @@ def _of_tanh(u: Pair, order: int) -> list[Pair]:
 
 
 def _of_tan(u: Pair, order: int) -> list[Pair]:
-    # Between two poles tan is increasing.
+    # tan is increasing between two poles, so its range follows from its values at the ends. Intervals with a pole are
+    # replaced by (−∞, ∞).
     poles = np.floor(u[0] / np.pi + 0.5) != np.floor(u[1] / np.pi + 0.5)
     ends = np.tan(np.where(poles, 0.0, u[0])), np.tan(np.where(poles, 0.0, u[1]))
     return [_or_line(poles, range_) for range_ in _of_polynomials(ends, Polynomial([1.0, 0.0, 1.0]), order)]
 
 
 def _of_cot(u: Pair, order: int) -> list[Pair]:
-    """Return the Taylor coefficients of cot x = −tan(x − π/2)."""
+    """Return the ranges of the Taylor coefficients of cot x = −tan(x − π/2)."""
     return [(-high, -low) for low, high in _of_tan((u[0] - np.pi / 2, u[1] - np.pi / 2), order)]
 
 
@@ -209,14 +232,14 @@ KNOWN: dict[type, Callable[[Pair, int], list[Pair]]] = {
     sp.tan: _of_tan,
     sp.cot: _of_cot,
 }
-"""Functions of one variable and how to compute the ranges of their Taylor coefficients."""
+"""For each function of one variable, how to compute the ranges of its Taylor coefficients."""
 
 
-# ---- functions with kinks or jumps, which are first rewritten with ``pos``
+# ---- functions with kinks or jumps, which are first written with truncated powers ``pos``
 
 
 def _piecewise(*branches: tuple[sp.Expr, sp.Basic]) -> sp.Expr:
-    """Return a Piecewise function as a sum of its values times the indicators of its branches."""
+    """Write a Piecewise function as a sum: each of its values times the indicator function of its branch."""
     total, rest = sp.Integer(0), sp.Integer(1)
     for value, condition in branches:
         holds = _indicator(condition)
@@ -225,7 +248,10 @@ def _piecewise(*branches: tuple[sp.Expr, sp.Basic]) -> sp.Expr:
 
 
 def _indicator(condition: sp.Basic) -> sp.Expr:
-    """Return the indicator function of a condition, except at points where both sides of an inequality are equal."""
+    """Return the indicator function of a condition.
+
+    It may be wrong at points where both sides of an inequality are equal.
+    """
     if condition in (sp.true, sp.false):
         return sp.Integer(condition == sp.true)
     if isinstance(condition, sp.And):
@@ -249,13 +275,21 @@ REWRITTEN: dict[type, Callable[..., sp.Expr]] = {
     sp.Heaviside: lambda x, at_0=None: pos(x, 0),
     sp.Piecewise: _piecewise,
 }
-"""Functions that are rewritten with ``pos``; values at the jump itself may change."""
+"""Functions with kinks or jumps, and how to write them with truncated powers ``pos``.
+
+The rewritten function may have another value at the jump itself.
+"""
 SERVED: tuple[Any, ...] = (sp.Add, sp.Mul, sp.Pow, pos, *KNOWN, *REWRITTEN)
-"""Types of expressions that a formula may contain."""
+"""All types of expressions that a formula may contain."""
 
 
 def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
-    """Return the Taylor coefficients of the outermost function of a formula, for argument values in the range u.
+    """Return the ranges of the Taylor coefficients of the outermost function of a formula.
+
+    Args:
+        formula: the formula, such as exp(…).
+        u: the range of the argument of the outermost function.
+        order: the highest order of the coefficients.
 
     Raises:
         RangeError: the function is not known.
@@ -268,11 +302,7 @@ def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
 
 
 def require_known(formula: sp.Expr) -> None:
-    """Refuse a formula if a part of it has no known ranges.
-
-    Raises:
-        RangeError: names the part.
-    """
+    """Raise RangeError if a part of a formula is a function whose derivatives have no known ranges."""
     if formula.is_number or formula.is_Symbol:
         return
     if not isinstance(formula, SERVED):
@@ -287,7 +317,7 @@ def require_known(formula: sp.Expr) -> None:
 
 
 def unknown(formula: sp.Expr) -> RangeError:
-    """Return the error to raise for a formula without known ranges."""
+    """Return the error to raise for a formula whose derivatives have no known ranges."""
     names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *REWRITTEN, pos)))
     return RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
 
@@ -297,24 +327,28 @@ def unknown(formula: sp.Expr) -> RangeError:
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """Ranges of the Taylor coefficients of one formula, (terms, boxes) each; ``indices`` lists the terms."""
+    """Ranges of the Taylor coefficients of one formula over several boxes.
+
+    Attributes:
+        low, high: the ends of the ranges, (terms, boxes). ``indices`` gives the multi-indices of the terms.
+    """
 
     low: Array
     high: Array
 
     @cached_property
     def nonzero(self) -> Array:
-        """Which coefficients are not identically 0, (terms,)."""
+        """For each Taylor coefficient, whether it is not identically 0, (terms,)."""
         return np.asarray(self.low.any(axis=1) | self.high.any(axis=1))
 
     @property
     def half_range(self) -> Array:
-        """Half the range of the formula itself, (boxes,)."""
+        """Half the length of the range of the formula, (boxes,)."""
         return (self.high[0] - self.low[0]) / 2
 
     @property
     def largest(self) -> Array:
-        """The largest absolute values of all coefficients, (terms, boxes)."""
+        """The largest absolute value of each Taylor coefficient, (terms, boxes)."""
         return np.maximum(abs(self.low), abs(self.high))
 
     def __add__(self, other: Series) -> Series:
@@ -324,7 +358,11 @@ class Series:
 
 @lru_cache
 def _products(variables: int, order: int) -> tuple[Array, Array, Array]:
-    """Return all i, j and k with multi-indices α_i + α_j = α_k, sorted by k, (pairs,) each."""
+    """Return which terms of two power series contribute to which term of their product.
+
+    Returns:
+        The numbers i, j and k of all multi-indices with α_i + α_j = α_k, sorted by k, (pairs,) each.
+    """
     keys = indices(variables, order)
     place = {key: number for number, key in enumerate(keys)}
 
@@ -338,11 +376,11 @@ def _products(variables: int, order: int) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Boxes:
-    """Boxes in space and time, and the variables in which formulas are expanded.
+    """Boxes in space and time, over which formulas are expanded into Taylor series.
 
     Attributes:
-        sides: the ends of the sides of the boxes for each symbol, (boxes,) each.
-        variables: the symbols of the expansion.
+        sides: for each symbol, the lower and the upper ends of the sides of the boxes, (boxes,) each.
+        variables: the symbols in which formulas are expanded.
         order: the order of the expansion.
     """
 
@@ -350,30 +388,29 @@ class Boxes:
     variables: tuple[sp.Symbol, ...]
     order: int
     _known: dict[sp.Expr, Series] = field(default_factory=dict, init=False)
-    """Cache of the series of formulas and of their parts, which formulas share."""
+    """The series that have been computed, by formula. They are stored because formulas share parts."""
 
     @property
     def count(self) -> int:
-        """The number of boxes."""
         return len(next(iter(self.sides.values()))[0])
 
     @property
     def keys(self) -> tuple[Index, ...]:
-        """The multi-indices of the terms."""
+        """The multi-indices of the terms of a series."""
         return indices(len(self.variables), self.order)
 
     def __call__(self, formula: sp.Expr) -> Series:
-        """Return the ranges of all Taylor coefficients of a formula.
+        """Return the ranges of all Taylor coefficients of a formula over the boxes.
 
         Raises:
-            RangeError: the formula has a function that is not known.
+            RangeError: the formula contains a function that is not known.
         """
         if formula not in self._known:
             self._known[formula] = self._expand(formula)
         return self._known[formula]
 
     def _expand(self, formula: sp.Expr) -> Series:
-        """Return the series of a formula from the series of its parts, or from the box of a symbol."""
+        """Compute the series of a formula from the series of its parts, or of a symbol from the sides of the boxes."""
         if formula.is_Symbol:
             found = self._constant(self.sides[formula])
             if formula in self.variables and self.order > 0:
@@ -390,7 +427,7 @@ class Boxes:
         if formula.is_Add or formula.is_Mul:
             combine = Series.__add__ if formula.is_Add else self._product
             return reduce(combine, map(self, formula.args))
-        # The sum Σ_j g_j δ^j by Horner's rule, δ being the inner series without its constant term.
+        # The series of g(u) is Σ_j g_j δ^j, summed by Horner's rule; δ is the series of u without its constant term.
         inner = self(formula.args[0])
         outer = coefficients(formula, (inner.low[0], inner.high[0]), self.order)
         low, high = inner.low.copy(), inner.high.copy()
@@ -401,13 +438,13 @@ class Boxes:
         return found
 
     def _constant(self, value: Pair) -> Series:
-        """Return the series of a constant with a given range."""
+        """Return the series of a constant whose value lies in a given range."""
         low, high = np.zeros((2, len(self.keys), self.count))
         low[0], high[0] = value
         return Series(low, high)
 
     def _product(self, a: Series, b: Series) -> Series:
-        """Return the product of two truncated power series; coefficients that vanish are skipped."""
+        """Return the product of two truncated power series; coefficients that are identically 0 are skipped."""
         low, high = np.zeros((2, *a.low.shape))
         i, j, k = _products(len(self.variables), self.order)
         nonzero = a.nonzero[i] & b.nonzero[j]

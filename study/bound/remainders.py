@@ -1,24 +1,26 @@
-"""Bounds of the difference between the data and their samples, and the decision whether an error bound is guaranteed.
+"""Bounds of how much the data change between sample points, and the decision whether an error bound is guaranteed.
 
 *Guaranteed*: the error bound holds for the data between all quadrature points and times, because ranges of the formulas
-are bounded. Rounding and the eigenvalues of the constants, computed in floating point, are not enclosed. *Estimated*:
-some datum is known at sample points only, and no remainder between the points is added.
+are bounded. Rounding, and the floating-point eigenvalues in the constants, are not enclosed. *Estimated*: some datum is
+known at sample points only, and its change between the points is not bounded.
 
-The terms of the bound use the data at quadrature points and at four times of each piece [a, b] of ũ, k = b − a. On a
-cell T with centre z and half widths r let F be the Taylor polynomial of f(·, t) at z of degree j − 1 ≤ 3. Then
+The terms of the error bound use the data at quadrature points in space. In time they use four points of each interval
+[a, b] of length k on which the displacement ũ is a parabola. On a cell T with centre z and half widths r, let F be the
+Taylor polynomial of the datum f(·, t) at z of degree j − 1 ≤ 3. Then
 
     |f − F| ≤ Σ_{|α| = j} r^α sup_{T×[a,b]} |∂^α f|/α!  =: e_T,    or  e_T = half the range of f for j = 0.
 
-The least of these over j is used; if f has kinks, a low j is best. Every step of the computation is exact for F: the
-rules integrate products of degree 6, and their weights are positive. So for each norm of the samples a term
-|T|^{1/2} e_T bounds the effect of the difference f − F. The remainder (f − F) − P(f − F) need not be orthogonal to
-rigid motions and is bounded by 2 C_Ω |T|^{1/2} e_T, with C_Ω of ``study.bound.problem``. In time
+The smallest e_T over all j is used; if f has kinks, a low j is best. Every step of the computation is exact for F: the
+rules integrate products of degree 6, and their weights are positive. So for each norm of the samples a term |T|^{1/2}
+e_T bounds the effect of the difference f − F. The remainder (f − F) − P(f − F) need not be orthogonal to rigid motions
+and is bounded by 2 C_Ω |T|^{1/2} e_T, with C_Ω of ``study.bound.problem``. In time
 
     |f − (parabola through a, a + k/2 and b)|       ≤ (1 + Λ₃) min_j (k/2)^j |∂_t^j f|/j! =: p_T,   j ≤ 3,
     |f − (cubic through a, a + k/4, a + k/2 and b)| ≤ (1 + Λ₄) min_j (k/2)^j |∂_t^j f|/j! =: q_T,   j ≤ 4,
 
 where Λ₃ and Λ₄ are the Lebesgue constants of these points; for j = 0 the derivative is replaced by half the range. On
-edges of Γ2 the same holds with arc length as the variable, on each subinterval of an edge with its own quadrature rule.
+edges of Γ2 the same bounds hold with the arc length as variable, on each subinterval of an edge with a separate
+quadrature rule.
 """
 
 from __future__ import annotations
@@ -44,18 +46,18 @@ from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
 ORDER = 4
-"""Order of the Taylor expansions: one more than the degree of F."""
+"""Order of the Taylor expansions of the data, which is one more than the highest degree of the Taylor polynomials."""
 ARC = sp.Symbol("arc", real=True)
-"""Arc length along a boundary part."""
+"""The symbol for the arc length along a part of the boundary."""
 CACHED = 64
-"""Number of pieces whose remainders are cached."""
+"""Number of time intervals for which bounds of the data between sample points are cached."""
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 
 
 def lebesgue(nodes: Array) -> float:
-    """Return an upper bound of the Lebesgue constant of nodes on [0, 1].
+    """Return an upper bound of the Lebesgue constant of interpolation nodes on [0, 1].
 
-    The maximum on a fine grid is increased by a factor that exceeds the error of the grid.
+    This is the maximum on a fine grid times a factor that exceeds the error due to the grid.
     """
     x = np.linspace(0, 1, 4001)
     basis = [np.prod([(x - b) / (a - b) for b in np.delete(nodes, i)], axis=0) for i, a in enumerate(nodes)]
@@ -63,21 +65,21 @@ def lebesgue(nodes: Array) -> float:
 
 
 PARABOLA, CUBIC = (1 + lebesgue(np.array(nodes)) for nodes in ([0, 0.5, 1], [0, 0.25, 0.5, 1]))
-"""The factors 1 + Λ for the relative times of the samples of a piece."""
+"""The factors 1 + Λ of the error of interpolation in time, by a parabola and by a cubic."""
 
 
 def proportional(squares: Array) -> Array:
-    """Divide the square root of a sum of squares in proportion to the squares."""
+    """Divide the square root of a sum of squares into parts that are proportional to the squares, (n,) → (n,)."""
     return np.asarray(squares / max(np.sqrt(squares.sum()), np.finfo(float).tiny))
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """Whether a bound is guaranteed or estimated, and why.
+    """States whether an error bound is guaranteed or only estimated, and why.
 
     Attributes:
-        reasons: reasons why it is only estimated; empty if it is guaranteed.
-        poorly_seen: the datum, point and time with the largest remainder of the data, if the remainder is large.
+        reasons: the reasons why the bound is only estimated; empty if it is guaranteed.
+        poorly_seen: a text that names the datum, point and time at which samples are too coarse; empty if they suffice.
     """
 
     reasons: tuple[str, ...]
@@ -85,12 +87,11 @@ class Evidence:
 
     @property
     def kind(self) -> str:
-        """The word ``GUARANTEED`` or ``ESTIMATED``."""
         return ESTIMATED if self.reasons else GUARANTEED
 
     @property
     def sentences(self) -> list[str]:
-        """Sentences that explain the kind and say how to improve the bound."""
+        """Sentences for the user: whether the bound is guaranteed, why not, and how to improve it."""
         if self.reasons:
             found = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
         else:
@@ -102,7 +103,11 @@ class Evidence:
 
 @dataclass(frozen=True, eq=False)
 class Regions:
-    """Boxes around cells or around parts of edges: the ends of their sides for each coordinate."""
+    """Boxes around cells or around parts of edges, over which the data are expanded into Taylor series.
+
+    Attributes:
+        sides: for each coordinate, the lower and the upper ends of the boxes, (boxes,) each.
+    """
 
     sides: Mapping[sp.Symbol, Pair]
 
@@ -112,7 +117,12 @@ class Regions:
         return np.array([(high - low) / 2 for low, high in self.sides.values()])
 
     def in_space(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-        """Return the remainders e in space for a ≤ t ≤ b, (boxes,)."""
+        """Return bounds e of the data minus their Taylor polynomials in space, for all times a ≤ t ≤ b, (boxes,).
+
+        Args:
+            formulas: the components of the data.
+            a, b: the ends of the time interval.
+        """
         boxes = self._boxes(a, b, tuple(self.sides))
         orders = np.array([sum(key) for key in boxes.keys])
         powers = np.array([np.prod(self.radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
@@ -124,7 +134,12 @@ class Regions:
         return found
 
     def in_time(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-        """Return the remainders p and q in time, (2, boxes)."""
+        """Return bounds of the data minus their interpolants in time, by a parabola (p) and by a cubic (q), (2, boxes).
+
+        Args:
+            formulas: the components of the data.
+            a, b: the ends of the time interval.
+        """
         boxes, k = self._boxes(a, b, (t,)), b - a
         powers = (k / 2) ** np.arange(ORDER + 1)[:, None]
         found = np.zeros((2, boxes.count))
@@ -135,29 +150,29 @@ class Regions:
         return found
 
     def all(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-        """Return the remainders e, p and q, (3, boxes)."""
+        """Return the bounds e, p and q of ``in_space`` and ``in_time``, (3, boxes)."""
         return np.array([self.in_space(formulas, a, b), *self.in_time(formulas, a, b)])
 
     def _boxes(self, a: float, b: float, variables: tuple[sp.Symbol, ...]) -> Boxes:
-        """Return the boxes for a ≤ t ≤ b, with expansions in given variables."""
+        """Return the boxes in space and time for a ≤ t ≤ b; formulas are expanded in the given variables."""
         count = self.radii.shape[1]
         return Boxes({**self.sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
 
 
 def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
-    """Return the strain ε(u_0) in Mandel's components."""
+    """Return formulas for the strain ε(u_0) of the initial displacement, as Mandel's three components."""
     u = expressions.start
     return sp.diff(u[0], x1), sp.diff(u[1], x2), (sp.diff(u[0], x2) + sp.diff(u[1], x1)) / sp.sqrt(2)
 
 
 @dataclass(frozen=True, eq=False)
 class Missed:
-    """Bounds of the difference between the data and their samples on one piece of ũ.
+    """Bounds of the loads minus their samples, on one time interval on which ũ is a parabola.
 
     Attributes:
-        cells: terms to be added to η_T at every time, (cells,).
-        everywhere: bound of the rest in the dual norm at every time of the piece.
-        in_cells: the part of the rest that finer cells would reduce, divided among the cells, (cells,).
+        cells: what the oscillation η_T of every cell increases by, at every time of the interval, (cells,).
+        everywhere: a bound, in the dual norm, of the differences that are not contained in ``cells``.
+        in_cells: the part of ``everywhere`` that a finer mesh would reduce, divided among the cells, (cells,).
     """
 
     cells: Array
@@ -167,14 +182,19 @@ class Missed:
 
 @dataclass(frozen=True, eq=False)
 class Sampling:
-    """The samples of the data on one mesh."""
+    """Decides whether the error bound is guaranteed, and bounds the data minus their samples on one mesh.
+
+    Attributes:
+        data: the problem.
+        space: the composite stresses, at whose quadrature points the data are sampled.
+    """
 
     data: Data
     space: StressSpace
 
     @cached_property
     def reasons(self) -> tuple[str, ...]:
-        """Reasons why the bound is only estimated; empty if it is guaranteed."""
+        """The reasons why the error bound is only estimated; empty if it is guaranteed."""
         law, data, found = self.data.law, self.data, []
         if not isinstance(data.formulas_of, Expressions):
             found.append("f_0, f_2 and u_0 are known at points and times only, not as formulas")
@@ -197,12 +217,15 @@ class Sampling:
 
     @cached_property
     def constants(self) -> LoadConstants:
-        """The constants C_Ω and C_Γ."""
+        """The constants that bound the work of loads: C_Ω for the body force and C_Γ for the traction."""
         assert isinstance(self.data.law.A, Linear)
         return load_constants(self.data.body, self.data.law.A)
 
     def missed(self, oscillation: Oscillation, a: float, b: float) -> Missed:
-        """Return bounds of f_0 and f_2 minus their samples for a ≤ t ≤ b; zeros if the bound is only estimated."""
+        """Return bounds of the loads f_0 and f_2 minus their samples for a ≤ t ≤ b.
+
+        If the error bound is only estimated, the bounds are zero.
+        """
         if self.reasons:
             return Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
         (e, p, q), (e_Γ, p_Γ, q_Γ) = self._remainders(a, b)
@@ -213,7 +236,10 @@ class Sampling:
         return Missed(oscillation(LeftOut(e + p, e + p, e_Γ + p_Γ)), float(rest), in_cells)
 
     def missed_at_start(self) -> float:
-        """Return a bound of the difference between ‖u_0 − ũ(0)‖_V and its value from samples."""
+        """Return a bound of the error that sampling u_0 makes in the initial distance ‖u_0 − ũ(0)‖_V.
+
+        If the error bound is only estimated, it is zero.
+        """
         if self.reasons:
             return 0.0
         e = self._cells.in_space(strain_of_start(self._expressions), 0.0, 0.0)
@@ -221,7 +247,10 @@ class Sampling:
         return 2 * float(np.sqrt(self.data.law.A.lipschitz) * np.linalg.norm(np.sqrt(self.space.volumes) * e))
 
     def worst(self, a: float, b: float) -> str:
-        """Return a text with the datum and the point of the largest remainder for a ≤ t ≤ b; empty if it is unknown."""
+        """Return a text that names the load and the point at which it changes most between its samples for a ≤ t ≤ b.
+
+        The text is empty if nothing is known between the samples.
+        """
         if self.reasons:
             return ""
         force, surface = (2 * e + q for e, _, q in self._remainders(a, b))
@@ -243,7 +272,7 @@ class Sampling:
 
     @cached_property
     def _loaded(self) -> list[tuple[Array, Regions, list[sp.Expr]]]:
-        """For each loaded part: its edges, their subintervals with separate rules, and f_2 over arc length."""
+        """For each part of Γ2: its edges, the subintervals of these edges, and f_2 as formulas in the arc length."""
         space, found, loads = self.space, [], dict(self._expressions.loads)
         for part, edges in space.on(Kind.LOADED):
             corners = space.mesh.p[:, space.mesh.facets[:, edges]]
@@ -260,21 +289,24 @@ class Sampling:
 
     @cached_property
     def _remainders(self) -> Callable[[float, float], tuple[Array, Array]]:
-        """Function that maps a time interval (a, b) to L² norms of three remainders.
+        """Function from the ends of a time interval to the L² norms of the bounds e, p and q of the module.
 
-        The norms are of f_0 on each cell, (3, cells), and of f_2 on each edge, (3, edges).
+        The result is a pair: the norms for f_0 on each cell, (3, cells), and the norms for f_2 on each edge,
+        (3, edges).
         """
-        # Several callers use the same pieces; for loads that do not depend on time all pieces have the same remainders.
+        # Results are cached, because several callers need the same intervals. If the loads do not depend on time, all
+        # intervals have the same result.
         at_rest = not any(formula.has(t) for formula in _loads(self._expressions))
         cached = lru_cache(maxsize=CACHED)(self._compute_remainders)
         return (lambda a, b: cached(0.0, 0.0)) if at_rest else cached
 
     def _compute_remainders(self, a: float, b: float) -> tuple[Array, Array]:
-        """Return what ``_remainders`` returns, without the cache."""
+        """Compute the norms that ``_remainders`` describes."""
         force = self._cells.all(self._expressions.force, a, b)
         surface = np.zeros((3, len(self.space.lengths)))
         for edges, regions, formulas in self._loaded:
-            # Root mean squares over the subintervals of an edge, to be multiplied by the root of its length.
+            # The root mean square over the subintervals of an edge; times the root of the length below, it is the L²
+            # norm.
             of_parts = regions.all(formulas, a, b).reshape(3, EDGE_PARTS, -1)
             surface[:, edges] = np.sqrt(np.mean(of_parts**2, axis=1))
         for name, (e, p, q) in (("f_0", force), ("f_2", surface)):
@@ -284,5 +316,5 @@ class Sampling:
 
 
 def _loads(expressions: Expressions) -> tuple[sp.Expr, ...]:
-    """Return the components of f_0 and f_2."""
+    """Return the formulas for all components of the loads f_0 and f_2."""
     return (*expressions.force, *(formula for _, load in expressions.loads for formula in load))

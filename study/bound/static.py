@@ -1,15 +1,16 @@
 """Static linear elasticity: lower and upper bounds of the error of u_h in the energy norm ‖v‖² = (Gε(v), ε(v))_Q.
 
-Let ũ ∈ K be any displacement that does not penetrate the foundation. Let the stress σ̃ balance the loads f̃, without
-friction (σ̃_τ = 0) and without pulling (σ̃_ν ≤ 0) on Γ3. Testing as in ``study.bound.terms`` gives for e = u − ũ
+Let ũ ∈ K be any displacement that does not penetrate the foundation. Let the stress σ̃ balance the projected loads f̃,
+with σ̃_τ = 0 (no friction) and σ̃_ν ≤ 0 (no pulling) on Γ3. Testing as in ``study.bound.terms`` gives for the error
+e = u − ũ
 
     ‖e‖² ≤ R ‖e‖ + c,    R = (Σ_T (‖σ̃ − Gε(ũ)‖_{G⁻¹,T} + η_T)²)^½ + remainder of the data,   c = ∫_{Γ3} σ̃_ν ũ_ν,
 
-so that ‖e‖ ≤ y = R/2 + (R²/4 + c)^½. This is the bound of Prager and Synge with contact. Without a contact side c is 0
-and the bound is y = R, their theorem as it stands in textbooks.
+where η_T bounds the loads that the projection leaves out on a cell T. So ‖e‖ ≤ y = R/2 + (R²/4 + c)^½. This is the
+bound of Prager and Synge with contact. Without a contact side c is 0, and the bound is y = R, as in textbooks.
 
-ũ = u_h gives the bound from u_h alone. A displacement ũ of degree 2 on a refined mesh gives both ends,
-d − y ≤ ‖u − u_h‖ ≤ d + y with d = ‖ũ − u_h‖.
+With ũ = u_h this is an upper bound of the error of u_h. With a displacement ũ of degree 2 on a refined mesh and
+d = ‖ũ − u_h‖ it gives both ends, d − y ≤ ‖u − u_h‖ ≤ d + y.
 
 Source: W. Prager, J. L. Synge, Approximations in elasticity based on the concept of function space, Quart. Appl. Math.
 5 (1947) 241–269.
@@ -37,7 +38,7 @@ from study.stresses.hybrid import Equilibrium
 
 
 class StaticDiscretisation(Discretisation):
-    """The spaces on one mesh for a static problem; the norm of stresses is the norm of G⁻¹."""
+    """The finite element spaces on one mesh for a static problem; stresses are measured in the norm of G⁻¹."""
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
@@ -48,13 +49,13 @@ class StaticDiscretisation(Discretisation):
         return Equilibrium(self.stresses, compliance)
 
     def squares(self, stress: Array) -> Array:
-        """Return the squared norm ‖τ‖²_{G⁻¹} on the cells, (3, cells, Q) → (cells,)."""
+        """Return the squared norm ‖τ‖²_{G⁻¹} of a stress on every cell, (3, cells, Q) → (cells,)."""
         strain = np.tensordot(np.linalg.inv(self.data.law.A.matrix), stress, axes=1) * self.inverse_viscosity
         return np.asarray(np.einsum("Icq,Icq,cq->c", stress, strain, self.stresses.weights))
 
 
 def compute_static(discretisation: Discretisation) -> DiscreteSolution:
-    """Return the P1 solution of the static problem, as a displacement that is constant in time."""
+    """Return the P1 solution u_h of the static problem, stored as a displacement that is constant in time."""
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     load = prolongation(space, discretisation).T @ discretisation.load(0.0)
     u, _ = contact_solver(space)(form(space, data.law.A), space.N)(load)
@@ -62,11 +63,14 @@ def compute_static(discretisation: Discretisation) -> DiscreteSolution:
 
 
 def bound_static(fine: StaticDiscretisation, v: Array) -> tuple[float, Shares, Evidence]:
-    """Return the bound y of ‖u − ũ‖, the contributions of the cells to y, and whether y is guaranteed.
+    """Bound the error ‖u − ũ‖ of an admissible displacement ũ in the energy norm.
 
     Args:
-        fine: the spaces on the mesh of ũ.
-        v: the coefficients of ũ ∈ K, of degree 2, (dofs,).
+        fine: the problem and the spaces on the mesh of ũ.
+        v: the coefficients of ũ, of degree 2, (dofs,).
+
+    Returns:
+        The bound y, the contributions of the cells to y, and whether y is guaranteed.
     """
     snapshot, sampling, T = fine.snapshot(0.0), fine.sampling, fine.data.body.T
     missed = sampling.missed(fine.oscillation, 0.0, T)
@@ -82,12 +86,16 @@ def bound_static(fine: StaticDiscretisation, v: Array) -> tuple[float, Shares, E
 
 
 def enclose_static(coarse: Discretisation, computed: Computed, refinements: int | None) -> tuple[Enclosure, Shares]:
-    """Return the bounds of the error of u_h, as an enclosure at one time, and the contributions of the cells to y.
+    """Return lower and upper bounds of the error of a static displacement u_h, and the contributions of the cells.
 
     Args:
         coarse: the problem and the mesh of u_h.
-        computed: u_h, on that mesh.
-        refinements: how often the mesh is refined for ũ of degree 2; None for ũ = u_h.
+        computed: u_h.
+        refinements: how often the mesh is refined to compute the more accurate displacement ũ of degree 2. If None,
+            ũ = u_h is used.
+
+    Returns:
+        The bounds, as an enclosure at one time, and how much each cell contributes to the bound of ‖u − ũ‖.
     """
     fine = StaticDiscretisation(coarse.data, coarse.mesh.refined(refinements or 0))
     u_h = computed.on(fine)(0.0)

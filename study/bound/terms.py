@@ -1,17 +1,18 @@
-"""Each term of the bound of ‖u(t) − ũ(t)‖_V for any admissible displacement ũ, without the exact solution u.
+"""The terms of a bound of the error ‖u(t) − ũ(t)‖_V of an admissible displacement ũ, without the exact solution u.
 
-Let ũ(t) ∈ K, e = u − ũ, and let the stress σ̃(t) balance the loads f̃(t) with σ̃_τ = 0 and σ̃_ν ≤ 0 on Γ3. The residual
-of the law is ρ = σ̃ − Aε(ũ̇) − Gε(ũ). Testing (3.13) for u with ũ gives (Aε(u̇) + Gε(u), ε(e))_Q ≤ (f, e)_V. Green's
-formula for σ̃, with u_ν ≤ 0 on Γ3, gives
+Let ũ(t) ∈ K and e = u − ũ. Let the stress σ̃(t) balance the projected loads f̃(t), with σ̃_τ = 0 and σ̃_ν ≤ 0 on Γ3.
+The residual of the law is ρ = σ̃ − Aε(ũ̇) − Gε(ũ). Testing (3.13) for u with ũ gives (Aε(u̇) + Gε(u),
+ε(e))_Q ≤ (f, e)_V. Green's formula for σ̃, with u_ν ≤ 0 on Γ3, gives
 
     (σ̃, ε(e))_Q = (f̃, e)_V + ∫_{Γ3} σ̃_ν e_ν ≥ (f̃, e)_V − c,     c = ∫_{Γ3} σ̃_ν ũ_ν ≥ 0.
 
-Subtract. With r = ‖ρ‖_{A⁻¹}, the norm η of f − f̃ in the dual of V and the least modulus m of ``study.bound.problem``,
+Subtract. Let r = ‖ρ‖_{A⁻¹}, let η be the dual norm of f − f̃, and m the least modulus of ``study.bound.problem``. Then
 
     ½ d/dt ‖e‖_V² + m ‖e‖_V² ≤ (r + η) ‖e‖_V + c.
 
-From knot to knot of the spline ũ (``study.bound.trajectory``) this bounds ‖e‖_V at the end of a piece by its bound at
-the start (``study.bound.growth``; proof in ``paper/bound.tex``). The class ``Terms`` has all terms of one piece:
+In time, ũ is a quadratic spline (``study.bound.trajectory``). The interval between two knots is called a piece. The
+inequality bounds ‖e‖_V at the end of a piece by its bound at the start (``study.bound.growth``; proof in
+``paper/bound.tex``). The class ``Terms`` contains all terms of one piece:
 
 =============  ===========================================================  =========================================
 attribute      term                                                         computed in
@@ -27,14 +28,15 @@ missed         remainders of f in the dual norm                             ``st
 **Between the knots** every quantity is a parabola in t in Bernstein form. σ̃ is a parabola with σ̃_ν ≤ 0 in all three
 coefficients. It balances the parabola through P f at both ends and in the middle of the piece. For linear G, ρ is a
 parabola, too, and only the last step of ∫ r ≤ (k ∫ ‖ρ‖²)^{1/2} is not exact. For other G, Lipschitz with L, Gε(ũ)
-differs from its linear interpolation by at most 2θ(1−θ) k L |ε̇|. The difference is 0 if the whole piece stays in the
-convex set of (3.3).
+differs from its linear interpolation by at most 2θ(1−θ) k L |ε̇| at the relative time θ of the piece. The difference is
+0 if the whole piece stays in the convex set of (3.3).
 
-**Data.** f − P f is bounded on each cell and added to ρ in the same cell. P f minus its parabola is sampled once in
-each piece and balanced by another stress. Integrals of the data are quadratures. Ranges of the formulas bound the
-remainder between the samples; without formulas the bound is only estimated.
+**Data.** The projected loads are P f. The rest f − P f is bounded on each cell and added to ρ in the same cell. P f
+minus its parabola is sampled once in each piece and balanced by another stress. Integrals of the data are quadratures.
+Ranges of the formulas bound the data between the samples; without formulas the bound is only estimated.
 
-**Shares.** The increase of the bound on each piece is divided among the cells and time, to decide what to refine:
+**Shares.** The increase of the bound on each piece is divided into contributions of the cells and of time, called
+shares, to decide what to refine:
 
 * the share of a cell T has three summands: a part proportional to k (‖ρ‖_T + η_T)²/(Σ …)^{1/2}, without the part of ρ
   that changes within the piece; the contact term on the sides of T on Γ3; and the remainder of the data in T;
@@ -62,25 +64,36 @@ from study.bound.trajectory import Parabola
 from study.stresses.loads import Loads, Snapshot, together
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
-"""Integrals ∫_0^1 B_i B_j of the Bernstein polynomials of degree 2."""
+"""Integrals ∫_0^1 B_i B_j of the Bernstein polynomials B_0, B_1, B_2 of degree 2."""
 CURVED, BENT = 1.5, 1.027
-"""Ratio of max θ(1 − θ) to its mean, and of max |θ(θ − ½)(θ − 1)| to its value at θ = ¼, for 0 ≤ θ ≤ 1."""
+"""Factors from values that are computed on a time interval to the maximum over it, at the relative times 0 ≤ θ ≤ 1.
+
+``CURVED`` is the maximum of θ(1 − θ) divided by its mean. ``BENT`` is the maximum of |θ(θ − ½)(θ − 1)| divided by its
+value at θ = ¼.
+"""
 LEAST, MOST, VALUES = 4, 16, 1 << 20
-"""The least and the largest number of pieces in a block, and the number of stress values to aim at in between."""
+"""Limits of the blocks of time intervals that are computed together, so that the data fit into the cache.
+
+A block has ``LEAST`` to ``MOST`` intervals, and between these limits about ``VALUES`` stress values.
+"""
 ROUNDING = 1e-6
-"""Jump of ũ̇ at a knot, relative to ũ̇, up to which it counts as round-off."""
+"""A jump of the velocity of ũ at a knot counts as round-off up to this fraction of the velocity."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shares:
-    """Non-negative shares of a bound: one for each cell, (cells,), and one for time."""
+    """The non-negative contributions, called shares, of the cells and of time to an error bound.
+
+    Attributes:
+        cells: the share of each cell, (cells,).
+        time: the share of the time discretisation.
+    """
 
     cells: Array
     time: float
 
     @property
     def total(self) -> float:
-        """The sum of all shares."""
         return float(self.cells.sum()) + self.time
 
     def __add__(self, other: Shares) -> Shares:
@@ -90,23 +103,26 @@ class Shares:
         return Shares(factor * self.cells, factor * self.time)
 
     def scaled_to(self, total: float) -> Shares:
-        """Return shares in the same proportions with another total; if all are 0, time gets the whole total."""
+        """Multiply all shares by one factor so that their sum is ``total``; if all are 0, time gets the whole total."""
         return total / self.total * self if self.total > 0 else Shares(0 * self.cells, total)
 
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """The terms of the bound on one piece of ũ.
+    """The terms of the error bound on one time interval between two knots of the displacement ũ.
+
+    The docstring of the module defines the residual ρ, the stress σ̃, the loads f and their projection P f.
 
     Attributes:
-        piece: ũ.
-        residual: Σ ∫_T (v_i·ρ_a)(v_i·ρ_b)/α over points, for two Bernstein coefficients of ρ in time and each direction
-            v_i of ``study.bound.problem``, (3, 3, directions, cells); the sum over directions is ∫_T A⁻¹ρ_a·ρ_b.
-        curvature: the mean of ‖Gε(ũ) − parabola‖_{A⁻¹}.
-        contact: ∫_e σ̃_ν ũ_ν for two Bernstein coefficients, (3, 3, edges of Γ3).
-        oscillation: η_T at both ends and in the middle, (3, cells).
-        bending: the dual norm of P f minus its parabola at a quarter of the piece.
-        missed: bounds of the remainder of the data.
+        piece: the displacement ũ on this interval, a parabola in time.
+        residual: for each direction v_i of ``study.bound.problem`` and any two of the three Bernstein coefficients ρ_a,
+            ρ_b of ρ in time, Σ ∫_T (v_i·ρ_a)(v_i·ρ_b)/α, (3, 3, directions, cells). The sum over the directions is ∫_T
+            A⁻¹ρ_a·ρ_b.
+        curvature: the mean over time of the norm ‖Gε(ũ) − parabola‖_{A⁻¹}.
+        contact: ∫_e σ̃_ν ũ_ν for any two Bernstein coefficients of σ̃_ν and ũ_ν in time, (3, 3, edges of Γ3).
+        oscillation: the bound η_T of f − P f on every cell, at both ends and in the middle, (3, cells).
+        bending: the dual norm of P f minus its parabola in time, at a quarter of the interval.
+        missed: bounds of f minus its samples.
     """
 
     piece: Parabola
@@ -119,11 +135,11 @@ class Terms:
 
     @property
     def contact_on_edges(self) -> Array:
-        """The mean of c over the piece on the edges of Γ3, (edges of Γ3,)."""
+        """The mean over time of the contact term ∫_e σ̃_ν ũ_ν on every edge e of Γ3, (edges of Γ3,)."""
         return np.tensordot(QUADRATIC, self.contact, axes=2)
 
     def step(self) -> Step:
-        """Return means of the terms over the piece and bounds of them at all times."""
+        """Return means of the terms over the time interval, and bounds of the terms at all of its times."""
         rest = self.missed.everywhere
         mean = Sizes(
             np.tensordot(QUADRATIC, self.residual, axes=2),
@@ -135,7 +151,8 @@ class Terms:
             np.max([self.residual[i, i] for i in range(3)], axis=0),
             largest_square(*self.oscillation),
             float(self.contact.sum(axis=2).max()),
-            # The remainder of a cubic, θ(θ − ½)(θ − 1), is at most BENT times its value at ¼, and smaller in the mean.
+            # The interpolation error of a cubic is a multiple of θ(θ − ½)(θ − 1), which is at most BENT times its value
+            # at θ = ¼. Its mean is smaller than this value, so the mean needs no factor.
             CURVED * self.curvature + BENT * self.bending + rest,
         )
         return Step(self.piece.b - self.piece.a, mean, largest)
@@ -143,20 +160,21 @@ class Terms:
 
 @dataclass(frozen=True)
 class Interval:
-    """The bound y of ‖e‖_V on one piece of ũ.
+    """The bound y of the error ‖u − ũ‖_V on one time interval [a, b] between two knots of ũ.
+
+    The docstring of the module defines the residual ρ, the contact term c, the loads f and their projection P f. The
+    integrals over [a, b] are only reported: the bound combines residual and oscillation on each cell.
 
     Attributes:
-        a, b: the knots at its ends.
-        at_a, at_b: y at the knots.
-        inside: bound of ‖e(t)‖_V for all a ≤ t ≤ b.
-        residual: ∫ of the norm of ρ.
-        contact: ∫ c.
-        oscillation: ∫ of the bound of f − P f.
-        bending: ∫ of the norm of P f minus its parabola in time.
-        missed: ∫ of the bound of the remainder of the data in the dual norm.
-        shares: shares of the increase: ``at_b`` minus the decayed ``at_a``.
-
-    The integrals are reported only: the bound combines residual and oscillation on each cell.
+        a, b: the ends of the interval.
+        at_a, at_b: y at the ends.
+        inside: a bound of the error at all times of the interval.
+        residual: the integral of the norm of ρ.
+        contact: the integral of c.
+        oscillation: the integral of the bound of f − P f.
+        bending: the integral of the dual norm of P f minus its parabola in time.
+        missed: the integral of the bound of f minus its samples.
+        shares: the contributions of cells and time to the increase of y, which is ``at_b`` minus the decayed ``at_a``.
     """
 
     a: float
@@ -174,15 +192,14 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Knots:
-    """Stresses and data at consecutive knots of ũ, stored because two pieces share each knot.
-
-    All arrays have one axis for the knots.
+    """Stresses and loads at consecutive knots of the spline ũ, stored because two time intervals share each knot.
 
     Attributes:
-        snapshots: the data.
-        viscous, elastic: Aε(ũ̇) and Gε(ũ) at the quadrature points of the stresses, (3, knots, cells, Q).
-        residual: v_i·ρ times root weights, (directions, knots, cells, Q).
-        normal: Bernstein coefficients of σ̃_ν on Γ3, (knots, edges of Γ3, n).
+        snapshots: the projected loads at each knot.
+        viscous, elastic: the stresses Aε(ũ̇) and Gε(ũ) at the quadrature points, (3, knots, cells, Q).
+        residual: the residual of the law in every direction, times roots of the quadrature weights,
+            (directions, knots, cells, Q).
+        normal: Bernstein coefficients of the normal stress σ̃_ν on Γ3, (knots, edges of Γ3, n).
     """
 
     snapshots: list[Snapshot]
@@ -202,9 +219,9 @@ class Knots:
 
 
 class Majorant:
-    """Computes the bound y of ‖u − ũ‖_V from the start of a displacement ũ to its end, on one mesh.
+    """Computes the bound y of the error ‖u − ũ‖_V of a displacement ũ, forward in time, on one mesh.
 
-    Pieces of ũ are computed in blocks that fit into the processor's cache.
+    Several time intervals are computed together, as many as fit into the processor's cache.
     """
 
     def __init__(self, discretisation: Discretisation) -> None:
@@ -215,13 +232,14 @@ class Majorant:
         self._together = max(LEAST, min(MOST, VALUES // (3 * space.weights.size)))
 
     def __call__(self, pieces: Iterable[Parabola], start: float) -> Iterator[tuple[Parabola, Interval]]:
-        """Yield every piece of ũ with the bound on it.
+        """Yield ũ on every time interval between knots, together with the bound of its error there.
 
         Args:
-            start: a bound of ‖u_0 − ũ(0)‖_V.
+            pieces: ũ on the time intervals.
+            start: a bound of the initial error ‖u_0 − ũ(0)‖_V.
 
         Raises:
-            BoundError: ũ̇ jumps at a knot.
+            BoundError: the velocity ũ̇ jumps at a knot.
         """
         y = start
         for terms in self.terms(pieces):
@@ -230,10 +248,10 @@ class Majorant:
             y = interval.at_b
 
     def terms(self, pieces: Iterable[Parabola]) -> Iterator[Terms]:
-        """Yield the terms of the bound on every piece of ũ.
+        """Yield the terms of the error bound on every time interval between knots of ũ.
 
         Raises:
-            BoundError: ũ̇ jumps at a knot.
+            BoundError: the velocity ũ̇ jumps at a knot.
         """
         smooth, last = _without_jumps(pieces), None
         while block := list(islice(smooth, self._together)):
@@ -247,7 +265,12 @@ class Majorant:
             last = Knots(knots.snapshots[-1:], viscous, elastic, residual, knots.normal[-1:])
 
     def knots(self, times: Sequence[float], u: Array, rates: Array) -> Knots:
-        """Return the knots at given times with ũ = u and ũ̇ = rate, (times, dofs) both."""
+        """Compute the stresses and loads at given knots of the spline ũ.
+
+        Args:
+            times: the times of the knots.
+            u, rates: ũ and its velocity ũ̇ at these times, (times, dofs) each.
+        """
         d = self.discretisation
         snapshots = [d.snapshot(time) for time in times]
         viscous, elastic = d.viscous(rates), d.elastic(u)
@@ -255,23 +278,25 @@ class Majorant:
         return Knots(snapshots, viscous, elastic, residual, normal)
 
     def _block(self, pieces: list[Parabola], knots: Knots) -> Iterator[Terms]:
-        """Yield the terms of consecutive pieces of ũ, whose knots are given."""
+        """Yield the terms of the error bound on consecutive time intervals, given the data at their ends."""
         d, control = self.discretisation, np.array([piece.control for piece in pieces])
         middle = [d.snapshot((piece.a + piece.b) / 2) for piece in pieces]
         a, m, b = (together([at.loads for at in some]) for some in (knots.snapshots[:-1], middle, knots.snapshots[1:]))
-        # The middle Bernstein coefficient of the parabola through P f at both ends and in the middle.
+        # The parabola through the loads P f at both ends (a, b) and in the middle (m) has this middle Bernstein
+        # coefficient.
         loads = 2.0 * m + (-0.5) * (a + b)
         elastic, curvature = self._elastic(pieces, control, knots)
         viscous = (knots.viscous[:, :-1] + knots.viscous[:, 1:]) / 2
         residual, normal = self._residual(loads, viscous + elastic, control)
         products = self.products([knots.residual[:, :-1], residual, knots.residual[:, 1:]])
-        # The least stress with τν = 0 on Γ3 that balances P f minus the parabola at a quarter of the piece.
+        # At a quarter of an interval, the loads P f differ from this parabola. The norm of the smallest stress that
+        # balances the difference, with τν = 0 on Γ3, bounds the dual norm of the difference.
         quarter = together([d.snapshot(piece.a + (piece.b - piece.a) / 4).loads for piece in pieces])
         parabola = (9 / 16) * a + (6 / 16) * loads + (1 / 16) * b
         balancing = self._in_directions(d.equilibrium.balance(quarter + (-1.0) * parabola).values)
         bending = np.sqrt(self.products([balancing])[0, 0].sum(axis=(0, -1)))
         moments = d.normal_moments(np.array([[piece.start, piece.control, piece.end] for piece in pieces]))
-        # Complementarity makes these products 0, but rounding can make them slightly negative.
+        # By complementarity these products are not negative, but rounding can make them so.
         pressures = np.array([knots.normal[:-1], normal, knots.normal[1:]])
         contact = np.maximum(np.einsum("ipen,pjen->pije", pressures, moments), 0.0)
         for n, piece in enumerate(pieces):
@@ -283,19 +308,40 @@ class Majorant:
             )
 
     def _residual(self, loads: Loads, target: Tensors, u: Array) -> tuple[Array, Array]:
-        """Return v_i·ρ times root weights, (directions, times, cells, Q), and σ̃_ν on Γ3, (times, edges of Γ3, n)."""
+        """Compute the equilibrated stress σ̃ nearest to a given stress at several times.
+
+        Args:
+            loads: the loads that σ̃ balances.
+            target: the given stress Aε(ũ̇) + Gε(ũ), (3, times, cells, Q).
+            u: the displacements ũ, (times, dofs).
+
+        Returns:
+            The residual ρ = σ̃ − target, as ``_in_directions`` returns it, (directions, times, cells, Q); and the
+            Bernstein coefficients of σ̃_ν on Γ3, (times, edges of Γ3, n).
+        """
         d = self.discretisation
         nearest = d.nearest_stress(loads, target, u)
         return self._in_directions(nearest.values), -d.equilibrium.pressure(nearest)
 
     def _in_directions(self, stress: Tensors) -> Array:
-        """Return v_i·τ times root weights, so that sums of products over points are ∫_T (v_i·σ)(v_i·τ)/α."""
+        """Return the components v_i·τ of a stress τ times roots of the quadrature weights.
+
+        The shape is (3, ..., Q) → (directions, ..., Q).
+
+        With these factors (w/α)^½, a sum of products over the points is an integral ∫_T (v_i·σ)(v_i·τ)/α.
+        """
         found = mapped(self._directions, stress)
         found *= self._roots
         return found
 
     def products(self, stresses: Sequence[Array]) -> Array:
-        """Return products of all pairs of n stresses, summed over quadrature points, (n, n, directions, ..., cells)."""
+        """Return the inner products on every cell of any two of n stresses, for each direction.
+
+        The shape is (n, n, directions, ..., cells).
+
+        Args:
+            stresses: stresses as ``_in_directions`` returns them.
+        """
         n = len(stresses)
         found = np.empty((n, n, *stresses[0].shape[:-1]))
         for a, b in combinations_with_replacement(range(n), 2):
@@ -303,7 +349,12 @@ class Majorant:
         return found
 
     def _elastic(self, pieces: list[Parabola], control: Array, knots: Knots) -> tuple[Tensors, Array]:
-        """Return the middle coefficient of the parabola through Gε(ũ), and the means of ‖Gε(ũ) − parabola‖_{A⁻¹}."""
+        """Approximate the elastic stress Gε(ũ) on each time interval by a parabola in time.
+
+        Returns:
+            The middle Bernstein coefficients of the parabolas, and bounds of the mean distances
+            ‖Gε(ũ) − parabola‖_{A⁻¹}, which are 0 for linear G.
+        """
         d, elastic = self.discretisation, self.discretisation.elastic(control)
         A, G = d.data.law.A, d.data.law.G
         if isinstance(G, Linear):
@@ -318,7 +369,7 @@ class Majorant:
         return (left + right) / 2, np.sqrt(squares / A.ellipticity)
 
     def _interval(self, terms: Terms, y: float) -> Interval:
-        """Return the bound on one piece of ũ from its terms and the bound y at the start of the piece."""
+        """Return the error bound on one time interval, from its terms and the bound y at its start."""
         moduli, piece, step = self.discretisation.moduli, terms.piece, terms.step()
         k, mean = step.k, step.mean
         at_b, inside = grow(y, moduli.values, step)
@@ -337,9 +388,9 @@ class Majorant:
         )
 
     def _shares(self, terms: Terms, step: Step, y: float) -> Shares:
-        """Return the contributions of the cells and of time to the increase of the bound y on one piece of ũ.
+        """Return the contributions of the cells and of time to the increase of the error bound y on one time interval.
 
-        Only their proportions matter: ``_interval`` scales them so that their sum is the increase.
+        Only their proportions matter, because ``_interval`` scales them so that their sum is the increase.
         """
         d, k, mean, missed = self.discretisation, step.k, step.mean, terms.missed
         weights = d.moduli.weights(d.data.body.T)
@@ -354,19 +405,19 @@ class Majorant:
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:
-    """Return the fraction of the mean squares of parabolas in time that is not due to their means, between 0 and 1.
+    """Return which fraction of the mean square of a parabola in time is due to its change, from 0 to 1, (n,).
 
     Args:
-        products: of each pair of Bernstein coefficients, (3, 3, n).
-        squares: the mean squares that follow from the products, (n,).
+        products: the products of any two Bernstein coefficients of each of n parabolas, (3, 3, n).
+        squares: the mean squares that follow from these products, (n,).
     """
-    # Every Bernstein polynomial of degree 2 has the mean 1/3.
+    # The mean of a parabola is the mean of its three coefficients, because each Bernstein polynomial has the mean 1/3.
     means = products.sum(axis=(0, 1)) / 9
     return np.clip(1 - np.divide(means, squares, out=np.ones_like(squares), where=squares > 0), 0.0, 1.0)
 
 
 def _without_jumps(pieces: Iterable[Parabola]) -> Iterator[Parabola]:
-    """Yield the pieces; raise BoundError if ũ̇ jumps at a knot."""
+    """Yield ũ on every time interval; raise BoundError if the velocity ũ̇ jumps between two intervals."""
     before: Array | None = None
     for piece in pieces:
         rate = piece.rate(end=False)

@@ -1,14 +1,14 @@
-"""Displacements in time: u_h, whose error is bounded, and more accurate displacements ũ(t) ∈ K.
+"""Displacements in time: the displacement u_h whose error is bounded, and a more accurate admissible displacement ũ.
 
-u_h is P1 and linear in time between the nodes of a time scheme. ũ has degree 2, lives on the same mesh or on a
-refinement of it, and is differentiable in time. Nodes d_0, …, d_N ∈ K of any time scheme are the control points of a
-quadratic B-spline with knots at the midpoints of the steps,
+u_h is piecewise linear in space, and linear in time between the nodes of a time scheme. ũ has degree 2 in space, on the
+same mesh or on a refinement of it, and is differentiable in time. It is a quadratic B-spline in time. Its control
+points are the values d_0, …, d_N ∈ K that any time scheme computes, and its knots are the midpoints of the steps:
 
-    ũ(t_{j−1/2}) = (d_{j−1} + d_j)/2,    ũ̇(t_{j−1/2}) = (d_j − d_{j−1})/k,    ũ̇ linear in between,
+    ũ(t_{j−1/2}) = (d_{j−1} + d_j)/2,    ũ̇(t_{j−1/2}) = (d_j − d_{j−1})/k,    ũ̇ linear in between.
 
-and a straight line on the first and the last half step. All points of the spline are convex combinations of nodes, so
-ũ(t) ∈ K for every t, however inaccurate the nodes are. At the knots ũ and ũ̇ are the value and the difference quotient
-of the midpoint scheme.
+On the first and the last half step ũ is a straight line. All points of the spline are convex combinations of control
+points, so ũ(t) is admissible for every t, however inaccurate the control points are. At the knots ũ and ũ̇ are the
+value and the difference quotient of the midpoint scheme.
 """
 
 from __future__ import annotations
@@ -35,12 +35,18 @@ from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 
 ON_NODE = 1e-5
-"""Distance in barycentric coordinates up to which a point of a mesh counts as a node of its refinement."""
+"""A node counts as a node of a uniform refinement up to this distance in barycentric coordinates."""
 
 
 @dataclass(frozen=True, eq=False)
 class DiscreteSolution:
-    """The P1 solution u_h, by its values at equally spaced times from 0 to T, (steps + 1, n_dofs)."""
+    """The solution u_h, piecewise linear in space and time.
+
+    Attributes:
+        space: the space V^h.
+        nodes: the values of u_h at equally spaced times from 0 to T, (steps + 1, n_dofs).
+        T: the final time.
+    """
 
     space: Space
     nodes: Array
@@ -48,48 +54,50 @@ class DiscreteSolution:
 
     @property
     def h(self) -> float:
-        """The mesh size."""
         return self.space.h
 
     @property
     def times(self) -> Array:
-        """The times of the nodes, (steps + 1,)."""
+        """The times at which u_h is stored, (steps + 1,)."""
         return step_size(self.T, self.steps) * np.arange(self.steps + 1)
 
     @property
     def steps(self) -> int:
-        """The number of steps."""
         return len(self.nodes) - 1
 
     def at(self, time: float) -> Array:
-        """Return the value u_h(t), (n_dofs,)."""
+        """Return u_h at any time, linearly interpolated, (n_dofs,)."""
         place = time / self.T * self.steps
-        # The time of a node belongs to the interval after it, also where rounding puts it before.
+        # The small number compensates rounding, so that the time of a node belongs to the interval after the node.
         low = min(int(place + 1e-9), self.steps - 1)
         share = place - low
         return (1 - share) * self.nodes[low] + share * self.nodes[low + 1]
 
     def on(self, fine: Discretisation) -> Callable[[float], Array]:
-        """Return the function t ↦ u_h(t) by coefficients of degree 2 on the mesh or a refinement of it, (dofs,)."""
+        """Return the function t ↦ u_h(t) on a finer mesh.
+
+        Its values are coefficients of degree 2 on the mesh of ``fine``, (dofs,). This mesh is the mesh of u_h or a
+        uniform refinement of it.
+        """
         J = prolongation(self.space, fine)
         return lambda time: J @ self.at(time)
 
 
 @dataclass(frozen=True, eq=False)
 class GivenDisplacement:
-    """A displacement u_h on a triangulation of the body, linear between increasing times.
-
-    ``study.bound.given.given`` checks the arrays of a file and returns one.
+    """A displacement u_h of another program, piecewise linear in time; ``study.bound.given.given`` makes it.
 
     Attributes:
-        mesh: the triangulation.
+        mesh: the mesh.
         body: the body.
-        degree: 1, or 2 with nodes at the vertices and then at the midpoints of the edges of ``mesh``.
-        times: from 0 to T, (k,).
-        nodes: nodal values, node by node with two components each, (k, 2 · number of nodes).
-        steps: the number of intervals from which the number of time steps of ũ is computed.
-        remarks: sentences on changes of the input and on penetration.
-        offset: bound of ‖u_file − u_h‖_V at all times if u_h is the nearest field that vanishes on Γ1, otherwise 0.
+        degree: the degree in space, 1 or 2.
+        times: the times from 0 to T, (k,).
+        nodes: the displacements at the nodes, two components for each node in turn, (k, 2 · number of nodes). Nodes are
+            the vertices and, for degree 2, then the midpoints of the edges.
+        steps: the number of time steps of ũ is computed from this number.
+        remarks: sentences on changes of the input and on penetration of the foundation.
+        offset: 0 if u_h is the displacement of the file. If u_h is the nearest field that vanishes on Γ1, a bound of
+            the distance ‖u_file − u_h‖_V at all times.
     """
 
     mesh: Mesh
@@ -103,33 +111,38 @@ class GivenDisplacement:
 
     @property
     def T(self) -> float:
-        """The last time."""
         return float(self.times[-1])
 
     @cached_property
     def h(self) -> float:
-        """The mesh size."""
         return mesh_size(self.mesh)
 
     def at(self, time: float) -> Array:
-        """Return the nodal values at a time, (2 · number of nodes,)."""
+        """Return the values of u_h at the nodes at any time, linearly interpolated, (2 · number of nodes,)."""
         low = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2))
         share = (time - self.times[low]) / (self.times[low + 1] - self.times[low])
         return np.asarray((1 - share) * self.nodes[low] + share * self.nodes[low + 1])
 
     def on(self, fine: Discretisation) -> Callable[[float], Array]:
-        """Return the function t ↦ u_h(t) by coefficients of degree 2 on the mesh or a refinement of it, (dofs,)."""
+        """Return the function t ↦ u_h(t) on a finer mesh.
+
+        Its values are coefficients of degree 2 on the mesh of ``fine``, (dofs,). This mesh is the mesh of u_h or a
+        uniform refinement of it.
+        """
         J = sps.csr_array(sps.kron(on_refinement(self.mesh, self.degree, fine.mesh), sps.eye_array(2)))
         J = sps.csr_array(J[fine.displacements.free])
         return lambda time: J @ self.at(time)
 
 
 Computed = DiscreteSolution | GivenDisplacement
-"""A displacement u_h, linear in time between its nodes. Functions from ``known_error`` take values of ``at``."""
+"""A displacement u_h that is linear in time between stored values, computed here or by another program."""
 
 
 def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> DiscreteSolution:
-    """Return the solution of Problem 5.1 from the data alone, with the load (P f, ·)_V and u_0^h = Π^h u_0."""
+    """Solve the semi-discrete problem (Problem 5.1) by a time scheme, from the data alone.
+
+    The load is the projected load P f, and the initial value is the interpolant of u_0.
+    """
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
     problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
@@ -137,10 +150,10 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Discr
 
 
 def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
-    """Return the matrix from P1 to degree 2 on the same mesh or a uniform refinement of it, (dofs, n_dofs).
+    """Return the matrix from P1 displacements to coefficients of degree 2 on the same or a finer mesh, (dofs, n_dofs).
 
     Raises:
-        BoundError: the mesh of degree 2 is not such a refinement.
+        BoundError: the mesh of degree 2 is no uniform refinement of the mesh of degree 1.
     """
     full = sps.csr_array(sps.kron(on_refinement(space.mesh, 1, discretisation.mesh), sps.eye_array(2)))
     return sps.csr_array(full[discretisation.displacements.free][:, space.free])
@@ -150,12 +163,13 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     """Return the matrix from nodal values on a mesh to Bernstein coefficients of degree 2 on a uniform refinement.
 
     Nodes are the vertices and, for degree 2, the midpoints of the edges. A uniform refinement lists the children of all
-    cells in the order of the cells, four times for each refinement. Barycentric coordinates of its nodes are multiples
-    of a power of 1/2, so that the weights are exact.
+    cells in the order of the cells, four times for each refinement. The barycentric coordinates of nodes are multiples
+    of a power of 1/2, so the entries of the matrix are exact.
 
     Args:
-        degree: degree of the function on ``mesh``, 1 or 2.
-        fine: the mesh itself or a uniform refinement of it.
+        mesh: the coarse mesh.
+        degree: the degree of the function on the coarse mesh, 1 or 2.
+        fine: the coarse mesh itself or a uniform refinement of it.
 
     Raises:
         BoundError: ``fine`` is not such a refinement.
@@ -180,14 +194,15 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     count = mesh.p.shape[1] + (mesh.facets.shape[1] if degree == 2 else 0)
     places_in_matrix = np.tile(np.arange(len(first)), len(values)), of_nodes.ravel()
     at_nodes = sps.csr_array((values.ravel(), places_in_matrix), shape=(len(first), count))
-    # With the coefficient c of an edge, the value at its midpoint is c/2 + (a + b)/4, a and b those at the ends.
+    # On an edge with the values a and b at its ends and the middle Bernstein coefficient c, the value at the midpoint
+    # is c/2 + (a + b)/4. This equation is solved for c.
     at_ends = at_nodes[fine.facets[0]] + at_nodes[fine.facets[1]]
     return sps.csr_array(sps.vstack([at_nodes[:vertices], 2.0 * at_nodes[vertices:] - 0.5 * at_ends]))
 
 
 @dataclass(frozen=True)
 class SmoothedInTime:
-    """The displacement ũ is u_h itself, smoothed in time; this gives the bound from u_h alone."""
+    """Take u_h itself, smoothed in time, as the displacement ũ; the error bound then follows from u_h alone."""
 
     name: str = "bound"
 
@@ -202,9 +217,12 @@ class SmoothedInTime:
 
 @dataclass(frozen=True)
 class Refined:
-    """The displacement ũ solves Problem 5.1 in degree 2 by the midpoint scheme.
+    """Compute ũ as the solution of the semi-discrete problem (Problem 5.1) in degree 2, by the midpoint scheme.
 
-    The mesh of u_h is refined uniformly ``refinements`` times, and each step of u_h is divided into ``shorter`` steps.
+    Attributes:
+        refinements: how often the mesh of u_h is refined uniformly.
+        shorter: the number of time steps of ũ in one time step of u_h.
+        name: the entry in the column ``trajectory`` of ``bounds.csv``.
     """
 
     refinements: int = 1
@@ -217,18 +235,19 @@ class Refined:
     def nodes(self, fine: Discretisation, computed: Computed) -> Iterator[tuple[float, Array]]:
         data, V, steps = fine.data, fine.displacements, self.shorter * computed.steps
         stress = data.law.A.at(V.points)(data.initial(V.points))
-        # The best approximation of u_0 in ‖·‖_V among the functions with N v ≤ 0.
+        # The initial value must be admissible (N v ≤ 0). Among these functions it is the best approximation of u_0 in
+        # ‖·‖_V.
         start, _ = Signorini(fine.M, V.N, V.free_points)(V.functional(stress))
         for state in MIDPOINT.march(quadratic_problem(fine, start), steps):
             yield state.time, state.u
 
 
 Trajectory = SmoothedInTime | Refined
-"""A way to compute ũ. ``name`` is the entry in the column ``trajectory`` of ``bounds.csv``."""
+"""A way to compute the displacement ũ. ``name`` is the entry in the column ``trajectory`` of ``bounds.csv``."""
 
 
 def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete:
-    """Return Problem 5.1 on displacements of degree 2 with the load (P f, ·)_V."""
+    """Return the semi-discrete problem (Problem 5.1) for displacements of degree 2, with projected loads P f."""
     G, V = discretisation.data.law.G, discretisation.displacements
     factor = G.factor(V.points)
     return SemiDiscrete(
@@ -246,7 +265,12 @@ def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete
 
 @dataclass(frozen=True, eq=False)
 class Parabola:
-    """The displacement ũ between two knots a < b, by its Bernstein coefficients in time, (dofs,) each."""
+    """The displacement ũ on the time interval between two knots a < b, where it is a parabola in time.
+
+    Attributes:
+        a, b: the knots.
+        start, control, end: the three Bernstein coefficients of the parabola, (dofs,) each.
+    """
 
     a: float
     b: float
@@ -255,12 +279,12 @@ class Parabola:
     end: Array
 
     def at(self, time: float) -> Array:
-        """Return ũ(t) for a ≤ t ≤ b."""
+        """Return the displacement ũ(t) at a time a ≤ t ≤ b, (dofs,)."""
         x = (time - self.a) / (self.b - self.a)
         return (1 - x) ** 2 * self.start + 2 * x * (1 - x) * self.control + x**2 * self.end
 
     def blossom(self, s: float, t: float) -> Array:
-        """Return the middle Bernstein coefficient of the parabola restricted to the interval between two times."""
+        """Return the middle Bernstein coefficient of the parabola restricted to the time interval from s to t."""
         x, y = ((time - self.a) / (self.b - self.a) for time in (s, t))
         return (1 - x) * (1 - y) * self.start + (x * (1 - y) + y * (1 - x)) * self.control + x * y * self.end
 
@@ -271,13 +295,17 @@ class Parabola:
 
 
 def spline(nodes: Iterable[tuple[float, Array]]) -> Iterator[Parabola]:
-    """Yield the pieces of the quadratic B-spline with the control points (t_j, d_j), equally spaced in time."""
+    """Yield the quadratic B-spline with the given control points, as one parabola for each time interval between knots.
+
+    Args:
+        nodes: pairs of a time t_j and the control point d_j; the times are equally spaced.
+    """
     iterator = iter(nodes)
     before, old = next(iterator)
     knot, point = before, old
     for time, new in iterator:
         middle, here = (before + time) / 2, (old + new) / 2
-        # The first half step is a straight line: its control point lies between its ends.
+        # The first half step is a straight line, so its control point is the mean of its ends.
         control = (point + here) / 2 if knot == before else old
         yield Parabola(knot, middle, point, control, here)
         before, old, knot, point = time, new, middle, here

@@ -1,4 +1,4 @@
-"""Makes the certificate of one level, from the solution u_h and the better displacement ũ that ``study bound`` uses."""
+"""Makes the certificate of one level, from the solution u_h and the more accurate displacement ũ of ``study bound``."""
 
 from __future__ import annotations
 
@@ -27,10 +27,13 @@ from study.ledger.files import write_packed
 from study.solve.evolution import Scheme
 
 CONSTANTS_LEVEL = 12
-"""Level of the mesh on which the constants of the body are proved."""
+"""Level of the mesh on which the constants C_Ω and C_Γ of the body are proved."""
 BELOW, DAMPING = 1e-9, 32
-"""The constant m that a certificate states is smaller than its computed value by this relative distance, and is rounded
-to this many binary digits."""
+"""How the monotonicity constant m that a certificate states is rounded.
+
+It is reduced by the relative distance ``BELOW`` and then rounded down to ``DAMPING`` binary digits, so that round-off
+does not make it larger than the true constant.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +44,7 @@ class Making:
         data: the problem.
         family: the mesh family.
         scheme: the time scheme of u_h.
-        refined: how the better displacement ũ is computed.
+        refined: how the more accurate displacement ũ is computed.
     """
 
     data: Data
@@ -106,8 +109,12 @@ class Making:
 def _rounded_stresses(
     encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
 ) -> dict[str, Any]:
-    """Return the stress σ̃ as integers: at the first knot, then a control point and the next knot in turn."""
-    # The unit depends on the largest stress, so all stresses are computed before any is rounded.
+    """Compute the stress σ̃ of a certificate at all times and round it to integers.
+
+    The times are the knots of the spline ũ, with a control point between any two of them. The result is the entry
+    "stress" of the certificate.
+    """
+    # All stresses are computed before any is rounded, because the unit of rounding depends on the largest one.
     stresses = list(_stresses(encoder, fine, nodes, progress))
     bits = bits_below(max(float(abs(encoder.tractions(stress)).max()) for stress, _ in stresses), FINE)
     coarse = FINE - COARSE
@@ -118,7 +125,10 @@ def _rounded_stresses(
 def _stresses(
     encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
 ) -> Iterator[tuple[Array, Load]]:
-    """Yield pairs of the stress σ̃ on the cells and the load f̃: at the first knot, then control point and next knot."""
+    """Yield the stress σ̃ on the cells and the load that it balances.
+
+    They belong to the knots of the spline ũ and to a control point between any two knots, in the order of time.
+    """
     T = encoder.problem.T
     k = T / (len(nodes) - 1)
     knots = [Fraction(0), *(k * Fraction(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
@@ -140,12 +150,12 @@ def _stresses(
 
 
 def differences(rows: Sequence[list[int]]) -> list[list[int]]:
-    """Return the second differences in time of rows of integers, which have fewer digits and make the file smaller."""
+    """Return second differences in time of rows of integers; they have fewer digits and make the file smaller."""
     for _ in range(2):
         rows = [rows[0], *([y - x for x, y in zip(p, q, strict=True)] for p, q in pairwise(rows))]
     return list(rows)
 
 
 def write(path: Path, certificate: dict[str, Any]) -> Path:
-    """Write a certificate and return the path; equal certificates give identical files."""
+    """Write a certificate to a file and return its path; equal certificates give identical files."""
     return write_packed(path, json.dumps(certificate, separators=(",", ":")))

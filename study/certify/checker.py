@@ -3,11 +3,11 @@
     python checker.py certificate-4.json.gz certificate-8.json.gz
 
 A certificate states a problem, a mesh and a computed displacement u_h on the mesh. It also contains witnesses: another
-displacement ũ, stresses σ̃, a tensor field Φ. From these this program computes bounds of ‖u(t) − u_h(t)‖_V with
+displacement ũ, stresses σ̃, and a tensor field Φ. From these this program computes bounds of ‖u(t) − u_h(t)‖_V with
 integers, fractions and square roots that are rounded outward. The file does not state the bounds. The paper
 ``paper/certificate.tex``, whose notation is used here, states what is proved and why this program proves it.
 
-Each property that a certificate must have is checked below; if one does not hold, ``RefusedError`` is raised. Exit
+Each property that a certificate must have is checked below. If one does not hold, ``RefusedError`` is raised. Exit
 codes: 0 if every file proves its interval, 1 if a file is refused, 2 if there is no file to check.
 """
 
@@ -31,30 +31,35 @@ from typing import Any
 
 FORMAT = "signorini-certificate 2"
 GRID = 100
-"""Roots and sums are rounded outward to multiples of 2^−GRID."""
+"""Square roots and sums are rounded outward to multiples of 2^−GRID."""
 ELEVATED, HALVINGS = 40, 4
-"""The degree to which a polynomial is raised to determine its sign; how often an edge with a kink of f_2 is halved."""
+"""Accuracy of two tests of polynomials.
 
-# Limits: a file beyond one of them is refused before any work. "Used": by a certificate of level 16 with 64 steps.
-DIGITS = 100  # decimal digits of an integer, numerator or denominator; used: 30
-BITS = 512  # binary digits after the point of ũ, σ̃ and Φ; used: 41
-DEGREE = 10  # total degree of p · g_+^q in x1, x2 and t; used: 7. The cost grows like degree⁶
-TERMS = 300  # monomials of a polynomial, summands of a load; used: 6. A polynomial of degree 10 has 286
-VERTICES = 100  # vertices of the polygon; used: 6. Every pair of sides is compared
-REFINEMENTS = 8  # refinements from the mesh of u_h to the mesh of ũ; used: 2
-LISTS = 1 << 20  # lists in a file; used: 10 000. An empty list takes 20 times the memory of its two characters
-PACKED, UNPACKED = 1 << 28, 1 << 30  # bytes of the packed file and characters of its text; used: 35 and 80 million
+``ELEVATED`` is the degree to which a polynomial is raised to determine its sign. ``HALVINGS`` is how often an edge is
+halved on which a traction has a kink.
+"""
+
+# Limits of a certificate: a file that exceeds one of them is refused before any work. "In use" are the numbers of a
+# certificate of level 16 with 64 steps.
+DIGITS = 100  # most decimal digits of an integer, a numerator or a denominator; in use: 30
+BITS = 512  # most binary digits after the point in the witnesses ũ, σ̃ and Φ; in use: 41
+DEGREE = 10  # largest total degree of a load term p · g_+^q; in use: 7. Run time grows like degree⁶
+TERMS = 300  # most monomials of a polynomial, most terms of a load; in use: 6. Degree 10 needs 286 monomials
+VERTICES = 100  # most vertices of the polygon; in use: 6. The limit is low because every pair of sides is compared
+REFINEMENTS = 8  # most refinements from the mesh of u_h to the mesh of ũ; in use: 2
+LISTS = 1 << 20  # most lists in a file; in use: 10 000. In memory an empty list takes 20 times its two characters
+PACKED, UNPACKED = 1 << 28, 1 << 30  # most packed bytes, most characters of the text; in use: 35 and 80 million
 PACKING, SMALL = (
     20,
     1 << 24,
-)  # characters of text per packed byte, for texts above SMALL; used: 2.3. A zip bomb has 1000
+)  # most characters of text per packed byte, for texts longer than SMALL; in use: 2.3. A zip bomb has 1000
 
 Vector = tuple[Q, Q]
 Matrix = list[list[Q]]
 
 
 class RefusedError(ValueError):
-    """Raised if a certificate proves nothing."""
+    """Raised if a certificate is wrong or incomplete, so that it proves nothing."""
 
 
 def require(condition: bool, message: str) -> None:
@@ -63,7 +68,7 @@ def require(condition: bool, message: str) -> None:
         raise RefusedError(message)
 
 
-# The format of a certificate
+# The format of a certificate file, and the test of a file against it.
 
 
 def shown(value: Any) -> str:
@@ -76,7 +81,12 @@ def shown(value: Any) -> str:
 
 @dataclass(frozen=True)
 class Many:
-    """The format of a list whose values all have the same format."""
+    """The format of a list of values that all have the format ``form``.
+
+    Attributes:
+        form: the format of the values.
+        least, most: the smallest and the largest permitted length.
+    """
 
     form: Any
     least: int = 0
@@ -107,7 +117,7 @@ MESH = {
 }
 CERTIFICATE = {
     "format": {FORMAT},
-    "level": range(10**6),  # in the mesh family of the author; the checker does not use it
+    "level": range(10**6),  # the author's name of the mesh, for readers; the checker does not use it
     "problem": PROBLEM,
     "constants": {
         "mesh": MESH,
@@ -124,16 +134,19 @@ CERTIFICATE = {
     "displacement": {"bits": UNIT, "nodes": Many(Many(INTEGER), 2)},
     "stress": {"bits": UNIT, "coarse": range(BITS + 1), "tractions": Many(Many(INTEGER)), "inner": Many(Many(INTEGER))},
 }
-"""The format of a certificate, as ``conform`` reads it."""
+"""The format of a certificate file, which ``conform`` tests."""
 
 
 def conform(value: Any, form: Any, name: str) -> None:
-    """Refuse a value that does not have the given format.
+    """Refuse a value of a file that does not have the given format.
 
-    A format is one of these: a dict for an object with exactly these keys (or with any keys, if its only key is "");
-    ``Many`` for a list; a tuple for a list of values with one format each; a range for an integer; a set for one of
-    several texts; ``FRACTION`` for the text of a fraction; ``float`` for a finite number that has a point or an
-    exponent.
+    Args:
+        value: the value.
+        form: the format. A dict stands for an object with exactly these keys (or with any keys, if its only key is "");
+            ``Many`` for a list; a tuple for a list of values with one format each; a range for an integer; a set for
+            one of several texts; ``FRACTION`` for the text of a fraction; ``float`` for a finite number that has a
+            point or an exponent.
+        name: the name of the value, for messages.
     """
     given = f"{name} is {shown(value)}, but must be"
     match form:
@@ -154,7 +167,7 @@ def conform(value: Any, form: Any, name: str) -> None:
             require(least <= len(value) <= most, f"{name} has {len(value)} values, but must have {least} to {most}")
             kind, end = (float, math.inf) if of_one is float else (int, 10**DIGITS)
             if of_one in (INTEGER, float) and all(type(x) is kind and -end < x < end for x in value):
-                return  # Long lists of numbers are checked as a whole, because value by value would be slow.
+                return  # Lists of numbers are tested as a whole, because testing each value would be slow.
             for i, one in enumerate(value):
                 conform(one, of_one, f"{name}[{i}]")
         case range():
@@ -170,28 +183,34 @@ def conform(value: Any, form: Any, name: str) -> None:
             require(type(value) is float and math.isfinite(value), f"{given} a finite number with a point")
 
 
-# Numbers
+# Exact numbers, and square roots, logarithms and exponentials that are rounded outward.
 
 
 def up(x: Q) -> Q:
-    """Return x rounded up to a multiple of 2^−GRID."""
+    """Round a fraction up to a multiple of 2^−GRID."""
     return Q(-(-(x.numerator << GRID) // x.denominator), 1 << GRID)
 
 
 def down(x: Q) -> Q:
-    """Return x rounded down to a multiple of 2^−GRID."""
+    """Round a fraction down to a multiple of 2^−GRID."""
     return -up(-x)
 
 
 def root(x: Q, above: bool = True) -> Q:
-    """Return an upper or a lower bound of √x: a multiple of 2^−GRID that differs from √x by at most 2^−GRID."""
+    """Return an upper bound of √x, or a lower bound if ``above`` is false.
+
+    It is a multiple of 2^−GRID that differs from √x by at most 2^−GRID.
+    """
     require(x >= 0, "a square is negative")
     floor = math.isqrt((x.numerator << 2 * GRID) // x.denominator)
     return Q(floor + above, 1 << GRID)
 
 
 def logarithm(x: Q) -> tuple[Q, Q]:
-    """Return the ends of an interval that contains log x, x > 0, computed as log(x/2^n) + n log 2."""
+    """Return the ends of an interval that contains log x, x > 0.
+
+    They are computed as log(x/2^n) + n log 2, such that x/2^n is close to 1.
+    """
     n = x.numerator.bit_length() - x.denominator.bit_length()
     low, high = logarithm_near_1(x / Q(2) ** n)
     two = logarithm_near_1(Q(2))
@@ -204,29 +223,32 @@ def logarithm_near_1(x: Q) -> tuple[Q, Q]:
     The series of log x = 2 artanh z is used; its terms after the 20th are at most 2 |z|^41/41 times a geometric series
     in z².
     """
-    z = (x - 1) / (x + 1)  # lies between −1/3 and 1/3
+    z = (x - 1) / (x + 1)  # between −1/3 and 1/3, so that the series converges fast
     partial = sum((2 * z ** (2 * i + 1) / (2 * i + 1) for i in range(20)), Q(0))
     tail = 2 * abs(z) ** 41 / (41 * (1 - z**2))
     return down(partial - tail), up(partial + tail)
 
 
 def decay(x: Q) -> Q:
-    """Return an upper bound of e^{−x}, x ≥ 0: the inverse of a partial sum of e^x, whose terms are positive."""
+    """Return an upper bound of e^{−x}, x ≥ 0.
+
+    It is the reciprocal of a partial sum of the series of e^x, whose terms are positive.
+    """
     return up(1 / sum((x**j / math.factorial(j) for j in range(60)), Q(0)))
 
 
 def mean_decay(x: Q) -> Q:
     """Return an upper bound of ∫_0^1 e^{−xs} ds = (1 − e^{−x})/x, x ≥ 0.
 
-    The terms of its series alternate in sign and decrease from the 24th on if x < 24, so a partial sum that ends with a
-    positive term is an upper bound. 1/x and 1 are upper bounds, too.
+    The terms of the series of this function alternate in sign and, if x < 24, decrease from the 24th on. So a partial
+    sum that ends with a positive term is an upper bound. 1/x and 1 are upper bounds, too.
     """
     series = sum(((-x) ** j / math.factorial(j + 1) for j in range(25)), Q(0))
     return up(min(series, 1 / x) if 0 < x < 24 else 1 / max(x, Q(1)))
 
 
 def common(rows: Iterable[Iterable[Q]]) -> tuple[list[list[int]], int]:
-    """Return fractions as integers over a common denominator, and this denominator."""
+    """Write rows of fractions with a common denominator; return the rows of numerators and the denominator."""
     kept = [list(row) for row in rows]
     denominator = math.lcm(*(x.denominator for row in kept for x in row))
     return [[x.numerator * (denominator // x.denominator) for x in row] for row in kept], denominator
@@ -237,17 +259,17 @@ def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
 
 
 def applied(rows: Iterable[Sequence[Any]], column: Sequence[Any]) -> list[Any]:
-    """Return a matrix times a vector."""
+    """Return the product of a matrix, given by its rows, and a vector."""
     return [dot(row, column) for row in rows]
 
 
 def mixed(weights: Sequence[int], rows: Iterable[Sequence[int]]) -> list[int]:
-    """Return the linear combination of rows with given weights."""
+    """Return the linear combination of rows of integers with given weights."""
     return [dot(weights, column) for column in zip(*rows, strict=True)]
 
 
 def congruent(B: Any, M: Any) -> list[list[Any]]:
-    """Return the product B M Bᵀ for a symmetric M."""
+    """Return the matrix product B M Bᵀ for a symmetric M."""
     half = [applied(B, row) for row in M]
     return [[dot(row, column) for column in zip(*half, strict=True)] for row in B]
 
@@ -283,9 +305,10 @@ def inverse(matrix: Matrix) -> Matrix:
 
 
 def semidefinite(matrix: Matrix) -> bool:
-    """Return whether a matrix is symmetric and positive semidefinite, that is, whether no principal minor is negative.
+    """Return whether a matrix is symmetric and positive semidefinite.
 
-    Leading minors are not sufficient: the leading minors of [[0, 0], [0, −1]] are 0.
+    It is tested whether any principal minor is negative. Leading minors are not sufficient: the leading minors of [[0,
+    0], [0, −1]] are 0.
     """
     size = range(len(matrix))
     chosen = (c for n in size for c in combinations(size, n + 1))
@@ -293,11 +316,11 @@ def semidefinite(matrix: Matrix) -> bool:
     return matrix == [list(row) for row in zip(*matrix, strict=True)] and all(minor >= 0 for minor in minors)
 
 
-# Polynomials
+# Polynomials with rational coefficients.
 
 
 class Poly(dict[tuple[int, int, int], Q]):
-    """A polynomial in X, Y, S: a dict from exponents to coefficients, none of which is 0."""
+    """A polynomial in X, Y and S: a dict from exponents to rational coefficients, none of which is 0."""
 
     @classmethod
     def of(cls, terms: Iterable[tuple[tuple[int, ...], Q]]) -> Poly:
@@ -319,17 +342,17 @@ class Poly(dict[tuple[int, int, int], Q]):
         return Poly.of(((i + l, j + m, k + n), x * y) for ((i, j, k), x), ((l, m, n), y) in pairs)
 
     def __call__(self, *images: Poly) -> Poly:
-        """Return the polynomial after substituting polynomials for X, Y and S, or for the first of these only."""
+        """Substitute polynomials for X, Y and S, or only for the first of these variables."""
         every = (*images, *(X, Y, S)[len(images) :])
         powers = ((x, [p for p, e in zip(every, key, strict=True) for _ in range(e)]) for key, x in self.items())
         return total(reduce(mul, factors, ONE * x) for x, factors in powers)
 
     def slope(self, i: int) -> Poly:
-        """Return the derivative by X (i = 0) or by Y (i = 1)."""
+        """Return the derivative with respect to X (i = 0) or Y (i = 1)."""
         return Poly.of(((key[0] - (i == 0), key[1] - (i == 1), key[2]), x * key[i]) for key, x in self.items())
 
     def size(self) -> Q:
-        """Return an upper bound of |p| for |X|, |Y|, |S| ≤ 1."""
+        """Return an upper bound of the absolute value of the polynomial for |X|, |Y|, |S| ≤ 1."""
         return sum(map(abs, self.values()), Q(0))
 
 
@@ -343,41 +366,41 @@ def constant(x: Q) -> Poly:
 
 ONE, X, Y, S = (Poly({key: Q(1)}) for key in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
 UNIT_X, UNIT_S = (ONE + X) * Q(1, 2), (ONE + S) * Q(1, 2)
-"""Variables from 0 to 1, for X and S from −1 to 1."""
+"""The variables (1 + X)/2 and (1 + S)/2, which run from 0 to 1 if X and S run from −1 to 1."""
 CUBIC, SQUARE = ([(i, j, 0) for i in range(n) for j in range(n - i)] for n in (4, 3))
-"""Exponents of the monomials in X and Y of degree at most 3, and at most 2."""
+"""Exponents of the monomials in X and Y: of all with a degree of at most 3, and of all with a degree of at most 2."""
 PLAIN = [Poly({key: Q(1)}) for key in CUBIC]
 LINEAR = ((0, 0, 0), (1, 0, 0), (0, 1, 0))
 CORNERS, CENTRE = [(Q(0), Q(0)), (Q(1), Q(0)), (Q(0), Q(1))], (Q(1, 3), Q(1, 3))
 SHARES = ((6, 3, 1), (3, 4, 3), (1, 3, 6))
-"""The integrals 30 ∫_0^1 B_a B_b of the Bernstein polynomials of degree 2."""
+"""The integrals ∫_0^1 B_a B_b of the Bernstein polynomials of degree 2, multiplied by 30."""
 
 
 def bernstein(degree: int, x: Poly) -> list[Poly]:
-    """Return the Bernstein polynomials of the given degree in x."""
+    """Return the Bernstein polynomials of the given degree in a variable x."""
     factors = [[x] * i + [ONE - x] * (degree - i) for i in range(degree + 1)]
     return [reduce(mul, some) * math.comb(degree, i) for i, some in enumerate(factors)]
 
 
 def mean(p: Poly) -> Q:
-    """Return the mean of a polynomial without Y over the square |X|, |S| ≤ 1."""
+    """Return the mean of a polynomial in X and S over the square |X|, |S| ≤ 1."""
     return sum((x / (i + 1) / (k + 1) for (i, _, k), x in p.items() if i % 2 == k % 2 == 0), Q(0))
 
 
 def on_triangle(p: Poly) -> Q:
-    """Return the integral over the triangle with vertices 0, e_1, e_2 of the mean over |S| ≤ 1."""
+    """Integrate a polynomial over the triangle X, Y ≥ 0, X + Y ≤ 1, after taking its mean over |S| ≤ 1."""
     f = math.factorial
     return sum((x * f(i) * f(j) / f(i + j + 2) / (k + 1) for (i, j, k), x in p.items() if k % 2 == 0), Q(0))
 
 
 def between(a: Sequence[Q], b: Sequence[Q]) -> list[Poly]:
-    """Return the coordinates of the point a + X (b − a)."""
+    """Return the coordinates of the point a + X (b − a) of a segment, as polynomials in X."""
     return [constant(p) + X * (q - p) for p, q in zip(a, b, strict=True)]
 
 
 @dataclass(frozen=True)
 class Term:
-    """The product p · g_+^q of a polynomial and a truncated power; p alone if q = 0."""
+    """A term p · g_+^q of a load: a polynomial p times a truncated power of a polynomial g; for q = 0 it is p."""
 
     p: Poly
     g: Poly
@@ -387,51 +410,58 @@ class Term:
         return Term(self.p(*images), self.g(*images), self.q)
 
     def degree(self) -> int:
-        """Return the degree of p · g^q."""
+        """Return the degree of the polynomial p · g^q."""
         of_p, of_g = (max(map(sum, some), default=0) for some in (self.p, self.g))
         return of_p + self.q * of_g
 
     def plain(self) -> Poly | None:
-        """Return the polynomial that the term equals for |X|, |S| ≤ 1, or None if g may change its sign there."""
+        """Return the polynomial that the term equals for |X|, |S| ≤ 1; None if g may change its sign there."""
         middle, size = 2 * self.g.get((0, 0, 0), Q(0)), self.g.size()
         if self.q and size <= -middle:
             return Poly()
         return None if self.q and size > middle else reduce(mul, [self.g] * self.q, self.p)
 
     def size(self) -> Q:
-        """Return an upper bound of |p · g_+^q| for |X|, |Y|, |S| ≤ 1."""
+        """Return an upper bound of the absolute value of the term for |X|, |Y|, |S| ≤ 1."""
         middle = self.g.get((0, 0, 0), Q(0))
         return self.p.size() * (self.g.size() - abs(middle) + middle) ** self.q
 
 
 def polynomial(data: Any) -> Poly:
-    """Return the polynomial for data [[coefficient, exponents of x1, x2 and perhaps t], …]."""
+    """Read a polynomial from a certificate.
+
+    Args:
+        data: a list of terms [coefficient, exponent of x1, exponent of x2], each perhaps with an exponent of t.
+    """
     return Poly.of(((*key, 0)[:3], Q(x)) for x, *key in data)
 
 
 def formula(data: Any) -> list[Term]:
-    """Return the terms p · g_+^q for data [[p, g, q], …]."""
+    """Read the terms p · g_+^q of a load from a certificate, where they are lists [p, g, q]."""
     terms = [Term(polynomial(p), polynomial(g), q) for p, g, q in data]
     require(all(one.degree() <= DEGREE for one in terms), f"a load has a degree above {DEGREE}")
     return terms
 
 
 def never_positive(p: Poly) -> bool:
-    """Return whether Bernstein coefficients of degree n = ELEVATED show that p ≤ 0 for 0 ≤ X ≤ 1.
+    """Return whether a polynomial in X is shown to be ≤ 0 for 0 ≤ X ≤ 1 by its Bernstein coefficients.
 
-    The coefficients of (1 + z)^n p(1/(1 + z)) are the Bernstein coefficients up to positive factors. False means "not
-    shown".
+    The degree n = ELEVATED is used. The coefficients of (1 + z)^n p(1/(1 + z)) are the Bernstein coefficients up to
+    positive factors. False means "not shown", because a coefficient may be positive although p ≤ 0.
     """
     n = ELEVATED
     return all(sum(x * math.comb(n - i, k) for (i, _, _), x in p.items()) <= 0 for k in range(n + 1))
 
 
-# The problem
+# The problem that a certificate states.
 
 
 @dataclass(frozen=True)
 class Side:
-    """A side of the polygon, its kind, and the two components of f_2 on it; ``load`` is empty if f_2 = 0."""
+    """A side of the polygon: its ends, its boundary condition, and the two components of the traction f_2 on it.
+
+    If f_2 = 0, ``load`` is empty.
+    """
 
     start: Vector
     end: Vector
@@ -444,13 +474,14 @@ class Side:
 
     @property
     def normal(self) -> Vector:
-        """The outward normal; its length is the length of the side."""
+        """The outward normal of the side; its length is the length of the side."""
         return self.along[1], -self.along[0]
 
     def is_apart(self, other: Side) -> bool:
-        """Return whether a line parallel or orthogonal to one of two closed segments separates them.
+        """Return whether this side and another one do not touch.
 
-        If no such line exists, no line separates them.
+        Two closed segments do not touch if and only if a line separates them, and then a line parallel or orthogonal to
+        one of them does. Only such lines are tested.
         """
         for axis in (self.normal, other.normal, self.along):
             (a, b), (c, d) = (sorted((dot(axis, side.start), dot(axis, side.end))) for side in (self, other))
@@ -460,9 +491,10 @@ class Side:
 
 
 class Problem:
-    """The problem: Ω, A, G, f_0, f_2, u_0 and T.
+    """The contact problem that a certificate states: body, law, loads, initial displacement and final time.
 
-    Tensors are in Voigt's components, stresses (11, 22, 12) and strains (11, 22, 2·12); A and G are 3 × 3.
+    Tensors are in Voigt's components, stresses (11, 22, 12) and strains (11, 22, 2·12). The viscosity A and the
+    elasticity G are 3 × 3 matrices.
     """
 
     def __init__(self, data: Any) -> None:
@@ -486,7 +518,7 @@ class Problem:
 
     @property
     def twice_area(self) -> Q:
-        """Twice the area of Ω."""
+        """Twice the area of the body."""
         return sum((cross(side.start, side.end) for side in self.sides), Q(0))
 
     def _check_law(self) -> None:
@@ -496,10 +528,10 @@ class Problem:
         require(semidefinite(self.G), "G is not symmetric and positive semidefinite")
 
     def _check_polygon(self) -> None:
-        """Refuse a polygon that is not simple, not counter-clockwise or has no clamped side.
+        """Refuse a body that is not a simple polygon with counter-clockwise vertices and a clamped side.
 
-        Comparing sides that are not neighbours suffices: if a side folds back on its neighbour or has no length, it
-        touches the side after its neighbour.
+        Only sides that are not neighbours are compared. This suffices: if a side folds back on its neighbour or has no
+        length, it touches the side after its neighbour.
         """
         sides = self.sides
         require(any(side.kind == "clamped" for side in sides), "no part is clamped")
@@ -509,7 +541,7 @@ class Problem:
                 require(one.is_apart(other), f"two sides of the polygon meet, one is side {i}")
 
     def _check_start(self, side: Side) -> None:
-        """Refuse a u_0 that is not 0 on Γ1, or for which u_0ν ≤ 0 on Γ3 cannot be shown."""
+        """Refuse an initial displacement that is not 0 on a clamped side, or may penetrate the foundation."""
         u = [p(*between(side.start, side.end)) for p in self.start]
         require(side.kind != "clamped" or not any(u), "u_0 does not vanish on Γ1")
         if side.kind == "contact":
@@ -517,14 +549,18 @@ class Problem:
             require(never_positive(normal), "u_0ν ≤ 0 on Γ3 cannot be shown")
 
 
-# Meshes
+# Meshes of the polygon.
 
 
 @dataclass(frozen=True)
 class Cell:
-    """A triangle with the vertices v and six nodes.
+    """A triangle of a mesh.
 
-    The columns of F = (a b; c d) are h times the edges from v_0; det is the determinant of F.
+    Attributes:
+        v: the numbers of its three vertices.
+        nodes: the numbers of its six nodes: the vertices, then the midpoints of the sides.
+        F: the matrix (a b; c d), whose columns are h times the edges from the first vertex.
+        det: the determinant of F.
     """
 
     v: list[int]
@@ -534,10 +570,10 @@ class Cell:
 
 
 class Mesh:
-    """A conforming mesh of triangles. Vertices are pairs of integers, to be divided by h.
+    """A conforming mesh of triangles. Vertices are pairs of integers, to be divided by the integer h.
 
-    Nodes are the vertices, then the midpoints of the edges. ``boundary`` maps the edges of ∂Ω, counter-clockwise, to
-    the sides of the polygon on which they lie.
+    Nodes are the vertices, then the midpoints of the edges. ``boundary`` maps each edge on the boundary of the body,
+    traversed counter-clockwise, to the side of the polygon on which it lies.
     """
 
     def __init__(
@@ -552,11 +588,11 @@ class Mesh:
 
     @classmethod
     def of(cls, data: Any, problem: Problem) -> Mesh:
-        """Return the mesh of a certificate; refuse it unless its cells tile Ω.
+        """Return the mesh of a certificate; refuse it unless its cells cover each point of the body exactly once.
 
         All cells must be counter-clockwise. Edges that are traversed only once must follow each other along the sides
         of the polygon. Then the sum of the winding numbers of the cells, which are their indicator functions, equals
-        the winding number of ∂Ω, so that the cells cover each point of Ω exactly once.
+        the winding number of the boundary of the body, which is 1 inside.
         """
         h, points, cells, lines = (data[name] for name in ("denominator", "points", "cells", "sides"))
         require(all(0 <= v < len(points) for some in cells + lines for v in some), "a vertex does not exist")
@@ -580,7 +616,7 @@ class Mesh:
         return Q(x, self.h), Q(y, self.h)
 
     def along(self, edge: tuple[int, int]) -> tuple[int, int]:
-        """Return h times the vector from the first vertex of an edge to the second."""
+        """Return h times the vector from the first vertex of an edge to the second, a pair of integers."""
         (x, y), (a, b) = (self.points[v] for v in edge)
         return a - x, b - y
 
@@ -590,7 +626,9 @@ class Mesh:
         return Cell(v, [*v, *opposite], (a, b, c, d), a * d - b * c)
 
     def middles(self, values: list[int], size: int) -> list[int]:
-        """Return twice the values of a piecewise linear function at the nodes.
+        """Return twice the values of a piecewise linear function at all nodes.
+
+        The factor 2 keeps the values at midpoints integers.
 
         Args:
             values: values at the vertices, ``size`` numbers at each.
@@ -599,7 +637,7 @@ class Mesh:
         return [*(2 * x for x in values), *sums]
 
     def refined(self) -> Mesh:
-        """Return the mesh with every cell divided into four at the midpoints of its edges; nodes become vertices."""
+        """Return the mesh in which every cell is divided into four; the nodes of this mesh become vertices."""
         flat = self.middles([x for point in self.points for x in point], 2)
         cells = []
         for cell in self.cells:
@@ -610,24 +648,24 @@ class Mesh:
         return Mesh(2 * self.h, [list(point) for point in pairs(flat)], cells, lines)
 
     def nodes_of(self, edge: tuple[int, int]) -> tuple[int, int, int]:
-        """Return the nodes of an edge: its first vertex, its midpoint and its last vertex."""
+        """Return the numbers of the nodes of an edge: its first vertex, its midpoint and its last vertex."""
         return edge[0], self.node[min(edge), max(edge)], edge[1]
 
     def images(self, cell: Cell) -> list[Poly]:
-        """Return x1 and x2 on a cell as polynomials on the reference triangle."""
+        """Return the coordinates x1 and x2 of a point of a cell, as polynomials on the reference triangle."""
         (a, b, c, d), (x, y) = cell.F, self.place(cell.v[0])
         return [constant(x) + X * Q(a, self.h) + Y * Q(b, self.h), constant(y) + X * Q(c, self.h) + Y * Q(d, self.h)]
 
 
-# Constants of the body
+# Constants that bound the work of loads on the body.
 
 
 def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
-    """Return the constants C_Ω and C_Γ with ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V.
+    """Return the constants of the loads: C_Ω with ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and C_Γ with ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V.
 
     A totally symmetric tensor field Φ, continuous and linear on the cells of a separate mesh, proves them. At every
-    vertex of a cell div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|² must hold. On edges outside Γ1, −Φ(ν, v, v) must be at least 0,
-    and at least κ |v|² if there is a load. Then C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
+    vertex of a cell div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|² must hold for all vectors v. On edges outside Γ1, −Φ(ν, v, v)
+    must be at least 0, and at least κ |v|² if there is a load. Then C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
     """
     mesh, mu, kappa, field = Mesh.of(data["mesh"], problem), Q(data["volume"]), Q(data["surface"]), data["field"]
     require(mu > 0 and kappa > 0, "a constant of the body is not positive")
@@ -640,7 +678,7 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
         divergence = [scale * (d * dX[k] - c * dY[k] + a * dY[k + 1] - b * dX[k + 1]) for k in range(3)]
         for v in cell.v:
             p, q, r, s = (x * unit for x in field[v])
-            square = congruent([[p, r, q], [q, s, r]], compliance)  # rows are the stresses Φe_1 and Φe_2
+            square = congruent([[p, r, q], [q, s, r]], compliance)  # rows: the stresses Φe_1 and Φe_2
             left = [[divergence[i + j] - square[i][j] - mu * (i == j) for j in (0, 1)] for i in (0, 1)]
             require(semidefinite(left), "the tensor field does not prove the constant of forces in Ω")
     for edge, side in mesh.boundary.items():
@@ -652,17 +690,17 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
     return root(1 / mu), root(1 / kappa)
 
 
-# The reference element of the stresses
+# The reference element of the stresses.
 
 
 class Element:
     """Composite stresses of degree 3 on the reference triangle, as a linear function of 45 inputs.
 
-    Inputs are tractions on three sides (4 Bernstein coefficients, 2 components each), a force of degree 2 (6 monomials,
-    2 components) and 9 free numbers. The columns in the certificate state the stress for each input: three components,
-    each a cubic on every third, whose third corner is the centre. This class checks that tractions are continuous
-    inside and equal to the inputs on the boundary, and that Div σ̂ + f̂ is the same polynomial of degree 1 on all
-    thirds.
+    The centre divides the triangle into three smaller triangles, called thirds. The inputs are the tractions on three
+    sides (4 Bernstein coefficients, 2 components each), a force f̂ of degree 2 (6 monomials, 2 components) and 9 free
+    numbers. The columns in the certificate state the stress σ̂ for each input: three components, each a cubic
+    polynomial on every third. This class checks that tractions are continuous inside and equal to the inputs on the
+    boundary, and that Div σ̂ + f̂ is the same polynomial of degree 1 on all thirds.
     """
 
     def __init__(self, over: int, columns: Sequence[Sequence[int]]) -> None:
@@ -674,11 +712,15 @@ class Element:
 
     @classmethod
     def of(cls, data: Any) -> Element:
-        """Return the element of a certificate; several certificates with the same element are checked once."""
+        """Return the reference element that a certificate states; equal elements are checked once."""
         return checked(data["over"], tuple(map(tuple, data["columns"])))
 
     def _divergence(self, number: int, column: Sequence[int]) -> list[int]:
-        """Check the stress of one input; return both components of Div σ̂ + f̂ by coefficients in ``LINEAR``."""
+        """Check the stress that belongs to one input of the element.
+
+        Returns:
+            Both components of Div σ̂ + f̂, a polynomial of degree 1, as coefficients of the monomials ``LINEAR``.
+        """
         side, place, d = number // 8, number // 2 % 4, number % 2
         stress = [[column[30 * c + 10 * i :][:10] for c in range(3)] for i in range(3)]
         given, force = bernstein(3, X)[place] * self.over, [Poly(), Poly()]
@@ -699,7 +741,7 @@ class Element:
         return [int(p.get(key, 0)) for p in one for key in LINEAR]
 
     def _products(self) -> tuple[list[list[int]], int]:
-        """Return the integrals of products of monomials on each third as integers, (30, 10), and their denominator."""
+        """Return integrals of products of two cubic monomials on each third: integers (30, 10) and a denominator."""
         found = []
         for i in range(3):
             (p, q), (r, s) = CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3]
@@ -709,13 +751,17 @@ class Element:
         return common(found)
 
     def dual(self, field: list[int]) -> list[int]:
-        """Return the integrals of a field, given by 30 coefficients, times each monomial on each third."""
+        """Return the integrals of a stress component times each cubic monomial on each third.
+
+        Args:
+            field: the component by its 30 coefficients, 10 on each third.
+        """
         return [dot(row, field[n - n % 10 : n - n % 10 + 10]) for n, row in enumerate(self.gram)]
 
 
 @cache
 def checked(over: int, columns: tuple[tuple[int, ...], ...]) -> Element:
-    """Return the element with the given columns, after checking it."""
+    """Make a reference element from its columns and check it; results are cached."""
     return Element(over, columns)
 
 
@@ -725,24 +771,27 @@ def combination(polynomials: Iterable[Poly], factors: Iterable[Any]) -> Poly:
 
 @cache
 def on_segment(a: Vector, b: Vector) -> list[Poly]:
-    """Return the ten monomials of degree 3 on the segment from a to b."""
+    """Return the ten monomials of degree at most 3, restricted to the segment from a to b, as polynomials in X."""
     return [p(*between(a, b)) for p in PLAIN]
 
 
 def tractions(stress: Sequence[Sequence[Any]], a: Vector, b: Vector) -> list[Poly]:
-    """Return the traction σN on a segment; N points to the right of the segment and has its length."""
+    """Return the traction σN of a stress on the segment from a to b, as two polynomials in X.
+
+    N is the normal to the right of the segment, with the length of the segment.
+    """
     (n, m), (x, y, z) = (b[1] - a[1], a[0] - b[0]), (combination(on_segment(a, b), values) for values in stress)
     return [x * n + z * m, z * n + y * m]
 
 
-# Stresses and their loads
+# Stresses, and the loads that they balance.
 
 
 class Loads:
-    """The approximate loads f̃, and bounds of their difference from f.
+    """The approximate loads f̃ that the stresses of a certificate balance, and bounds of their difference from f.
 
-    In time f̃_0 is the parabola through f_0 at the ends and in the middle of a piece; on a cell it has the terms of
-    degree at most 2. Twice the area times f̃_0 is rounded to multiples of 1/unit.
+    In time f̃_0 is the parabola through the body force f_0 at the ends and in the middle of a time interval. On a cell
+    it has the terms of degree at most 2. Twice the area of the cell times f̃_0 is rounded to multiples of 1/unit.
     """
 
     def __init__(self, problem: Problem, mesh: Mesh, bits: int) -> None:
@@ -752,13 +801,22 @@ class Loads:
         self.lengths = {e: root(square, above=False) for e, square in squares.items()}
 
     def controls(self, a: Q, b: Q) -> list[list[Poly]]:
-        """Return the Bernstein coefficients in time of the parabola through f_0: polynomials in x1 and x2."""
+        """Return the Bernstein coefficients of the parabola in time through f_0 at a, (a + b)/2 and b.
+
+        Each coefficient has two components, polynomials in x1 and x2.
+        """
         first, middle, last = ([p(X, Y, constant(t)) for p in self.problem.force] for t in (a, (a + b) / 2, b))
         ends = [p + q for p, q in zip(first, last, strict=True)]
         return [first, [m * 2 - p * Q(1, 2) for m, p in zip(middle, ends, strict=True)], last]
 
     def on_cells(self, control: list[Poly]) -> list[list[int]]:
-        """Return unit · twice the area · f̃_0 on each cell: six monomials, two components; empty if f_0 = 0."""
+        """Return the approximate body force on every cell, rounded to integers: unit · twice the area · f̃_0.
+
+        There are six monomials with two components each. If f_0 = 0, the result is empty.
+
+        Args:
+            control: a Bernstein coefficient of f_0 in time, from ``controls``.
+        """
         found = []
         for cell, images in self.cells:
             local = [p(*images) for p in control]
@@ -767,9 +825,10 @@ class Loads:
         return found
 
     def missed_inside(self, a: Q, b: Q) -> Q:
-        """Return an upper bound of the root mean square of ‖f_0 − f̃_0‖ over a ≤ t ≤ b."""
-        # Rounding six coefficients by 1/2 changes a component by at most 3 and both by 18^{1/2}, on half of twice the
-        # area.
+        """Return an upper bound of the root mean square over a ≤ t ≤ b of the body force that is not represented,
+        f_0 − f̃_0."""
+        # Rounding changes each of the six coefficients by at most 1/2, so a component changes by at most 3, and both
+        # together by 18^{1/2}. These are changes of twice the area of the cell times the force.
         rounded = root(sum((up(Q(9 * self.mesh.h**2, cell.det)) for cell, _ in self.cells), Q(0))) / self.unit
         if all(i + j <= 2 >= k for f in self.problem.force for i, j, k in f):
             return rounded
@@ -782,10 +841,11 @@ class Loads:
         return root(square) + rounded
 
     def missed_outside(self, a: Q, b: Q, given: Sequence[Tractions]) -> Q:
-        """Return an upper bound of the root mean square of ‖f_2 − σ̃ν‖ over a ≤ t ≤ b.
+        """Return an upper bound of the root mean square over a ≤ t ≤ b of the traction that is not balanced, f_2 − σ̃ν.
 
         Args:
-            given: h σ̃N on the loaded edges, for each of the three Bernstein coefficients in time.
+            a, b: the ends of the time interval.
+            given: the tractions h σ̃N on the loaded edges, for each of the three Bernstein coefficients in time.
         """
         found, shapes = Q(0), [p * q for p, q in product(bernstein(2, UNIT_S), bernstein(3, UNIT_X))]
         for (edge, length), d in product(self.lengths.items(), (0, 1)):
@@ -793,7 +853,7 @@ class Loads:
             stress = combination(shapes, coefficients) * Q(-1, self.unit * self.mesh.h)
             line = [p(UNIT_X) for p in between(*map(self.mesh.place, edge))]
             load = [term(*line, clock(a, b)) for term in self.mesh.boundary[edge].load[d]]
-            slack = sum((term.size() for term in load), Q(0)) / (1 << GRID)  # because the length is rounded down
+            slack = sum((term.size() for term in load), Q(0)) / (1 << GRID)  # as the length is rounded down
             longer = [Term(term.p * length, term.g, term.q) for term in load]
             mean_square = missed([*longer, Term(stress, Poly(), 0)], HALVINGS)
             found += up((root(mean_square) + slack) ** 2 / length)
@@ -801,15 +861,15 @@ class Loads:
 
 
 def clock(a: Q, b: Q) -> Poly:
-    """Return the time as a polynomial in S, with value a at S = −1 and b at S = 1."""
+    """Return the time as a linear polynomial in S, which is a at S = −1 and b at S = 1."""
     return ONE * ((a + b) / 2) + S * ((b - a) / 2)
 
 
 def missed(terms: list[Term], halvings: int) -> Q:
-    """Return an upper bound of the mean square of a sum of terms over |X|, |S| ≤ 1.
+    """Return an upper bound of the mean square of a sum of load terms over the square |X|, |S| ≤ 1.
 
-    The mean square is exact where no term has a kink. Squares with a kink are divided into four, ``halvings`` times,
-    and then bounded.
+    If no term has a kink, the mean square is exact. Otherwise the square is divided into four, up to ``halvings``
+    times, and terms with a kink are then bounded.
     """
     plain = [term.plain() for term in terms]
     smooth = total(p for p in plain if p is not None)
@@ -824,15 +884,18 @@ def missed(terms: list[Term], halvings: int) -> Q:
 
 
 MODES = ((1, 1, 1, 1), (-3, -1, 1, 3), (1, -1, -1, 1), (-1, 3, -3, 1))
-"""Bernstein coefficients of orthogonal cubics on an edge; the first two determine the resultant and the moment."""
+"""Four cubic polynomials on an edge, by their Bernstein coefficients, in which tractions are stored.
+
+They are orthogonal. Only the first two contribute to the force and the moment on the edge.
+"""
 Tractions = dict[tuple[int, int], list[tuple[int, int]]]
-"""For each edge four Bernstein coefficients with two components."""
+"""The tractions on edges: for each edge, given by two vertices, four Bernstein coefficients with two components."""
 Field = list[list[int]]
-"""For each cell three components with 30 coefficients each."""
+"""A stress on the reference triangle for each cell: three components with 30 coefficients each, in one list."""
 
 
 class Stresses:
-    """The stresses σ̃ on one mesh, given by integers in units of 2^{−bits}."""
+    """The stresses σ̃ of a certificate on one mesh, which are stored as integers in units of 2^{−bits}."""
 
     def __init__(self, mesh: Mesh, data: Any, element: Element) -> None:
         self.mesh, self.element = mesh, element
@@ -846,11 +909,17 @@ class Stresses:
         self.nothing = {e: [(0, 0)] * 4 for e in sides}
 
     def tractions(self, numbers: list[int]) -> tuple[Tractions, list[list[int]]]:
-        """Return the Bernstein coefficients of h σ̃N on all edges and of σ̃_ν on Γ3; refuse σ̃_ν > 0.
+        """Read the tractions of a stress at one time, and refuse a stress that pulls on the contact boundary.
 
-        N points to the right of an edge and has its length. On Γ3 σ̃N = σ̃_ν N is given by four numbers for an edge. A
-        loaded edge of Γ2 has eight numbers. Other edges have eight numbers for ``MODES``, of which the last four are in
-        coarser units.
+        N is the normal to the right of an edge, with the length of the edge. On Γ3 the traction is σ̃N = σ̃_ν N, and
+        four numbers give σ̃_ν on an edge. Eight numbers give the traction on a loaded edge of Γ2. Other edges have
+        eight numbers, the factors of ``MODES``; the last four of them are in coarser units.
+
+        Args:
+            numbers: the integers of all edges, from the certificate.
+
+        Returns:
+            The Bernstein coefficients of h σ̃N on all edges, and the Bernstein coefficients of σ̃_ν on Γ3.
         """
         contact, loaded, free = 4 * len(self.contact), 8 * len(self.loaded), 8 * len(self.free)
         require(len(numbers) == contact + loaded + free, "tractions have another size")
@@ -870,7 +939,12 @@ class Stresses:
         return found, normal
 
     def field(self, edges: Tractions, numbers: list[int], force: list[list[int]]) -> tuple[Field, Q]:
-        """Return σ̂ on the cells and an upper bound of ‖Div σ̃ + f̃_0‖, where σ̃ = F σ̂ Fᵀ h/(unit (det F)²)."""
+        """Compute the stress on every cell from its tractions, inner numbers and forces.
+
+        Returns:
+            The stress σ̂ on the reference triangle, with σ̃ = F σ̂ Fᵀ h/(unit (det F)²), and an upper bound of the norm
+            ‖Div σ̃ + f̃_0‖ of the unbalanced force.
+        """
         require(len(numbers) == 9 * len(self.mesh.cells), "the inner numbers have another size")
         found, square = [], 0
         for n, cell in enumerate(self.mesh.cells):
@@ -893,19 +967,24 @@ class Stresses:
 
 
 def linear_square(p: Sequence[int]) -> int:
-    """Return the integral 24 ∫ (p_0 + p_1 X + p_2 Y)² over the reference triangle."""
+    """Return 24 times the integral of (p_0 + p_1 X + p_2 Y)² over the reference triangle, which is an integer."""
     ends = p[0], p[0] + p[1], p[0] + p[2]
     return dot(ends, ends) + sum(ends) ** 2
 
 
-# The bound
+# The error bound, computed from the witnesses.
 
 
 def strains(cell: Cell, v: Sequence[int]) -> list[list[int]]:
-    """Return ε(v) at the three vertices of a cell, times det F over 2h, from Bernstein coefficients at the nodes."""
+    """Return the strain of a quadratic displacement at the three vertices of a cell, times det F over 2h.
+
+    Args:
+        cell: the cell.
+        v: Bernstein coefficients of the displacement at all nodes, two components each.
+    """
     a, b, c, d = cell.F
     n, found = cell.nodes, []
-    for o, e, m in ((n[0], n[5], n[4]), (n[5], n[1], n[3]), (n[4], n[3], n[2])):  # nodes around a vertex
+    for o, e, m in ((n[0], n[5], n[4]), (n[5], n[1], n[3]), (n[4], n[3], n[2])):  # three nodes around each vertex
         p, q = v[2 * e] - v[2 * o], v[2 * m] - v[2 * o]
         r, s = v[2 * e + 1] - v[2 * o + 1], v[2 * m + 1] - v[2 * o + 1]
         found.append([d * p - c * q, a * s - b * r, a * q - b * p + d * r - c * s])
@@ -913,7 +992,19 @@ def strains(cell: Cell, v: Sequence[int]) -> list[list[int]]:
 
 
 def law_on(cell: Cell, laws: list[list[int]], u: Sequence[int], step: Sequence[int]) -> list[list[int]]:
-    """Return twice Aε(ũ̇) + Gε(ũ) on the reference triangle: for each component the coefficients in ``LINEAR``."""
+    """Return twice the stress Aε(ũ̇) + Gε(ũ) on a cell, transformed to the reference triangle.
+
+    The factor 2 keeps the numbers integers.
+
+    Args:
+        cell: the cell.
+        laws: the rows of A, then of G, as scaled integers.
+        u: the displacement ũ, by Bernstein coefficients at all nodes.
+        step: the velocity ũ̇ times the length of the time interval, in the same form.
+
+    Returns:
+        For each component the coefficients of the monomials ``LINEAR``.
+    """
     a, b, c, d = cell.F
     rates = zip(strains(cell, step), strains(cell, u), strict=True)
     stresses = [mixed((2, 2), (applied(laws[:3], rate), applied(laws[3:], e))) for rate, e in rates]
@@ -922,7 +1013,12 @@ def law_on(cell: Cell, laws: list[list[int]], u: Sequence[int], step: Sequence[i
 
 
 def less(field: list[int], linear: list[list[int]]) -> list[int]:
-    """Return a field minus a polynomial of degree 1 that is the same on all thirds."""
+    """Subtract a polynomial of degree 1 from a stress on the reference triangle.
+
+    Args:
+        field: the stress, three components with 30 coefficients each, 10 on each third.
+        linear: for each component the coefficients of the polynomial, which is the same on all thirds.
+    """
     found = list(field)
     for start, (i, three) in product((0, 10, 20), enumerate(linear)):
         for key, x in zip(LINEAR, three, strict=True):
@@ -931,10 +1027,11 @@ def less(field: list[int], linear: list[list[int]]) -> list[int]:
 
 
 class Growth:
-    """Computes bounds of ‖u − ũ‖_V at the end of a piece, and inside the piece, from the bound y at its start.
+    """Computes how the bound y of the error ‖u − ũ‖_V grows over a time interval.
 
-    The other arguments of the call are the length k of the piece, M = ∫∫ ρ ρᵀ, the work of contact ∫∫ σ̃_ν ũ_ν, and the
-    integral of the dual norm of the unbalanced loads.
+    A call returns two bounds: at the end of the interval, and at all of its times. Its arguments are the bound y at the
+    start, the length k of the interval, the integral M = ∫∫ ρ ρᵀ of the residual, the work of contact ∫∫ σ̃_ν ũ_ν, and
+    the integral of the dual norm of the unbalanced loads.
     """
 
     def __init__(self, problem: Problem, m: Q) -> None:
@@ -947,10 +1044,10 @@ class Growth:
         return min(at_b for at_b, _ in found), min(inside for _, inside in found)
 
     def _bounds(self, theta: Q, y: Q, k: Q, M: Matrix, contact: Q, loads: Q) -> Iterable[tuple[Q, Q]]:
-        """Yield bounds for W = H(H + βA)⁻¹, H = G − θA and several β.
+        """Yield pairs of bounds for one rate of decay θ and several values of a parameter β > 0.
 
-        Every β > 0 gives a valid bound. The first β gives W close to 0; each further β is computed from the bound
-        before it.
+        The matrices are H = G − θA and W = H(H + βA)⁻¹. Every β > 0 gives a valid bound. The first β gives W close to
+        0. Each further β is computed from the bound before it.
         """
         H, faded, mean = combined(self.G, self.A, -theta), decay(2 * theta * k), up(k * mean_decay(2 * theta * k))
         for beta in (Q(1 << GRID), 1 / k / (1 << 20)):
@@ -964,13 +1061,13 @@ class Growth:
 
 
 def traced(a: Matrix, b: Matrix) -> Q:
-    """Return the sum Σ a_ij b_ij."""
+    """Return the trace Σ a_ij b_ij of the product of two symmetric matrices."""
     return sum(map(dot, a, b), Q(0))
 
 
 @dataclass(frozen=True)
 class Piece:
-    """The displacement ũ between two knots a < b, by three Bernstein coefficients in time."""
+    """The displacement ũ between two knots a < b, a parabola in time with three Bernstein coefficients."""
 
     a: Q
     b: Q
@@ -978,14 +1075,16 @@ class Piece:
 
     @property
     def steps(self) -> list[list[int]]:
-        """The three Bernstein coefficients of (b − a) ũ̇."""
+        """The three Bernstein coefficients in time of (b − a) ũ̇, the velocity times the length of the interval."""
         return [mixed(weights, self.values) for weights in ((-2, 2, 0), (-1, 0, 1), (0, -2, 2))]
 
 
 def pieces(nodes: list[list[int]], T: Q) -> Iterable[Piece]:
-    """Yield the pieces of the quadratic spline with the given control points; their values are multiplied by 4.
+    """Yield the parabolas of the quadratic spline ũ in time; their coefficients are multiplied by 4 to stay integers.
 
-    Control points are at the times 0, k, …, T; knots are 0, k/2, 3k/2, …, T.
+    Args:
+        nodes: the control points, at the times 0, k, …, T; the knots are 0, k/2, 3k/2, …, T.
+        T: the final time.
     """
     k = T / (len(nodes) - 1)
     knots = [Q(0), *(k * Q(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
@@ -997,9 +1096,9 @@ def pieces(nodes: list[list[int]], T: Q) -> Iterable[Piece]:
 
 
 class Computed:
-    """The computed displacement u_h: P1 on a mesh, piecewise linear in time, given by doubles.
+    """The computed displacement u_h, piecewise linear in space and time, whose error is bounded.
 
-    The doubles are stored as integers over a power of 2.
+    The certificate gives its values as doubles. They are stored as integers over a power of 2.
     """
 
     def __init__(self, data: Any, mesh: Mesh, refinements: int, problem: Problem) -> None:
@@ -1013,7 +1112,7 @@ class Computed:
         self.values = [mesh.middles(u, 2) for u in rows]
 
     def at(self, time: Q) -> tuple[list[int], int]:
-        """Return integers v and a denominator with u_h(time) = v/(denominator · 2^bits)."""
+        """Return u_h at a time as integers v and a denominator, u_h = v/(denominator · 2^bits)."""
         place = time / self.T * (len(self.values) - 1)
         low = min(int(place), len(self.values) - 2)
         b = (place - low).numerator
@@ -1024,8 +1123,11 @@ class Computed:
 class Enclosure:
     """The interval that a certificate proves.
 
-    ``cells`` and ``h`` = √(2|Ω|/cells) refer to the mesh of u_h. max ‖u − u_h‖_V lies between ``low`` and ``high``.
-    ``last`` is a bound of ‖u − ũ‖_V at T.
+    Attributes:
+        cells: the number of cells of the mesh of u_h.
+        h: the mesh size √(2|Ω|/cells).
+        low, high: the bounds of the largest error max ‖u − u_h‖_V.
+        last: a bound of the error ‖u − ũ‖_V of the displacement ũ at T.
     """
 
     cells: int
@@ -1036,14 +1138,18 @@ class Enclosure:
 
 
 class Certificate:
-    """A problem, a mesh, u_h and the witnesses; refused if their format or a required property is wrong."""
+    """A certificate: a problem, a mesh, a computed displacement u_h and the witnesses.
+
+    It is refused if its format is wrong or a required property does not hold.
+    """
 
     def __init__(self, data: Any) -> None:
         conform(data, CERTIFICATE, "certificate")
         problem = self.problem = Problem(data["problem"])
         coarse = mesh = Mesh.of(data["mesh"], problem)
         self.nodes, self.bits = summed(data["displacement"]["nodes"]), data["displacement"]["bits"]
-        # A mesh has more nodes than cells, so a mesh that is too fine for ũ is refused before it is made.
+        # A mesh has more nodes than cells. So a number of refinements that does not fit to ũ is refused before a huge
+        # mesh is made.
         require(len(mesh.cells) << 2 * data["refinements"] <= len(self.nodes[0]), "ũ has another size")
         for _ in range(data["refinements"]):
             mesh = mesh.refined()
@@ -1060,7 +1166,10 @@ class Certificate:
         self.volume, self.surface = load_constants(data["constants"], problem)
 
     def _check_membership(self) -> None:
-        """Refuse a ũ with Bernstein coefficients that are not 0 on Γ1 or have a positive normal component on Γ3."""
+        """Refuse a displacement ũ that may violate a constraint.
+
+        All Bernstein coefficients must be 0 on Γ1, and their normal components must not be positive on Γ3.
+        """
         size = 2 * self.mesh.nodes
         require(all(len(v) == size for v in self.nodes), "ũ has another size")
         for edge, side in self.mesh.boundary.items():
@@ -1070,7 +1179,7 @@ class Certificate:
             require(apart, "ũ_ν > 0 on Γ3: ũ is not in K")
 
     def check(self) -> Enclosure:
-        """Return the bounds of ‖u − u_h‖_V."""
+        """Compute the error bounds of u_h from the witnesses, and return the interval that is proved."""
         y, loads = up(self._start()), Loads(self.problem, self.mesh, self.stresses.bits)
         low, high = Q(0), y + root(self._distance(mixed((4,), self.nodes[:1]), 2, Q(0))[1])
         known: list[Any] = []
@@ -1088,16 +1197,20 @@ class Certificate:
         return Enclosure(self.cells, root(self.problem.twice_area / self.cells), low, high, y)
 
     def _stress(self, numbers: tuple[list[int], list[int]], control: list[Poly], loads: Loads) -> tuple[Any, ...]:
-        """Return h σ̃N, σ̃_ν on Γ3, the field and a bound of ‖Div σ̃ + f̃_0‖ for one Bernstein coefficient in time."""
+        """Compute a stress σ̃ from its numbers in the certificate, for one Bernstein coefficient in time.
+
+        Returns:
+            Its tractions h σ̃N, its normal stress σ̃_ν on Γ3, the stress on the cells, and a bound of ‖Div σ̃ + f̃_0‖.
+        """
         edges, normal = self.stresses.tractions(numbers[0])
         return edges, normal, *self.stresses.field(edges, numbers[1], loads.on_cells(control))
 
     def _residual(self, piece: Piece, fields: Sequence[Field]) -> Matrix:
-        """Return an upper bound of the matrix ∫∫ ρ ρᵀ with ρ = σ̃ − Aε(ũ̇) − Gε(ũ), in the order of symmetric matrices.
+        """Return an upper bound of the 3 × 3 matrix ∫∫ ρ ρᵀ of the residual ρ = σ̃ − Aε(ũ̇) − Gε(ũ) on a time interval.
 
-        On a cell ρ = F R Fᵀ h/(unit (det F)³) with R in polynomials on the reference triangle. The entries of each cell
-        are rounded down by less than 1. The 3 × 3 matrix of these rounding errors is at most 3 times the identity,
-        which is added.
+        It is larger in the order of symmetric matrices. On a cell ρ = F R Fᵀ h/(unit (det F)³) with R in polynomials on
+        the reference triangle. The entries of each cell are rounded down by less than 1. The 3 × 3 matrix of these
+        rounding errors is at most 3 times the identity, which is added.
         """
         k, total = piece.b - piece.a, [[0] * 3 for _ in range(3)]
         below = (k.numerator * self.over) << self.bits + 2
@@ -1114,7 +1227,11 @@ class Certificate:
         return [[(x + lacking * (i == j)) * scale for j, x in enumerate(row)] for i, row in enumerate(total)]
 
     def _products(self, R: list[list[int]]) -> list[list[int]]:
-        """Return 30 times the mean in time of ∫ R Rᵀ over the reference triangle, times ``unit`` of the element."""
+        """Return the mean in time of ∫ R Rᵀ over the reference triangle, times 30 and times ``unit`` of the element.
+
+        Args:
+            R: the transformed residual, for each of the three Bernstein coefficients in time.
+        """
         found = [[0] * 3 for _ in range(3)]
         for own, shares in zip(R, SHARES, strict=True):
             both = mixed(shares, R)
@@ -1124,13 +1241,14 @@ class Certificate:
         return found
 
     def _contact(self, piece: Piece, normals: Sequence[list[list[int]]]) -> Q:
-        """Return the work of contact ∫∫_{Γ3} σ̃_ν ũ_ν."""
+        """Return the work of contact ∫∫_{Γ3} σ̃_ν ũ_ν on a time interval."""
         total = 0
         for i, edge in enumerate(self.stresses.contact):
             x, y = self.mesh.along(edge)
             for s, r in product(range(3), repeat=2):
                 u = [(piece.values[r][2 * n], piece.values[r][2 * n + 1]) for n in self.mesh.nodes_of(edge)]
-                # ∫ B_p B_q is C(3, p) C(2, q)/C(5, p + q)/6, which is an integer over 60.
+                # The integral ∫ B_p B_q of Bernstein polynomials of degrees 3 and 2 is C(3, p) C(2, q)/C(5, p + q)/6,
+                # an integer over 60.
                 total += SHARES[s][r] * sum(
                     tau * (y * v - x * w) * (math.comb(3, p) * math.comb(2, q) * 10 // math.comb(5, p + q))
                     for (p, tau), (q, (v, w)) in product(enumerate(normals[s][i]), enumerate(u))
@@ -1140,7 +1258,13 @@ class Certificate:
         return found
 
     def _distance(self, v: Sequence[int], more: int, time: Q) -> tuple[Q, Q]:
-        """Return a lower and an upper bound of ‖v − u_h(time)‖²_V, where v has the coefficients v/2^{bits + more}."""
+        """Return a lower and an upper bound of the squared distance ‖v − u_h(time)‖²_V of a displacement v from u_h.
+
+        Args:
+            v: integers; the displacement has the Bernstein coefficients v/2^{bits + more}.
+            more: binary digits of v in addition to those of ũ.
+            time: the time.
+        """
         u, over = self.computed.at(time)
         bits = max(self.bits + more, self.computed.bits)
         mine, theirs = over << bits - self.bits - more, 1 << bits - self.computed.bits
@@ -1153,10 +1277,11 @@ class Certificate:
         return total * scale, (total + len(self.mesh.cells)) * scale
 
     def _distances(self, piece: Piece) -> Iterable[tuple[Q, Q]]:
-        """Yield bounds of ‖ũ − u_h‖²_V at the five control points of the halves of a piece; the last one is its end.
+        """Yield bounds of ‖ũ − u_h‖²_V at five control points of a time interval, the last of which is its end.
 
-        Inside a half the square is at most its largest value at a control point, because it is convex in ũ − u_h. Nodes
-        of u_h inside a piece must be its middle.
+        The interval is halved, so that u_h is linear in time on each half. There ũ − u_h is a parabola, and its squared
+        norm is at most the largest value at a control point, because the square is convex. If u_h has a node
+        elsewhere than in the middle, the certificate is refused.
         """
         quarter = (piece.b - piece.a) / 4
         for t in (piece.a, piece.a + 2 * quarter):
@@ -1166,7 +1291,7 @@ class Certificate:
             yield self._distance(mixed(weights, piece.values), 4, piece.a + n * quarter)
 
     def _start(self) -> Q:
-        """Return an upper bound of ‖u_0 − ũ(0)‖_V."""
+        """Return an upper bound of the initial error ‖u_0 − ũ(0)‖_V."""
         total, mesh, (u, v) = Q(0), self.mesh, self.problem.start
         exact = [u.slope(0), v.slope(1), u.slope(1) + v.slope(0)]
         for cell in mesh.cells:
@@ -1180,28 +1305,31 @@ class Certificate:
 
 
 def voigt(a: int, b: int, c: int, d: int) -> list[list[int]]:
-    """Return the matrix of σ ↦ F σ Fᵀ in components (11, 22, 12)."""
+    """Return the matrix of σ ↦ F σ Fᵀ in Voigt's components (11, 22, 12) of stresses, for F = (a b; c d)."""
     return [[a * a, b * b, 2 * a * b], [c * c, d * d, 2 * c * d], [a * c, b * d, a * d + b * c]]
 
 
 def summed(rows: list[list[int]]) -> list[list[int]]:
-    """Return the rows whose second differences in time are given."""
+    """Return the rows of integers whose second differences in time are given, as they are stored in the certificate."""
     require(all(len(row) == len(rows[0]) for row in rows), "rows in time must have equal lengths")
     columns = [accumulate(accumulate(column)) for column in zip(*rows, strict=True)]
     return [list(row) for row in zip(*columns, strict=True)]
 
 
 def order(coarse: Enclosure, fine: Enclosure) -> tuple[Q, Q] | None:
-    """Return an interval that contains log(E/E')/log(h/h'), or None if an error may be 0 or h is no smaller."""
+    """Return an interval that contains the order of convergence log(E/E')/log(h/h') of the errors E, E' on two meshes.
+
+    If an error may be 0, or the fine mesh is not finer, the result is None.
+    """
     if coarse.low <= 0 or fine.low <= 0 or fine.cells <= coarse.cells:
         return None
-    sizes = logarithm(Q(fine.cells, coarse.cells))  # equals 2 log(h/h'), which is positive
+    sizes = logarithm(Q(fine.cells, coarse.cells))  # an interval that contains 2 log(h/h') > 0
     low, high = logarithm(coarse.low / fine.high)[0], logarithm(coarse.high / fine.low)[1]
     return 2 * low / sizes[low >= 0], 2 * high / sizes[high < 0]
 
 
 def decimal(x: Q, above: bool, digits: int = 8) -> str:
-    """Return x with the given number of decimals, rounded up or down."""
+    """Write a fraction with the given number of decimals, rounded up or down."""
     whole = math.ceil(x * 10**digits) if above else math.floor(x * 10**digits)
     return f"{'-' if whole < 0 else ''}{abs(whole) // 10**digits}.{abs(whole) % 10**digits:0{digits}d}"
 
@@ -1213,12 +1341,17 @@ def verified(data: Any) -> Enclosure:
     except RefusedError:
         raise
     except Exception as error:
-        # An unexpected exception also means that nothing is proved.
+        # An unexpected exception means that the file was not fully checked, so nothing is proved.
         raise RefusedError(f"the check ended with {type(error).__name__}") from error
 
 
 def load(path: Path) -> Any:
-    """Return the content of a file; RefusedError unless it is JSON within the limits, OSError if it is unreadable."""
+    """Return the content of a certificate file.
+
+    Raises:
+        RefusedError: the file is not a gzip file with JSON in ASCII, or exceeds a limit.
+        OSError: the file cannot be read.
+    """
     size = path.stat().st_size
     require(size <= PACKED, f"the file has more than {PACKED} bytes")
     with path.open("rb") as file:
@@ -1240,7 +1373,7 @@ def load(path: Path) -> Any:
 
 
 def distinct(pairs: Any) -> dict[str, Any]:
-    """Return a JSON object; refuse repeated keys and the constants NaN and Infinity."""
+    """Return an object of a JSON file as a dict; refuse repeated keys and the constants NaN and Infinity."""
     require(not isinstance(pairs, str), f"a number is {shown(pairs)}")
     found = dict(pairs)
     require(len(found) == len(pairs), "an object has a key twice")
@@ -1248,7 +1381,7 @@ def distinct(pairs: Any) -> dict[str, Any]:
 
 
 def report(proved: Sequence[Enclosure]) -> None:
-    """Print the order between every two meshes, or why it is unknown."""
+    """Print the interval of the order of convergence between every two meshes, or why the order is unknown."""
     for coarse, fine in combinations(sorted(proved, key=lambda found: found.cells), 2):
         span, meshes = order(coarse, fine), f"from {coarse.cells} to {fine.cells} cells"
         if span:
@@ -1259,7 +1392,7 @@ def report(proved: Sequence[Enclosure]) -> None:
 
 
 def main(paths: Sequence[str]) -> int:
-    """Check files and print what they prove; return the exit code."""
+    """Check certificate files and print what they prove; return the exit code."""
     proved: list[Enclosure] = []
     stated: Any = None
     names = [path if path.isascii() and path.isprintable() else ascii(path) for path in paths]
@@ -1293,5 +1426,5 @@ def main(paths: Sequence[str]) -> int:
 
 if __name__ == "__main__":
     for stream in (sys.stdout, sys.stderr):
-        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # for terminals without ‖
+        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # for terminals that cannot show ‖
     sys.exit(main(sys.argv[1:]))

@@ -44,28 +44,36 @@ from study.certify.checker import CENTRE, CORNERS, CUBIC, SQUARE, Poly, X, Y
 from study.stresses.composite import indices
 
 GIVEN, INNER = 36, 9
-"""Number of prescribed data of the element (24 of tractions, 12 of forces), and number of coefficients that stay
-free."""
+"""Numbers of inputs of the reference element: 36 prescribed tractions and forces, and 9 free coefficients."""
 RIGID = ((checker.ONE, Poly()), (Poly(), checker.ONE), (Y * -1, X))
 BITS = 28
-"""Φ is rounded to multiples of 2^−BITS."""
+"""Number of binary digits of the tensor field Φ: it is rounded to multiples of 2^−BITS."""
 MARGIN = 1e-6
-"""Margin for round-off in every semidefinite condition."""
+"""Margin in every semidefinite condition, because neither the solver nor the rounding of Φ is exact."""
 WITH_FORCE, WITHOUT_FORCE = Fraction(1), Fraction(1, 100)
-"""The ratio μ/κ for problems with and without a body force f_0. Without f_0, C_Ω is needed for rounding errors only."""
+"""The ratio μ/κ of the two constants that are maximised together, for problems with and without a body force f_0.
+
+Without f_0, the constant C_Ω is needed for rounding errors only, so μ can be small.
+"""
 SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
-"""Fractions by which κ is reduced, tried in turn, until the rounded field Φ proves it."""
+"""Fractions by which κ is reduced until the rounded field Φ proves it; they are tried in turn."""
 ENTRIES = ((0, 0), (0, 1), (1, 1))
-"""Entries of a symmetric 2 × 2 matrix. The k-th entry contains the components k and k + 1 of Φ."""
+"""Positions of the entries of a symmetric 2 × 2 matrix.
+
+The k-th entry of Φv contains the components k and k + 1 of the tensor field Φ.
+"""
 Field = list[list[Poly]]
-"""A stress as polynomials: its three components on each of three thirds, [third][component]."""
+"""A stress on the reference triangle: its components as polynomials on each third, [third][component]."""
 
 
-# ---- the reference element
+# ---- the reference element: the stress for each prescribed traction and force
 
 
 def bernstein(third: int) -> list[Poly]:
-    """Return the cubic Bernstein polynomials of a third, as polynomials in X and Y, in the order of ``indices``."""
+    """Return the cubic Bernstein polynomials of a third of the reference triangle, as polynomials in X and Y.
+
+    They are in the order of ``indices``.
+    """
     (p, q), (r, s), (m, n) = CORNERS[(third + 1) % 3], CORNERS[(third + 2) % 3], CENTRE
     rows = checker.inverse([[p, r, m], [q, s, n], [Fraction(1)] * 3])
     factors = [X * a + Y * b + checker.ONE * c for a, b, c in rows]
@@ -78,7 +86,7 @@ def bernstein(third: int) -> list[Poly]:
 
 
 def _conditions(field: Field) -> list[Fraction]:
-    """Return the left-hand sides of all equations for a stress, as coefficients of polynomials.
+    """Return the left-hand sides of all equations of the element for a stress, as coefficients of polynomials.
 
     They are the tractions on the boundary, the jumps of tractions inside, and the divergences on the thirds.
     """
@@ -94,12 +102,12 @@ def _conditions(field: Field) -> list[Fraction]:
 
 
 def _at(divergences: list[Poly]) -> list[Fraction]:
-    """Return the six coefficients of every polynomial of degree 2."""
+    """Return the six coefficients of every polynomial of degree 2, one polynomial after the other."""
     return [p.get(key, Fraction(0)) for p in divergences for key in SQUARE]
 
 
 def _right_sides() -> list[list[Fraction]]:
-    """Return the right-hand sides of all equations, one column for each prescribed traction or force."""
+    """Return the right-hand sides of all equations of the element, one column for each prescribed traction or force."""
     found = []
     for i, p, d in product(range(3), checker.bernstein(3, X), (0, 1)):
         column = [Fraction(0)] * 84
@@ -116,10 +124,10 @@ def _right_sides() -> list[list[Fraction]]:
 def columns() -> dict[str, Any]:
     """Return the reference element as a certificate states it.
 
-    For each of the 36 prescribed data and the 9 free coefficients, this is the stress that belongs to it, given by the
-    coefficients of its monomials. All numbers are integers over one denominator, ``over``.
+    For each of the 36 prescribed data and the 9 free coefficients it contains the stress that belongs to it, by the
+    coefficients of monomials. All numbers are integers over one denominator, ``over``.
     """
-    # Basis fields: one Bernstein coefficient is 1, the others are 0.
+    # The stresses in which the solution is expanded: one Bernstein coefficient is 1, the others are 0.
     fields: list[Field] = [
         [[p if (i, c) == place else Poly() for c in range(3)] for i in range(3)]
         for place in product(range(3), repeat=2)
@@ -143,11 +151,11 @@ def columns() -> dict[str, Any]:
 
 
 def _monomials(fields: list[Field], weights: dict[int, Any]) -> list[Fraction]:
-    """Return a linear combination of stresses as coefficients: 3 components, each on 3 thirds with 10 monomials.
+    """Return the coefficients of a linear combination of stresses: 3 components, each with 10 monomials on 3 thirds.
 
     Args:
         fields: the stresses.
-        weights: the number of a stress ↦ its factor.
+        weights: for the number of a stress its factor; other stresses have the factor 0.
     """
     total = [[Poly() for _ in range(3)] for _ in range(3)]
     for n, weight in weights.items():
@@ -156,11 +164,11 @@ def _monomials(fields: list[Field], weights: dict[int, Any]) -> list[Fraction]:
     return [total[i][c].get(key, Fraction(0)) for c, i, key in product(range(3), range(3), CUBIC)]
 
 
-# ---- constants of loads
+# ---- the constants of the loads, from a semidefinite programme
 
 
 def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
-    """Return the constants of the loads as a certificate states them: a mesh, Φ at its vertices, μ and κ.
+    """Return the constants of the loads as a certificate states them: a mesh, the field Φ at its vertices, μ and κ.
 
     Args:
         mesh: a mesh as a certificate states it.
@@ -188,9 +196,15 @@ def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
 
 
 def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple[Array, float]:
-    """Solve the semidefinite programme: return Φ at the vertices, (vertices, 4), and the largest κ.
+    """Solve the semidefinite programme for the tensor field Φ with the largest κ.
 
-    ``inside`` is the ratio μ/κ.
+    Args:
+        mesh: the mesh on which Φ is linear.
+        problem: the problem.
+        inside: the ratio μ/κ.
+
+    Returns:
+        Φ at the vertices, (vertices, 4), and κ.
     """
     blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
     unknowns = 4 * len(mesh.points) + 1
@@ -207,9 +221,10 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
 
 
 def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iterator[tuple[Array, Array]]:
-    """Yield the conditions at the vertices of the cells as linear functions of the unknowns (the values of Φ, then κ).
+    """Yield the conditions of the programme at the vertices of the cells, as linear functions of the unknowns.
 
-    Each is a pair of coefficients, (5, 5, unknowns), and constants, (5, 5), of the matrix of the Schur complement.
+    The unknowns are the values of Φ, then κ. Each condition is the matrix with the Schur complement in the docstring of
+    the module. It is a pair of coefficients, (5, 5, unknowns), and constants, (5, 5).
     """
     constant = -MARGIN * np.eye(5)
     constant[2:, 2:] = [[float(c) for c in row] for row in problem.A]
@@ -228,7 +243,10 @@ def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iter
 
 
 def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
-    """Yield the conditions at the ends of edges outside Γ1, as ``_inside`` does: −Φ(ν), minus κ on loaded edges."""
+    """Yield the conditions of the programme at the ends of edges outside Γ1, in the same form as ``_inside``.
+
+    The matrix is −Φ(ν), and on loaded edges −Φ(ν) − κ 1.
+    """
     for edge, side in mesh.boundary.items():
         normal = np.array([float(c) for c in side.normal])
         normal /= np.linalg.norm(normal)
@@ -242,7 +260,8 @@ def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
 
 
 def _triangle(linear: Array, constant: Array) -> tuple[sps.csr_matrix, Array]:
-    """Return the condition constant + linear · x ⪰ 0 in the format of Clarabel, as a matrix and a right-hand side.
+    """Return a condition ``constant + linear · x`` ⪰ 0 in the format of the solver Clarabel: matrix and right-hand
+    side.
 
     The format is the upper triangle by columns, with off-diagonal entries multiplied by √2.
     """

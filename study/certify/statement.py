@@ -4,8 +4,8 @@
 most ``SIMPLE``, otherwise as its exact value. The certificate proves a bound for the problem with these fractions.
 
 **Meshes.** Vertices are moved to rational points such that the cells cover the polygon exactly. An inner vertex moves
-to the nearest point of a lattice of width 2^{−b}, with b from the size of the cells. A vertex on a part of the boundary
-moves along the part, to a fraction of its length with denominator 2^b.
+to the nearest point of a lattice of width 2^{−b}, where b depends on the size of the cells. A vertex on a part of the
+boundary moves along the part, to a fraction of its length with denominator 2^b.
 """
 
 from __future__ import annotations
@@ -32,17 +32,20 @@ from study.certify import checker
 from study.fem.mesh import determinants, simplicial_mesh, size
 
 SIMPLE = 10**6
-"""The largest denominator of a simple fraction that replaces a double."""
+"""Largest denominator of a simple fraction that replaces a number in double precision."""
 FINENESS = 64
-"""Least ratio of the cell size to the lattice width."""
+"""The size of cells is at least this many times the width of the lattice to which vertices are moved."""
 ROUNDED_TWICE = 4e-16
-"""Relative error of a product with √2 that is rounded twice."""
+"""Relative rounding error of a number that is multiplied by √2 twice."""
 NAMES = {Kind.CLAMPED: "clamped", Kind.LOADED: "loaded", Kind.CONTACT: "contact"}
 SERVED = "certificates support polynomials in x1, x2 and t with rational coefficients, times pos(polynomial, q) in f_2"
 
 
 def rational(x: float, tolerance: float = 0.0) -> Fraction:
-    """Return the fraction that stands for a double: a simple one within a relative tolerance, or its exact value."""
+    """Return the fraction that a number in double precision stands for.
+
+    It is a simple fraction within the relative tolerance if there is one, otherwise the exact value of the number.
+    """
     simple = Fraction(x).limit_denominator(SIMPLE)
     return simple if abs(float(simple) - x) <= tolerance * abs(x) else Fraction(x)
 
@@ -97,20 +100,30 @@ def _law(law: KelvinVoigt) -> dict[str, list[list[str]]]:
 
 
 def voigt(matrix: Array) -> list[list[Fraction]]:
-    """Convert a tensor from Mandel's to Voigt's components: strains (11, 22, 2·12) to stresses (11, 22, 12).
+    """Convert a fourth-order tensor from Mandel's to Voigt's components, as fractions.
+
+    The result maps strains (11, 22, 2·12) to stresses (11, 22, 12).
 
     Args:
         matrix: the tensor in Mandel form, (3, 3).
     """
     scale = np.sqrt([1.0, 1.0, 0.5])
-    # The factors √2 are rounded twice, so a simple fraction within this error is taken as the exact value.
+    # The factors √2 were rounded twice, so a simple fraction that differs by no more than this error is taken as exact.
     values = scale[:, None] * ((matrix + matrix.T) / 2) * scale
     found = [[rational(float(c), ROUNDED_TWICE) for c in row] for row in values]
     return [[found[min(i, j)][max(i, j)] for j in range(3)] for i in range(3)]
 
 
 def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
-    """Write a formula as a sum of terms p · pos(g, q), as [[p, g, q], …]; terms without pos have g = [], q = 0."""
+    """Write a formula as a sum of terms p · pos(g, q), for the certificate.
+
+    Args:
+        name: the name of the quantity, for messages.
+        formula: the formula.
+
+    Returns:
+        A list of terms [p, g, q]; a term without ``pos`` has g = [] and q = 0.
+    """
     grouped: dict[tuple[sp.Expr, int], sp.Expr] = {}
     for summand in sp.Add.make_args(sp.expand(sp.nsimplify(formula, rational=True))):
         factor, truncated = _split(name, summand)
@@ -123,14 +136,14 @@ def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
 
 
 def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
-    """Split a summand p · pos(g, q) of a formula into p and (g, q)."""
+    """Split a summand p · pos(g, q) of a formula into p and the pair (g, q); ``name`` is for messages."""
     plain, truncated = sp.Integer(1), []
     for factor in sp.Mul.make_args(summand):
         if not factor.has(pos):
             plain *= factor
             continue
         base, power = factor.as_base_exp()
-        # The exponent 1/2 marks a factor that is not supported. Such factors are refused below.
+        # The exponent 1/2 marks a factor that certificates do not support. Such factors are refused below.
         truncated.append((base.args[0], base.args[1] * power) if isinstance(base, pos) else (base, sp.Rational(1, 2)))
     if not truncated:
         return plain, (sp.Integer(0), 0)
@@ -141,7 +154,7 @@ def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
 
 
 def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> list[list[Any]]:
-    """Return the terms [[coefficient, exponent, …], …] of a polynomial; ``name`` is for messages."""
+    """Write a polynomial as a list of terms [coefficient, exponent, …]; ``name`` is its name in messages."""
     try:
         p = sp.Poly(sp.nsimplify(formula, rational=True), *symbols, domain="QQ")
     except sp.PolynomialError as error:
@@ -152,9 +165,10 @@ def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> 
 
 
 def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
-    """Return a mesh as a certificate states it: vertices as integers over one denominator, cells counter-clockwise.
+    """Return a mesh as a certificate states it, with rational vertices.
 
-    ``sides`` lists the vertices on every part of the body in the order in which they follow each other.
+    The vertices are integers over one denominator, the cells are counter-clockwise, and ``sides`` lists the vertices on
+    every part of the boundary in the order in which they follow each other.
     """
     bits = math.ceil(math.log2(FINENESS / size(mesh)))
     unit, sides = 1 << bits, corners(body)
@@ -181,18 +195,18 @@ def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
 
 
 def in_doubles(mesh: checker.Mesh) -> Mesh:
-    """Return a mesh of the checker as a mesh of scikit-fem, with coordinates in double precision."""
+    """Convert a mesh of the checker to a mesh of scikit-fem, with coordinates in double precision."""
     points = np.array([[float(c) for c in mesh.place(v)] for v in range(len(mesh.points))]).T
     return simplicial_mesh(points, np.array([cell.v for cell in mesh.cells]).T)
 
 
 @dataclass(frozen=True, eq=False)
 class Twins:
-    """Translates the numbers of vertices, edges and cells of one mesh between the checker and scikit-fem.
+    """One mesh in two programs: translates numbers of vertices, edges and cells between the checker and scikit-fem.
 
     Attributes:
         skfem: the mesh in scikit-fem.
-        exact: the same mesh in the checker, with rational vertices; its vertices, edges and cells are called exact.
+        exact: the same mesh in the checker, with rational vertices. Its vertices, edges and cells are called exact.
     """
 
     skfem: Mesh
@@ -200,37 +214,37 @@ class Twins:
 
     @property
     def triangles(self) -> Array:
-        """The exact vertices of the exact cells, (cells, 3)."""
+        """The numbers of the vertices of the cells in the checker, (cells, 3)."""
         return np.array([cell.v for cell in self.exact.cells])
 
     @cached_property
     def vertices(self) -> Array:
-        """The scikit-fem number of each exact vertex, (vertices,)."""
+        """For each vertex of the checker its number in scikit-fem, (vertices,)."""
         points = np.array(self.exact.points, dtype=float) / self.exact.h
         return cKDTree(self.skfem.p.T).query(points)[1]
 
     @cached_property
     def edges(self) -> Array:
-        """The scikit-fem number of each exact edge, (edges,)."""
+        """For each edge of the checker its number in scikit-fem, (edges,)."""
         known = {frozenset(ends): n for n, ends in enumerate(self.skfem.facets.T.tolist())}
         return np.array([known[frozenset(ends)] for ends in self.vertices[np.array(self.exact.edges)].tolist()])
 
     @cached_property
     def cells(self) -> Array:
-        """The scikit-fem number of each exact cell, (cells,)."""
+        """For each cell of the checker its number in scikit-fem, (cells,)."""
         known = {frozenset(corners): n for n, corners in enumerate(self.skfem.t.T.tolist())}
         mine = self.vertices[self.triangles].tolist()
         return np.array([known[frozenset(corners)] for corners in mine])
 
     @cached_property
     def corners(self) -> Array:
-        """For each corner of an exact cell, its position 0, 1 or 2 in the scikit-fem cell, (cells, 3)."""
+        """For each corner of a cell of the checker, its position 0, 1 or 2 in the cell of scikit-fem, (cells, 3)."""
         theirs = self.skfem.t.T[self.cells]
         mine = self.vertices[self.triangles]
         return (theirs[:, None, :] == mine[:, :, None]).argmax(axis=2)
 
     @cached_property
     def turned(self) -> Array:
-        """Whether the exact vertex of lower number of each exact edge is its second vertex in scikit-fem, (edges,)."""
+        """For each edge of the checker, whether its vertex of lower number comes second in scikit-fem, (edges,)."""
         first = self.vertices[np.array(self.exact.edges)[:, 0]]
         return self.skfem.facets[0, self.edges] != first

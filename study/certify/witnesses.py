@@ -1,11 +1,12 @@
 """The witnesses of a certificate: the displacement ũ and the stress σ̃ of ``study.bound``, rounded to integers.
 
-ũ and σ̃ are the two fields from which the checker computes an error bound. Rounding must preserve the signs on Γ3
-exactly. The balance of forces need not be exact, because the checker adds the effect of unbalanced loads to the bound.
+From these two fields the checker computes an error bound. Rounding must keep them admissible: the signs of ũ_ν and σ̃_ν
+on the contact boundary Γ3 must be right exactly. The balance of forces need not be exact, because the checker adds the
+effect of unbalanced loads to the bound.
 
-σ̃ differs from the stress that ``study.bound`` uses in two ways. It balances the loads f̃ of the checker, not projected
-loads. And it is given by its tractions on the edges and by nine numbers for each cell, called inner numbers, from which
-the checker makes a stress with exactly continuous tractions.
+σ̃ differs from the stress that ``study.bound`` uses in two ways. It balances the loads f̃ of the checker, not the
+projected loads. And it is given by its tractions on the edges and by nine numbers for each cell, called inner numbers,
+from which the checker makes a stress with exactly continuous tractions.
 """
 
 from __future__ import annotations
@@ -26,37 +27,44 @@ from study.stresses.composite import SIDES, indices
 from study.stresses.loads import Loads
 
 FINE, COARSE = 38, 20
-"""Binary digits, relative to the largest traction, of the numbers that determine the balance, and of all others."""
+"""Numbers of binary digits of a stress, relative to the largest traction.
+
+``FINE`` is for the numbers on which the balance of forces depends, ``COARSE`` for all others.
+"""
 DISPLACEMENT = 38
-"""Binary digits of ũ, relative to its largest value."""
+"""Number of binary digits of the displacement ũ, relative to its largest value."""
 EDGE_PLACES = np.array([[math.comb(3, i) * (n / 3) ** i * (1 - n / 3) ** (3 - i) for i in range(4)] for n in range(4)])
-"""Matrix from Bernstein coefficients of degree 3 to values at 0, 1/3, 2/3, 1."""
+"""Matrix from the Bernstein coefficients of a cubic polynomial to its values at 0, 1/3, 2/3 and 1."""
 CUBICS = indices(3)
-"""The multi-indices of the cubic Bernstein polynomials of a third."""
+"""The multi-indices of the cubic Bernstein polynomials on a third of a triangle."""
 LOAD_BITS = 60
-"""The loads f̃_0 agree with those of the checker up to 2^−LOAD_BITS."""
+"""Number of binary digits to which the body forces here agree with the body forces of the checker."""
 Edge = tuple[int, int]
 
 
 def bits_below(size: float, digits: int) -> int:
-    """Return b such that the unit 2^{−b} is about 2^{−digits} times a size."""
+    """Return the exponent b of a unit 2^{−b} that is about 2^{−digits} times a given size."""
     return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
 
 
 @dataclass(frozen=True, eq=False)
 class AdmissibleRounding:
-    """Rounds displacements to integers over 2^bits such that v = 0 on Γ1 and v·ν ≤ 0 on Γ3 hold exactly.
+    """Rounds displacements to integers over 2^bits that are exactly admissible: v = 0 on Γ1, and v·ν ≤ 0 on Γ3.
 
     Attributes:
         mesh: the mesh of the checker.
-        bits: binary digits behind the point.
+        bits: the number of binary digits behind the point.
     """
 
     mesh: checker.Mesh
     bits: int
 
     def __call__(self, values: Array) -> list[int]:
-        """Return the integers, x and y in turn, for coefficients at vertices, then at edges, (vertices + edges, 2)."""
+        """Return the rounded coefficients of a displacement as one list of integers, x and y in turn.
+
+        Args:
+            values: the coefficients at the vertices, then at the edges, (vertices + edges, 2).
+        """
         found = np.round(values * 2.0**self.bits).astype(object)
         rounded = [[int(c) for c in row] for row in found]
         for n, normals in self._normals.items():
@@ -65,7 +73,7 @@ class AdmissibleRounding:
 
     @cached_property
     def _normals(self) -> dict[int, list[tuple[int, int]]]:
-        """The integer normal vectors at the nodes on Γ3 and on Γ1, by node; the list is empty at nodes on Γ1."""
+        """For each node on Γ3 or Γ1 its normals as integer vectors. At nodes on Γ1 the list is empty."""
         found: dict[int, list[tuple[int, int]]] = {}
         clamped = set()
         for edge, side in self.mesh.boundary.items():
@@ -81,15 +89,16 @@ class AdmissibleRounding:
 
     @staticmethod
     def _admissible(value: list[int], normals: list[tuple[int, int]]) -> list[int]:
-        """Return an integer vector near ``value`` with value·N ≤ 0 for one or two normals N; 0 without normals."""
+        """Return an integer vector near ``value`` with value·N ≤ 0 for one or two normals N; 0 if there are none."""
         if not normals:
             return [0, 0]
         x, y = normals[0]
         if len(normals) == 1:
-            # The first direction is along the side, the second against its normal.
+            # The first direction runs along the side, and the second one is normal to it, so only the second factor has
+            # a sign.
             p, q, signs = (-y, x), (x, y), (0, 1)
         else:
-            # Each direction changes the product with one of the two normals only.
+            # Each direction is orthogonal to one of the two normals, so each factor affects only one condition.
             (u, v) = normals[1]
             p, q = (-v, u), (-y, x)
             signs = p[0] * x + p[1] * y, q[0] * u + q[1] * v
@@ -103,17 +112,18 @@ class AdmissibleRounding:
 
 @cache
 def element() -> checker.Element:
-    """Return the element as the checker reads it."""
+    """Return the reference element of the stresses as the checker reads it."""
     return checker.Element.of(columns())
 
 
 @dataclass(frozen=True)
 class Load:
-    """The loads f̃ of the checker at one time.
+    """The loads f̃ of the checker at one time, in double precision.
 
     Attributes:
-        force: twice the area of the cell times f̃_0, as coefficients of six monomials, (cells, 6, 2).
-        surface: |e| f̃_2 on the loaded edges, as four Bernstein coefficients of a cubic, (loaded edges, 4, 2).
+        force: twice the area of the cell times the body force f̃_0, as coefficients of six monomials, (cells, 6, 2).
+        surface: the length of the edge times the traction f̃_2 on loaded edges, as four Bernstein coefficients of a
+            cubic, (loaded edges, 4, 2).
     """
 
     force: Array
@@ -121,7 +131,7 @@ class Load:
 
 
 class StressEncoder:
-    """Converts stresses of the study to numbers of the checker, and loads of the checker to loads of the study.
+    """Converts stresses of the study to integers for the checker, and loads of the checker to loads of the study.
 
     Args:
         problem: the problem, as the checker reads it.
@@ -148,14 +158,15 @@ class StressEncoder:
         self.lengths = np.linalg.norm(along, axis=1)
         self.number = {edge: n for n, edge in enumerate(self.exact.edges)}
         self.sides = np.array([cell.nodes[3:] for cell in self.exact.cells]) - len(points)
-        # Whether a side of a cell runs from its lower vertex to its higher vertex.
+        # Tractions are stored from the vertex of lower number on. These flags say whether a side of a cell runs that
+        # way.
         self.forward = self.vertices[:, [1, 2, 0]] < self.vertices[:, [2, 0, 1]]
         self.to_monomials = np.array(
             [[[float(p.get(key, 0)) for p in bernstein(third)] for key in checker.CUBIC] for third in range(3)]
         )
 
     def loads(self, a: Fraction, b: Fraction) -> list[Load]:
-        """Return the loads f̃ for a piece [a, b] in time: at a, the control point between, and at b."""
+        """Return the loads f̃ of the checker for a time interval [a, b], as three Bernstein coefficients in time."""
         inside = [self._force(control) for control in self._exact.controls(a, b)]
         first, middle, last = (self._surface(t) for t in (a, (a + b) / 2, b))
         outside = [first, 2 * middle - (first + last) / 2, last]
@@ -166,12 +177,16 @@ class StressEncoder:
         return checker.Loads(self.problem, self.exact, LOAD_BITS)
 
     def _force(self, control: list[checker.Poly]) -> Array:
-        """Return ``Load.force`` for a control polynomial of f_0."""
+        """Return the body force ``Load.force`` for one Bernstein coefficient of f_0 in time."""
         found = np.array(self._exact.on_cells(control), dtype=float) / 2.0**LOAD_BITS
         return found.reshape(-1, 6, 2) if found.size else np.zeros((len(self.J), 6, 2))
 
     def _surface(self, time: Fraction) -> Array:
-        """Return ``Load.surface`` at a time: cubics that interpolate |e| f_2 at 0, 1/3, 2/3 and 1 on loaded edges."""
+        """Return the traction ``Load.surface`` at a time.
+
+        On every loaded edge it is the cubic polynomial that interpolates |e| f_2 at the relative positions 0, 1/3, 2/3
+        and 1.
+        """
         found = np.zeros((len(self.layout.loaded), 4, 2))
         for n, edge in enumerate(self.layout.loaded):
             p, q = (self.exact.place(v) for v in edge)
@@ -182,7 +197,7 @@ class StressEncoder:
         return np.linalg.solve(EDGE_PLACES, found)
 
     def study_loads(self, load: Load) -> Loads:
-        """Return the loads f̃ as ``study.stresses.loads.Loads``."""
+        """Convert loads of the checker to the class ``study.stresses.loads.Loads`` of the study."""
         space = self.fine.stresses
         nodal = np.einsum("nm,cmd->cnd", [_square(place) for place in PLACES], load.force) / self.J[:, None, None]
         theirs, force = np.empty_like(nodal), np.zeros((space.cells, 3, 6, 2))
@@ -198,12 +213,14 @@ class StressEncoder:
         return Loads(force, surface)
 
     def numbers(self, stress: Array, load: Load, bits: int, coarse: int) -> tuple[list[int], list[int]]:
-        """Return the integers of a stress in the certificate: tractions, with σ̃_ν ≤ 0 on Γ3, and inner numbers.
+        """Return the integers by which a certificate stores a stress: tractions, and inner numbers of the cells.
+
+        The tractions are rounded such that σ̃_ν ≤ 0 holds exactly on Γ3.
 
         Args:
             stress: the stress in Bernstein form, as ``bernstein`` returns it.
             load: the load that it balances.
-            bits: binary digits of the unit of tractions.
+            bits: the number of binary digits of the unit of tractions.
             coarse: by how many binary digits the unit of the other numbers is larger.
         """
         layout, T, unit = self.layout, self.tractions(stress), 2.0**bits
@@ -220,23 +237,28 @@ class StressEncoder:
         return [int(c) for part in (tau, loaded, free) for c in part.ravel()], [int(c) for c in inner.ravel()]
 
     def _numbers(self, edges: list[Edge]) -> list[int]:
-        """Return the numbers of edges that are given by their end vertices, in any order."""
+        """Return the numbers of edges that are given by their two vertices, in any order."""
         return [self.number[min(edge), max(edge)] for edge in edges]
 
     def _turned(self, T: Array, edges: list[Edge]) -> Array:
-        """Return the tractions σN of given edges from their first vertex on, from ``tractions`` of all edges."""
+        """Return the tractions of given edges, in the direction from the first to the second vertex of each edge.
+
+        Args:
+            T: the tractions of all edges, as ``tractions`` returns them.
+            edges: pairs of vertices.
+        """
         return self._flipped(T[self._numbers(edges)], edges)
 
     @staticmethod
     def _flipped(values: Array, edges: list[Edge]) -> Array:
-        """Convert σN of edges between the directions "from the first vertex" and "from the vertex of lower number"."""
+        """Reverse the direction of tractions on edges whose first vertex has the higher number."""
         flip = np.array([a > b for a, b in edges], dtype=bool)[:, None, None]
         return np.where(flip, -values[:, ::-1], values)
 
     def bernstein(self, values: Tensors) -> Array:
         """Return a stress in Bernstein form with Voigt's components, from its values at the quadrature points.
 
-        (3, cells, Q) → (exact cells, 3 thirds, 10 polynomials, 3 components).
+        The shape is (3, cells, Q) → (cells of the checker, 3 thirds, 10 polynomials, 3 components).
         """
         coefficients = np.moveaxis(self.fine.stresses.coefficients(values).reshape(3, -1, 3, 10), 0, 3)
         coefficients = coefficients / np.array([1, 1, np.sqrt(2)])
@@ -246,7 +268,8 @@ class StressEncoder:
         for third in range(3):
             local = self.twins.corners[:, third]
             mine = of_cells[cells, local]
-            # In the study a third starts at SIDES[local][0], in the checker at the next corner.
+            # In the study a third starts at the vertex SIDES[local][0], in the checker at the next corner, so some are
+            # reversed.
             first: Array = np.array([a for a, _ in SIDES])[local]
             turned = first != self.twins.corners[:, (third + 1) % 3]
             mine[turned] = mine[turned][:, swap]
@@ -254,9 +277,12 @@ class StressEncoder:
         return found
 
     def tractions(self, stress: Array) -> Array:
-        """Return the tractions σN of all edges in Bernstein form, from the vertex of lower number on, (edges, 4, 2).
+        """Return the tractions of all edges in Bernstein form, from the vertex of lower number on, (edges, 4, 2).
 
-        On an inner edge it is the mean of the tractions of both cells. ``stress`` is a result of ``bernstein``.
+        On an inner edge it is the mean of the tractions of both cells.
+
+        Args:
+            stress: a result of ``bernstein``.
         """
         places = [CUBICS.index((3 - i, i, 0)) for i in range(4)]
         found, count = np.zeros((len(self.normals), 4, 2)), np.zeros(len(self.normals))
@@ -273,15 +299,15 @@ class StressEncoder:
         return found / count[:, None, None]
 
     def inner(self, stress: Array, T: Array, force: Array) -> Array:
-        """Return the nine inner numbers of every cell, (cells, 9).
+        """Return the nine inner numbers of every cell, which with tractions and loads determine a stress, (cells, 9).
 
-        They are the coordinates of the stress after subtracting the part that tractions and loads determine; the best
-        approximation in L² is taken.
+        The part of the stress that tractions and loads determine is subtracted. The inner numbers are the coordinates
+        of the rest, by best approximation in L².
 
         Args:
             stress: a result of ``bernstein``.
-            T: σN of the edges in Bernstein form, (edges, 4, 2).
-            force: ``Load.force``, (cells, 6, 2).
+            T: the tractions of the edges in Bernstein form, (edges, 4, 2).
+            force: the body force, as in ``Load.force``, (cells, 6, 2).
         """
         given = [
             np.where(self.forward[:, i, None, None], T[self.sides[:, i]], -T[self.sides[:, i]][:, ::-1])
@@ -292,30 +318,35 @@ class StressEncoder:
         tensor = np.empty((*stress.shape[:-1], 2, 2))
         tensor[..., 0, 0], tensor[..., 1, 1] = stress[..., 0], stress[..., 1]
         tensor[..., 0, 1] = tensor[..., 1, 0] = stress[..., 2]
-        # The transformation of stresses: σ̂ det F = F⁻¹ σ F⁻ᵀ (det F)².
+        # The inner numbers refer to the reference triangle, so the stresses are transformed: σ̂ det F = F⁻¹ σ F⁻ᵀ (det
+        # F)².
         hat = np.einsum("cij,ctajk,clk->ctail", self.adjugate, tensor, self.adjugate, optimize=True)
         voigt = np.stack([hat[..., 0, 0], hat[..., 1, 1], hat[..., 0, 1]])
         wanted = np.einsum("tna,Icta->Ictn", self.to_monomials, voigt)
         rows = self.rows.reshape(3, 3, 10, 45)
         left = wanted - np.einsum("Itnj,cj->Ictn", rows[..., :GIVEN], pulled)
-        # After weighting with the Cholesky factors, Euclidean lengths of the vectors are norms in L².
+        # The Cholesky factors turn norms in L² into Euclidean lengths, so that least squares give the best
+        # approximation.
         left = np.einsum("tnm,Ictn->cItm", self.roots, left).reshape(len(stress), 90) * self.exact.h
         basis = np.einsum("tnm,Itnj->Itmj", self.roots, rows[..., GIVEN:]).reshape(90, INNER)
         return left @ np.linalg.pinv(basis).T
 
 
 def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
-    """Return the value of a formula of the checker at a point in space and time, (x, y, t)."""
+    """Return the value of a formula of the checker at a place, which is a point in space and time, (x, y, t)."""
     terms = [term(*map(checker.constant, place)).plain() for term in formula]
     return float(sum((p.get((0, 0, 0), Fraction(0)) for p in terms if p is not None), Fraction(0)))
 
 
 PLACES = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0)]
-"""The vertices of the reference triangle, then the midpoints of the opposite sides in the same order."""
+"""The points at which a quadratic function is given.
+
+They are the vertices of the reference triangle, then the midpoints of the opposite sides in the same order.
+"""
 
 
 def _square(place: tuple[float, float]) -> Array:
-    """Return the six monomials of degree 2 or less at a point."""
+    """Return the values at a point of the six monomials of degree 2 or less."""
     return np.array([place[0] ** i * place[1] ** j for i, j, _ in checker.SQUARE])
 
 

@@ -33,9 +33,11 @@ from study.statements.shared import estimates
 
 
 def do_adapt(options: argparse.Namespace) -> int:
-    """Refine until the tolerance is reached, write results and figure; return 0 if it is reached, otherwise 1.
+    """Refine until the error bound is at most the tolerance, and write results and figure.
 
-    If the exact solution is known, 1 is also returned if an error lies outside its enclosure.
+    Returns:
+        0 if the tolerance is reached, otherwise 1. If the exact solution is known and an error lies outside its
+        enclosure, 1 is returned as well.
     """
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
@@ -52,7 +54,8 @@ def do_adapt(options: argparse.Namespace) -> int:
     with store.locked():
         while True:
             number = len(results)
-            # The tolerance is not part of the cache key, because it only decides when to stop.
+            # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
+            # with another tolerance.
             cache_key = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
             results.append(_stage(store, number, cache_key, partial(adaptive.adapted, data, case, stage, scheme)))
             rows = adaptive.table([one["row"] for one in results])
@@ -66,7 +69,7 @@ def do_adapt(options: argparse.Namespace) -> int:
             if reached or stopped:
                 break
             stage = following
-        # The figure also shows uniform meshes if ``study bound`` has written their bounds for the same problem.
+        # If ``study bound`` has written the bounds on uniform meshes for this problem, the figure shows them, too.
         levels = store.directory / "levels.csv"
         uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
         shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, uniform)
@@ -84,6 +87,7 @@ def _stage(store: Store, number: int, cache_key: str, compute: Callable[[], Adap
     """Return the results on one mesh, from disk if they are stored, otherwise computed and stored.
 
     Parameters:
+        store: the result directory.
         number: number of the mesh.
         cache_key: cache key of the results.
         compute: computes the results.
@@ -115,6 +119,6 @@ def _limit(stage: Stage, cells: int) -> str:
     if need > room:
         return (
             f"the next mesh has {stage.cells} cells, which need about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} "
-            "GiB are available: raise the tolerance, or take a machine with more"
+            "GiB are available: raise the tolerance, or take a machine with more memory"
         )
     return ""

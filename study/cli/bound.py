@@ -1,4 +1,7 @@
-"""``study bound``: compute displacements, enclose their errors, write and draw; resumes after Ctrl-C."""
+"""``study bound``: computes displacements and encloses their errors without the exact solution.
+
+Finished levels are stored, so that the command continues after Ctrl-C.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,11 @@ from study.statements.shared import estimates
 
 
 def do_bound(options: argparse.Namespace) -> int:
-    """Enclose the error at each level; return 0 if the solution is unknown or every error lies in its enclosure."""
+    """Enclose the error on each level, and write tables and figures.
+
+    Returns:
+        0 if the exact solution is unknown, or if every error lies in its enclosure; otherwise 1.
+    """
     if options.displacement and options.adapt is not None:
         raise UsageError("--adapt computes the displacements itself: give --adapt or --displacement, not both")
     if not options.displacement and (options.field or options.nearest):
@@ -43,7 +50,7 @@ def do_bound(options: argparse.Namespace) -> int:
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
     check_force(case)
-    # The memory must be checked before check_bound makes meshes.
+    # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)
@@ -62,7 +69,7 @@ def do_bound(options: argparse.Namespace) -> int:
         over_time = pd.concat([pd.DataFrame(one["series"]) for one in kept])
         written = bounded.write(store.directory, table, over_time)
         written += [bounded.trajectory_file(store.directory, level) for level in plan]
-        if not static:  # The figure shows the bounds over time.
+        if not static:  # The figure shows bounds over time.
             written += draw_one(store.directory, enclosure("enclosure", over_time, name))
     print(folded(f"written: {listed(written)}"))
     sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
@@ -74,7 +81,15 @@ def do_bound(options: argparse.Namespace) -> int:
 def _level(
     store: Store, level: int, made_by: str, compute: Callable[..., bounded.BoundedSolution], T: float
 ) -> dict[str, Any]:
-    """Return the results on one level, from disk if they exist, otherwise computed."""
+    """Return the results on one level, from disk if they are stored there, otherwise computed and stored.
+
+    Parameters:
+        store: the result directory.
+        level: number of cells along a unit length.
+        made_by: cache key of the results.
+        compute: function that computes the results.
+        T: final time.
+    """
     key, trajectory = f"level-{level}", bounded.trajectory_file(store.directory, level)
     kept = store.load(key, made_by) if trajectory.is_file() else None
     if kept is not None:

@@ -1,4 +1,4 @@
-"""``study certify``: writes proofs of error bounds as files (certificates) and checks them."""
+"""``study certify``: writes proofs of error bounds as files (certificates), and checks them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from study.statements.shared import estimates
 
 
 def do_certify(options: argparse.Namespace) -> int:
-    """Write one certificate for each level; return the exit code of the checker."""
+    """Write one certificate for each level, check all, and return the exit code of the checker."""
     name, data, _ = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
@@ -34,7 +34,7 @@ def do_certify(options: argparse.Namespace) -> int:
         raise UsageError(f"{name} has no contact side, for which there are no certificates: take `study bound`")
     making = Making(data, family, scheme, refined)
     making.check()
-    # The memory must be checked before check_bound makes meshes.
+    # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)

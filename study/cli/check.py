@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import secrets
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from study.cli.common import check_jobs, code_of, known_undecided, progress_bar
@@ -26,19 +26,24 @@ from study.run.provenance import compare_sums
 from study.run.store import Store
 
 SEED_BITS = 62
-"""Bits of a fresh seed, which fits into 64-bit integers of other programs."""
+"""Number of bits of a fresh seed: few enough for the 64-bit integers of other programs."""
 IN_PART = (
     "data/provenance.json",
     "data/controls.csv",
     "data/sensitivity.csv",
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )
-"""Files in which only some edits are noticed: by relations between columns, or because tables are made from them. The
-data tables of a run are also among these files if its provenance has no checksums."""
+"""Files in which only some edits are noticed, by relations between columns, or because tables are made from them. The
+data tables of a run also belong to these files if its provenance has no checksums."""
 
 
 def do_check(options: argparse.Namespace) -> int:
-    """Check a result directory; return 0 if all agrees, 1 if a check fails, 2 if a file differs, 3 if undecided."""
+    """Check a result directory.
+
+    Returns:
+        0 if everything agrees, 1 if a check fails or a repeated measurement differs, 3 if a check is undecided. A file
+        with an unexpected content raises an error, for which the command returns 2.
+    """
     _require_sample(options)
     with Store(options.out).steady():
         verified = verify(options.out)
@@ -49,11 +54,11 @@ def do_check(options: argparse.Namespace) -> int:
         code = code_of(found, options.undecided)
         if code == FAILED or (options.again is not None and _again(options) == FAILED):
             return FAILED
-        # Data were checked first, so that no message advises to write tables from damaged data.
+        # Tables are checked after the data. Otherwise, a message might advise to write tables from damaged data.
         compared = compare_sums(options.out) | compare_record(options.out) | as_written(options.out, found)
     compared |= {options.out / "data" / "cases.csv"}
     inside = len([path for path in compared if options.out in path.parents])
-    print(folded(f"{verified}; {len(found)} verdicts and {inside} files agree with what would be written now"))
+    print(folded(f"{verified}; {len(found)} verdicts and {inside} files agree with the texts that this version writes"))
     in_part, unchecked = not_compared(options.out, compared)
     for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
         if paths:
@@ -62,7 +67,7 @@ def do_check(options: argparse.Namespace) -> int:
 
 
 def _require_sample(options: argparse.Namespace) -> None:
-    """Raise UsageError for bad options, before anything is computed."""
+    """Raise UsageError for options that cannot be used, before anything is computed."""
     check_jobs(options.jobs)
     known_undecided(options.undecided)
     tolerance_from(options)
@@ -105,7 +110,7 @@ def as_written(directory: Path, found: Sequence[Verdict]) -> set[Path]:
         The files that were compared.
 
     Raises:
-        DataError: names the first line that differs, both texts, and the command that mends it.
+        DataError: a file differs; the message names the first line, both texts, and the command that mends it.
     """
     path, again = claims_file(directory), f"`study tables --out {directory}` writes it again"
     if not path.is_file():
@@ -123,7 +128,7 @@ def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:
         expected: file ↦ (its expected text, the command that writes it).
 
     Raises:
-        DataError: as ``as_written``.
+        DataError: a file differs; the message names the first line, both texts, and the command that mends it.
     """
     for file, (text, command) in expected.items():
         if differs := difference(file, text):
@@ -131,23 +136,19 @@ def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:
     return set(expected)
 
 
-def files_of(directory: Path) -> Iterator[Path]:
-    """Yield the files of a result directory, without hidden files, stored jobs, and result directories inside it."""
-    inside = (path.parent.parent for path in directory.rglob("data/provenance.json"))
-    left_out = {directory / "data" / "jobs", *inside} - {directory}
-    for path in sorted(directory.rglob("*")):
-        if path.is_file() and not path.name.startswith(".") and not left_out & {*path.parents}:
-            yield path
-
-
 def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list[Path]]:
-    """Return the files that were checked in part, and the files that were not checked.
+    """Return the files of a result directory that were checked in part, and the files that were not checked.
+
+    Hidden files, stored results of jobs, and result directories inside this one are left out.
 
     Parameters:
         directory: the result directory.
         compared: the files that were checked completely.
     """
-    rest = [path for path in files_of(directory) if path not in compared]
+    inside = (path.parent.parent for path in directory.rglob("data/provenance.json"))
+    left_out = {directory / "data" / "jobs", *inside} - {directory}
+    files = [path for path in sorted(directory.rglob("*")) if path.is_file() and not path.name.startswith(".")]
+    rest = [path for path in files if path not in compared and not left_out & {*path.parents}]
     tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
     in_part = {directory / name for name in (*IN_PART, *tables)}
     return [path for path in rest if path in in_part], [path for path in rest if path not in in_part]

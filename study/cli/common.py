@@ -1,4 +1,4 @@
-"""Functions that several commands use: exit codes, progress bars, drawing, lists of files."""
+"""Functions that several commands use: exit codes, progress bars, drawing of figures, lists of files."""
 
 from __future__ import annotations
 
@@ -18,23 +18,23 @@ from study.run.executor import Processes
 
 Result = TypeVar("Result")
 SURE = 0.1
-"""The share of the work after which the remaining time is estimated."""
+"""The remaining time is estimated after this fraction of the work is done."""
 
 
 def check_jobs(jobs: int) -> None:
-    """Raise UsageError for fewer than one process."""
+    """Raise UsageError if the number of processes is less than 1."""
     if jobs < 1:
         raise UsageError(f"--jobs must be 1 or more, got {jobs}")
 
 
 def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
-    """Return the identities of the checks that a CSV file lists as undecided.
+    """Return which checks are listed as undecided in a CSV file.
 
     Parameters:
         file: the file; None for an empty set.
 
     Returns:
-        Tuples (label, key, case, family).
+        Tuples (label, key, case, family), which identify the checks.
 
     Raises:
         UsageError: the file cannot be read, has other columns, or a row has no reason.
@@ -57,29 +57,29 @@ def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
 
     Parameters:
         verdicts: all checks.
-        file: a CSV file with checks that are known to be undecided. If it is given, the exit code is 0 if exactly these
-            checks are undecided, and 3 otherwise; differences are printed.
+        file: a CSV file with checks that are known to be undecided, or None. With a file, the exit code is 0 if exactly
+            these checks are undecided, and 3 otherwise; differences are printed.
     """
     code, known = exit_code(verdicts), known_undecided(file)
     if file is None or code == FAILED:
         return code
     found = {verdict.identity for verdict in verdicts if verdict.verdict == UNDECIDED}
-    for text, rows in (("undecided but not listed", found - known), ("listed but not undecided", known - found)):
+    for text, rows in (("undecided but not listed", found - known), ("not undecided but listed", known - found)):
         for row in sorted(rows):
-            print(f"{text} in {file}: {', '.join(filter(None, row))}", file=sys.stderr)
+            print(f"this check is {text} in {file}: {', '.join(filter(None, row))}", file=sys.stderr)
     return OK if verdicts and found == known else UNCLEAR
 
 
 class ProgressBar(tqdm):  # type: ignore[misc]
-    """A progress bar whose estimate of the remaining time follows from the mean speed since the start.
+    """A progress bar that estimates the remaining time from the mean speed since the start.
 
-    An estimate is shown once ``SURE`` of the work is done. Speeds of single jobs differ by a factor of ten, so that an
-    estimate from the last jobs, as of tqdm, jumps.
+    An estimate is shown once ``SURE`` of the work is done. The estimates of tqdm follow from the speed of the last
+    jobs. This speed varies by a factor of ten, so that these estimates jump.
     """
 
     @property
     def format_dict(self) -> dict[str, Any]:
-        """The values for the text of the bar, with ``left``, the estimate."""
+        """The values for the text of the bar, with the estimated remaining time as ``left``."""
         values: dict[str, Any] = super().format_dict
         values["left"] = "?"
         if values["total"] and values["total"] > values["initial"]:
@@ -89,9 +89,10 @@ class ProgressBar(tqdm):  # type: ignore[misc]
         return values
 
     def notify_after_stored(self) -> Callable[[float], None]:
-        """Return a function to notify of the cost of finished jobs; its first call is about results that are stored.
+        """Return a function that is called with the cost of finished jobs and moves the bar.
 
-        Stored results take no time, so that they do not count for the speed.
+        Its first call must give the cost of all jobs with stored results. They take no time, so they are left out of
+        the speed.
         """
         first = True
 
@@ -106,18 +107,18 @@ class ProgressBar(tqdm):  # type: ignore[misc]
 
 
 def progress_bar(total: int) -> ProgressBar:
-    """Return a progress bar on standard error, updated less often if it is not a terminal."""
+    """Return a progress bar on standard error. If this is not a terminal, the bar is updated less often."""
     pause = 0.5 if sys.stderr.isatty() else 10
     return ProgressBar(total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{left}", mininterval=pause)
 
 
 def with_progress(name: str, T: float, compute: Callable[[Callable[[float], object]], Result]) -> Result:
-    """Return the result of a computation and show its progress.
+    """Return the result of a computation over time, and show its progress.
 
     Parameters:
         name: text before the progress bar.
         T: final time.
-        compute: the computation; it calls the function that it is given with each time that is finished.
+        compute: the computation. Its argument is a function that it calls with each time that is finished.
     """
     with progress_bar(100) as bar:
         bar.set_description(name)
@@ -132,7 +133,7 @@ def draw(
     Parameters:
         directory: the result directory.
         processes: draw the figures.
-        chosen: function that returns the figures, given the directory.
+        chosen: function that returns the figures to be drawn, given the directory.
         output: use, formats, resolution and style of the figures.
     """
     with progress_bar(0) as bar:
@@ -146,7 +147,10 @@ def draw(
 
 
 def listed(paths: Sequence[Path]) -> str:
-    """Return the names of files as one text; three or more of a kind in a folder become FOLDER/*.KIND (NUMBER)."""
+    """Return the names of files as one text, for messages.
+
+    Three or more files with the same ending in a folder become FOLDER/*.ENDING (NUMBER).
+    """
     kinds: dict[str, list[Path]] = {}
     for path in paths:
         kinds.setdefault(f"{path.parent}/*{path.suffix}", []).append(path)

@@ -13,7 +13,11 @@ from study.run.store import Store
 
 
 def do_compare(options: argparse.Namespace) -> int:
-    """Compare two result directories, print the differences; return 0 if they agree within the tolerance, else 1."""
+    """Compare two result directories and print the differences.
+
+    Returns:
+        0 if they agree within the tolerance, else 1.
+    """
     tolerance = tolerance_from(options)
     with Store(options.old).steady(), Store(options.new).steady():
         found = compare(options.old, options.new, tolerance)
@@ -25,7 +29,11 @@ def do_compare(options: argparse.Namespace) -> int:
 
 
 def tolerance_from(options: argparse.Namespace) -> Tolerance:
-    """Return the tolerance from two options; raise UsageError if one of them is negative or not finite."""
+    """Return the tolerance from the options ``--tolerance`` and ``--absolute``.
+
+    Raises:
+        UsageError: one of them is negative or not finite.
+    """
     for name in ("tolerance", "absolute"):
         if not 0 <= getattr(options, name) < math.inf:
             raise UsageError(f"--{name} must be a number, 0 or more, got {getattr(options, name):g}")

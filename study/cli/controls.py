@@ -1,4 +1,7 @@
-"""``study controls`` tests that deliberate defects are noticed; ``study sensitivity`` finds the smallest ones."""
+"""``study controls`` tests that deliberate defects of the study are noticed by its checks.
+
+``study sensitivity`` finds the smallest defects that are noticed.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +11,18 @@ from study.cli.common import check_jobs, progress_bar
 from study.cli.options import FAILED, OK
 from study.controls import table
 from study.controls.run_controls import controls_text, run_controls, settings, write_controls
-from study.controls.sensitivity import MOST, PLACES, run_sensitivity, sensitivity_text, write_sensitivity
+from study.controls.sensitivity import MOST, PLACES, SENSITIVITY, run_sensitivity, sensitivity_text
+from study.ledger.datafiles import write_csv
 from study.run.executor import Processes
 from study.run.store import Store
 
 
 def do_controls(options: argparse.Namespace) -> int:
-    """Measure all settings with and without defects, write the outcomes; return 0 if all are noticed, else 1."""
+    """Measure with and without each deliberate defect, and write which defects the checks noticed.
+
+    Returns:
+        0 if all defects are noticed, else 1.
+    """
     check_jobs(options.jobs)
     store = Store(options.out)
     store.check()
@@ -29,14 +37,18 @@ def do_controls(options: argparse.Namespace) -> int:
 
 
 def do_sensitivity(options: argparse.Namespace) -> int:
-    """Find the smallest defect of each part that makes a check fail, write them; return 0 if all are found, else 1."""
+    """Find for each part of the problem the smallest defect that makes a check fail, and write these defects.
+
+    Returns:
+        0 if each part has such a defect, else 1.
+    """
     check_jobs(options.jobs)
     store = Store(options.out)
     store.check()
     with Processes(min(options.jobs, len(PLACES))) as executor, store.locked():
         with progress_bar(len(PLACES)) as bar:
             amounts = run_sensitivity(executor, bar.update)
-        written = write_sensitivity(options.out, amounts)
+        written = write_csv(options.out / "data" / SENSITIVITY.name, amounts)
     print(f"\n{sensitivity_text(amounts)}")
     print(f"data: {written}")
     return OK if (amounts["amount"] < MOST).all() else FAILED

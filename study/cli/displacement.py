@@ -44,7 +44,7 @@ def do_displacement(options: argparse.Namespace) -> int:
     read = [_read(data, path, options, refined) for path in options.displacement]
     if case:
         prove(case.solution, f"case {case.name}")
-    # The coarsest mesh comes first, because orders are computed from mesh to mesh.
+    # The meshes are sorted from coarse to fine, because observed orders are computed between consecutive meshes.
     read.sort(key=lambda pair: -pair[1].h)
     stems = dict.fromkeys(path.stem for path, _ in read)
     store = Store(options.out / "-".join([name, *stems]), written=(".",))
@@ -59,7 +59,7 @@ def do_displacement(options: argparse.Namespace) -> int:
     if isinstance(data, Static):
         print("no figure: the figure shows the bounds over time, and a static problem has no time")
     elif not table["level"].is_unique:
-        print("no figure: two files have meshes of the same size")
+        print("no figure: the figure shows one mesh of each size, and two files have meshes of the same size")
     for path, u_h in read:
         print(folded(f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"))
     sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
@@ -70,7 +70,14 @@ def do_displacement(options: argparse.Namespace) -> int:
 
 
 def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined) -> tuple[Path, GivenDisplacement]:
-    """Return the path and the checked displacement of a file; raise UsageError if there is too little memory for it."""
+    """Read a displacement file and check the displacement.
+
+    Returns:
+        The path and the displacement.
+
+    Raises:
+        UsageError: there is too little memory to bound the error on this mesh.
+    """
     field = fields.read(path, options.field)
     need, room = (estimates.BASE, available())
     per_cell = (estimates.bound(1, refined.refinements, "unstructured") - estimates.BASE) / 2
@@ -93,11 +100,14 @@ def _level(u_h: GivenDisplacement) -> int:
 def _row(
     store: Store, data: Data, case: Case | None, number: int, path: Path, u_h: GivenDisplacement, refined: Refined
 ) -> dict[str, Any]:
-    """Return the results for a file, from disk if they are stored, otherwise computed and stored.
+    """Return the results for a displacement file, from disk if they are stored, otherwise computed and stored.
 
     Parameters:
+        store: the result directory.
+        data, case: the problem, and the case with its exact solution, or None.
         number: number of the file.
         path, u_h: the file and its displacement.
+        refined: how the mesh and the time steps are refined for the bound.
     """
     arrays = (u_h.mesh.p, u_h.mesh.t, u_h.times, u_h.nodes)
     content = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()

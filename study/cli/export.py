@@ -47,7 +47,7 @@ def do_export(options: argparse.Namespace) -> int:
         prove(case.solution, f"case {case.name}")
     with TaskStore(options.out).locked():
         for task in wanted:
-            # A new object for each file frees the memory of the meshes and factorisations of the files before.
+            # A ``Task`` keeps its mesh and factorisations. A new one for each file frees the memory of the one before.
             path = write_task(options.out, _data(Task(task.case, task.family, task.level), options))
             print(f"{path}  {path.stat().st_size / 1000:.1f} kB")
     return OK
@@ -74,7 +74,7 @@ def _check_mesh(options: argparse.Namespace, task: Task) -> None:
 
 
 def _check(options: argparse.Namespace, case: Case) -> None:
-    """Raise UsageError for bad options, before anything is written."""
+    """Raise UsageError for options that cannot be used, before anything is written."""
     if min(options.levels) < 2:
         raise UsageError(f"--levels must be 2 or more, got {min(options.levels)}")
     if options.mode == "march" and options.instants:

@@ -1,4 +1,4 @@
-"""The ``study`` command: parses the options, calls the function of a command, and turns errors into messages."""
+"""The ``study`` command: parses options, calls the function of a command, and turns errors into messages."""
 
 from __future__ import annotations
 
@@ -12,14 +12,16 @@ from study.cli.options import CLOSED, INTERRUPTED, USAGE, parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command and return its exit code: 0 success, 1 a check fails, 2 bad usage or input, 3 undecided.
+    """Run a command and return its exit code.
+
+    The exit codes are 0 for success, 1 if a check fails, 2 for bad usage or input, and 3 if a check is undecided.
 
     Parameters:
         arguments: the words after ``study``; by default those of the command line.
     """
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            # Terminals in ASCII or cp1252 cannot show ‖; then \u2016 is printed, which is also valid in JSON.
+            # An ASCII terminal cannot show a character such as ‖. Then \u2016 is printed, which is also valid in JSON.
             stream.reconfigure(errors="backslashreplace")
     options = parser().parse_args(arguments)
     module, name = options.command
@@ -66,6 +68,6 @@ STRIPPED = (
 
 
 def _close_output() -> None:
-    """Discard the rest of the output, which Python cannot write any more at its end."""
+    """Redirect standard output to nowhere, because Python would fail to write the rest of the output at its end."""
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)

@@ -1,4 +1,7 @@
-"""Defines the commands, their options and exit codes. Imports nothing slow, so that ``--help`` answers at once."""
+"""Defines the commands, their options and exit codes.
+
+The module imports nothing slow, so that ``--help`` answers at once.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +17,12 @@ SCHEMES = ("backward-euler", "midpoint", "bdf2")
 FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
 MODES = ("frozen", "march")
 MINUTES = 60.0
-"""Default time in minutes in which ``study seeds`` draws new seeds."""
+"""Default time in minutes during which ``study seeds`` measures new random meshes."""
 TOLERANCE = 1e-12
 """Default relative difference that ``study compare`` permits."""
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
-"""Default relative and absolute differences that ``study check --again`` permits. With 1e-12 every file would differ on
-another processor: numbers near rounding differ, and quotients of small numbers have fewer digits."""
+"""Default relative and absolute differences that ``study check --again`` permits. They are larger than 1e-12, because
+on another processor numbers near round-off differ, and so do quotients of small numbers."""
 CELLS = 20_000
 """Default largest number of cells of ``study bound --adapt``."""
 RESUMES = ("run", "controls", "seeds", "bound")
@@ -63,20 +66,20 @@ def parser() -> argparse.ArgumentParser:
         metavar="M",
         help="time for new seeds (default 60; 0: only write the table again)",
     )
-    seeds.add_argument("--seeds", type=int, metavar="N", help="largest number of fresh seeds")
-    seeds.add_argument("--seed", type=int, metavar="N", help="measure this seed again and compare; nothing is recorded")
+    seeds.add_argument("--seeds", type=int, metavar="N", help="largest number of new seeds")
+    seeds.add_argument("--seed", type=int, metavar="N", help="measure this seed again and compare with the record")
     _spread(seeds)
     _rates(add("rates", "rates", "compute the observed orders of any table of errors"))
     _bound(add("bound", "bound", "enclose the error of a computed displacement, without the exact solution"))
     certify = add("certify", "certify", "write proofs of error bounds as files, which a stand-alone program checks")
-    certify.add_argument("problem", metavar="NAME|FILE.py:NAME", help="a problem in formulas")
+    certify.add_argument("problem", metavar="NAME|FILE.py:NAME", help="a problem given by formulas")
     _enclosed(certify, levels=(4, 8), shorter=2)
     _out(certify, "certificates")
     _export(add("export", "export", "write cases as data files, to test other contact codes"))
     show = add("show", "show", "solve a case on one mesh, draw images and an animation, and write files for ParaView")
     show.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
     show.add_argument("--level", type=int, metavar="N", help="cells along a side (default 24, in 3D 9)")
-    film = "insist on animation.mp4: refuse if ffmpeg is missing (without this option the film is left out then)"
+    film = "require animation.mp4: a missing ffmpeg is an error (without this option the film is then left out)"
     show.add_argument("--mp4", action="store_true", help=film)
     _out(show, "shows")
     _out(add("report", "present", "write one HTML page about the data in a directory"))
@@ -86,13 +89,13 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _figures(figures: argparse.ArgumentParser) -> None:
-    use = "article: columns of 3.5 in, DIR/figures (default); slides: 16:9, 1920 px; web: SVG; DIR/figures/USE"
+    use = "article: 3.5 in wide, into DIR/figures (default); slides: 16:9, 1920 px; web: SVG; both into DIR/figures/USE"
     figures.add_argument("--for", dest="use", choices=("article", "slides", "web"), default="article", help=use)
     formats = "formats (default: png pdf svg for articles, png pdf for slides, svg png for the web)"
     figures.add_argument("--format", nargs="+", choices=("png", "pdf", "svg", "pgf"), help=formats)
     which = figures.add_mutually_exclusive_group()
     which.add_argument("--case", nargs="+", metavar="NAME", help="only the figures of these cases")
-    which.add_argument("--overview", action="store_true", help="only the figures over all cases")
+    which.add_argument("--overview", action="store_true", help="only the figures that show all cases together")
     figures.add_argument("--dpi", type=_finite, metavar="N", help="dots per inch of PNG files")
     style = "Matplotlib style file, replaces entries of the style of the study; figure.figsize sets the column width"
     figures.add_argument("--style", type=Path, metavar="FILE", help=style)
@@ -104,9 +107,9 @@ def _rates(rates: argparse.ArgumentParser) -> None:
     orders = "P|NAME=P,..."
     add("file", type=Path, metavar="FILE", help="a table of errors as text, in nearly any form; - reads standard input")
     add("--expected", type=_orders, metavar=orders, help="expected order; lower and higher orders fail")
-    add("--at-least", type=_orders, metavar=orders, help="smallest accepted order")
-    add("--tolerance", type=_finite, default=0.15, metavar="T", help="accepted difference (default 0.15)")
-    add("--columns", metavar="NAME,...", help="names of the columns of errors (default: recognised)")
+    add("--at-least", type=_orders, metavar=orders, help="lower limit of the order; higher orders pass")
+    add("--tolerance", type=_finite, default=0.15, metavar="T", help="accepted difference of orders (default 0.15)")
+    add("--columns", metavar="NAME,...", help="names of the columns of errors (default: found by their names)")
     add("--in", dest="size", metavar="NAME", help="name of the column of mesh sizes or time steps")
     add("--dim", type=int, metavar="D", help="dimension of the mesh, if sizes are numbers of cells or unknowns")
     add("--ratio", type=_finite, metavar="R", help="ratio of the mesh sizes in consecutive rows")
@@ -178,7 +181,7 @@ def _bound(bound: argparse.ArgumentParser) -> None:
     _enclosed(bound, levels=(8, 16), shorter=4)
     given = "enclose the errors of displacements in files (.npz, .vtu and others) instead of computing one"
     add("--displacement", nargs="+", type=Path, metavar="FILE", help=given)
-    add("--field", metavar="NAME", help="name of the displacement in the file (default: recognised)")
+    add("--field", metavar="NAME", help="name of the displacement in the file (default: u or displacement)")
     nearest = "if the displacement is not zero on the clamped part, bound the error of the nearest one that is"
     add("--nearest", action="store_true", help=nearest)
     adapt = "refine the first mesh until the error bound is at most TOL, or P per cent of the norm of u"
@@ -228,7 +231,7 @@ def _export(export: argparse.ArgumentParser) -> None:
 
 
 def _undecided(command: argparse.ArgumentParser) -> None:
-    known = "exit code 0 if exactly the checks in this CSV file are undecided: label, key, case, family, reason"
+    known = "exit code 0 if the undecided checks are exactly those in this CSV file (label, key, case, family, reason)"
     command.add_argument("--undecided", type=Path, metavar="FILE", help=known)
 
 
@@ -253,9 +256,9 @@ def _json(command: argparse.ArgumentParser) -> None:
 
 
 def _orders(text: str) -> float | dict[str, float]:
-    """Return a number for the text ``2``, and a dictionary for ``L2=2,H1=1``.
+    """Return the expected orders in a text: a number for ``2``, and a dictionary for ``L2=2,H1=1``.
 
-    Names may contain commas: a comma separates two entries only after a number.
+    Names of columns may contain commas. A comma separates two entries only after a number.
     """
     orders: dict[str, float] = {}
     name = ""
@@ -273,7 +276,7 @@ def _orders(text: str) -> float | dict[str, float]:
 
 
 def _finite(text: str) -> float:
-    """Return the finite number in a text; argparse reports the errors."""
+    """Return the finite number in a text; argparse prints a message if there is none."""
     value = float(text)
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"{text} is not a finite number")

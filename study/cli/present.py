@@ -23,7 +23,7 @@ from study.run.store import Store
 
 
 def do_tables(options: argparse.Namespace) -> int:
-    """Judge the data and write ``claims.csv`` and the tables; return 0."""
+    """Judge the data, and write ``claims.csv`` and the tables; return 0."""
     read_provenance(options.out)
     with Store(options.out).steady():
         judge(options.out)
@@ -39,7 +39,7 @@ def do_report(options: argparse.Namespace) -> int:
 
 
 def do_figures(options: argparse.Namespace) -> int:
-    """Draw the figures of the data, all of them, those of some cases, or the overviews; return 0."""
+    """Draw all figures of the data, or only the figures of some cases, or only the overviews; return 0."""
     check_jobs(options.jobs)
     output = Output(options.use, tuple(options.format or ()), options.dpi, options.style)
     check_output(output)
@@ -57,10 +57,10 @@ def do_figures(options: argparse.Namespace) -> int:
 
 
 def check_output(output: Output) -> None:
-    """Raise UsageError for a style file that cannot be used, a wrong resolution, or pgf without LaTeX."""
+    """Raise UsageError if a style file cannot be used, a resolution is out of range, or pgf is wanted without LaTeX."""
     if output.dpi is not None and not 10 <= output.dpi <= 2400:
         raise UsageError(f"--dpi must be 10 to 2400, got {output.dpi:g}")
     with in_style(output):
         latex = rcParams["pgf.texsystem"]
     if "pgf" in output.suffixes and not shutil.which(latex):
-        raise UsageError(f"--format pgf measures its texts with {latex}, which is not installed")
+        raise UsageError(f"--format pgf needs {latex}, which is not installed: install LaTeX, or choose another format")

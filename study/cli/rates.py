@@ -20,7 +20,7 @@ from study.orders.sequences import OrderResult, grid_convergence
 
 
 def do_rates(options: argparse.Namespace) -> int:
-    """Read tables of errors, print the observed orders and the verdicts.
+    """Read tables of errors, and print the observed orders and the verdicts.
 
     Returns:
         0 if all orders hold or none is expected, 1 if one fails, 2 for bad input, 3 if one is undecided.
@@ -37,7 +37,7 @@ def _rates(options: argparse.Namespace) -> int:
     judging = {name: getattr(options, name) for name in ("expected", "at_least", "junit", "markdown", "plot")}
     given = [f"--{name.replace('_', '-')}" for name, value in judging.items() if value is not None]
     if options.values and given:
-        raise OrderError(f"--values has no errors to judge: leave out {', '.join(given)}")
+        raise OrderError(f"with --values the columns have no expected order: leave out {', '.join(given)}")
     columns = tuple(options.columns.split(",")) if options.columns else ()
     reading = Options(options.dim, options.size, options.ratio, columns, signed=options.values)
     try:
@@ -59,7 +59,7 @@ def _rates(options: argparse.Namespace) -> int:
 
 
 def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
-    """Compare the observed order of every column of errors with its expected order, and return the results.
+    """Compute the observed order of every column of errors, and compare it with its expected order.
 
     The expected order of a column is looked up by its name and case, then by its name, then by its case.
     """
@@ -84,10 +84,10 @@ def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
 
 
 def _values(tables: list[Series], as_json: bool) -> str:
-    """Return the order, the extrapolated value and the grid convergence index of each column of values as text.
+    """Return the order, the extrapolated value and the grid convergence index of each column of values, as text.
 
     Parameters:
-        tables: the tables.
+        tables: the tables, whose columns contain values of quantities instead of errors.
         as_json: whether the text is JSON.
     """
     found = {
@@ -113,7 +113,7 @@ def _values(tables: list[Series], as_json: bool) -> str:
 
 
 def _read(file: Path) -> bytes:
-    """Return the content of a file, of a pipe, or of standard input if the name is ``-``."""
+    """Return the content of a file or a pipe, or of standard input if the name is ``-``."""
     if str(file) == "-":
         return sys.stdin.buffer.read(MAX_BYTES + 1)
     if file.is_dir():

@@ -29,11 +29,14 @@ KILLED = (
     "fewer --jobs; finished results are kept"
 )
 
-OUT_OF_MEMORY = "there is not enough memory for this: take coarser levels, fewer --jobs, or a machine with more"
+OUT_OF_MEMORY = "there is not enough memory for this: take coarser levels, fewer --jobs, or a machine with more memory"
 
 
 def exit_code_and_message(error: Exception) -> tuple[int, str]:
-    """Return the exit code and the message of an error; an unexpected error is raised again, with its traceback."""
+    """Return the exit code and the message of an error that ends a command.
+
+    An unexpected error is raised again, so that its traceback is shown.
+    """
     if isinstance(error, REFUSALS):
         return USAGE, str(error)
     if isinstance(error, JobsError):

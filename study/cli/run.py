@@ -28,14 +28,14 @@ from study.statements.own_cases import TRY, enough, finer, least_levels
 from study.statements.shared.scope import Levels, Scope
 
 PLACES = {"quick": Path("results/quick"), "full": Path("results")}
-"""Default directories of the quick and the full study."""
+"""Default result directories of the quick and the full study."""
 
 
 def do_run(options: argparse.Namespace) -> int:
     """Run the study: measure, write data, judge them, write tables and figures.
 
     Returns:
-        The exit code, as ``code_of``.
+        0 if all checks hold, 1 if a check fails, 3 if a check is undecided; ``code_of`` describes it in detail.
 
     Raises:
         UsageError, SelfProofError, MeshError, StoreError: bad input; raised before anything is computed.
@@ -50,7 +50,7 @@ def do_run(options: argparse.Namespace) -> int:
     if options.levels:
         scope = with_levels_of(store.directory, scope)
     plan = Plan.of(scope)
-    # No more processes are started than there are jobs or cases.
+    # More processes than jobs or cases would have nothing to do.
     with (
         Processes(min(options.jobs, max(len(plan.jobs), len(scope.cases)))) as processes,
         connected(options.cluster, plan.scope.cases) if options.cluster else nullcontext(Pool.of(processes)) as pool,
@@ -61,7 +61,7 @@ def do_run(options: argparse.Namespace) -> int:
             tested = measure(plan, store, pool, Pool.of(processes))
             verdicts = judge(store.directory)
             tables = write_tables(store.directory)
-            # Figures of single cases are drawn for selected cases only: those of all cases would take too long.
+            # Figures of single cases are only drawn if the user has selected cases. For all cases they take too long.
             drawn = draw(store.directory, processes, drawings if options.case else overview)
     data = ["rates.csv", "equivalence.csv", "claims.csv", "cases.csv", *tested, "provenance.json", "pictures/"]
     print("\n" + folded(f"data: {store.data}/{', '.join(data)}"))
@@ -70,7 +70,7 @@ def do_run(options: argparse.Namespace) -> int:
     if tested:
         print(contact_test_text(store.directory))
     if any(TRY in verdict.expected for verdict in verdicts):
-        print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}\n")
+        print(f"command for finer meshes: {on_finer_meshes(options, scope, store.directory)}\n")
     print(ledger_text(read_claims(store.directory), orders_text(store.directory)))
     return code_of(verdicts, options.undecided)
 
@@ -78,14 +78,16 @@ def do_run(options: argparse.Namespace) -> int:
 def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[str]:
     """Run the jobs of a plan whose results are not stored, and write the data files.
 
+    For users' cases, jobs with deliberate defects are run as well.
+
     Parameters:
         plan: the plan.
         store: the result directory.
         pool: runs the jobs of the plan.
-        own_processes: runs jobs with deliberate defects, for users' cases, in processes of this machine.
+        own_processes: runs the jobs with defects, in processes of this machine.
 
     Returns:
-        The names of additional data files, which only users' cases have.
+        The names of the additional data files that only users' cases have.
     """
     refuse_to_replace(plan, store.directory)
     store.check()
@@ -101,9 +103,10 @@ def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[s
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:
-    """Return the scope with all levels that the directory has for its cases, if the scope has new levels for them.
+    """Return a scope in which cases also have the levels that an earlier run in this directory has.
 
-    A case is then measured on old and new levels together.
+    The levels are only added for cases with new levels in the scope. Such a case is then measured on old and new levels
+    together.
     """
     if not (directory / "data" / "provenance.json").exists():
         return scope
@@ -130,12 +133,12 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
 
 
 def spaced(levels: Iterable[int]) -> str:
-    """Return levels as a text, in increasing order."""
+    """Return levels as a text, in increasing order and separated by blanks."""
     return " ".join(map(str, sorted(levels)))
 
 
 def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) -> str:
-    """Return a command line with which the same run is repeated on finer meshes, into another directory."""
+    """Return a command line that repeats this run on finer meshes and writes into another directory."""
     cases = scope.resolved()
     dim = max(case.solution.body.dim for case in cases)
     levels = finer(sorted({level for case in cases for level in scope.levels_of(case).all}), dim)
@@ -143,7 +146,7 @@ def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) 
 
 
 def warn_of_few_levels(scope: Scope) -> None:
-    """Print a warning for each case with too few levels for a verdict on an observed order."""
+    """Print a warning for each case that has too few levels for a verdict on an observed order."""
     for case in scope.resolved():
         needed, given = least_levels(case.proposition), scope.levels_of(case).all
         if len(given) < needed:
@@ -156,7 +159,7 @@ def warn_of_few_levels(scope: Scope) -> None:
 
 
 def scope_from_options(options: argparse.Namespace) -> Scope:
-    """Return the scope of the quick or the full study, changed by the options for cases, levels and time steps."""
+    """Return the scope of the quick or full study, changed by the options for cases, levels and time steps."""
     study = {"quick": quick, "full": full}[options.plan]()
     scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options))
     if options.case:
@@ -182,8 +185,8 @@ def command_line(options: argparse.Namespace, levels: Sequence[int] | None = Non
 
     Parameters:
         options: the options.
-        levels: other levels than those in the options.
-        out: the result directory; it is left out if it is None.
+        levels: levels that replace the levels in the options.
+        out: the result directory; it is left out of the command line if it is None.
     """
     words = ["study", "run", *(["--full"] if options.plan == "full" else [])]
     words += ["--case", *options.case] if options.case else []

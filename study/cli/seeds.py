@@ -1,4 +1,7 @@
-"""``study seeds``: judges all claimed checks on new random meshes, and adds the results to the record of seeds."""
+"""``study seeds``: measures how often a check fails by chance on meshes with random vertices.
+
+All claimed checks are judged on new random meshes, and the results are added to the record of seeds.
+"""
 
 from __future__ import annotations
 
@@ -13,11 +16,12 @@ from tqdm import tqdm
 
 from study.cli.common import check_jobs, progress_bar
 from study.cli.options import FAILED, OK, UNCLEAR
-from study.controls.alarms import tally, text, verdict, write_seeds
+from study.controls.alarms import tally, text, verdict
 from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
 from study.fem.naming import family_named
+from study.ledger.datafiles import write_csv
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute
@@ -35,7 +39,7 @@ class TimeIsUpError(Exception):
 
 @dataclass(frozen=True)
 class Watch:
-    """Shows progress after each job, and stops the run when the time is over.
+    """A function that is called after each job: it shows the progress, and stops the run when the time is over.
 
     Attributes:
         bar: the progress bar.
@@ -46,28 +50,35 @@ class Watch:
     end: float
 
     def __call__(self, cost: float) -> None:
-        """Show that a job with this cost is finished; raise TimeIsUpError if the time is over."""
+        """Show that a job with this cost is finished.
+
+        Raises:
+            TimeIsUpError: the time is over.
+        """
         self.bar.update(round(cost))
         if time.monotonic() >= self.end:
             raise TimeIsUpError
 
 
 def do_seeds(options: argparse.Namespace) -> int:
-    """Judge as many new seeds as time permits, and write the table of false-alarm rates; or measure one seed again.
+    """Judge checks on new random meshes as long as time permits, and write the table of false-alarm rates.
+
+    With ``--seed``, the meshes of one seed are measured again instead.
 
     Returns:
-        0 if the false-alarm rate is at most the permitted one, 1 if it is larger, 3 if this is undecided. For one seed
-        that is measured again: 0 if all claimed checks hold, otherwise 1.
+        0 if the false-alarm rate is at most the permitted one, 1 if it is larger, 3 if this is undecided. With
+        ``--seed``: 0 if all claimed checks hold, otherwise 1.
     """
     check_jobs(options.jobs)
     if options.minutes < 0:
         raise UsageError(
-            f"--minutes must be 0, to make the table again from the record, or more, got {options.minutes:g}"
+            f"--minutes must be 0 or more (0 makes the table again from the record), got {options.minutes:g}"
         )
     if options.seed is not None and options.seed < 0:
         raise UsageError(f"--seed must be 0 or more, got {options.seed}")
     if options.seed is not None:
-        family_named(f"shaken-{options.seed}")  # refuse a seed that is too long for the name of a directory
+        # A seed that is too long for the name of a directory raises an error here.
+        family_named(f"shaken-{options.seed}")
     if options.seeds is not None and options.seeds < 1:
         raise UsageError(f"--seeds must be 1 or more, got {options.seeds}")
     Store(options.out).check()
@@ -80,16 +91,24 @@ def do_seeds(options: argparse.Namespace) -> int:
             _fill(options.out, pool, time.monotonic() + 60 * options.minutes, most)
     record = Record.read(options.out)
     if not any(draw.judged >= 0 for draw in record.draws):
-        print("no seed was finished; run the same command again to finish the one that was begun")
+        print("no seed was finished; run the same command again to finish the seed that was begun")
         return UNCLEAR
     table = tally(record)
-    written = write_seeds(options.out, table)
+    written = write_csv(options.out / "data" / "seeds.csv", table)
     print(f"\n{text(table)}\ndata: {written}, {written.parent}/seeds/")
     return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[verdict(table)]
 
 
 def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
-    """Judge at most ``most`` seeds until the time ``end``, first the seed that an earlier call did not finish."""
+    """Judge the checks on new seeds and record the results.
+
+    If an earlier call did not finish a seed, this seed comes first.
+
+    Parameters:
+        directory, pool: the result directory, and the pool that runs the measurements.
+        end: the end of the time, as ``time.monotonic()``.
+        most: largest number of seeds.
+    """
     done = 0
     while done < most and time.monotonic() < end:
         done += 1
@@ -97,7 +116,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         draw = record.pending()
         if draw is None:
             draw = Draw(secrets.randbits(BITS), LIGHT if (len(record.draws) + 1) % EVERY else WHOLE)
-            # The seed is recorded before it is judged, so that a seed with a bad result cannot be left out.
+            # The seed is recorded before anything is measured, so that a seed with a bad result cannot be left out.
             record = record.drawn(draw.seed, draw.part)
             record.write(directory)
         store, plan = Store(directory / "seeds" / str(draw.seed)), seeded(draw.seed, draw.part)
@@ -112,7 +131,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
 
 
 def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[Verdict]:
-    """Run the jobs of a plan whose results are not stored, and return the claimed checks.
+    """Run the jobs of a plan whose results are not stored, and return the checks about which something is claimed.
 
     Parameters:
         plan, store, pool: the plan, the directory of its data, and the pool that runs the jobs.
@@ -130,7 +149,9 @@ def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[
 
 
 def _again(seed: int, directory: Path, pool: Pool) -> int:
-    """Measure one seed again, print the claimed checks that do not hold, and compare the results with the record.
+    """Measure the meshes of one seed again, and print the claimed checks that do not hold.
+
+    The results are also compared with the record of seeds.
 
     Returns:
         0 if all claimed checks hold, otherwise 1.
@@ -144,7 +165,7 @@ def _again(seed: int, directory: Path, pool: Pool) -> int:
     print(
         "\n".join([f"{row.label}, {row.key}, {row.case}: {row.observed:.6g}, expected {row.expected}" for row in red])
     )
-    print(f"{len(rows)} checks; {len(red)} of the claimed ones do not hold")
+    print(f"{len(rows)} checks; {len(red)} of those that a statement claims do not hold")
     if any(draw.seed == seed for draw in record.draws):
         same, other = record.agreement(seed, rows, known)
         print(f"the record has this seed: {same} results are the same, {other} differ")

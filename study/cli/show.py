@@ -1,4 +1,4 @@
-"""``study show``: solve a case on one mesh, draw it, write files for ParaView."""
+"""``study show``: solves a case on one mesh, draws it, and writes files for ParaView."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from study.run.store import Store
 
 
 def do_show(options: argparse.Namespace) -> int:
-    """Solve a case on one mesh, draw it, write files for ParaView."""
+    """Solve a case on one mesh, draw it, and write files for ParaView; return 0."""
     case = resolve(options.case)
     level = LEVELS[case.solution.body.dim] if options.level is None else options.level
     if level < 2:

@@ -1,10 +1,14 @@
-"""The false-alarm rate: how often chance alone makes a check of the ledger fail, from the record of seeds.
+"""The false-alarm rate: on how many random meshes a check of the ledger fails although the program is correct.
 
-A seed counts for a check if it was drawn after the last change of the rule of the check (window, levels, statistic).
-Earlier seeds remain in the record but do not count. ``data/seeds.csv`` has one row for each check, after two rows about
-all claimed checks together: ``every`` counts the seeds on which all checks were measured. ``light`` counts all seeds,
-with the cheap checks that are measured on each seed. Both counts start again after a change of one of their checks.
-``every`` also starts again if a check leaves the ledger. Otherwise alarms could be removed by removing the check.
+The record of seeds has the results of all checks on random meshes, one mesh sequence for each seed. A seed counts for a
+check if it was drawn after the last change of the rule of the check (tolerance window, levels, statistic). Earlier
+seeds remain in the record but do not count.
+
+``data/seeds.csv`` has one row for each check. Before them are two rows about all claimed checks together. The row
+``every`` counts the seeds on which all checks were measured. The row ``light`` counts all seeds, but only with the
+cheap checks, which are measured on each seed. Both counts start again after a change of one of their checks. The count
+of ``every`` also starts again if a check is removed from the ledger. Otherwise a false alarm could be hidden by
+removing the check.
 """
 
 from __future__ import annotations
@@ -22,29 +26,32 @@ from study.controls.record import Line, Record, RowKey, fingerprint, two_sided, 
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.chance import PROMISE, interval, seeds_needed, tail
 from study.ledger.compare import difference
-from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, table_text, write_csv
+from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, table_text
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
 COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
-"""Columns of ``seeds.csv``: the check; the number of the first seed that counts, and how many seeds count; alarms with
-the 95 % interval of their rate; the extreme positions in the window; and the model of the tail with the p-value of its
-test and the rate that follows from it."""
+"""Columns of ``seeds.csv``: the check (label to claimed); the number of the first seed that counts for it, and the
+number of such seeds; the number of false alarms with the 95 % interval of their rate; the lowest and the highest
+position in the tolerance window; and the model of the distribution's tail, the p-value of its test and the rate that
+follows from it."""
 NAMED = PROMISE / 10
-"""A check is listed if its tail alone gives a rate above a tenth of the rate that is promised for all checks."""
+"""A check is printed if the rate that is extrapolated for it alone is more than a tenth of ``PROMISE``."""
 FITTED = frozenset({"rate_low", "rate_high", "rate_tail", "fit"})
 """Columns of ``seeds.csv`` whose last digits depend on the machine, because they are computed by iteration."""
 FOLDED = [25, 14]
-"""Widths of the columns for check and case, so that a line has 80 characters."""
+"""Widths of the printed columns for the check and for the case, so that a line has at most 80 characters."""
 
 
 @dataclass(frozen=True)
 class CountedCheck:
-    """A check, and the position of its value in its window for each seed.
+    """A check, and for each seed of random meshes the position of its value in its tolerance window.
+
+    A position is −1 or 1 at an end of the window, and beyond these numbers outside.
 
     Attributes:
-        key: (label, key, case).
-        rule: the fingerprint of its rule.
-        places: the positions for all seeds that were drawn, (seeds,); NaN if this rule did not judge the seed.
+        key: label, key and case of the check.
+        rule: fingerprint of the rule of the check.
+        places: the positions for all seeds, (seeds,). A position is NaN if the check was not judged by this rule then.
         both: whether values can come near both ends of the window.
     """
 
@@ -55,9 +62,9 @@ class CountedCheck:
 
     @classmethod
     def of(cls, record: Record) -> list[CountedCheck]:
-        """Return the checks of a record that are still in the ledger, each with the rule that judged it last.
+        """Return the checks of a record of seeds that are still in the ledger, each with its newest rule.
 
-        A check has left the ledger if it was judged neither on the last seed with all checks nor on a later seed.
+        A check is no longer in the ledger if it was not judged on the last seed with all checks, nor on a later seed.
         """
         latest: dict[RowKey, tuple[str, Line]] = {}
         for (*row, rule), line in record.lines.items():
@@ -73,14 +80,14 @@ class CountedCheck:
 
     @property
     def claimed(self) -> bool:
-        """Whether the check is claimed to hold on shaken meshes."""
+        """Whether the check is claimed to hold on shaken meshes, whose vertices are moved at random."""
         return claimed(self.key[0])
 
     def line(self, part: str) -> dict[str, object]:
-        """Return the row of ``seeds.csv`` for this check.
+        """Return the row of ``seeds.csv`` for this check: numbers of seeds and false alarms, and their rate.
 
         Parameters:
-            part: the smallest part of the plan with this check, WHOLE or LIGHT.
+            part: LIGHT if the check is measured on each seed, WHOLE if it is only measured on every few seeds.
         """
         where = np.flatnonzero(np.isfinite(self.places))
         places = self.places[where]
@@ -116,12 +123,12 @@ def tally(record: Record) -> pd.DataFrame:
 def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
     """Return a row of ``seeds.csv`` about several checks together, from the seeds on which all of them were judged.
 
-    A seed has an alarm if at least one check has one. The rates that follow from the tails are added.
+    A seed has a false alarm if at least one check fails. The rates that are extrapolated for single checks are added.
 
     Parameters:
-        key: the name of the row.
-        rows: the rows of the checks.
-        places: positions of the checks in their windows, (checks, seeds).
+        key: name of the row.
+        rows: the rows of ``seeds.csv`` for the checks.
+        places: positions of the values in the tolerance windows, (checks, seeds).
     """
     counted = np.flatnonzero(np.isfinite(places).all(axis=0)) if len(places) else np.empty(0, dtype=int)
     places, judged = places[:, counted], len(counted)
@@ -129,25 +136,32 @@ def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
     red = int((abs(places) > 1).any(axis=0).sum())
     low, high = interval(red, judged)
     ends = (float(np.nanmin(places)), float(np.nanmax(places))) if judged else (math.nan, math.nan)
-    # The rate is unknown if a check has no model of its tail, or if there is no seed.
+    # The sum of the rates is unknown if the rate of one check is unknown, or if there is no seed.
     rate = float(rows["rate_tail"].sum(skipna=False)) if judged else math.nan
     known = ALL_ROWS, key, f"{len(rows)} rows", "", "", "yes", since, judged
     return dict(zip(COLUMNS, (*known, red, low, high, *ends, "sum", math.nan, rate), strict=True))
 
 
 def newer(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the claimed checks whose rule was changed after the first seed of their part of the plan."""
+    """Return the rows of ``seeds.csv`` for claimed checks whose rule was changed after the first seed.
+
+    The first seed is the first one on which the same part of the checks, all or the cheap ones, was measured.
+    """
     first = table.groupby("part")["since"].transform("min")
     return table[(table["claimed"] == "yes") & (table["label"] != ALL_ROWS) & (table["since"] > first)]
 
 
 def verdict(table: pd.DataFrame) -> str:
-    """Return whether the false-alarm rate is at most ``PROMISE``: holds, undecided or fails."""
+    """Return whether the false-alarm rate of all checks is at most ``PROMISE``: holds, fails or undecided."""
     return alarm_summary(table).verdict
 
 
 def text(table: pd.DataFrame) -> str:
-    """Return the printed text: the rates of all checks together, the checks with alarms or large tails, the verdict."""
+    """Return the text that ``study seeds`` prints.
+
+    It has the false-alarm rates of all checks together, the checks with false alarms or with a high extrapolated rate,
+    and the verdict.
+    """
     ledger, rows = table[table["label"] == ALL_ROWS], table[table["label"] != ALL_ROWS]
     lines = [
         (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}")
@@ -162,30 +176,22 @@ def text(table: pd.DataFrame) -> str:
     ]
     return "\n".join(
         [
-            tabulate(lines, ["checks", "", "seeds", "alarms", "rate, 95 %", "from tails"], "simple"),
+            tabulate(lines, ["checks", "", "seeds", "false alarms", "rate (95 %)", "rate by model"], "simple"),
             "",
             tabulate(weak, ["check", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
             "",
-            f"{len(newer(table))} checks have a rule newer than the first seed;",
-            "only later seeds count for them",
-            f"at most {PROMISE:.0%} of fresh seeds may raise an alarm: {verdict(table)} by the count",
-            f"alone ({seeds_needed()} seeds without an alarm are enough; the tails judge nothing)",
+            f"{len(newer(table))} checks were changed after the first seed; only later seeds count for them",
+            f"at most {PROMISE:.0%} of new seeds may cause a false alarm: {verdict(table)}",
+            f"(judged by the count alone: {seeds_needed()} seeds without a false alarm are enough)",
         ]
     )
 
 
-def write_seeds(directory: Path, table: pd.DataFrame) -> Path:
-    """Write ``data/seeds.csv``; return its path."""
-    path = directory / "data" / "seeds.csv"
-    write_csv(path, table)
-    return path
-
-
 def compare_record(directory: Path) -> set[Path]:
-    """Check that the record of seeds agrees with itself and with ``seeds.csv``; return the files that were compared.
+    """Check that the files of the record of random seeds agree with each other; return the compared files.
 
-    Every row of ``drawn.csv`` must have the number of checks, the number of alarms and the rules that follow from
-    ``places.csv.gz``, and ``seeds.csv`` must be the table that follows from both.
+    Every row of ``drawn.csv`` must have the number of checks, the number of false alarms and the rules that follow from
+    ``places.csv.gz``. The table ``seeds.csv`` must follow from these two files.
 
     Raises:
         DataError: a line of ``seeds.csv``, ``drawn.csv`` or ``places.csv.gz`` is missing, was added or was changed.
@@ -212,7 +218,11 @@ def compare_record(directory: Path) -> set[Path]:
 
 
 def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
-    """Raise DataError unless the counts of each seed in ``drawn.csv`` follow from its recorded positions."""
+    """Compare ``drawn.csv``, which counts the checks and alarms of each seed, with the results of single checks.
+
+    Raises:
+        DataError: a count does not follow from these results.
+    """
     known = list(record.lines)
     wide = 2 * len(record.draws)
     values = np.array([unpacked(record.lines[row].places.ljust(wide, ".")) for row in known])
@@ -223,7 +233,8 @@ def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
     for n, draw in enumerate(record.draws):
         rows, alarms = int(judged[:, n].sum()), int(beyond[counts, n].sum())
         rules = fingerprint(sorted(row for row, is_judged in zip(known, judged[:, n], strict=True) if is_judged))
-        # If the set of claimed labels has changed since, the alarms of an older seed cannot be counted again exactly.
+        # Only alarms of claimed checks are counted. Which checks are claimed may have changed since an older seed, so
+        # that only an upper limit of its alarms is known.
         alarms_agree = draw.alarms == alarms if draw.rules == in_force else draw.alarms <= int(beyond[:, n].sum())
         agrees = draw.judged == rows and draw.rules == rules and alarms_agree
         if not agrees and (rows or draw.judged >= 0):

@@ -1,6 +1,6 @@
-"""Baselines: the settings in which controls are measured, each a case with meshes and the statements that judge it.
+"""The settings in which deliberate defects are measured: a case with a few coarse meshes, and the statements to judge.
 
-A baseline measures and judges as the study does, on few coarse meshes.
+In each setting, the study measures and judges as it does in a normal run.
 """
 
 from __future__ import annotations
@@ -40,16 +40,17 @@ S = TypeVar("S")
 
 
 class Baseline(Protocol[S]):
-    """A setting for controls. S is the type of the measured object, which a defect may change.
+    """A setting in which deliberate defects are measured.
 
-    Settings are compared by value, so that controls with the same setting share the measurement without a defect.
+    S is the type of the object that is measured, such as an experiment; a defect changes this object. Settings are
+    compared by value, so that defects with the same setting share the measurement without a defect.
     """
 
     def __str__(self) -> str: ...
     def __hash__(self) -> int: ...
 
     def verdicts(self, defect: Callable[[S], S]) -> list[Verdict]:
-        """Return the claimed checks of the ledger in this setting, measured with a defect.
+        """Measure in this setting with a defect, and return the checks of the ledger about which something is claimed.
 
         Parameters:
             defect: function that returns the wrong object, given the correct one.
@@ -59,29 +60,29 @@ class Baseline(Protocol[S]):
 
 Defect = Callable[[Experiment], Experiment]
 OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation(), InitialGap()
-"""The statements that are judged by rows of ``rates.csv``."""
+"""The statements that are judged by rows of ``rates.csv``, which has the errors of displacements."""
 
 
 def experiment(case: Case, family: str, level: int) -> Experiment:
-    """Return the experiment of the study for a case on one mesh, with the midpoint rule."""
+    """Return the experiment of the study for a case on one mesh: the contact problem with the midpoint rule in time."""
     steps = rate_steps(case.solution.body.T, level, case.pace)
     return Experiment.of(case.solution, family_named(family), level, MIDPOINT, steps)
 
 
 def claimed(verdicts: list[Verdict]) -> list[Verdict]:
-    """Return the checks of a list about which something is claimed."""
+    """Return the checks in a list about which something is claimed."""
     return [verdict for verdict in verdicts if verdict.verdict not in UNCLAIMED]
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """The observed orders of Proposition 5.3 or 5.4 for a case of the catalogue, on a few levels.
+    """The convergence of the displacement for one case on a few levels (Propositions 5.3 and 5.4).
 
     Attributes:
         case: name of the case.
-        angle: angle by which the body is turned, in radians.
+        angle: angle in radians by which the body is turned.
         families: names of the mesh families.
-        levels: coarse to fine.
+        levels: numbers of cells along a unit length, coarse to fine.
     """
 
     case: str
@@ -106,12 +107,12 @@ class Sweep:
 
 @dataclass(frozen=True)
 class ContactSweep:
-    """The contact force of a case of the catalogue on a few levels of one mesh family.
+    """The convergence of the contact force for one case on a few levels of one mesh family.
 
     Attributes:
         case: name of the case.
         family: name of the mesh family.
-        levels: coarse to fine.
+        levels: numbers of cells along a unit length, coarse to fine.
     """
 
     case: str
@@ -134,12 +135,12 @@ class ContactSweep:
 
 @dataclass(frozen=True)
 class Equivalence:
-    """Theorem 4.2 for a case of the catalogue, with both problems on one mesh.
+    """The comparison of the displacement formulation with the stress formulation on one mesh (Theorem 4.2).
 
     Attributes:
         case: name of the case.
         family: name of the mesh family.
-        level: n.
+        level: number of cells along a unit length.
         steps: number of steps of backward Euler.
     """
 
@@ -165,12 +166,12 @@ class Equivalence:
 
 @dataclass(frozen=True)
 class StressSweep:
-    """Theorem 4.2 with a separate stress space for a case of the catalogue on a few levels of one mesh family.
+    """The convergence of the stress formulation, solved without displacements, for one case (Theorem 4.2).
 
     Attributes:
         case: name of the case.
         family: name of the mesh family.
-        levels: coarse to fine.
+        levels: numbers of cells along a unit length, coarse to fine.
     """
 
     case: str
@@ -191,17 +192,17 @@ class StressSweep:
 
 
 Measure = Callable[[Setting], Mapping[str, Any]]
-"""Function that returns measured numbers by their names, given a setting."""
+"""Function that returns measured numbers by their names, given the case, mesh family and level."""
 
 
 @dataclass(frozen=True)
 class Listing:
-    """A statement with its own list of numbers, for one case on a few levels of one mesh family.
+    """The measurement of any other statement for one case on a few levels of one mesh family.
 
     Attributes:
-        statement: the statement.
+        statement: the statement; it measures a list of named numbers on each mesh.
         case, family: names of the case and of the mesh family.
-        levels: coarse to fine.
+        levels: numbers of cells along a unit length, coarse to fine.
     """
 
     statement: ListedNumbers
@@ -220,9 +221,10 @@ class Listing:
 
 
 def turned(solution: ExactSolution, angle: float) -> ExactSolution:
-    """Return the solution on a turned body, with the same contact data; the body is plane and the law isotropic.
+    """Return an exact solution on a turned body, with the same contact pressure and gap on its faces.
 
     Parameters:
+        solution: the solution on a body in the plane, with an isotropic law.
         angle: the angle in radians, counterclockwise.
     """
     body = solution.body
@@ -234,16 +236,17 @@ def turned(solution: ExactSolution, angle: float) -> ExactSolution:
     return ExactSolution(moved, solution.law, tuple(replace(face, part=part) for face, part in faces))
 
 
-# Settings whose checks compare two results: for a body and for its twin, of two solvers, an error and its bounds.
+# Settings whose checks compare two results: on a rotated body, by a second solver, or an error bound with the error.
 
 
 @dataclass(frozen=True)
 class Twins:
-    """A case with a rotated body and its twin, the same case without the rotation.
+    """The comparison of errors on a rotated body with errors on the same body without the rotation.
 
     Attributes:
         case: name of the case with the rotated body.
-        levels: coarse to fine; several, because on one mesh digits may agree by chance.
+        levels: numbers of cells along a unit length, coarse to fine. Several are needed, because on one mesh the digits
+            may agree by chance.
     """
 
     case: str
@@ -262,11 +265,11 @@ class Twins:
 
 @dataclass(frozen=True)
 class TwoWays:
-    """A case on one mesh: errors as in ``rates.csv``, and the same errors computed by the second solver.
+    """The comparison of errors on one mesh with the same errors computed by a second, independent solver.
 
     Attributes:
         case: name of the case.
-        level: n.
+        level: number of cells along a unit length.
     """
 
     case: str
@@ -286,11 +289,11 @@ class TwoWays:
 
 @dataclass(frozen=True)
 class Bounding:
-    """Error bounds of one case on a few meshes.
+    """The comparison of error bounds with errors for one case on a few meshes.
 
     Attributes:
         statement: the statement about bounds that is judged.
-        settings: case, mesh, time scheme and method of the bound.
+        settings: for each mesh the case, mesh family, level, time scheme and method of the bound.
     """
 
     statement: Bounds

@@ -1,11 +1,11 @@
 """Measures how strongly a user's own case tests contact: which checks notice two deliberate defects of contact.
 
 If the contact pressure is small, or the contact zone is only a few cells wide, a wrong contact algorithm hardly changes
-the error, and all checks hold in spite of it. So the jobs of the run are repeated with each defect on one mesh family.
-A defect is noticed if some check holds without the defect and does not hold with it.
+the error, and all checks hold in spite of it. So the measurements of the run are repeated with each defect on one mesh
+family. A check notices a defect if it holds without the defect and does not hold with it.
 
-Only checks that compare with the exact solution count. The residual of the contact solves and u^h_ν ≤ 0 between
-vertices fail with these defects for every case: they test the program, not the case.
+Only checks that compare with the exact solution count. Some checks only test the program: the residual of the contact
+problems, and the penetration of the foundation between vertices. They fail with these defects for every case.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ DEFECTS: Mapping[str, tuple[str, Replacement]] = {
 }
 """Name of a defect ↦ its description, and the function that returns the wrong contact solver, given the correct one."""
 OF_THE_PROGRAM = {rule.key for rule in (*EVIDENCE, *EXACT)}
-"""Keys of the checks that do not compare with the exact solution."""
+"""Keys of checks that test the program only, because they do not compare with the exact solution."""
 CODE = "study/controls/contact_test.py", "study/controls/control.py", "study/controls/replacements.py"
 
 
 @dataclass(frozen=True)
 class DefectiveJob(Job):
-    """A job that is run with a wrong contact solver.
+    """A measurement that is made with a wrong contact solver.
 
     While it runs, names in modules are replaced, so no other job may run in the same process at the same time.
 
@@ -56,15 +56,15 @@ class DefectiveJob(Job):
 
     @property
     def key(self) -> str:
-        """The name of the file with the result."""
+        """The name of the file with the result, without its ending."""
         return f"contact-test__{self.defect.replace(' ', '-')}__{super().key}"
 
     def fingerprint(self) -> str:
-        """Return the cache key of the result, which also depends on the files in ``CODE``."""
+        """Return the cache key of the result, which also depends on the code of the defects."""
         return hashlib.sha256(f"{super().fingerprint()} {code_hash(CODE)}".encode()).hexdigest()[:16]
 
     def run(self) -> Mapping[str, Any]:
-        """Measure with the defect; return the measured numbers by their names."""
+        """Measure with the wrong contact solver; return the measured numbers by their names."""
         wrong_solver = within("problem.solver", DEFECTS[self.defect][1])
         with patched([(f"{module}:Experiment", wrong_solver) for module in ("prop_5_4", "contact_force")]):
             return super().run()
@@ -72,7 +72,7 @@ class DefectiveJob(Job):
 
 @dataclass(frozen=True)
 class ContactTest:
-    """The jobs with which a user's case is tested, on one mesh family.
+    """The jobs, that is measurements, which show how strongly a user's case tests contact.
 
     Attributes:
         reference: the case as FILE.py:NAME.
@@ -86,9 +86,9 @@ class ContactTest:
 
     @classmethod
     def of(cls, plan: Plan, reference: str) -> ContactTest:
-        """Return the test of a case on a regular mesh family and the finest levels of a run.
+        """Return the test for a case: jobs of a run on the finest levels of one mesh family without random vertices.
 
-        The number of levels is the smallest with which an observed order is judged.
+        The number of levels is the smallest that suffices for a verdict on an observed order.
 
         Parameters:
             plan: the plan of the run.
@@ -102,7 +102,7 @@ class ContactTest:
         return cls(reference, family, tuple(job for job in mine if job.setting.level in levels))
 
     def defective(self, defect: str) -> list[DefectiveJob]:
-        """Return the same jobs, each with the named defect."""
+        """Return the jobs of this test with the named defect."""
         return [DefectiveJob(job.statement, job.setting, defect) for job in self.jobs]
 
     def rows(self, store: Store) -> list[Row]:
@@ -128,10 +128,10 @@ class ContactTest:
 
 
 def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
-    """Return the checks that compare with the exact solution, from the stored results of jobs.
+    """Judge the stored results of jobs, and return the checks that compare with the exact solution.
 
     Returns:
-        Name of the check, made of label and key ↦ the check.
+        Name of a check, which consists of label and key ↦ the check.
     """
     rows: dict[DataFile, list[Row]] = {}
     for job in jobs:
@@ -146,12 +146,12 @@ def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
 
 
 def contact_tests(plan: Plan) -> list[ContactTest]:
-    """Return one test for each user's case in a plan whose exact solution has contact."""
+    """Return one test for each user's case in a plan, if contact occurs in its exact solution."""
     return [ContactTest.of(plan, one) for one in plan.scope.cases if is_own(one) and touches(resolve(one).solution)]
 
 
 def write_contact_test(tests: Sequence[ContactTest], store: Store) -> list[Path]:
-    """Write ``contact-test.csv`` from the stored results; return its path in a list, which is empty without tests."""
+    """Write ``contact-test.csv`` from stored results; return its path in a list, which is empty without tests."""
     path = store.data / FILE
     if tests:
         write_csv(path, pd.DataFrame([row for test in tests for row in test.rows(store)]))

@@ -1,6 +1,6 @@
 """A negative control: a deliberate defect, the part of the study that it replaces, and the checks that must fail.
 
-This file also has the mechanism that replaces a part: an attribute of the measured object, or a name in a module.
+The functions in this file replace parts of the study: attributes of an object, or names in a module.
 """
 
 from __future__ import annotations
@@ -18,23 +18,24 @@ from unittest.mock import patch
 from study.controls.baselines import Baseline
 
 Replacement = Callable[[Any], Any]
-"""Function that returns the wrong part, given the correct one."""
+"""Function that returns a wrong object, given the correct object."""
 
 
 @dataclass(frozen=True, eq=False)
 class Control:
-    """One deliberate defect.
+    """One deliberate defect, and the checks that must notice it.
 
     Attributes:
         name: name of the defect.
         what: a description of the defect, in one line.
-        setting: the case, meshes and statement with which the defect is measured.
-        place: the part that is replaced. With a colon it is a name in a module: "fem.error_norm:ErrorNorm.distance" in
-            a module of ``study``, "green:work_on" in a module of ``study.statements``. Without a colon it is an
-            attribute of the measured object, such as "problem.solver", or "" for the whole object.
-        replacement: returns the wrong part, given the correct one.
+        setting: the case, the meshes and the statement with which the defect is measured.
+        place: the part of the study that is replaced. With a colon it is a name in a module:
+            "fem.error_norm:ErrorNorm.distance" in a module of ``study``, "green:work_on" in a module of
+            ``study.statements``. Without a colon it is an attribute of the measured object, such as "problem.solver",
+            or "" for the whole object.
+        replacement: function that returns the wrong part, given the correct one.
         checks: the key of the check that must fail, or the keys of several checks that all must fail.
-        others: further defects at the same time, as (place, replacement).
+        others: further parts that are replaced at the same time, as pairs (place, replacement).
     """
 
     name: str
@@ -47,30 +48,30 @@ class Control:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The keys of the checks that must fail."""
+        """The keys of the checks that must fail because of the defect."""
         return (self.checks,) if isinstance(self.checks, str) else self.checks
 
     @property
     def changes(self) -> tuple[tuple[str, Replacement], ...]:
-        """All pairs (place, replacement)."""
+        """All replacements of this defect, as pairs (place, replacement)."""
         return ((self.place, self.replacement), *self.others)
 
     def __call__(self, measured: Any) -> Any:
-        """Return the measured object with the attributes of this control replaced."""
+        """Return the measured object with the defect: some of its attributes are replaced."""
         inside = [change for change in self.changes if ":" not in change[0]]
         return reduce(lambda found, change: replaced(found, *change), inside, measured)
 
     def patched(self) -> AbstractContextManager[None]:
-        """Return the context in which the names in modules are replaced."""
+        """Return a context manager within which this defect replaces names in modules."""
         return patched([change for change in self.changes if ":" in change[0]])
 
 
 @contextmanager
 def patched(changes: Iterable[tuple[str, Replacement]]) -> Iterator[None]:
-    """Replace names in modules while the context lasts.
+    """Replace names in modules by wrong objects within a ``with`` block.
 
     Parameters:
-        changes: pairs (place, replacement), with a colon in each place as described in ``Control``.
+        changes: pairs (place, replacement). Each place has a colon and is described in ``Control``.
     """
     with ExitStack() as stack:
         for place, replacement in changes:
@@ -87,8 +88,9 @@ def replaced(whole: Any, place: str, replacement: Replacement) -> Any:
 
     Parameters:
         whole: the object.
-        place: name of the attribute; "problem.load" for an attribute of an attribute; "" for the object itself.
-        replacement: returns the new value, given the old one.
+        place: name of the attribute, "load" for example; "problem.load" for the attribute ``load`` of the attribute
+            ``problem``; "" for the object itself.
+        replacement: function that returns the new value, given the old one.
     """
     if not place:
         return replacement(whole)
@@ -100,16 +102,17 @@ def replaced(whole: Any, place: str, replacement: Replacement) -> Any:
 
 
 def overridden(whole: Any, **attributes: Any) -> Any:
-    """Set attributes or methods of an object, even of a frozen one, and return the object."""
+    """Set attributes or methods of an object, even if it is a frozen dataclass, and return the object."""
     vars(whole).update(attributes)
     return whole
 
 
 def within(place: str, replacement: Replacement) -> Replacement:
-    """Return the replacement of the name ``Experiment`` in a module: every experiment gets a wrong attribute.
+    """Return a replacement of the class ``Experiment`` that makes one attribute of every new experiment wrong.
 
     Parameters:
-        place, replacement: the attribute and its replacement, as for ``replaced``.
+        place: name of the attribute, such as "problem.solver".
+        replacement: function that returns the wrong attribute, given the correct one.
     """
 
     def changed(make: Callable[..., Any]) -> Callable[..., Any]:

@@ -1,18 +1,20 @@
-"""The record of random seeds: for each seed, the position of every check in its window. Nothing in it is replaced.
+"""The record of random seeds: the result of every check on the random meshes with each seed. Lines are only added.
+
+A result is stored as the position of the checked value in its tolerance window. A position between −1 and 1 means that
+the check holds; any other position is a false alarm.
 
 ``data/seeds/drawn.csv`` has one line for each seed, in the order in which the seeds were drawn: the seed, the part of
-the plan that was measured, a hash of the rules, the number of judged checks and the number of alarms. The last two are
-−1 while the seed is being measured. A seed is recorded before anything is measured, so that a seed with a bad result
-cannot be left out.
+the checks that was measured, a hash of the rules of these checks, the number of judged checks and the number of false
+alarms. The last two are −1 while the seed is being measured. A seed is recorded before anything is measured, so that a
+seed with a bad result cannot be left out.
 
-``data/seeds/places.csv.gz`` has one line for each check and each rule that judged it, with two characters for each seed
-in the same order. The characters are two digits of base 64, which encode a position between −2 and 2 in steps of
-1/1024. ``..`` means that this rule did not judge this seed. If the position lies between −1 and 1, the check holds;
-otherwise it raises an alarm. If the rule changes (window, levels or statistic), a new line begins, so that seeds before
-the change do not count.
+``data/seeds/places.csv.gz`` has one line for each check and each rule by which it was judged. A line has two characters
+for each seed, in the order of ``drawn.csv``. They are two digits of base 64, which encode a position between −2 and 2
+in steps of 1/1024. The characters ``..`` mean that the check was not judged by this rule on this seed. If the rule of a
+check changes (window, levels or statistic), a new line begins, so that earlier seeds do not count.
 
-All positions are recorded, not only their mean and deviation, because these do not determine the tail of the
-distribution. A thousand checks and 150 seeds take 200 kB, compressed.
+All positions are recorded, not only their mean and deviation, because mean and deviation do not determine how often
+large positions occur. A thousand checks and 150 seeds take 200 kB, compressed.
 """
 
 from __future__ import annotations
@@ -34,26 +36,29 @@ from study.ledger.window import SMALL
 
 DIGITS = ascii_letters + digits + "+-"
 NONE = ".."
-"""The two characters for a seed that was not judged."""
+"""The two characters that stand for a seed on which a check was not judged."""
 START = ":"
-"""The character before the positions in a line, so that no program reads them as a number."""
+"""A character before the encoded positions in a line, so that no program reads them as a number."""
 NO_RULES = "-"
-"""The hash of the rules while a seed is being measured."""
+"""Stands for the hash of the rules of all checks while a seed is being measured."""
 STEP = 1 / 1024
-"""The resolution of positions."""
+"""Resolution with which the position of a value in its tolerance window is stored."""
 FURTHEST = 2.0
-"""The largest absolute value of a recorded position."""
+"""Largest absolute value of a stored position in a tolerance window; larger ones are cut off."""
 RowKey = tuple[str, str, str]
 """The key of a check: (label, key, case)."""
 Known = tuple[str, str, str, str]
-"""The key of a line: (label, key, case, rule)."""
+"""The key of a line: label, key and case of a check, and the fingerprint of its rule."""
 MADE = "study seeds"
 DRAWN = ["seed", "part", "rules", "judged", "alarms"]
 PLACES = ["label", "key", "case", "rule", "window_low", "window_high", "places"]
 
 
 def place(verdict: Verdict) -> float:
-    """Return the position of a check in its window; it lies between −1 and 1 exactly if the check holds."""
+    """Return the position of the value of a check in its tolerance window, for the record of random seeds.
+
+    The position is −1 or 1 at an end of the window. It lies between −1 and 1 exactly if the check holds.
+    """
     judged = float(worst_value(pd.Series(asdict(verdict))))
     low, high, value = verdict.window_low, verdict.window_high, judged
     if not low < high or (low <= 0 and np.isinf(high)):
@@ -64,24 +69,32 @@ def place(verdict: Verdict) -> float:
         found = (2 * value - low - high) / (high - low) if two_sided(low, high) else value / high
     if verdict.verdict == HOLDS:
         return float(np.clip(found, -1, 1))
-    # A value of NaN is an alarm, and so is an undecided check, even if its value lies inside the window.
+    # A check that does not hold is an alarm, even if its value is NaN or, for an undecided check, inside the window.
+    # So its position is moved out of the window.
     beyond = np.nan_to_num(found, nan=FURTHEST)
     return float(np.copysign(np.clip(abs(beyond), 1 + 2 * STEP, FURTHEST), beyond))
 
 
 def two_sided(low: float, high: float) -> bool:
-    """Return whether values in the window [low, high] can come near both ends."""
+    """Return whether values can come near both ends of the window [low, high].
+
+    They cannot if an end is infinite, or if the lower end is 0 or negligible next to the upper end.
+    """
     return bool(np.isfinite([low, high]).all() and not 0 <= low <= SMALL * high)
 
 
 def packed(value: float) -> str:
-    """Return the two digits that encode a position."""
+    """Return the two characters that encode the position of a value in its tolerance window."""
     number = min(round((value + FURTHEST) / STEP), len(DIGITS) ** 2 - 1)
     return DIGITS[number // len(DIGITS)] + DIGITS[number % len(DIGITS)]
 
 
 def unpacked(text: str) -> Array:
-    """Return the positions that a text encodes, (seeds,); NaN for seeds that were not judged."""
+    """Return the positions of values in a tolerance window that a text encodes, two characters for each seed.
+
+    Returns:
+        The positions, (seeds,); NaN for a seed on which the check was not judged.
+    """
     pairs = [text[i : i + 2] for i in range(0, len(text), 2)]
     values = [np.nan if pair == NONE else DIGITS.index(pair[0]) * len(DIGITS) + DIGITS.index(pair[1]) for pair in pairs]
     return np.array(values) * STEP - FURTHEST
@@ -89,13 +102,14 @@ def unpacked(text: str) -> Array:
 
 @dataclass(frozen=True)
 class Draw:
-    """A line of ``drawn.csv``: one seed.
+    """A line of ``drawn.csv``: one random seed.
 
     Attributes:
         seed: the seed.
-        part: the part of the plan that is measured, WHOLE or LIGHT of ``study.controls.seeded``.
-        rules: hash of the rules of all checks.
-        judged, alarms: numbers of judged checks and of alarms; −1 while the seed is being measured.
+        part: WHOLE if all checks are measured on this seed, LIGHT if only the cheap ones are.
+        rules: hash of the rules of the judged checks.
+        judged: number of judged checks; −1 while the seed is being measured.
+        alarms: number of false alarms; −1 while the seed is being measured.
     """
 
     seed: int
@@ -107,18 +121,23 @@ class Draw:
 
 @dataclass(frozen=True)
 class Line:
-    """A line of ``places.csv.gz`` without its key: the window, and two characters for each seed."""
+    """A line of ``places.csv.gz`` without its key: results of one check on all random seeds.
+
+    Attributes:
+        window_low, window_high: the ends of the tolerance window.
+        places: two characters for each seed, which encode the position of the value in the window.
+    """
 
     window_low: float
     window_high: float
     places: str = ""
 
     def at(self, position: int, value: float) -> Line:
-        """Return the line with the position of one more seed; missing positions before it become ``..``.
+        """Return the line with the result of one more seed; for earlier seeds without a result, ``..`` is filled in.
 
         Parameters:
-            position: the index of the seed.
-            value: the position of the check in its window.
+            position: index of the seed.
+            value: position of the value of the check in its tolerance window.
         """
         before = self.places[: 2 * position].ljust(2 * position, NONE[0])
         return replace(self, places=before + packed(value) + self.places[2 * position + 2 :])
@@ -126,11 +145,11 @@ class Line:
 
 @dataclass(frozen=True)
 class Record:
-    """The record of all seeds.
+    """The record of all random seeds.
 
     Attributes:
         draws: the seeds, in the order in which they were drawn.
-        lines: (label, key, case, rule) ↦ the positions of a check that was judged by this rule.
+        lines: key of a check and fingerprint of the rule by which it was judged ↦ its results for all seeds.
     """
 
     draws: tuple[Draw, ...] = ()
@@ -138,10 +157,10 @@ class Record:
 
     @classmethod
     def read(cls, directory: Path) -> Record:
-        """Return the record of a result directory; it is empty if the directory has none.
+        """Return the record of random seeds in a result directory; it is empty if the directory has none.
 
         Raises:
-            DataError: a file is damaged, or its lines do not fit the seeds.
+            DataError: a file is damaged, or has results for more seeds than were drawn.
         """
         drawn, places = (directory / "data" / "seeds" / name for name in ("drawn.csv", "places.csv.gz"))
         if not drawn.is_file():
@@ -161,8 +180,8 @@ class Record:
         return cls(draws, found)
 
     def write(self, directory: Path) -> None:
-        """Write ``places.csv.gz``, then ``drawn.csv``, so that no seed counts as judged before its positions exist."""
-        # All lines have the characters of all seeds, so that a seed that is missing in ``drawn.csv`` is noticed.
+        """Write ``places.csv.gz``, then ``drawn.csv``, so that no seed is marked as judged before its results exist."""
+        # Every line is filled up to the number of all seeds. So a seed that is deleted from ``drawn.csv`` is noticed.
         wide = 2 * len(self.draws)
         known = [
             [*row, line.window_low, line.window_high, START + line.places.ljust(wide, NONE[0])]
@@ -173,25 +192,29 @@ class Record:
         write_csv(folder / "drawn.csv", pd.DataFrame([asdict(draw) for draw in self.draws], columns=DRAWN))
 
     def drawn(self, seed: int, part: str) -> Record:
-        """Return the record with a new seed, which is measured next; raises DataError if the record has the seed."""
+        """Return the record with a new seed that is measured next.
+
+        Raises:
+            DataError: the record already has this seed.
+        """
         if any(draw.seed == seed for draw in self.draws):
             raise DataError(f"seed {seed} is already in the record, in which nothing is replaced: draw another seed")
         return replace(self, draws=(*self.draws, Draw(seed, part)))
 
     def pending(self) -> Draw | None:
-        """Return the seed that was drawn but not judged; None if there is none."""
+        """Return the seed that was drawn but not yet judged; None if there is none."""
         return next((draw for draw in self.draws if draw.judged < 0), None)
 
     def judged(
         self, seed: int, verdicts: Sequence[Verdict], rules: Mapping[RowKey, str], claimed: Callable[[str], bool]
     ) -> Record:
-        """Return the record with the verdicts on a seed.
+        """Return the record with the results of the checks on one seed.
 
         Parameters:
-            seed: a seed that was drawn and not judged.
-            verdicts: the checks on the meshes of this seed.
-            rules: key of a check ↦ fingerprint of its rule.
-            claimed: function that returns for a label whether alarms of its checks are counted.
+            seed: a seed that was drawn and not yet judged.
+            verdicts: the checks on the random meshes with this seed.
+            rules: key of a check ↦ fingerprint of the rule by which it is judged.
+            claimed: function that returns for the label of a check whether its false alarms are counted.
 
         Raises:
             DataError: the seed was already judged.
@@ -211,10 +234,16 @@ class Record:
         return Record((*self.draws[:position], draw, *self.draws[position + 1 :]), lines)
 
     def agreement(self, seed: int, verdicts: Sequence[Verdict], rules: Mapping[RowKey, str]) -> tuple[int, int]:
-        """Compare the recorded positions of a seed with new verdicts by the same rules.
+        """Compare the recorded results of a seed with new verdicts on the same random meshes.
+
+        Parameters:
+            seed: the seed.
+            verdicts: the new verdicts.
+            rules: key of a check ↦ fingerprint of the rule by which it is judged now. Other rules in the record are
+                ignored.
 
         Returns:
-            The number of positions that agree, and the number of those that differ.
+            The number of results that agree, and the number of results that differ.
         """
         position, same, other = [draw.seed for draw in self.draws].index(seed), 0, 0
         for verdict in verdicts:
@@ -233,6 +262,6 @@ def fingerprint(content: object) -> str:
 
 
 def _sound(places: str, seeds: int) -> bool:
-    """Return whether a text encodes the positions of at most ``seeds`` seeds."""
+    """Return whether a text encodes positions for at most ``seeds`` seeds, with two characters for each."""
     pairs = [places[i : i + 2] for i in range(0, len(places), 2)]
     return len(pairs) <= seeds and all(pair == NONE or (len(pair) == 2 and set(pair) <= set(DIGITS)) for pair in pairs)

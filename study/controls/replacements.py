@@ -1,7 +1,10 @@
-"""The replacements for deliberate defects, which ``study.controls.table`` lists.
+"""The functions that make deliberate defects; ``study.controls.table`` lists the defects that use them.
 
-A replacement is a function that returns the wrong part of the study, given the correct part. Functions with parameters
-return such a replacement. "Deliberate defect: X" means that X is true after the replacement.
+Each defect replaces one object of the study by a wrong one. The object is a function, a solver or a number. A
+replacement is a function that takes the correct object and returns the wrong one. Some functions in this file are
+replacements themselves. Others take parameters, such as a factor, and return a replacement.
+
+A docstring "Deliberate defect: ..." describes the study after the replacement.
 """
 
 from __future__ import annotations
@@ -39,37 +42,42 @@ Function = Callable[..., Any]
 
 
 def replaced_by(other: Any) -> Replacement:
-    """Return the replacement by the given object."""
+    """Return a replacement that ignores the correct object and returns ``other``."""
     return lambda right: other
 
 
 def returns(value: Any) -> Replacement:
-    """Deliberate defect: the function always returns the given value."""
+    """Deliberate defect: a function returns ``value``, whatever its arguments are."""
     return lambda right: lambda *given, **options: value
 
 
 def result(change: Function) -> Replacement:
-    """Deliberate defect: the function returns its result after the given change."""
+    """Deliberate defect: a function returns its correct result after ``change`` was applied to it."""
     return lambda right: lambda *given, **options: change(right(*given, **options))
 
 
 def times(factor: float) -> Replacement:
-    """Deliberate defect: the result is multiplied by a factor."""
+    """Deliberate defect: the result of a function is multiplied by ``factor``."""
     return result(lambda value: factor * value)
 
 
 def column_times(column: str, factor: float) -> Replacement:
-    """Deliberate defect: the function returns a table row with one number multiplied by a factor."""
+    """Deliberate defect: a function that returns a table row returns it with one number multiplied by ``factor``."""
     return result(lambda row: {**row, column: factor * row[column]})
 
 
 def zeroed(*quantities: str) -> Replacement:
-    """Deliberate defect: a measurement returns 0 for the named quantities."""
+    """Deliberate defect: a measurement, which returns quantities by name, returns 0 for the given names."""
     return result(lambda found: {**found, **dict.fromkeys(quantities, 0.0)})
 
 
 def in_one_call(call: int, change: Function) -> Replacement:
-    """Deliberate defect: the function returns a changed result in one of its calls, counted from 0."""
+    """Deliberate defect: the result of a function is changed in one of its calls.
+
+    Args:
+        call: number of this call, counted from 0.
+        change: function that returns the wrong result, given the correct one.
+    """
 
     def wrong(right: Function) -> Function:
         calls = count()
@@ -79,16 +87,22 @@ def in_one_call(call: int, change: Function) -> Replacement:
 
 
 def at_time(time: float, change: Function) -> Replacement:
-    """Deliberate defect: a method whose first argument is the time returns a changed result at one time."""
+    """Deliberate defect: a method that is called with a time returns a changed result at one time.
+
+    Args:
+        time: the time at which the result is changed.
+        change: function that returns the wrong result, given the correct one.
+    """
     return lambda method: lambda of, now, *given: _when(np.isclose(now, time), change, method(of, now, *given))
 
 
 def row_times(calls: tuple[int, ...], row: int, factor: float) -> Replacement:
-    """Deliberate defect: returned displacements are multiplied by a factor at one time.
+    """Deliberate defect: displacements that a function returns for all times are multiplied by a factor at one time.
 
     Args:
-        calls: numbers of the calls of the function that have this defect, from 0; () for all calls.
-        row: the index of the time.
+        calls: numbers of the calls of the function that have this defect, counted from 0; () for all calls.
+        row: index of the time.
+        factor: the factor.
     """
 
     def wrong(right: Function) -> Function:
@@ -114,15 +128,17 @@ squared = result(lambda value: value**2)
 squared_each = result(lambda errors: {name: error**2 for name, error in errors.items()})
 
 
-# Wrong contact solvers. A contact solver is made from the matrix S, the normals N and, for some solvers, the points of
-# the unknowns. It is a function that returns the displacement u and the contact forces λ, given the right-hand side b.
+# Wrong contact solvers. A contact solver is made from the stiffness matrix S, the matrix N of normals and, for some
+# solvers, the coordinates of the unknowns. It is a function that returns the displacement u and the contact forces for
+# a right-hand side b.
 
 
 def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
-    """Deliberate defect: the contact forces come from ``rule``.
+    """Deliberate defect: the contact solver computes the contact forces by another rule.
 
     Args:
-        rule: function of the solver and of the gaps without contact forces.
+        rule: function that returns the contact forces. Its arguments are the solver and the gaps that would exist
+            without contact forces.
     """
 
     def solver(S: Any, N: Any, *points: Any) -> Any:
@@ -133,18 +149,22 @@ def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
 
 
 def solution(change: Callable[[Signorini, Any], Any]) -> Replacement:
-    """Deliberate defect: displacement and forces come from ``change``, a function of the correct solver and of b."""
+    """Deliberate defect: the contact solver returns another displacement and other contact forces.
+
+    Args:
+        change: function that returns both, given the correct solver and the right-hand side b.
+    """
 
     return replaced_by(lambda S, N, *points: partial(change, Signorini(S, N)))
 
 
 def shifted_gap(by: float) -> Replacement:
-    """Deliberate defect: the constraint is v_ν ≤ by instead of v_ν ≤ 0."""
+    """Deliberate defect: normal displacements on the contact boundary may be up to ``by`` instead of up to 0."""
     return contact(lambda solver, gap: Signorini.complementarity(solver, gap - by))
 
 
 def forces_times(factor: float) -> Replacement:
-    """Deliberate defect: the contact forces are multiplied by a factor; the displacement is correct."""
+    """Deliberate defect: the contact forces are multiplied by ``factor``; the displacement is correct."""
 
     def change(solver: Signorini, b: Any) -> Any:
         u, forces = solver(b)
@@ -154,7 +174,7 @@ def forces_times(factor: float) -> Replacement:
 
 
 def unconstrained(solver: Signorini, b: Any) -> Any:
-    """Return displacement and zero forces in V^h instead of K^h."""
+    """Return the displacement without contact, for the right-hand side b, and contact forces that are all 0."""
     return solver.factor(b), np.zeros(solver.N.shape[0])
 
 
@@ -165,7 +185,7 @@ no_multipliers = solution(lambda solver, b: (solver.factor(b), np.zeros(0)))
 
 
 def in_places(right: Any) -> Any:
-    """Deliberate defect: v_ν ≤ 0 is imposed at every other vertex of Γ3 only."""
+    """Deliberate defect: contact is only imposed at every other vertex of the contact boundary."""
 
     def solver(S: Any, N: Any, *points: Any) -> Any:
         made, forces = Signorini(S, N[::2]), np.zeros(N.shape[0])
@@ -180,12 +200,15 @@ def in_places(right: Any) -> Any:
 
 
 def springs(right: Any) -> Any:
-    """Deliberate defect: springs that push and pull, with a fixed stiffness, replace the condition v_ν ≤ 0."""
+    """Deliberate defect: the foundation consists of elastic springs instead of being rigid.
+
+    The springs have a fixed stiffness. They pull the body back where it leaves the foundation.
+    """
     return lambda S, N: freed(right)(sps.csc_array(S + 100.0 / N.shape[0] * (N.T @ N)), N)
 
 
 class RandomSearch(Signorini):
-    """Deliberate defect: the contact solve starts from a random active set and stops after the first iteration."""
+    """Deliberate defect: the contact solver starts from a random active set and stops after its first iteration."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, *points: Any) -> None:
         super().__init__(S, N)
@@ -196,12 +219,12 @@ class RandomSearch(Signorini):
 
 
 def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
-    """Deliberate defect: one step is solved by a wrong contact solver.
+    """Deliberate defect: in one time step the contact problem is solved by a wrong solver.
 
     Args:
-        wrong: replacement of the contact solver.
-        which: the step, as for ``node``.
-        part: number of steps among which the step is chosen, relative to the steps of the experiment.
+        wrong: replacement that makes the wrong solver from the correct one.
+        which: "first", "odd", "even" or "last", as for ``node``.
+        part: the step is chosen among this fraction of all time steps of the experiment, from the first step on.
     """
 
     def change(setup: Any) -> Any:
@@ -216,19 +239,25 @@ def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
     return change
 
 
-# Time schemes that report a wrong trajectory.
+# Time schemes that return wrong solutions.
 
 
 def node(which: str, last: int) -> int:
-    """Return the number of a time node: "first" is 1; "odd" and "even" lie in the middle; "last" is ``last``."""
+    """Return the number of a time node.
+
+    Args:
+        which: "first" for node 1, "last" for the last node, "odd" or "even" for a node with such a number in the
+            middle.
+        last: number of the last node.
+    """
     return {"first": 1, "odd": last // 2 | 1, "even": (last // 2 + 2) // 2 * 2, "last": last}[which]
 
 
 def marching(march: Callable[[Any, Any, int], Iterator[Any]]) -> Replacement:
-    """Deliberate defect: the time scheme yields the states of ``march``.
+    """Deliberate defect: the time scheme computes other states.
 
     Args:
-        march: function of the correct scheme, a problem and a number of steps, which returns the states.
+        march: function that returns the wrong states, given the correct scheme, a problem and a number of time steps.
     """
     return lambda scheme: SimpleNamespace(
         name=scheme.name,
@@ -238,10 +267,11 @@ def marching(march: Callable[[Any, Any, int], Iterator[Any]]) -> Replacement:
 
 
 def states(change: Callable[[Any, int, Any, int], Any]) -> Replacement:
-    """Deliberate defect: the time scheme yields changed states.
+    """Deliberate defect: the states that the time scheme computes are changed afterwards.
 
     Args:
-        change: function of a state, its number, the problem and the number of steps, which returns the changed state.
+        change: function that returns the changed state, given the state, its number, the problem and the number of time
+            steps.
     """
 
     def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
@@ -251,16 +281,21 @@ def states(change: Callable[[Any, int, Any, int], Any]) -> Replacement:
 
 
 def solving(alter: Callable[[SemiDiscrete], SemiDiscrete]) -> Replacement:
-    """Deliberate defect: the scheme solves another problem than the one for which errors are measured."""
+    """Deliberate defect: the time scheme solves another problem than the one whose exact solution is known.
+
+    Args:
+        alter: function that returns the other problem, given the correct one.
+    """
     return marching(lambda scheme, problem, steps: scheme.march(alter(problem), steps))
 
 
 def state_off(which: str, halvings: int, **factors: float) -> Replacement:
-    """Deliberate defect: parts of the state at one node are multiplied by factors.
+    """Deliberate defect: parts of the computed state at one time node are multiplied by factors.
 
     Args:
-        which: the node, as for ``node``.
-        halvings: only the trajectory with 2^halvings times the steps of the experiment has the defect.
+        which: "first", "odd", "even" or "last", as for ``node``.
+        halvings: the experiment also computes with shorter or longer time steps. Only the computation in which its time
+            step is halved this many times has the defect.
         factors: name of an attribute of the state ↦ its factor.
     """
 
@@ -280,7 +315,11 @@ def _times_parts(state: Any, factors: dict[str, float]) -> Any:
 
 
 def rival_off(which: str) -> Replacement:
-    """Deliberate defect: other solutions than the experiment's are wrong by a thousandth at one node."""
+    """Deliberate defect: solutions by other methods, for comparison, are wrong by a thousandth at one time node.
+
+    Args:
+        which: "first", "odd", "even" or "last", as for ``node``.
+    """
 
     def change(setup: Any) -> Any:
         def changed(state: Any, n: int, problem: Any, steps: int) -> Any:
@@ -293,11 +332,11 @@ def rival_off(which: str) -> Replacement:
 
 
 def displacement_off(which: str, right_first: int) -> Replacement:
-    """Deliberate defect: the scheme reports ten times the displacement at one node, except in its first calls.
+    """Deliberate defect: the time scheme returns ten times the displacement at one time node.
 
     Args:
-        which: the node, as for ``node``.
-        right_first: number of calls of ``march`` without the defect.
+        which: "first", "odd", "even" or "last", as for ``node``.
+        right_first: number of first calls of the scheme that have no defect.
     """
 
     def change(scheme: Any) -> Any:
@@ -316,7 +355,11 @@ def displacement_off(which: str, right_first: int) -> Replacement:
 
 
 def coarse_forces(change: Callable[[Any], Any]) -> Replacement:
-    """Deliberate defect: the contact forces of the run with half as many steps are changed."""
+    """Deliberate defect: the contact forces are changed in the computation with half as many time steps.
+
+    Args:
+        change: function that returns the wrong contact forces, given the correct ones.
+    """
 
     def changed(setup: Any) -> Any:
         def alter(state: Any, n: int, problem: Any, steps: int) -> Any:
@@ -328,7 +371,7 @@ def coarse_forces(change: Callable[[Any], Any]) -> Replacement:
 
 
 def off_in_turns(forces: Any) -> Any:
-    """Return contact forces that are wrong by a hundredth of the largest force, with alternating signs."""
+    """Return contact forces with an added error: a hundredth of the largest force, with alternating signs."""
     return forces + 0.01 * (-1.0) ** np.arange(len(forces)) * forces.max()
 
 
@@ -352,9 +395,9 @@ swapped = solving(lambda problem: replace(problem, M=problem.reference, referenc
 
 
 def companion_is_the_run(setup: Any) -> Any:
-    """Deliberate defect: the trajectory with step k consists of every other state of the trajectory with k/2.
+    """Deliberate defect: the solution with time step k is copied from the solution with time step k/2.
 
-    The distance of the two trajectories, which should show the time share, is then 0.
+    The error of the time discretisation is estimated by the difference of the two solutions, which is now 0.
     """
 
     def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
@@ -365,7 +408,10 @@ def companion_is_the_run(setup: Any) -> Any:
 
 
 def every_other_state(companion: Function) -> Function:
-    """Deliberate defect: Problem 3.2 with half as many steps is every other state of the solution with all steps."""
+    """Deliberate defect: the stress solution with half as many time steps is copied from the one with all time steps.
+
+    The error of the time discretisation is estimated by their difference, which is now 0.
+    """
     return lambda experiment: islice(experiment.march(), 1, None, 2)
 
 
@@ -373,22 +419,22 @@ def every_other_state(companion: Function) -> Function:
 
 
 def an_eighth(steps: int) -> int:
-    """Return an eighth of the number of time steps."""
+    """Return an eighth of a number of time steps, but at least one step."""
     return max(steps // 8, 1)
 
 
 def no_contact(problem: Any) -> Any:
-    """Deliberate defect: V^h instead of K^h, without constraints."""
+    """Deliberate defect: the problem has no contact constraint, so the body may enter the foundation."""
     return replace(problem, N=problem.N[:0], gap=0.0, solver=freed(problem.solver))
 
 
 def constraint_relaxed(setup: Any) -> Any:
-    """Deliberate defect: v_ν ≤ √h instead of v_ν ≤ 0."""
+    """Deliberate defect: the body may enter the foundation by √h, where h is the mesh size."""
     return replaced(setup, "problem.solver", shifted_gap(math.sqrt(setup.space.h)))
 
 
 def nearest_axis(N: Any) -> Any:
-    """Deliberate defect: the nearest axis instead of ν, in 2D."""
+    """Deliberate defect: normals of a plane contact boundary are replaced by the nearest coordinate axis."""
     N = N.copy()
     normals = N.data.reshape(-1, 2)
     nearest = np.arange(2) == abs(normals).argmax(axis=1)[:, None]
@@ -397,20 +443,26 @@ def nearest_axis(N: Any) -> Any:
 
 
 def load_late(setup: Any) -> Any:
-    """Deliberate defect: F(t − k) instead of F(t)."""
+    """Deliberate defect: the load at time t is the load of the time step before, at t − k."""
     k = setup.problem.T / setup.steps
     return replaced(setup, "problem.load", lambda load: lambda t: load(max(t - k, 0.0)))
 
 
 def contact_work_times(factor: float) -> Replacement:
-    """Deliberate defect: the work of contact in the load (3.7) is multiplied by a factor."""
+    """Deliberate defect: one term of the load, the work of the contact pressure, is multiplied by ``factor``.
+
+    The load of a case follows from its exact solution, and this term is part of it. Errors are measured correctly.
+    """
 
     wrong = other_contact_work(factor)(ErrorNorm)
     return lambda setup: replaced(setup, "problem.load", replaced_by(wrong(setup.solution, setup.space).load))
 
 
 def other_contact_work(factor: float) -> Replacement:
-    """Deliberate defect: the class that measures errors multiplies the work of contact by a factor."""
+    """Deliberate defect: wherever a load is computed, the work of the contact pressure is multiplied by ``factor``.
+
+    The replacement concerns the class ``ErrorNorm``, which measures errors and also computes loads.
+    """
 
     def make(v_norm: type[ErrorNorm]) -> Function:
         def made(*given: Any) -> Any:
@@ -424,22 +476,26 @@ def other_contact_work(factor: float) -> Replacement:
 
 
 def start_at_the_end(setup: Any) -> Any:
-    """Deliberate defect: u_0^h = Π^h u(T)."""
+    """Deliberate defect: the computation starts from the displacement at the final time instead of the initial one."""
     return replaced(setup, "problem.u0", replaced_by(setup.v_norm.sample(setup.problem.T).interpolant))
 
 
 def start_outside(problem: Any) -> Any:
-    """Deliberate defect: u_0^h ∉ K^h."""
+    """Deliberate defect: the initial displacement enters the foundation."""
     return replace(problem, u0=problem.u0 + 10 * problem.N.T @ np.ones(problem.N.shape[0]))
 
 
 def start_at_projection(setup: Any) -> Any:
-    """Deliberate defect: u_0^h = P_h u_0, the projection in (·,·)_V, for a homogeneous A."""
+    """Deliberate defect: the computation starts from the best approximation of the initial displacement.
+
+    The correct start is the interpolant. The best approximation is the projection in the energy norm, for a viscosity
+    that is constant in space.
+    """
     return replaced(setup, "problem.u0", replaced_by(projection(setup, 0.0)))
 
 
 def clamp_one_cell_short(setup: Any) -> Any:
-    """Deliberate defect: functions of V^h need not vanish at the first vertex of every part of Γ1."""
+    """Deliberate defect: one end vertex of each clamped part of the boundary is free."""
     space = Space(setup.space.mesh, setup.space.body)
     ends = [_nearest(space, part.start) for part in space.body.of(Kind.CLAMPED)]
     loose = space.dim * np.array(ends)[:, None] + np.arange(space.dim)
@@ -454,7 +510,10 @@ def _nearest(space: Space, x: Any) -> int:
 
 
 def k_like_h(setup: Any) -> Any:
-    """Deliberate defect: a fully discrete solution, of first order in k ~ h, instead of u^h."""
+    """Deliberate defect: backward Euler with a time step as large as the mesh size computes the solution.
+
+    The correct solution has a negligible error in time. This one has an error of first order in time and in space.
+    """
     return replace(setup, scheme=BACKWARD_EULER, steps=round(1 / setup.space.h))
 
 
@@ -462,12 +521,12 @@ def k_like_h(setup: Any) -> Any:
 
 
 def _v_norm(setup: Any, **methods: Any) -> Any:
-    """Return the experiment with a new object that measures errors, with the given methods replaced."""
+    """Return the experiment with a new object that measures errors, some of whose methods are replaced."""
     return replace(setup, v_norm=overridden(ErrorNorm(setup.solution, setup.space), **methods))
 
 
 def norm_of_l2(setup: Any) -> Any:
-    """Deliberate defect: ‖v‖_{L²} instead of (A ε(v), ε(v))^½."""
+    """Deliberate defect: errors are measured in the norm of L² instead of the energy norm."""
     return _v_norm(setup, distance=_l2_distance(setup))
 
 
@@ -483,7 +542,7 @@ def _l2_distance(setup: Any) -> Function:
 
 
 def norm_of_h1(setup: Any) -> Any:
-    """Deliberate defect: (‖v‖² + ‖ε(v)‖²)^½ instead of (A ε(v), ε(v))^½."""
+    """Deliberate defect: errors are measured in the norm (‖v‖² + ‖ε(v)‖²)^½ instead of the energy norm."""
     found, of_values = _v_norm(setup, A=isotropic(0.5, 0, setup.space.dim)), _l2_distance(setup)
     of_strain = found.v_norm.distance
     overridden(found.v_norm, distance=lambda sample, v: math.hypot(of_strain(sample, v), of_values(sample, v)))
@@ -491,19 +550,26 @@ def norm_of_h1(setup: Any) -> Any:
 
 
 def norm_with_elasticity(setup: Any) -> Any:
-    """Deliberate defect: (G ε(v), ε(v))^½ instead of (A ε(v), ε(v))^½."""
+    """Deliberate defect: the energy norm is computed with the elasticity tensor instead of the viscosity tensor."""
     return _v_norm(setup, A=setup.solution.law.G)
 
 
 def one_point_quadrature(setup: Any) -> Any:
-    """Deliberate defect: ε(u) at the centres of cells only, where the interpolant's strain is nearly exact."""
+    """Deliberate defect: errors of the strain are measured at the centres of cells only.
+
+    There the strain of the interpolant is nearly exact, so errors appear too small.
+    """
     centres = setup.solution.at(setup.space.mesh.p[:, setup.space.mesh.t].mean(axis=1))
     sample = setup.v_norm.sample
     return _v_norm(setup, sample=lambda t: replace(sample(t), means=centres.strain(t), oscillation=0.0))
 
 
 def sum_of_roots(setup: Any) -> Any:
-    """Deliberate defect: Σ_T ‖·‖_T instead of (Σ_T ‖·‖_T²)^½, with the oscillation divided evenly among the cells."""
+    """Deliberate defect: the norm of an error is the sum over all cells of the norms on the cells.
+
+    The correct norm is the square root of the sum of squares. The part of the error that is only known for the whole
+    mesh is divided evenly among the cells.
+    """
 
     def distance(sample: Any, v: Any) -> float:
         difference = sample.means - setup.space.strain(v)
@@ -514,7 +580,11 @@ def sum_of_roots(setup: Any) -> Any:
 
 
 def interpolant_off(which: str) -> Replacement:
-    """Deliberate defect: 5 Π^h u instead of Π^h u at one node."""
+    """Deliberate defect: the interpolant of the exact solution is multiplied by 5 at one time node.
+
+    Args:
+        which: "first", "odd", "even" or "last", as for ``node``.
+    """
 
     five = lambda found: replace(found, interpolant=5.0 * found.interpolant)  # noqa: E731
 
@@ -526,7 +596,12 @@ def interpolant_off(which: str) -> Replacement:
 
 
 def interpolation_error_off(which: str, factor: float) -> Replacement:
-    """Deliberate defect: ‖u − Π^h u‖_V is multiplied by a factor at one node."""
+    """Deliberate defect: the interpolation error is multiplied by a factor at one time node.
+
+    Args:
+        which: "first", "odd", "even" or "last", as for ``node``.
+        factor: the factor.
+    """
 
     def change(setup: Any) -> Any:
         right = setup.v_norm.distance
@@ -541,12 +616,16 @@ def interpolation_error_off(which: str, factor: float) -> Replacement:
 
 
 def _time(which: str, setup: Any) -> float:
-    """Return the time of a node of the measured trajectory."""
+    """Return the time of a node, named as for ``node``, among the nodes at which errors are measured."""
     return float(setup.problem.T * node(which, 2 * setup.steps) / (2 * setup.steps))
 
 
 def load_off(amount: Callable[[float], float]) -> Replacement:
-    """Deliberate defect: the load has a relative error, a function of t/T, as if its quadrature were coarse."""
+    """Deliberate defect: the load has a relative error, as if it were integrated too coarsely.
+
+    Args:
+        amount: the relative error as a function of t/T, where T is the final time.
+    """
 
     def change(setup: Any) -> Any:
         right, T = setup.v_norm.load, setup.problem.T
@@ -556,17 +635,25 @@ def load_off(amount: Callable[[float], float]) -> Replacement:
     return change
 
 
-# Defects that make diagnostics too small.
+# Defects that make diagnostics, such as a residual, too small.
 
 
 def balance_alone(residual: Function) -> Function:
-    """Deliberate defect: the residual ignores the sign of the contact forces, complementarity and the gap."""
+    """Deliberate defect: the residual of a contact problem only tests the balance of forces.
+
+    It ignores whether contact forces press or pull, whether they act only where the gap is closed, and whether the gap
+    is negative.
+    """
     size = np.linalg.norm
     return lambda step, u, multipliers, b: float(size(step.S @ u + step.forces @ multipliers - b) / size(b))
 
 
 def every_second_time(measure: Function) -> Function:
-    """Deliberate defect: only every second time is measured, and residual and time share at the last time only."""
+    """Deliberate defect: diagnostics skip times.
+
+    Errors are measured at every second time only. The residual of the contact problems and the estimated error of the
+    time discretisation are measured at the last time only.
+    """
 
     def found(setup: Any) -> Any:
         right = measure(setup)
@@ -578,15 +665,15 @@ def every_second_time(measure: Function) -> Function:
 
 
 def at_the_last_time(parallelogram: Function) -> Function:
-    """Deliberate defect: the parallelogram law is tested at the last time only."""
+    """Deliberate defect: the parallelogram law, which tests computed norms, is tested at the last time only."""
     return lambda found: parallelogram(replace(found, history=found.history[:, -1:]))
 
 
-# Defects of Theorem 4.2 with both problems on one mesh.
+# Defects of the comparison of the displacement formulation with the stress formulation on the same mesh.
 
 
 def stress_from_displacement(sides: Any) -> Any:
-    """Deliberate defect: the stress of Problem 3.1 replaces the stress of Problem 3.2.
+    """Deliberate defect: the stress of the displacement formulation replaces the stress of the stress formulation.
 
     The two stresses then agree perfectly, which proves nothing.
     """
@@ -595,13 +682,20 @@ def stress_from_displacement(sides: Any) -> Any:
 
 
 def compared_with_itself(sides: Any) -> Any:
-    """Deliberate defect: the stress that the law gives for Problem 3.1 replaces the solutions of both problems."""
+    """Deliberate defect: the displacement and the stress formulation are both given the same stress.
+
+    This stress follows from the computed displacement by the material law.
+    """
     derived = Derived.compared(sides.stresses(sides.displacements), sides.displacements)
     return replace(sides, stresses=lambda problem: derived)
 
 
 def stresses(change: Function) -> Replacement:
-    """Deliberate defect: Problem 3.2 is changed."""
+    """Deliberate defect: the stress formulation of the contact problem is changed.
+
+    Args:
+        change: function that returns the wrong problem, given the correct one.
+    """
 
     def changed(sides: Any) -> Any:
         wrong = change(sides.stresses(sides.displacements))
@@ -611,16 +705,21 @@ def stresses(change: Function) -> Replacement:
 
 
 def stress_march(change: Callable[[Iterator[Any], int], Iterator[Any]]) -> Replacement:
-    """Deliberate defect: the states of Problem 3.2 are changed.
+    """Deliberate defect: the states that the stress formulation computes are changed afterwards.
 
     Args:
-        change: function of the states and the number of steps.
+        change: function that returns the changed states, given the states and the number of time steps.
     """
     return stresses(lambda right: overridden(copy(right), march=lambda steps: change(right.march(steps), steps)))
 
 
 def step_times(which: str, **factors: float) -> Replacement:
-    """Deliberate defect: parts of the state of Problem 3.2 are multiplied by factors in one step."""
+    """Deliberate defect: in one time step, parts of the solution of the stress formulation are multiplied by factors.
+
+    Args:
+        which: "first", "odd", "even" or "last", as for ``node``.
+        factors: name of a part, such as ``stress`` ↦ its factor.
+    """
     return stress_march(
         lambda states, steps: (_times_parts(s, factors) if n == node(which, steps) else s for n, s in enumerate(states))
     )
@@ -640,29 +739,29 @@ stress_load_late = stresses(
 )
 
 
-# Defects of Theorem 4.2 with a separate stress space.
+# Defects of the stress formulation when it is solved without displacements, on a stress space of equilibrium elements.
 
 
 def law_swapped(setup: Any) -> Any:
-    """Deliberate defect: A and G are swapped in Problem 3.2."""
+    """Deliberate defect: the viscosity and the elasticity tensor are swapped in the stress formulation."""
     law = setup.data.law
     return replaced(setup, "data.law", replaced_by(replace(law, A=law.G, G=law.A)))
 
 
 def no_surface_load(part: Any, x: Any) -> Function:
-    """Return f_2 = 0, at one time or at several."""
+    """Return zero tractions at points x of a boundary part, as a function of one time or of several times."""
     return lambda time: np.zeros((*x.shape, *np.shape(time)))
 
 
 def surface_load_late(setup: Any) -> Any:
-    """Deliberate defect: f_2(t − k) instead of f_2(t)."""
+    """Deliberate defect: the traction at time t is the traction of the time step before, at t − k."""
     k = setup.data.body.T / setup.steps
     late = lambda right: lambda part, x: lambda time: right(part, x)(np.maximum(time - k, 0.0))  # noqa: E731
     return replaced(setup, "data.surface_load", late)
 
 
 def without_viscosity(make: Function) -> Function:
-    """Deliberate defect: Gε(u^h) instead of Aε(δu^h) + Gε(u^h)."""
+    """Deliberate defect: the stress of a computed displacement lacks its viscous part."""
 
     def made(primal: Any, *given: Any) -> None:
         make(primal, *given)
@@ -672,17 +771,18 @@ def without_viscosity(make: Function) -> Function:
 
 
 def companion_off(companion: Function) -> Function:
-    """Deliberate defect: the stress with half as many steps is wrong in one of them."""
+    """Deliberate defect: in the computation with half as many time steps, one stress is five times too large."""
     five = lambda state: replaced(state, "stress.values", lambda values: 5 * values)  # noqa: E731
     return lambda setup: (_when(n == 2, five, state) for n, state in enumerate(companion(setup)))
 
 
 def inadmissible_once(kind: str, call: int) -> Replacement:
-    """Deliberate defect: in one step a stress is inadmissible by some thousandths of its size.
+    """Deliberate defect: in one time step a stress slightly violates an equilibrium or contact condition.
 
     Args:
-        kind: "jumps" between cells, "misses f_2", is "tangential" on Γ3, or "pulls" on Γ3.
-        call: number of the step.
+        kind: the violated condition. "jumps": the stress jumps between two cells. "misses f_2": it differs from the
+            given traction. "tangential": it has friction on the contact boundary. "pulls": it pulls there.
+        call: number of the time step. The violation is this number of thousandths of the largest traction.
     """
 
     def spoiled(space: Any, state: Any) -> Any:
@@ -704,11 +804,11 @@ def inadmissible_once(kind: str, call: int) -> Replacement:
     return wrong
 
 
-# Defects of the spaces and meshes of other statements.
+# Defects of finite-element spaces and meshes.
 
 
 def space(change: Callable[[Space], dict[str, Any]]) -> Replacement:
-    """Deliberate defect: V^h has other attributes.
+    """Deliberate defect: the finite-element space has other attributes.
 
     Args:
         change: function that returns the names and values of the new attributes, given the correct space.
@@ -717,39 +817,42 @@ def space(change: Callable[[Space], dict[str, Any]]) -> Replacement:
 
 
 def pinned(right: Space) -> dict[str, Any]:
-    """Return the attributes of a space with Γ1 reduced to two of its points."""
+    """Return the attributes of a space whose clamped boundary is reduced to two points."""
     corners = np.array([end for part in right.body.of(Kind.CLAMPED) for end in part.corners.T[:2]])[:2]
     fixed = [_nearest(right, corner) for corner in corners]
     return {"free": np.flatnonzero(np.repeat(~np.isin(np.arange(right.mesh.p.shape[1]), fixed), right.dim))}
 
 
 def inward(right: Space) -> dict[str, Any]:
-    """Return the attributes of a space whose normals on Γ3 point inwards."""
+    """Return the attributes of a space whose normals on the contact boundary point into the body."""
     return {"N": -right.N}
 
 
 def off_contact(right: Space) -> dict[str, Any]:
-    """Return the attributes of a space with a constraint at a vertex inside the body instead of the last one of Γ3."""
+    """Return the attributes of a space with one contact constraint moved from the boundary into the body."""
     inside = np.flatnonzero((abs(right.mesh.p - right.mesh.p.mean(axis=1)[:, None]) < 0.2).all(axis=0))[0]
     row = sps.csr_array(([1.0], ([0], [2 * inside + 1])), shape=(1, 2 * right.mesh.p.shape[1]))[:, right.free]
     return {"N": sps.csr_array(sps.vstack([right.N[:-1], row]))}
 
 
 def ungraded(graded: Function) -> Function:
-    """Deliberate defect: meshes are not refined at a corner."""
+    """Deliberate defect: meshes that should be finer at a corner are not."""
     return lambda family, body, n: Unstructured()(body, n)
 
 
 def over_vertices(h1_product: Function) -> Function:
-    """Deliberate defect: Σ v·w over the vertices instead of (v, w)_H, without areas as weights."""
+    """Deliberate defect: the inner product of L² is the sum of v·w over the vertices, without areas as weights."""
     return lambda space: sps.csc_array(h1_product(space) - mass(space) + sps.eye_array(space.dofs))
 
 
-# Defects of laws.
+# Defects of material laws.
 
 
 class Misstated:
-    """A changed operator with the stated constants of the correct one."""
+    """A changed operator of a material law that still states the constants of the correct operator.
+
+    Such constants are for example the ellipticity constant and the Lipschitz constant.
+    """
 
     def __init__(self, right: Any, change: Replacement) -> None:
         self.right, self.change = right, change
@@ -765,11 +868,11 @@ class Misstated:
 
 
 def law(tensor: str, change: Replacement) -> Replacement:
-    """Deliberate defect: A or G of a case is changed, and its stated constants are those of the correct operator.
+    """Deliberate defect: one operator of a material law is changed, but not its stated constants.
 
     Args:
-        tensor: "A" or "G".
-        change: the replacement of the operator.
+        tensor: "A" for the viscosity, "G" for the elasticity.
+        change: replacement of the operator.
     """
 
     def misstated(case: Any) -> Any:
@@ -781,7 +884,10 @@ def law(tensor: str, change: Replacement) -> Replacement:
 
 
 def engineering_shear(right: Function) -> Function:
-    """Deliberate defect: the shear component is ε_12 instead of √2 ε_12 in Mandel's vectors."""
+    """Deliberate defect: the shear component of strains and stresses lacks the factor √2.
+
+    Mandel's notation, in which symmetric tensors are vectors with the same inner product, needs this factor.
+    """
 
     def operator(strain: Any) -> Any:
         shear = np.ones((len(strain), *[1] * (strain.ndim - 1)))
@@ -792,11 +898,11 @@ def engineering_shear(right: Function) -> Function:
 
 
 def returning(radius: float = 1.0, share: float = 1.0) -> Replacement:
-    """Deliberate defect: the law (3.3) has a wrong elastic set K, or its projection onto K is wrong.
+    """Deliberate defect: a material law with yield, which projects strains onto a ball, uses another ball or factor.
 
     Args:
-        radius: factor of the radius of K.
-        share: factor of the result.
+        radius: factor of the radius of the ball.
+        share: factor of the resulting stress.
     """
 
     class Returning(Yield):
@@ -807,26 +913,30 @@ def returning(radius: float = 1.0, share: float = 1.0) -> Replacement:
     return lambda projection: lambda G, count: projection(Returning(G.beta, G.convex), count)
 
 
-# Defects of terms and of exact solutions.
+# Defects of terms of an estimate, of exact solutions, and of solvers that are compared.
 
 
 def without(*names: str) -> Replacement:
-    """Deliberate defect: the named terms of R are left out."""
+    """Deliberate defect: terms of the residual functional are left out.
+
+    Args:
+        names: names of the terms.
+    """
     return result(lambda terms: replace(terms, **{name: 0 * getattr(terms, name) for name in names}))
 
 
 def no_body_force(terms: Any) -> Any:
-    """Return the terms without (f_0, v)."""
+    """Return the terms of the residual functional with the work of the body force set to 0."""
     return replace(terms, body=0 * terms.body)
 
 
 def no_work_on_loaded(work_on: Function) -> Function:
-    """Deliberate defect: (f_2, v)_{L²(Γ2)} is left out."""
+    """Deliberate defect: the work of the tractions on the loaded boundary is left out."""
     return lambda kind, *given: (0.0 if kind is Kind.LOADED else 1.0) * work_on(kind, *given)
 
 
 def no_rate(on_cells: Function) -> Function:
-    """Deliberate defect: G ε(u^h) instead of A ε(u̇^h) + G ε(u^h)."""
+    """Deliberate defect: computed stresses lack the viscous part, which depends on the strain rate."""
 
     def found(*given: Any) -> Any:
         right = on_cells(*given)
@@ -836,26 +946,37 @@ def no_rate(on_cells: Function) -> Function:
 
 
 def half_a_step_late(discrete_stresses: Function) -> Function:
-    """Deliberate defect: σ^h is compared with σ half a step later."""
+    """Deliberate defect: computed stresses are compared with exact ones half a time step later."""
     return lambda setup: (
         (time + setup.problem.T / setup.steps / 2, stress) for time, stress in discrete_stresses(setup)
     )
 
 
 def stress_off_at_an_instant(discrete_stresses: Function) -> Function:
-    """Deliberate defect: σ^h is ten times too large at the fifth of the instants."""
+    """Deliberate defect: the computed stress is ten times too large at the fifth of the times."""
     return lambda setup: (
         (time, (10 if n == 4 else 1) * stress) for n, (time, stress) in enumerate(discrete_stresses(setup))
     )
 
 
 def exact_displacement(change: Function, time: float | None = None) -> Replacement:
-    """Deliberate defect: the exact displacement is changed, at all times or at ``time`` times T only."""
+    """Deliberate defect: the exact displacement is changed.
+
+    Args:
+        change: function that returns the wrong displacement, given the correct one.
+        time: the time at which it is changed, relative to the final time; None for all times.
+    """
     return lambda over_time: lambda trace, solution: over_time(trace, _changed(solution, "displacement", time, change))
 
 
 def exact_solution(method: str, time: float, change: Function) -> Replacement:
-    """Deliberate defect: the exact solution of every case is changed at the time ``time`` · T."""
+    """Deliberate defect: one field of the exact solution of every case is changed at one time.
+
+    Args:
+        method: name of the field.
+        time: the time, relative to the final time.
+        change: function that returns the wrong field, given the correct one.
+    """
     return result(lambda case: SimpleNamespace(solution=_changed(case.solution, method, time, change)))
 
 
@@ -872,24 +993,27 @@ def _changed(solution: Any, method: str, time: float | None, change: Function) -
 
 
 def interpolant_late(sample: Function) -> Function:
-    """Deliberate defect: the interpolant is Π^h u(0.9 t) instead of Π^h u(t)."""
+    """Deliberate defect: the interpolant at time t interpolates the exact displacement at time 0.9 t."""
     return lambda v_norm, time: replace(sample(v_norm, time), interpolant=sample(v_norm, 0.9 * time).interpolant)
 
 
 def times_width(right: Function) -> Function:
-    """Deliberate defect: the result is multiplied by the extent of the mesh along the first axis."""
+    """Deliberate defect: a result is multiplied by the width of the mesh along the first axis."""
     return lambda self, *given: float(np.ptp(self.space.mesh.p[0])) * right(self, *given)
 
 
 def times_h(power: int) -> Replacement:
-    """Deliberate defect: errors are multiplied by a power of h."""
+    """Deliberate defect: interpolation errors on the contact boundary are multiplied by a power of the mesh size h."""
     return lambda right: (
         lambda solution, space, face: {n: e * space.h**power for n, e in right(solution, space, face).items()}
     )
 
 
 def opposite_work(compare: Function) -> Function:
-    """Deliberate defect: (B(u + d) − B(u), −d)_V without division by ‖d‖_V²."""
+    """Deliberate defect: the quotient that shows whether an operator is monotone has the wrong sign and no denominator.
+
+    The correct quotient of an operator B is (B(u + d) − B(u), d) / ‖d‖² for a displacement u and a step d.
+    """
 
     def found(operator: Any, base: Any, step: Any) -> tuple[float, float, Any]:
         quotient, product, image = compare(operator, base, step)
@@ -899,33 +1023,54 @@ def opposite_work(compare: Function) -> Function:
 
 
 def random_only(quotients: Function) -> Function:
-    """Deliberate defect: only the first pairs are used, which are random; the worst pair is not searched."""
+    """Deliberate defect: a largest quotient is searched among random pairs only.
+
+    The correct search continues from these pairs to the worst pair.
+    """
     return lambda *given: islice(quotients(*given), 10)
 
 
 def cut_off(projected: Function) -> Function:
-    """Deliberate defect: the projection on K^h sets positive v_ν at vertices to 0 instead of minimising ‖·‖_V."""
+    """Deliberate defect: the projection onto the admissible displacements does not minimise the energy norm.
+
+    Instead, it sets positive normal displacements at vertices of the contact boundary to 0.
+    """
     products: Function = lambda N: (N @ N.T).toarray()  # noqa: E731
     return lambda problem, u: u - problem.N.T @ np.linalg.solve(products(problem.N), np.maximum(problem.N @ u, 0.0))
 
 
 def law_alone(pair: Any) -> Any:
-    """Deliberate defect: σ^h = Cε(u^h), which does not balance the loads."""
+    """Deliberate defect: the computed stress follows from the displacement by the material law alone.
+
+    This stress does not balance the loads, as it must in the tested identity.
+    """
     return lambda *given: overridden(pair(*given), bound=0.0, distance=0.0)
 
 
 def rival(name: str, solver: Any) -> Replacement:
-    """Deliberate defect: the given solver replaces the named one of the solvers with which results are compared."""
+    """Deliberate defect: one of the solvers with which results are compared is replaced.
+
+    Args:
+        name: name of this solver.
+        solver: the solver that replaces it.
+    """
     return lambda rivals: {**rivals, name: solver}
 
 
 def same_problem(name: str) -> Replacement:
-    """Deliberate defect: the problem is compared with itself instead of with the named other problem."""
+    """Deliberate defect: the problem is compared with itself instead of with another problem.
+
+    Args:
+        name: name of the other problem.
+    """
     return lambda rivals: lambda problem: {**rivals(problem), name: problem}
 
 
 def rival_stress_off(stresses: Function) -> Function:
-    """Deliberate defect: all solvers but ``Signorini`` return a stress that is wrong by a thousandth in one step."""
+    """Deliberate defect: in one time step, stresses of other solvers are wrong by a thousandth.
+
+    They are the solvers with which the solver of the study, ``Signorini``, is compared.
+    """
     return lambda setup: [
         (1.001 if n == 6 and setup.solver is not Signorini else 1.0) * stress
         for n, stress in enumerate(stresses(setup))
@@ -933,12 +1078,12 @@ def rival_stress_off(stresses: Function) -> Function:
 
 
 def unweighted(facet_rule: Function) -> Function:
-    """Deliberate defect: sums over quadrature points without the lengths as weights."""
+    """Deliberate defect: integrals over boundary edges are sums over quadrature points without weights."""
     return result(lambda rule: replace(rule, weights=1 + 0 * rule.weights))(facet_rule)  # type: ignore[no-any-return]
 
 
 def body_load_off(right: Function) -> Function:
-    """Deliberate defect: the load by the coarse rule is wrong at one time."""
+    """Deliberate defect: the load that is integrated with the coarser rule is wrong by a tenth at one time."""
     off: Function = lambda solution, time, degree: degree < 3 and np.isclose(time, 0.375 * solution.body.T)  # noqa: E731
     return lambda solution, space, time, degree: (
         (1.1 if off(solution, time, degree) else 1.0) * right(solution, space, time, degree)
@@ -946,34 +1091,48 @@ def body_load_off(right: Function) -> Function:
 
 
 def known_error(call: int, factor: float) -> Replacement:
-    """Deliberate defect: the known error is multiplied by a factor at one of the times."""
+    """Deliberate defect: the error that follows from the exact solution is multiplied by a factor at one time.
+
+    Args:
+        call: number of this time, counted from 0.
+        factor: the factor.
+    """
     return result(lambda error: in_one_call(call, lambda value: factor * value)(error))
 
 
 def larger(*names: str) -> Function:
-    """Return a function that makes the named squares of norms at one instant far too large."""
+    """Return a function that multiplies named squares of norms, measured at one time, by 10⁶."""
     return lambda course: _times_parts(course, dict.fromkeys(names, 1e6))
 
 
 def load_of_before(euler: Function) -> Function:
-    """Deliberate defect: backward Euler uses the load at the time t − T/8."""
+    """Deliberate defect: backward Euler at time t uses the load at time t − T/8, where T is the final time."""
     return lambda problem, times: euler(
         replace(problem, load=lambda t: problem.load(max(t - problem.T / 8, 0.0))), times
     )
 
 
 def norm_of_nodal_values(furthest: Function) -> Function:
-    """Deliberate defect: the largest Euclidean norm of differences of nodal values instead of the norm of V."""
+    """Deliberate defect: the distance of two solutions is measured in nodal values instead of the energy norm.
+
+    It is the largest Euclidean norm, over all times, of the differences of nodal values.
+    """
     return lambda problem, one, other: float(np.linalg.norm(one - other, axis=1).max())
 
 
 def constant_halved(bounds: Function) -> Function:
-    """Deliberate defect: error bounds of backward Euler use half of the Lipschitz constant κ."""
+    """Deliberate defect: error bounds of backward Euler use half of the Lipschitz constant ``kappa``."""
     return lambda flow, kappa, growth: bounds(flow, kappa / 2, growth)
 
 
 def always_steps(most: int) -> Replacement:
-    """Deliberate defect: trajectories with half as many steps are every second state of the one with ``most`` steps."""
+    """Deliberate defect: the solution with half as many time steps is copied from another solution.
+
+    Both are compared in order to estimate the error in time, which then appears to be 0.
+
+    Args:
+        most: number of time steps of the other solution.
+    """
     return lambda path: (
         lambda problem, scheme, steps: (
             path(problem, scheme, most)[::2] if 2 * steps == most else path(problem, scheme, steps)
@@ -982,5 +1141,5 @@ def always_steps(most: int) -> Replacement:
 
 
 def near_vertices(spikes: Function) -> Function:
-    """Deliberate defect: the field is shifted by an eighth of the radius of its narrowest spikes."""
+    """Deliberate defect: a field with spikes at vertices is shifted by an eighth of the smallest spike radius."""
     return lambda x, last: spikes(x + 4.0**-last / 8, last)

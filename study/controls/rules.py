@@ -1,7 +1,7 @@
-"""Fingerprints of rules. The rule of a check is how it is judged: its window, its levels, and the statistic it uses.
+"""Fingerprints of the rules by which checks are judged: tolerance window, levels and statistic.
 
-The false-alarm rate of a check is estimated from seeds that were drawn after the last change of its rule. A change is
-detected by its effect on artificial data: all measured numbers are replaced by pseudo-random numbers of size h, which
+The false-alarm rate of a check is estimated from random seeds that were drawn after the last change of its rule. A
+change is detected by its effect on artificial data. All measured numbers are replaced by pseudo-random numbers that
 depend only on the names of the file, the row and the column, and these numbers are judged. The fingerprint is a hash of
 the resulting verdict (text, window, values) and of the levels of the measurements. So a new window, level or statistic
 changes the fingerprint of its check and of no other check. Code that is rewritten with the same effect changes nothing.
@@ -24,22 +24,23 @@ from study.statements import STATEMENTS
 from study.statements.shared.base import LISTED, Statement
 
 NOT_MEASURED = {"h", "k"}
-"""Columns of numbers that are not measured, so that they keep their values."""
+"""Columns of numbers that are given, not measured: mesh size and time step. They are not replaced."""
 SCATTER = 0.2
-"""Largest change of the logarithms of the artificial numbers, so that ratios and orders differ from row to row."""
+"""Largest change of the logarithm of an artificial number. So ratios and observed orders differ from row to row."""
 ALL = "all cases"
-"""The name of the case in checks about all cases."""
+"""Stands in place of the name of a case in checks that concern all cases."""
 
 
 def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
-    """Return for each check the fingerprint of its rule.
+    """Return for each check the fingerprint of the rule by which it is judged.
 
-    A check is left out if ``plan`` lacks some of its measurements, for example a check about all cases.
+    A check is left out if some of its measurements are missing in ``plan``. For example, a check about all cases is
+    left out if ``plan`` has only some of the cases.
 
     Parameters:
         directory: the directory with the data of ``plan``.
         plan: the plan that was measured.
-        whole: the plan with all measurements of the checks.
+        whole: the plan with all measurements of every check.
     """
     cases = read_csv(directory, "cases.csv", PREDICTED)
     files = [file for file in data_files() if isinstance(file, CsvFile)]
@@ -58,12 +59,19 @@ def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
 
 
 def row_of(verdict: Verdict) -> RowKey:
-    """Return the tuple (label, key, case) of a check, which does not depend on the seed of the meshes."""
+    """Return label, key and case of a check, which together identify it on the meshes of every random seed."""
     return verdict.label, verdict.key, verdict.case
 
 
 def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
-    """Return the table of a file with pseudo-random numbers in place of the measured ones."""
+    """Return a table of measurements with pseudo-random numbers in place of the measured ones.
+
+    The numbers have the size of the mesh size h, and depend only on the names of the file, the row and the column.
+
+    Parameters:
+        file: the data file, with its name and key columns.
+        table: the measured table.
+    """
     found = table.copy()
     key = table[[name for name in file.key if name != "family"]].astype(str).agg(" ".join, axis=1)
     if file == LISTED:
@@ -72,21 +80,29 @@ def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
     for column in table.columns:
         if column not in {*file.key, *NOT_MEASURED} and pd.api.types.is_float_dtype(table[column]):
             hashes = [hashlib.sha256(f"{file.name} {row} {column}".encode()).hexdigest() for row in key]
-            # Numbers between −1 and 1.
+            # The first eight hexadecimal digits of each hash give a number between −1 and 1.
             chance = np.array([int(digits[:8], 16) / 2**31 - 1 for digits in hashes])
             found[column] = size * np.exp(SCATTER * chance)
     return found
 
 
 def _texts(verdict: Verdict) -> list[str]:
-    """Return the texts and numbers of a verdict, without the mesh family; six digits are equal on all machines."""
+    """Return the texts and numbers of a verdict for its fingerprint.
+
+    The name of the mesh family is left out, because it contains the seed. Numbers have six digits, which are the same
+    on all machines.
+    """
     words = [*row_of(verdict), verdict.quantity.removesuffix(f", {verdict.family} meshes"), verdict.expected]
     numbers = verdict.observed, verdict.low, verdict.high, verdict.window_low, verdict.window_high
     return [*words, verdict.verdict, *(f"{number:.6g}" for number in numbers)]
 
 
 def _settings(plan: Plan, statement: Statement) -> list[tuple[str, str]]:
-    """Return pairs (case, level and other parameters as text) of all measurements by which a statement is judged."""
+    """Return the measurements that are used to judge a statement.
+
+    Returns:
+        One pair for each measurement: the case, and level and other parameters as text.
+    """
     own = [job for job in plan.jobs if job.statement.file == statement.file]
     if statement.file == LISTED:
         own = [job for job in own if job.statement.label == statement.label]

@@ -1,4 +1,4 @@
-"""Measures every control, and its setting without a defect, and reports whether the named checks noticed the defect."""
+"""Measures every deliberate defect, and reports whether the checks that should notice the defect failed."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ from study.run.store import Store
 
 NO_DEFECT = "none"
 SAME = 1e-3
-"""Relative tolerance up to which the numbers of two defects in a setting count as equal, so that the defects are the
-same mistake. In checks that hold, absolute differences of this size are ignored as well, because some measure
-rounding."""
+"""Relative tolerance with which two defects in a setting are compared. If all numbers agree, the defects are the same
+mistake, and one of them proves nothing. In checks that hold, absolute differences of this size are ignored as well,
+because the number may be pure round-off."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of one control, or of a setting without a defect (a baseline).
+    """The result of measuring with one deliberate defect, or of measuring in the same setting without a defect.
 
     Attributes:
-        defect: name of the control, or ``NO_DEFECT``.
+        defect: name of the defect, or ``NO_DEFECT``.
         what: a description of the defect, in one line.
-        setting: name of the setting.
-        row: the check that is shown. For a control, the first of its named checks that does not fail, or the first one
-            if all fail. For a baseline, the first check that does not hold, or the first one if all hold.
-        caught: whether every check that the control names fails; None for a baseline.
-        other_faults: other faults in words: a check that no control names, or a defect that equals another one.
+        setting: name of the case, meshes and statement.
+        row: the check that is shown. With a defect, it is the first check that should fail and does not, or the first
+            one if all fail. Without a defect, it is the first check that does not hold, or the first one if all hold.
+        caught: whether all checks that should fail do fail; None without a defect.
+        other_faults: other faults in words: a check is tested by no defect, or two defects give the same numbers.
     """
 
     defect: str
@@ -55,15 +55,18 @@ class Outcome:
 
     @property
     def passes(self) -> bool:
-        """Whether the defect was noticed, or all checks of the baseline hold, and there is no other fault."""
+        """Whether this result is as it should be, without other faults.
+
+        With a defect, the checks that should fail must fail. Without a defect, all checks must hold.
+        """
         return not self.other_faults and (self.row.verdict == HOLDS if self.caught is None else self.caught)
 
     @classmethod
     def of_control(cls, control: Control, verdicts: list[Verdict], other_faults: str = "") -> Outcome:
-        """Return the outcome of a control. Only failures of the checks that it names count.
+        """Return the outcome for a defect; only the checks that must fail because of it are considered.
 
         Raises:
-            KeyError: the setting has no check with the key that the control gives.
+            KeyError: the setting has no check with a key that ``control`` names.
         """
         by_key = {verdict.key: verdict for verdict in verdicts}
         named = [by_key[key] for key in control.keys]
@@ -72,14 +75,16 @@ class Outcome:
 
     @classmethod
     def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict], named: set[str]) -> Outcome:
-        """Return the outcome of a baseline: all checks must hold, each must be named by a control, no key occurs twice.
+        """Return the outcome of a measurement without a defect, for which all checks must hold.
 
-        A check that no control names could be weakened or removed, and no control would notice it.
+        There is a fault if two checks have the same key. There is also a fault if a check is tested by no defect,
+        because then
+        it could be weakened or removed unnoticed.
 
         Parameters:
-            setting: the setting.
-            verdicts: its checks without a defect.
-            named: the keys of all checks that controls name.
+            setting: the case, meshes and statement.
+            verdicts: the checks.
+            named: the keys of all checks that some defect must make fail.
         """
         row = next((verdict for verdict in verdicts if verdict.verdict != HOLDS), verdicts[0])
         keys = [verdict.key for verdict in verdicts]
@@ -90,19 +95,19 @@ class Outcome:
 
 
 def settings(controls: Sequence[Control]) -> list[Baseline[Any]]:
-    """Return the different settings of some controls."""
+    """Return the settings (case, meshes and statement) of some controls, each once."""
     return list(dict.fromkeys(control.setting for control in controls))
 
 
 def run_controls(
     controls: Sequence[Control], executor: Executor, store: Store, notify: Callable[[], object]
 ) -> list[Outcome]:
-    """Return the outcomes of the baselines, one for each setting, followed by those of the controls.
+    """Measure all defects, and all their settings without a defect; return the outcomes, those without a defect first.
 
     Parameters:
-        controls: the controls.
+        controls: the defects.
         executor: runs the measurements.
-        store: keeps finished measurements; those of the same code are not repeated.
+        store: keeps finished measurements, so that they are not repeated as long as the code is the same.
         notify: called after every measurement.
     """
     places = settings(controls)
@@ -134,11 +139,11 @@ def run_controls(
 def outcomes(
     sound: Mapping[Baseline[Any], list[Verdict]], defective: Sequence[tuple[Control, list[Verdict]]]
 ) -> list[Outcome]:
-    """Return the outcomes of all settings and controls from their checks.
+    """Return the outcomes of all measurements from their checks, those without a defect first.
 
     Parameters:
         sound: setting ↦ its checks without a defect.
-        defective: pairs (control, its checks).
+        defective: pairs of a defect and the checks that were measured with it.
     """
     named = {key for control, _ in defective for key in control.keys}
     other_faults: dict[str, str] = {}
@@ -152,7 +157,7 @@ def outcomes(
 
 
 def alike(first: list[Verdict], second: list[Verdict]) -> bool:
-    """Return whether two defects give the same numbers in every check, up to rounding."""
+    """Return whether two defects in the same setting give the same numbers in every check, up to rounding."""
     if [verdict.verdict for verdict in first] != [verdict.verdict for verdict in second]:
         return False
     one, other = (np.array([verdict.observed for verdict in rows]) for rows in (first, second))
@@ -161,16 +166,19 @@ def alike(first: list[Verdict], second: list[Verdict]) -> bool:
 
 
 def _key(setting: Baseline[Any], name: str) -> str:
-    """Return the file name of a finished measurement; a hash distinguishes settings with the same name."""
+    """Return the file name of a finished measurement.
+
+    It ends with a hash, because two settings may have the same name.
+    """
     words = re.sub(r"[^\w.]+", "-", name or str(setting)).strip("-")
     return f"control__{words}__{sha256(repr((name, setting)).encode()).hexdigest()[:8]}"
 
 
 def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
-    """Return the checks of a setting with the named defect of the table; for an empty name, without a defect.
+    """Measure in a setting with the named defect, or without a defect for an empty name; return the checks.
 
-    The name is passed because a control contains functions, which cannot be sent to another process. One thread is used
-    because the processes already use all cores.
+    The defect is given by its name, because a ``Control`` contains functions, which cannot be sent to another process.
+    One thread is used, because the processes already use all cores.
     """
     named = [one for one in table.CONTROLS if one.name == name and one.setting == setting]
     with threadpool_limits(1):
@@ -178,7 +186,7 @@ def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
 
 
 def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict]:
-    """Return the checks of a setting, with the defect of a control if one is given."""
+    """Measure in a setting and return the checks; if a control is given, its defect is made."""
     if control is None:
         return setting.verdicts(lambda measured: measured)
     with control.patched():
@@ -186,7 +194,7 @@ def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict
 
 
 def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:
-    """Write ``controls.csv`` with one row for each outcome; return its path."""
+    """Write ``controls.csv`` with one row for each outcome, and return its path."""
     table = pd.DataFrame(
         {
             "defect": finding.defect,
@@ -206,7 +214,10 @@ def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:
 
 
 def controls_text(findings: Sequence[Outcome]) -> str:
-    """Return the printed text: a table of the settings without a defect, a table of the defects, and the counts."""
+    """Return the text that ``study controls`` prints.
+
+    It has a table of the settings without a defect, a table of the defects, and the numbers of both.
+    """
     baselines = [finding for finding in findings if finding.caught is None]
     controls = [finding for finding in findings if finding.caught is not None]
     lines_of_baselines = [
@@ -230,7 +241,7 @@ def controls_text(findings: Sequence[Outcome]) -> str:
             "",
             f"{len(baselines)} settings without a defect: in {sum(f.passes for f in baselines)} every check holds",
             f"{len(controls)} defects: {sum(f.passes for f in controls)} noticed",
-            *(f"NOT IN ORDER: {f.setting}, {f.defect}: {f.other_faults}" for f in findings if f.other_faults),
+            *(f"ERROR in the controls: {f.setting}, {f.defect}: {f.other_faults}" for f in findings if f.other_faults),
         ]
     )
 

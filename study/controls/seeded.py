@@ -1,8 +1,9 @@
-"""The plan of a seed: all checks of the study on shaken meshes, measured on the random meshes with this seed.
+"""The measurements that are made for one seed: all checks of the study on random meshes with this seed.
 
-In a shaken mesh, the vertices are moved at random. Some measurements take most of the time: stresses on a separate
-space, rough solutions (which need the levels of the full study), errors computed by the second solver, and cases in 3D.
-They are measured on every ``EVERY``-th seed only. So checks differ in the number of seeds by which they were judged.
+The meshes are shaken meshes, whose vertices are moved at random. Some measurements take most of the time: the stress
+formulation on its own stress space, solutions that are not smooth (which need more levels), errors computed by a second
+solver, and cases in 3D. They are made only for every ``EVERY``-th seed. So checks differ in the number of seeds on
+which they were judged.
 """
 
 from __future__ import annotations
@@ -28,46 +29,47 @@ from study.statements.shared.scope import Scope
 from study.statements.thm_4_2_own_space import OwnSpace
 
 WHOLE, LIGHT = "whole", "light"
-"""The parts of the plan: all measurements, or only the cheap ones."""
+"""Names of the two parts of the measurements for a seed: all of them, or only the cheap ones."""
 EVERY = 5
-"""All measurements are made on every fifth seed, so that cheap and costly ones take about the same time together."""
-NOT_CLAIMED = {"(5.24)": "orders of a trace hang on few edges of random length"}
-"""Label of a statement about which nothing is claimed on shaken meshes ↦ the reason."""
+"""Costly measurements are made on every fifth seed only, so that they take about as long as the cheap ones in total."""
+NOT_CLAIMED = {"(5.24)": "orders of a trace depend on few edges of random length"}
+"""Label of a statement that is not claimed to hold on meshes with random vertices ↦ the reason."""
 TRACES = ("no-contact", "advance-recede")
-"""Cases whose traces on the contact boundary are interpolated."""
+"""Cases whose displacements on the contact boundary are interpolated."""
 
 
 def claimed(label: str) -> bool:
-    """Return whether the checks with this label are claimed to hold on shaken meshes."""
+    """Return whether the study claims that the checks with this label hold on meshes with random vertices."""
     return label not in NOT_CLAIMED
 
 
 @dataclass(frozen=True)
 class SeededScope(Scope):
-    """The scope of the quick study with shaken meshes only.
+    """The scope of the quick study with meshes whose vertices are random.
 
     Attributes:
-        seed: the seed of the meshes; the mesh family is called shaken-SEED.
+        seed: the seed of the random vertices. The mesh family is called shaken-SEED.
     """
 
     seed: int = 0
 
     @property
     def family(self) -> str:
-        """The name of the mesh family."""
+        """The name of the mesh family, which contains the seed."""
         return f"{Shaken().name}-{self.seed}"
 
     def families_of(self, case: Case) -> list[MeshFamily]:
-        """Return the shaken mesh family if it can mesh the body, otherwise an empty list."""
+        """Return the family of random meshes if it can mesh the body of the case, otherwise an empty list."""
         family = family_named(self.family)
         return [family] if family.serves(case.solution.body) else []
 
 
 def seeded(seed: int, part: str = WHOLE) -> Plan:
-    """Return the plan of a seed: the quick study on its meshes, with the levels of the full study for rough cases.
+    """Return the plan of measurements for one seed: the quick study on random meshes with this seed.
 
-    The plan has no pictures, no error bounds (which are proved for every mesh), no errors of other codes (which were
-    run on the meshes of one seed), and no cases that only the full study measures (``SLOW``).
+    Cases that are not smooth are measured on the levels of the full study. The plan leaves out pictures, error bounds
+    (which are proved for every mesh), errors of other codes (which were run on the meshes of one seed), and the cases
+    in ``SLOW``, which only the full study measures.
 
     Parameters:
         seed: the seed.
@@ -85,17 +87,18 @@ def seeded(seed: int, part: str = WHOLE) -> Plan:
 
 
 def costly(job: Job) -> bool:
-    """Return whether a job is so costly that it is run only on the seeds with all measurements."""
+    """Return whether a job is so costly that it is run only for every ``EVERY``-th seed."""
     solid = isinstance(job.statement, FirstOrder | InitialGap) and job.setting.dim == 3
     return solid or isinstance(job.statement, OwnSpace | Convergence | InterpolationOnContact | Recomputed)
 
 
 def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
-    """Return the settings of a statement on the shaken meshes of a seed.
+    """Return the settings (case, mesh family, level) in which a statement is measured on random meshes with one seed.
 
-    Settings of the quick study with shaken meshes are used. If there are none, those of the full study on the levels of
-    the quick study are used. Problem 3.2 with a separate stress space has all settings of the full study. The traces of
-    (5.24) are measured, although nothing is claimed about them on shaken meshes.
+    They are the settings of the quick study on such meshes. If the quick study has none, they are the settings of the
+    full study on such meshes, up to the finest level of the quick study. The stress formulation on its own stress space
+    (``OwnSpace``) has all settings of the full study. The interpolation of displacements on the contact boundary is
+    measured, too, although nothing is claimed about it on random meshes.
     """
     if isinstance(statement, InterpolationOnContact):
         return grid(TRACES, (scope.family,), (16, 32, 64))

@@ -1,9 +1,11 @@
-"""Finds the smallest defect that makes a check fail: the command ``study sensitivity``.
+"""Finds the smallest defects that make a check fail: the command ``study sensitivity``.
 
-One part of Problem 5.1 is changed by a relative amount δ. Bisection on a logarithmic scale finds the smallest δ at
-which a check fails. For small δ the errors change by a multiple of δ², so observed orders hardly show the defect. The
-checks of ``study.statements.recomputed`` compare two trajectories, whose distance is a multiple of δ. Only these checks
-are used here. So the whole ledger may notice smaller defects, and a coarse mesh suffices.
+One datum of the contact problem, such as the load or a modulus, is changed by a relative amount δ. Bisection on a
+logarithmic scale finds the smallest δ at which a check fails.
+
+Only the checks of ``study.statements.recomputed`` are used. They compare the computed displacements over time with
+those of a second solver, and their distance is proportional to δ. Errors, in contrast, change in proportion to δ², so
+observed orders hardly show a small defect. Other checks may notice still smaller defects. A coarse mesh suffices.
 """
 
 from __future__ import annotations
@@ -12,7 +14,6 @@ from collections.abc import Callable
 from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -22,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from study.controls.baselines import experiment
 from study.controls.small_defects import DEFECTS, START, SmallDefect
 from study.fem.naming import resolve
-from study.ledger.datafiles import CsvFile, Row, write_csv
+from study.ledger.datafiles import CsvFile, Row
 from study.ledger.verdict import FAILS
 from study.statements.recomputed import TRAJECTORIES, Recomputed, gaps
 from study.statements.recomputed_solver import PlainProblem, Trajectory
@@ -30,13 +31,13 @@ from study.statements.shared.base import Setting, grid
 from study.statements.shared.experiment import Experiment
 
 LEAST, MOST = 1e-12, 1.0
-"""The range of amounts in which the smallest is searched."""
+"""The range of relative sizes in which the smallest noticed defect is searched."""
 CLOSE = 1.05
-"""Bisection ends when the smallest failing amount and the largest holding amount differ by this factor."""
+"""The search ends when the smallest noticed size is at most this multiple of the largest size that is not noticed."""
 CASES = "full-contact", "advance-recede"
 FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 LEVEL = 8
-"""The coarsest level on which the quick and the full study compare trajectories."""
+"""The coarsest level on which the study compares its displacements with those of the second solver."""
 PLACES = grid(CASES, FAMILIES, (LEVEL,))
 SENSITIVITY = CsvFile(
     "sensitivity.csv", ("defect", "case", "family"), ("defect", "case", "family", "level", "amount", "seen_by")
@@ -45,14 +46,14 @@ SENSITIVITY = CsvFile(
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """The study and the second solver on one mesh.
+    """The solver of the study and a second, independent solver for one case on one mesh.
 
     Attributes:
         setting: case, mesh family and level.
-        setup: the experiment of the study.
-        plain: the problem of the second solver.
-        course: trajectory of the second solver with its own load.
-        alike: trajectory of the second solver with the load of the study.
+        setup: the experiment: the contact problem of the study, its time scheme and time steps.
+        plain: the contact problem of the second solver.
+        course: displacements over time by the second solver, with the load that it computes itself.
+        alike: displacements over time by the second solver, with the load of the study.
     """
 
     setting: Setting
@@ -63,14 +64,14 @@ class Place:
 
     @classmethod
     def of(cls, setting: Setting) -> Place:
-        """Return both solvers on a mesh; loads are cached, because all defects need the same loads."""
+        """Return both solvers on a mesh. Their loads are cached, because all defects need the same loads."""
         setup = experiment(resolve(setting.case), setting.family, setting.level)
         setup = replace(setup, problem=replace(setup.problem, load=cache(setup.problem.load)))
         plain = PlainProblem(setup.solution, setup.space.mesh)
         return cls(setting, setup, plain, *plain.trajectories(2 * setup.steps, plain.load, setup.problem.load))
 
     def failing(self, setup: Experiment) -> list[str]:
-        """Return the keys of the checks that fail for an experiment."""
+        """Return the keys of the checks that fail if the study solves the given experiment, which may have a defect."""
         right = setup.problem.load is self.setup.problem.load
         alike = self.alike if right else self.plain.trajectories(2 * setup.steps, setup.problem.load)[0]
         row = {**vars(self.setting), "h": setup.space.h, **gaps(setup, self.plain, self.course, alike)}
@@ -79,10 +80,10 @@ class Place:
         return [verdict.key for verdict in verdicts if verdict.verdict == FAILS]
 
     def smallest(self, defect: SmallDefect) -> tuple[float, str]:
-        """Return the smallest amount of a defect at which a check fails, up to the factor ``CLOSE``.
+        """Find the smallest relative size of a defect at which a check fails, up to the factor ``CLOSE``.
 
         Returns:
-            The amount, and the key of the check; infinity and an empty text if no check fails.
+            The size, and the key of the check; infinity and an empty text if no check fails.
         """
         holds, fails = LEAST, MOST
         if not (seen := self.failing(defect.apply(self.setup, fails))):
@@ -97,9 +98,9 @@ class Place:
 
 
 def lines(setting: Setting) -> list[Row]:
-    """Return the rows of ``sensitivity.csv`` for one mesh.
+    """Return the rows of ``sensitivity.csv`` for one case and mesh, one for each defect.
 
-    The defect of the initial displacement is skipped if this displacement is zero.
+    A defect that multiplies the initial displacement is left out if the initial displacement is zero.
     """
     with threadpool_limits(1):
         place = Place.of(setting)
@@ -109,11 +110,11 @@ def lines(setting: Setting) -> list[Row]:
 
 
 def run_sensitivity(executor: Executor, notify: Callable[[], object]) -> pd.DataFrame:
-    """Return the table ``sensitivity.csv``.
+    """Find the smallest noticed defects on all meshes, and return them as the table ``sensitivity.csv``.
 
     Parameters:
-        executor: runs the meshes.
-        notify: called after every mesh.
+        executor: runs one call for each case and mesh.
+        notify: called when a call is finished.
     """
     waiting = [executor.submit(lines, setting) for setting in PLACES]
     for _ in as_completed(waiting):
@@ -121,19 +122,15 @@ def run_sensitivity(executor: Executor, notify: Callable[[], object]) -> pd.Data
     return pd.DataFrame([row for future in waiting for row in future.result()], columns=list(SENSITIVITY.columns))
 
 
-def write_sensitivity(directory: Path, table: pd.DataFrame) -> Path:
-    """Write ``data/sensitivity.csv``; return its path."""
-    path = directory / "data" / SENSITIVITY.name
-    write_csv(path, table)
-    return path
-
-
 def sensitivity_text(table: pd.DataFrame) -> str:
-    """Return the smallest noticed defects in per cent as text: a row for each defect, a column for each mesh family."""
+    """Return the smallest noticed defects in per cent as a printed table.
+
+    The table has a row for each case and defect, and a column for each mesh family.
+    """
     wide = table.assign(percent=[f"{100 * amount:.2g}" for amount in table["amount"]])
     wide = wide.pivot(index=["case", "defect"], columns="family", values="percent")
     order = list(dict.fromkeys(zip(table["case"], table["defect"], strict=True)))
     lines = [[*key, *wide.loc[key, list(FAMILIES)]] for key in order]
     # The headings are passed as a row, because tabulate would widen columns with headings to more than 80 characters.
-    head = ["case", "wrong by %", *FAMILIES]
+    head = ["case", "defect, in %", *FAMILIES]
     return tabulate([head, *lines], tablefmt="plain", disable_numparse=True, maxcolwidths=[None, 14])

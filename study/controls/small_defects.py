@@ -1,4 +1,4 @@
-"""Deliberate defects with a given relative size δ in parts of Problem 5.1, for ``study.controls.sensitivity``."""
+"""Defects of any relative size δ in the data or solution of a contact problem, for ``study sensitivity``."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from study.statements.shared.experiment import Experiment
 
 @dataclass(frozen=True)
 class SmallDefect:
-    """A deliberate defect of any relative size.
+    """A deliberate defect whose relative size can be chosen.
 
     Attributes:
         name: name of the defect.
-        apply: function of an experiment and the relative size, which returns the experiment with the defect.
+        apply: function of an experiment and a relative size. It returns the experiment with a defect of this size.
     """
 
     name: str
@@ -34,10 +34,11 @@ class SmallDefect:
 
 
 def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callable[[Experiment, float], Experiment]:
-    """Return the function ``SmallDefect.apply`` for a load F with an additional part.
+    """Return a function that adds a wrong part to the load of an experiment; it serves as ``SmallDefect.apply``.
 
     Parameters:
-        more: function that returns the part, t ↦ (n_dofs,), for an experiment; δ times the part is added to F.
+        more: function that returns for an experiment the part as a function of time, t ↦ (n_dofs,). This part, times
+            the relative size of the defect, is added to the load.
     """
 
     def apply(setup: Experiment, amount: float) -> Experiment:
@@ -48,51 +49,58 @@ def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callabl
 
 
 def surface_load(setup: Experiment) -> Callable[[float], Array]:
-    """Return the load of the tractions, t ↦ (f_2, v)_{L²(Γ2)}."""
+    """Return the load vector of the tractions as a function of time, t ↦ (n_dofs,)."""
     return cache(lambda time: work_on(Kind.LOADED, setup.solution, setup.space, time))
 
 
 def body_force(setup: Experiment) -> Callable[[float], Array]:
-    """Return the load of the body force, t ↦ (f_0, v)_H: the load (3.7) without the tractions."""
+    """Return the load vector of the body force as a function of time, t ↦ (n_dofs,)."""
     load, surface = setup.problem.load, surface_load(setup)
     return lambda time: load(time) - surface(time)
 
 
 def contact_load(setup: Experiment) -> Callable[[float], Array]:
-    """Return the function t ↦ ∫_{Γ3} σ_ν v_ν, which Green's formula subtracts from (σ, ε(v))_Q."""
+    """Return the work of the contact pressure on each basis function as a function of time, t ↦ (n_dofs,).
+
+    The load of a case follows from its exact stress σ: it is the work of σ on the strain of a displacement v, minus the
+    work of the contact pressure on v_ν.
+    """
     v_norm = ErrorNorm(setup.solution, setup.space)
     amplitudes = v_norm._amplitudes
     return cache(lambda time: v_norm._contact_work(*(amplitudes(time, rate) for rate in (False, True))))
 
 
 def changed(place: str, change: Callable[[Any, float], Any]) -> Callable[[Experiment, float], Experiment]:
-    """Return the function ``SmallDefect.apply`` that changes an attribute of the experiment.
+    """Return a function that makes an attribute of an experiment wrong; it serves as ``SmallDefect.apply``.
 
     Parameters:
-        place: the attribute, as for ``replaced``.
-        change: function that returns the wrong value, given the correct one and δ.
+        place: name of the attribute, such as "problem.u0".
+        change: function that returns the wrong value, given the correct one and the relative size of the defect.
     """
     return lambda setup, amount: replaced(setup, place, lambda right: change(right, amount))
 
 
 def shear(tensor: Linear) -> Array:
-    """Return the shear part 2μ I of an isotropic tensor."""
+    """Return the shear part 2μ I of an isotropic tensor with the shear modulus μ, (D, D)."""
     return (tensor.matrix[0, 0] - tensor.matrix[0, 1]) * np.eye(len(tensor.matrix))
 
 
 def bulk(tensor: Linear) -> Array:
-    """Return the volumetric part λ 1 ⊗ 1 of an isotropic tensor."""
+    """Return the volumetric part λ 1 ⊗ 1 of an isotropic tensor with the first Lamé constant λ, (D, D)."""
     unit = identity(tensor.dim)
     return tensor.matrix[0, 1] * np.multiply.outer(unit, unit)
 
 
 def modulus(matrix: str, tensor: str, part: Callable[[Linear], Array]) -> Callable[[Experiment, float], Experiment]:
-    """Return the function ``SmallDefect.apply`` that multiplies a modulus of A or G by 1 + δ in the solver.
+    """Return a function that makes an elastic or viscous modulus too large; it serves as ``SmallDefect.apply``.
+
+    With the relative size δ, the solver uses 1 + δ times the modulus; the exact solution is unchanged.
 
     Parameters:
-        matrix: the matrix of the problem, "M" or "reference".
+        matrix: the matrix that the solver builds from the tensor: "M" for the viscosity A, "reference" for the
+            elasticity G.
         tensor: "A" or "G".
-        part: function that returns the part of the tensor that belongs to the modulus, (D, D).
+        part: function that returns the part of the tensor that is proportional to the modulus, (D, D).
     """
 
     def apply(setup: Experiment, amount: float) -> Experiment:
@@ -121,6 +129,6 @@ DEFECTS = (
 
 
 def by_amount(name: str, amount: float) -> Replacement:
-    """Return the named defect of ``DEFECTS`` with a fixed relative size, as a replacement for a control."""
+    """Return a function that gives an experiment the named defect of ``DEFECTS`` with a fixed relative size."""
     (defect,) = (each for each in DEFECTS if each.name == name)
     return lambda setup: defect.apply(setup, amount)

@@ -1,4 +1,4 @@
-"""The error ‖u(t) − v‖_V of a displacement v ∈ V^h, and the loads of an exact solution as vectors.
+"""The error ‖u(t) − v‖_V of a displacement v ∈ V^h, and the load vectors of an exact solution u.
 
 The strain of v is constant on every cell T. Let ε̄ be the mean of the exact strain ε(u) on T. Then
 
@@ -27,14 +27,23 @@ from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
 DEGREE, SOLID_DEGREE = 4, 2
-"""Degrees of the quadrature rule on cells in 2D and in 3D. The square of a linear strain error needs degree 2. In 2D
-two more are used, because kinks of the strain may cross cells and because moved quadrature points (``along`` of
-``ErrorNorm``) lower the degree. In 3D the evaluation of exact fields dominates the cost. Every row of a rate table
-records by how much the error changes if the degree is raised by two."""
+"""Degrees of the quadrature rule on cells, in 2D and in 3D.
+
+The square of a linear strain error needs degree 2. In 2D the degree is two higher, because kinks of the strain may
+cross cells and because moving the quadrature points (``along`` of ``ErrorNorm``) lowers the degree. In 3D the exact
+solution dominates the cost, so the degree is not raised. Every row of a rate table states by how much the error changes
+if the degree is raised by two.
+"""
 FACET_POINTS, SOLID_FACET_POINTS = 8, 4
-"""Gauss points on a contact facet, per direction; in 2D a facet is first divided where the strain is not smooth."""
+"""Number of Gauss points per direction on a contact facet, in 2D and in 3D.
+
+In 2D a facet is first divided at the points where the strain is not smooth, and each piece gets this number.
+"""
 PARALLEL = 0.1
-"""Sine of the angle between two contact faces below which quadrature points are aligned with one of them only."""
+"""Two contact faces count as parallel if the sine of the angle between them is below this number.
+
+Quadrature points are then aligned with one of the two faces only.
+"""
 
 
 class NormError(ArithmeticError):
@@ -43,13 +52,13 @@ class NormError(ArithmeticError):
 
 @dataclass(frozen=True, eq=False)
 class ExactAtTime:
-    """The data of the exact solution at one time that ``ErrorNorm.distance`` needs.
+    """Data of the exact solution u at one time, from which ``ErrorNorm.distance`` computes an error.
 
     Attributes:
-        time: t.
-        means: cell means of ε(u(t)), (D, cells).
-        oscillation: the energy of ε(u) minus its cell means, Σ_T ∫_T A(ε(u) − ε̄)·(ε(u) − ε̄).
-        interpolant: Π^h u(t), (dofs,).
+        time: the time t.
+        means: the mean of the strain ε(u(t)) on every cell, (D, cells).
+        oscillation: the energy of the strain minus its means ε̄, Σ_T ∫_T A(ε(u) − ε̄)·(ε(u) − ε̄).
+        interpolant: the interpolant Π^h u(t), (dofs,).
     """
 
     time: float
@@ -59,17 +68,18 @@ class ExactAtTime:
 
 
 class ErrorNorm:
-    """Computes the error ‖u(t) − v‖_V of displacements v ∈ V^h and the load vectors of an exact solution.
+    """Computes the error ‖u(t) − v‖_V of displacements v ∈ V^h, and the load vectors of the exact solution u.
 
-    If A varies within a cell, the mean ε̄ is weighted by the factor of A.
+    If the viscosity A varies within a cell, the mean of the strain on the cell is weighted by the factor of A.
 
     Args:
         solution: the exact solution u.
-        space: V^h.
+        space: the space V^h.
         raised: a number added to the degree of the cell rules and to the number of points of the facet rules.
-        along: contact faces, as lines. The quadrature points are moved so that many of them have the same coordinate
-            along these lines; the formulas of u are then evaluated less often, but the degree of the rule is lower
-            (``study.fem.quadrature.shared``). Default: ``shared_lines(solution)``; () keeps the standard points.
+        along: lines through contact faces. The quadrature points are moved so that many of them have the same
+            coordinate along these lines. The formulas of u are then evaluated less often, but the degree of the rule is
+            lower (``study.fem.quadrature.shared``). The default is ``shared_lines(solution)``; () keeps the standard
+            points.
     """
 
     def __init__(
@@ -98,13 +108,13 @@ class ErrorNorm:
         self._nodes = solution.at(space.mesh.p)
 
     def means(self, time: float) -> Tensors:
-        """Return the cell means of ε(u(t)), (D, cells)."""
+        """Return the mean of the exact strain ε(u(t)) on every cell, (D, cells)."""
         return self._cells.strains(self._amplitudes(time, False)) / self._cells.viscous
 
     def sample(self, time: float) -> ExactAtTime:
-        """Return the cell means of ε(u(t)), the oscillation and the interpolant, as needed by ``distance``."""
+        """Evaluate the exact solution at a time; ``distance`` needs the result."""
         means = self.means(time)
-        # For a strain that is constant on every cell the oscillation is round-off, which may be negative.
+        # If the strain is constant on every cell, this difference is round-off, which may be negative.
         oscillation = max(self._energy(self._amplitudes(time, False)) - self._constant_energy(means), 0.0)
         interpolant = self.space.interpolate(self._nodes.displacement(time))
         return ExactAtTime(time, means, oscillation, interpolant)
@@ -114,14 +124,14 @@ class ErrorNorm:
         return float(self._cells.viscous @ np.einsum("Ic,Ic->c", mapped(self.A.matrix, strain), strain))
 
     def distance(self, sample: ExactAtTime, v: Array) -> float:
-        """Return the error ‖u(t) − v‖_V.
+        """Return the error ‖u(t) − v‖_V of a displacement v at a time t.
 
         Args:
             sample: the result of ``sample`` for the time t.
-            v: free coefficients of a displacement in V^h, (dofs,).
+            v: the coefficients of a displacement in V^h, (dofs,).
 
         Raises:
-            NormError: the norm is not a finite number; a later maximum over time could hide this.
+            NormError: the norm is not a finite number. Without this error a maximum over time could hide it.
         """
         found = float(np.sqrt(sample.oscillation + self._constant_energy(sample.means - self.space.strain(v))))
         if not math.isfinite(found):
@@ -132,37 +142,38 @@ class ErrorNorm:
         return found
 
     def load(self, time: float) -> Array:
-        """Return the load vector of v ↦ (f(t), v)_V, (dofs,), computed from the exact stress.
+        """Return the load vector of an exact solution, v ↦ (f(t), v)_V for the basis functions v, (dofs,).
 
-        Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0 gives (f, v)_V = (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν. No
-        derivative of σ is needed, so the formula also holds for solutions whose f_0 is not in L².
+        It is computed from the exact stress σ: Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0 gives
+        (f, v)_V = (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν. No derivative of σ is needed, so this also holds for solutions whose
+        body force is not in L².
         """
         strains, rates = self._amplitudes(time, False), self._amplitudes(time, True)
         return self.space.tested(self._cells(strains, rates)) + self._contact_work(strains, rates)
 
     def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
-        """Return the vector of the work of the contact pressure, v ↦ ∫_{Γ3} p v_ν with p = −σ_ν, (dofs,)."""
+        """Return the vector of the work of the contact pressure p = −σ_ν, v ↦ ∫_{Γ3} p v_ν, (dofs,)."""
         pressure = [-dyad(normal, normal) @ sums(strains, rates) for normal, sums in self._faces]
         return np.asarray(self._normal.T @ np.concatenate(pressure))
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:
-    """Return quadrature rules for all cells, adapted to where the strain of a solution is never smooth.
+    """Return quadrature rules for all cells, adapted to lines and points at which the exact strain is never smooth.
 
     Args:
-        solution: gives the lines (``rough``) at which cells are cut and the points (``singular``) to which rules are
-            graded.
+        solution: gives the lines (``rough``) along which cells are cut, and the points (``singular``) towards which the
+            quadrature points are graded.
         mesh: the mesh.
         degree: degree of the rule on ordinary cells.
-        shared: lines as in ``along`` of ``ErrorNorm``.
+        shared: lines with which the quadrature points are aligned, as in ``along`` of ``ErrorNorm``.
     """
     return cell_rules(mesh, degree, [Line(*line) for line in solution.rough], solution.singular, shared)
 
 
 def shared_lines(solution: ExactSolution) -> list[Line]:
-    """Return the lines through at most two contact faces in 2D, with which quadrature points are aligned.
+    """Return lines through one or two contact faces, with which quadrature points in 2D are aligned.
 
-    In 3D, and for singular faces, the list is empty.
+    In 3D, and if no face is a ``ContactFace``, the list is empty.
     """
     found: list[Line] = []
     contact = [face for face in solution.faces if isinstance(face, ContactFace)] if solution.body.dim == 2 else []
@@ -174,7 +185,7 @@ def shared_lines(solution: ExactSolution) -> list[Line]:
 
 
 def gaps_at_vertices(solution: ExactSolution, space: Space) -> Array | float:
-    """Return the initial gap g at the contact vertices, (m,), in the order of the rows of ``space.N``.
+    """Return the initial gap at the contact vertices, in the order of the rows of the constraint matrix, (m,).
 
     If no contact face has an initial gap, as in the paper, the number 0.0 is returned.
     """

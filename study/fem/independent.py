@@ -1,6 +1,6 @@
 """Load vectors and the interpolation error by independent formulas, to check ``study.fem.error_norm.ErrorNorm``.
 
-Neither the integrals of strains nor the norm of ``ErrorNorm`` are used here.
+``ErrorNorm`` integrates the exact strain. The formulas here use neither these integrals nor its norm.
 """
 
 from __future__ import annotations
@@ -18,27 +18,30 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 
 INSTANTS = 32
-"""Number of steps of the time grid on which the maximum of the leading term is searched. The steepest known maximum is
-in the case travelling-patch: the term falls by 15 % within T/16. For a parabola this is 1 % within half a step."""
+"""Number of steps of the time grid on which the maximum of the leading term of the interpolation error is searched.
+
+The steepest known maximum is in the case travelling-patch: the term falls by 15 % within T/16. For a parabola this is 1
+% within half a step.
+"""
 
 
 def load_from_forces(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
-    """Return the load vector of (f(t), v)_V from the forces by (3.7), (dofs,).
+    """Return the load vector of an exact solution, computed from its body force f_0 and traction f_2, (dofs,).
 
-    It is (f_0, v)_H + (f_2, v)_{L²(Γ2)}. By (2.14) it differs from ``ErrorNorm.load``, which is computed from the
-    stress, only by quadrature errors.
+    By (3.7) its entries are (f(t), v)_V = (f_0, v)_H + (f_2, v)_{L²(Γ2)} for the basis functions v. By (2.14) it
+    differs only by quadrature errors from ``ErrorNorm.load``, which is computed from the stress.
 
     Args:
-        solution: the exact solution, which gives f_0 and f_2.
-        space: V^h.
-        time: t.
+        solution: the exact solution.
+        space: the space V^h.
+        time: the time t.
         degree: degree of the quadrature rule for f_0.
     """
     return work_of_body_force(solution, space, time, degree) + work_on(Kind.LOADED, solution, space, time)
 
 
 def work_of_body_force(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
-    """Return the vector of v ↦ (f_0, v)_H, the work of the body force, (dofs,); see ``load_from_forces``."""
+    """Return the load vector of the body force f_0 alone, v ↦ (f_0, v)_H, (dofs,); see ``load_from_forces``."""
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
     for rule in rules(solution, mesh, degree):
@@ -49,9 +52,9 @@ def work_of_body_force(solution: ExactSolution, space: Space, time: float, degre
 
 
 def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> Array:
-    """Return the vector of the work of the traction on all parts of one kind, v ↦ ∫ σν·v, (dofs,).
+    """Return the load vector of the exact traction on all boundary parts of one kind, v ↦ ∫ σν·v, (dofs,).
 
-    On Γ2 this is (f_2, v)_{L²(Γ2)}; on Γ3 it is ∫ σ_ν v_ν.
+    On the loaded boundary Γ2 this is (f_2, v)_{L²(Γ2)}. On the contact boundary Γ3 it is ∫ σ_ν v_ν.
     """
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
@@ -63,12 +66,12 @@ def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> A
 
 
 class LeadingTerm:
-    """Computes the leading term of the interpolation error ‖u − Π^h u‖_V at a time.
+    """Computes the leading term of the interpolation error ‖u − Π^h u‖_V for h → 0.
 
-    The term is the interpolation error of the quadratic function with the second derivatives of u at the centres of the
-    cells. On a cell, the interpolation error of a quadratic function with Hessian H is −½ Σ_{i<j} λ_i λ_j l_ijᵀ H l_ij,
-    where l_ij is the edge from vertex i to vertex j. Its gradient is −Σ_i λ_i V_i with
-    V_i = ½ Σ_{j≠i} (l_ijᵀ H l_ij) ⊗ ∇λ_j. Since ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d + 1)(d + 2)), its energy is
+    It is the interpolation error of the piecewise quadratic function that has the second derivatives of u at the
+    centres of the cells. On a cell, the interpolation error of a quadratic function with Hessian H is −½ Σ_{i<j} λ_i
+    λ_j l_ijᵀ H l_ij, where l_ij is the edge from vertex i to vertex j. Its gradient is −Σ_i λ_i V_i with V_i = ½
+    Σ_{j≠i} (l_ijᵀ H l_ij) ⊗ ∇λ_j. Since ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d + 1)(d + 2)), its energy is
     |T|/((d + 1)(d + 2)) (Σ_i A V_i·V_i + A V·V) for V = Σ_i V_i. The factor of A is also evaluated at the centres.
 
     Source: J. R. Shewchuk, What is a good linear finite element?, 2002, for the error function.
@@ -88,10 +91,10 @@ class LeadingTerm:
         return float(np.max([self(time) for time in np.linspace(0.0, self.T, INSTANTS + 1).tolist()]))
 
     def __call__(self, time: float) -> float:
-        """Return the leading term at a time."""
+        """Return the leading term of the interpolation error at a time."""
         strains = self.fields.strain_gradient(time)
-        # The Hessian of u_k is ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij. Both arrays have the shape (D, d, ...);
-        # the pair (i, j) is a Mandel vector.
+        # Second derivatives follow from derivatives of strains: ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij. Both
+        # arrays have the shape (D, d, ...), where the pair (i, j) is stored as a Mandel vector of D components.
         gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
         hessian = 2 * mandel(gradient) - strains
         V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))

@@ -1,8 +1,8 @@
 """Meshes of triangles or tetrahedra: geometry, mesh families, and the check that a mesh fits a body.
 
-A mesh family makes a mesh of a body for a level n, with about n cells along a side. The families do not use the
-position of the contact zone. Every point at which the boundary condition changes must be a vertex (paper, before
-(5.23)), and every interface between materials must be a union of facets; other meshes are refused.
+A mesh family makes a mesh of a body for a level n, with about n cells along a side. It does not use the position of the
+contact zone. Every point at which the boundary condition changes must be a vertex (paper, before (5.23)), and every
+interface between materials must be a union of facets. Other meshes are refused.
 """
 
 from __future__ import annotations
@@ -23,19 +23,25 @@ from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points
 
 TOLERANCE = 1e-8
-"""Tolerance for vertices on a boundary part, relative to |Ω|^{1/d}; areas and lengths have the same relative one."""
+"""Relative tolerance of the check that a mesh fits a body: for distances to a boundary part, for areas and for lengths.
+
+Distances are relative to |Ω|^{1/d}.
+"""
 
 
 class MeshError(ValueError):
-    """Raised if a mesh does not fit the body."""
+    """Raised if a mesh does not fit the body, or cannot be made for it."""
 
 
 class MeshFamily(Protocol):
-    """The interface of mesh families, the regular families {T_h} of triangulations of the paper."""
+    """The interface of mesh families: objects that make a mesh of a body for every level.
+
+    They are the regular families {T_h} of triangulations of the paper.
+    """
 
     @property
     def name(self) -> str:
-        """The name in commands and tables."""
+        """The name of the family in commands and tables."""
         ...
 
     def serves(self, body: Body) -> bool:
@@ -43,7 +49,7 @@ class MeshFamily(Protocol):
         ...
 
     def __call__(self, body: Body, n: int) -> Mesh:
-        """Return the mesh of level n; MeshError if the family cannot mesh the body at this level."""
+        """Return the mesh of level n; raise MeshError if the family cannot mesh the body at this level."""
         ...
 
 
@@ -56,13 +62,13 @@ def require_plane(family: MeshFamily, body: Body) -> None:
 
 
 def simplicial_mesh(points: Points, cells: Array) -> Mesh:
-    """Return the mesh with the vertices (d, n) and the triangles or tetrahedra (d+1, cells)."""
+    """Return the mesh with given vertices (d, n) and cells, which are given by vertex numbers, (d+1, cells)."""
     kind = MeshTri if len(points) == 2 else MeshTet
     return kind(np.ascontiguousarray(points), np.ascontiguousarray(cells))
 
 
-# ``mesh.mapping()`` is avoided: scikit-fem would store the mapping in the mesh. The two objects would then refer to
-# each other, and Python would free their memory late.
+# ``mesh.mapping()`` is not used, because scikit-fem would store its result in the mesh. The mesh and the mapping would
+# then refer to each other, and Python would free their memory late.
 
 
 def size(mesh: Mesh) -> float:
@@ -76,13 +82,13 @@ def size(mesh: Mesh) -> float:
 
 def cell_volumes(mesh: Mesh) -> Array:
     """Return the volume |T| of every cell, (cells,)."""
-    # The mapping also computes inverses, which do not exist for flat cells.
+    # The mapping also computes inverse Jacobians, which do not exist for cells of volume 0; NumPy would warn.
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(abs(MappingAffine(mesh).detA) / factorial(mesh.dim()))
 
 
 def facet_measures(mesh: Mesh, facets: Array) -> Array:
-    """Return the lengths or areas of the facets with the given indices, (n,)."""
+    """Return the lengths (2D) or areas (3D) of facets, given by their numbers, (n,) → (n,)."""
     return np.asarray(MappingAffine(mesh).detB[facets] / factorial(mesh.dim() - 1))
 
 
@@ -93,21 +99,27 @@ def barycentric_gradients(mesh: Mesh) -> Array:
 
 
 def barycentric(mesh: Mesh, cells: Array, points: Points) -> Array:
-    """Return the P1 basis functions λ_i of given cells (n,) at points (d, n, q) in these cells, (d+1, n, q)."""
+    """Return barycentric coordinates of q points in each of n cells, (d+1, n, q).
+
+    Args:
+        mesh: the mesh.
+        cells: the numbers of the cells, (n,).
+        points: the points in these cells, (d, n, q).
+    """
     inner = MappingAffine(mesh, tind=cells).invF(points)
     return np.concatenate([1 - inner.sum(axis=0, keepdims=True), inner])
 
 
 def determinants(points: Points, cells: Array) -> Array:
-    """Return d! times the signed volumes of cells: vertices (d, n) and cells (d+1, cells) → (cells,)."""
+    """Return d! times the signed volumes of cells: vertices (d, n), vertex numbers (d+1, cells) → (cells,)."""
     corners = points[:, cells]
     return np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0))
 
 
 def with_midpoints(mesh: Mesh) -> sps.csr_array:
-    """Return the matrix from the vertex values of a P1 function to its vertex values on ``mesh.refined()``.
+    """Return the matrix that interpolates vertex values of a P1 function to the vertices of ``mesh.refined()``.
 
-    The uniformly refined mesh has the old vertices first, then the midpoints of the edges.
+    The vertices of the uniformly refined mesh are the old vertices, then the midpoints of the edges.
     """
     edges, count = (mesh.facets if mesh.dim() == 2 else mesh.edges), mesh.p.shape[1]
     rows = np.repeat(np.arange(edges.shape[1]), 2)
@@ -116,19 +128,24 @@ def with_midpoints(mesh: Mesh) -> sps.csr_array:
 
 
 def nearest(points: Points, segment: Array) -> Array:
-    """Return where on a segment (d, 2) the nearest points to given points (d, n) lie: 0 start, 1 end, (n,)."""
+    """Return the points of a segment that are nearest to given points, as parameters from 0 (start) to 1 (end), (n,).
+
+    Args:
+        points: the given points, (d, n).
+        segment: the two ends of the segment as columns, (d, 2).
+    """
     along = segment[:, 1] - segment[:, 0]
     return np.clip(along @ (points - segment[:, :1]) / (along @ along), 0, 1)
 
 
 def distance(points: Points, segment: Array) -> Array:
-    """Return the distances of points (d, n) to a segment (d, 2), (n,)."""
+    """Return the distances of points, (d, n), from a segment with the two ends (d, 2), (n,)."""
     foot = segment[:, :1] + np.multiply.outer(segment[:, 1] - segment[:, 0], nearest(points, segment))
     return np.linalg.norm(points - foot, axis=0)
 
 
 def on_segment(points: Points, segment: Array) -> Array:
-    """Return whether points (d, n) lie on a segment (d, 2) up to round-off, (n,)."""
+    """Return for each point, (d, n), whether it lies on a segment with the two ends (d, 2), up to round-off, (n,)."""
     return distance(points, segment) <= 1e-9 * np.linalg.norm(segment[:, 1] - segment[:, 0])
 
 
@@ -138,7 +155,7 @@ def on_segment(points: Points, segment: Array) -> Array:
 
 @dataclass(frozen=True)
 class OneDiagonal:
-    """Structured meshes of n^d parallelepipeds, each divided into d! simplices that share one diagonal (``kuhn``)."""
+    """Structured meshes of n^d parallelepipeds, each divided into d! simplices that share one diagonal."""
 
     name: str = "one-diagonal"
 
@@ -169,9 +186,9 @@ class CrissCross:
 
 @dataclass(frozen=True)
 class Alternating:
-    """Structured meshes of n × n quadrilaterals, each divided by one diagonal whose direction alternates.
+    """Structured meshes of n × n quadrilaterals, each divided by one diagonal.
 
-    Every inner vertex belongs to four or to eight cells.
+    The direction of the diagonal alternates, so every inner vertex belongs to four or to eight cells.
     """
 
     name: str = "alternating"
@@ -193,10 +210,10 @@ class Alternating:
 class Shaken:
     """One-diagonal meshes whose vertices are moved at random.
 
-    Every coordinate of a vertex of the grid changes by up to 2/d ``amplitude`` cell widths. Vertices on faces, on edges
-    between parts and on interfaces stay on them; corners of parts do not move. The random numbers of two levels are
-    independent, so the meshes are neither nested nor symmetric. Every simplex of the grid on the unit cube keeps at
-    least the fraction 1 − 4 ``amplitude`` of its volume, in every dimension.
+    Every coordinate of a vertex changes by up to 2/d ``amplitude`` cell widths. Vertices on faces of the body, on edges
+    between boundary parts and on interfaces stay on them; corners of parts do not move. The random numbers of two
+    levels are independent, so the meshes are neither nested nor symmetric. Before the grid is mapped from the unit cube
+    to the body, every simplex keeps at least the fraction 1 − 4 ``amplitude`` of its volume, in every dimension.
     """
 
     seed: int = 2002
@@ -207,14 +224,15 @@ class Shaken:
         return has_grids(body)
 
     def __call__(self, body: Body, n: int) -> Mesh:
-        # The grid is shaken before it is mapped onto the body, so that vertices of stretched cells move in proportion.
+        # The grid on the unit cube is shaken, not its image, so that vertices of stretched cells move in proportion.
         plain = grid_vertices(n, body.dim)
         amplitude = self.amplitude * 2 / body.dim
         shift = np.random.default_rng([self.seed, n]).uniform(-1, 1, plain.shape) * amplitude / n
         shift[(plain == 0) | (plain == 1)] = 0
         resting = mapped(body, plain)
         ends = [*body.vertices.T]
-        # Meshes must contain the edges of parts in 3D and the interfaces in 2D.
+        # Edges of boundary parts (3D) and interfaces (2D) must remain unions of facets, so vertices on them slide along
+        # them.
         sides = [part.corners[:, [i - 1, i]] for part in body.parts for i in range(part.corners.shape[1])]
         for line in [*(sides if body.dim == 3 else []), *(interface.corners for interface in body.interfaces)]:
             ends += [*line.T]
@@ -230,21 +248,21 @@ class Shaken:
 
 
 def grid_vertices(n: int, dim: int) -> Points:
-    """Return the vertices of the grid on the unit cube, the first coordinate varying fastest, (d, (n+1)^d)."""
+    """Return the vertices of a grid of n^d cubes on the unit cube, (d, (n+1)^d); x1 varies fastest."""
     return np.array([x.ravel("F") for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * dim, indexing="ij")])
 
 
 def lowest_corners(n: int, dim: int) -> Array:
-    """Return for every cube of the grid the number of the vertex with the smallest coordinates, (n^d,)."""
+    """Return the number of the vertex with the smallest coordinates of every cube of the grid, (n^d,)."""
     steps = (n + 1) ** np.arange(dim)
     return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
 
 
 def kuhn(n: int, dim: int) -> Array:
-    """Return the simplices of the grid as numbers of vertices, positively oriented, (d+1, d! n^d).
+    """Divide every cube of a grid into d! simplices; return their vertices, positively oriented, (d+1, d! n^d).
 
-    The vertices of a simplex are those of a path along the axes from the lowest to the highest corner of a cube; each
-    order of the axes gives one simplex.
+    Each simplex belongs to an order of the axes. Its vertices lie on the path along the axes in this order from the
+    lowest to the highest corner of the cube.
 
     Source: H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4 (1960) 518–524.
     """
@@ -260,13 +278,13 @@ def kuhn(n: int, dim: int) -> Array:
 
 @lru_cache
 def has_grids(body: Body) -> bool:
-    """Return whether structured meshes exist: the grid can be mapped onto the body, with lines along the interfaces."""
+    """Return whether a grid on the unit cube can be mapped onto a body such that interfaces lie on grid lines."""
     images = _images(body)
     return images is not None and all(_is_grid_line(images, interface) for interface in body.interfaces)
 
 
 def mapped(body: Body, reference: Points) -> Points:
-    """Map points of the unit cube to the body: (d, ...) → (d, ...).
+    """Map points of the unit cube to the body, (d, ...) → (d, ...).
 
     Raises:
         MeshError: the body is neither a convex quadrilateral nor a parallelepiped.
@@ -283,9 +301,10 @@ def mapped(body: Body, reference: Points) -> Points:
 
 
 def _images(body: Body) -> Points | None:
-    """Return the images of the corners of the unit cube, the first coordinate varying fastest, (d, 2^d).
+    """Return the corners of the body in the order of the corners of the unit cube, (d, 2^d).
 
-    The result is None if the body is neither a convex quadrilateral nor a parallelepiped.
+    The first coordinate of the cube varies fastest. If the body is neither a convex quadrilateral nor a parallelepiped,
+    the result is None.
     """
     corners = body.corners
     if corners.shape[1] != 2**body.dim:
@@ -299,14 +318,15 @@ def _images(body: Body) -> Points | None:
 
 
 def _parallelepiped(body: Body) -> Points | None:
-    """Return the result of ``_images`` for a body in 3D."""
+    """Return the corners of a parallelepiped as ``_images`` does, or None if the body is none."""
     corners, tolerance = body.corners, 1e-9 * float(np.ptp(body.vertices, axis=1).max())
     first = corners[:, :1]
     normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
     normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
     if len(normals) != 3:
         return None
-    # An edge runs from the first corner to the only other corner that lies in the planes of two faces.
+    # The three edges of a parallelepiped at its first corner. Each leads to the only other corner that lies in the
+    # planes of two of the three faces there.
     off = abs(normals @ (corners - first)) > tolerance
     ends = [np.flatnonzero(~np.delete(off, k, axis=0).any(axis=0))[1:] for k in range(3)]
     if any(end.size != 1 for end in ends):
@@ -322,7 +342,12 @@ def _parallelepiped(body: Body) -> Points | None:
 
 
 def _is_grid_line(images: Points, interface: Part) -> bool:
-    """Return whether an interface joins opposite sides of the quadrilateral ``images`` and divides both equally."""
+    """Return whether an interface joins opposite sides of a quadrilateral and divides both sides in the same ratio.
+
+    Args:
+        images: the corners of the quadrilateral, in the order of ``_images``.
+        interface: the interface.
+    """
     for sides in ((images[:, :2], images[:, 2:]), (images[:, ::2], images[:, 1::2])):
         for ends in (interface.corners, interface.corners[:, ::-1]):
             pairs = [(ends[:, [i]], side) for i, side in enumerate(sides)]
@@ -332,7 +357,7 @@ def _is_grid_line(images: Points, interface: Part) -> bool:
     return False
 
 
-# Delaunay triangulations of polygons, uniform or refined towards singular points.
+# Delaunay triangulations of polygons, uniform or refined towards points at which the solution is singular.
 
 
 @dataclass(frozen=True)
@@ -361,7 +386,7 @@ class Unstructured:
         return simplicial_mesh(points, _delaunay(body, points))
 
     def points(self, body: Body, n: int) -> tuple[Array, Array, Array]:
-        """Return the points before the first sweep: on the boundary, on interfaces, in the interior, (2, n) each."""
+        """Return the vertices before Lloyd's iteration: on the boundary, on interfaces, inside, (2, n) each."""
         require_plane(self, body)
         spacing = 1.15 * np.sqrt(body.measure) / n
         boundary = [_divide(part, body, spacing) for part in body.parts]
@@ -375,14 +400,15 @@ class Unstructured:
 class Graded:
     """Unstructured meshes that are refined towards the points c of ``body.refine``.
 
-    An unstructured mesh is made first. Then its vertices with |x − c| < R are moved by the map
-    x ↦ c + (x − c)(|x − c|/R)^{e−1}. Cells at the distance ϱ from c get the size h ϱ^{1−1/e}, cells at c the size h^e.
-    P1 functions then approximate |x − c|^λ in H¹ with order 1 if 1/e < λ. The exponent e = 5/2 is sufficient for
-    λ ≥ 1/2, which covers re-entrant corners and changes of the boundary condition.
+    First an unstructured mesh is made. Then its vertices with |x − c| < R are moved by the map
+    x ↦ c + (x − c)(|x − c|/R)^{e−1}. The size of cells becomes h ϱ^{1−1/e} at the distance ϱ from c, and h^e at c. P1
+    functions then approximate |x − c|^λ in H¹ with order 1 if 1/e < λ. The exponent e = 5/2 is sufficient for λ ≥ 1/2,
+    which covers re-entrant corners and changes of the boundary condition.
 
     Attributes:
-        exponent: e.
-        reach: R divided by the distance from c to the nearest other part, interface or point of ``body.refine``.
+        exponent: the exponent e.
+        reach: the radius R divided by the distance from c to the nearest other part, interface or point of
+            ``body.refine``.
         name: the name in commands and tables.
 
     Sources: I. Babuška, R. B. Kellogg, J. Pitkäranta, Direct and inverse error estimates for finite elements with mesh
@@ -429,7 +455,10 @@ class Graded:
 
 
 def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
-    """Return randomly moved points of a triangular lattice, inside Ω and not near boundary or interfaces, (2, n)."""
+    """Return the interior points of a random mesh, (2, n): a triangular lattice with every point moved at random.
+
+    Points near the boundary or an interface are left out.
+    """
     low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
     rows = np.arange(low[1], high[1], spacing * np.sqrt(0.75))
     columns = np.arange(low[0] - spacing, high[0] + spacing, spacing)
@@ -446,9 +475,9 @@ def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
 
 
 def _divide(part: Part, body: Body, spacing: float) -> Array:
-    """Return points on a part or interface, (2, n); the end of the part is left out.
+    """Return evenly spaced points on a part or interface, from its start on; the end is not included, (2, n).
 
-    The points are evenly spaced between the ends of the part and the places where interfaces end on it.
+    If interfaces end on the part, each piece between these places is divided separately.
     """
     ends = [end for interface in body.interfaces if interface is not part for end in interface.corners.T]
     tolerance = 1e-9 * part.measure
@@ -466,13 +495,13 @@ def _delaunay(body: Body, points: Array) -> Array:
     """Return the cells of the Delaunay triangulation that lie in Ω, (3, cells)."""
     cells = Delaunay(points.T).simplices.T
     area = abs(determinants(points, cells)) / 2
-    # Round-off may leave very thin cells between points of one straight part; they are removed.
+    # Round-off may produce very thin cells between points on one straight side, so they are removed.
     keep = (area > 1e-6 * area.mean()) & body.contains(points[:, cells].mean(axis=1))
     return cells[:, keep]
 
 
 def _star_centroids(points: Array, cells: Array) -> Array:
-    """Return the area-weighted mean of the centroids of the cells around each point, (2, points)."""
+    """Return for each point the area-weighted mean of the centroids of the cells around it, (2, points)."""
     a, b, c = (points[:, v] for v in cells)
     area = abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
     weight = np.bincount(cells.ravel(), np.tile(area, 3), points.shape[1])
@@ -486,7 +515,7 @@ FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstr
 
 
 def cell_count(family: MeshFamily, body: Body, n: int) -> int:
-    """Return the number of cells of the mesh of level n; the mesh itself is made only if there is no formula."""
+    """Return the number of cells of the mesh of level n, without making the mesh if the family has a formula for it."""
     if isinstance(family, OneDiagonal | Shaken):
         return factorial(body.dim) * n**body.dim
     if isinstance(family, CrissCross):
@@ -498,36 +527,35 @@ def cell_count(family: MeshFamily, body: Body, n: int) -> int:
 
 
 def size_of(family: MeshFamily, body: Body, n: int) -> float:
-    """Return the mesh size h of level n, as ``size`` of the mesh would."""
+    """Return the mesh size h of level n, if possible without making the mesh; see ``size``."""
     return float((factorial(body.dim) * body.measure / cell_count(family, body, n)) ** (1 / body.dim))
 
 
-# The body and its mesh.
+# A body together with its mesh, and the check that both fit.
 
 
 @dataclass(frozen=True, eq=False)
 class MeshedBody:
-    """A body with a mesh, and the facets of the mesh on the boundary parts."""
+    """A body, a mesh of it, and the facets of the mesh on every part of the boundary."""
 
     mesh: Mesh
     body: Body
 
     @cached_property
     def parts(self) -> list[Array]:
-        """The numbers of the facets on each of ``body.parts``; MeshError if the mesh does not fit."""
+        """For each part of the boundary, the numbers of its facets; MeshError if the mesh does not fit."""
         return boundary_parts(self.mesh, self.body)
 
     def facets(self, part: Part) -> Array:
-        """Return the numbers of the facets on a part, (n,)."""
+        """Return the numbers of the facets on a part of the boundary, (n,)."""
         return self.parts[self.body.parts.index(part)]
 
     def on(self, kind: Kind) -> list[tuple[Part, Array]]:
-        """Return the parts of one kind, each with the numbers of its facets, (n,)."""
+        """Return all boundary parts of one kind, such as contact, each with the numbers of its facets, (n,)."""
         return [(part, facets) for part, facets in zip(self.body.parts, self.parts, strict=True) if part.kind is kind]
 
     @property
     def cells(self) -> int:
-        """The number of cells."""
         return int(self.mesh.t.shape[1])
 
     @cached_property
@@ -575,7 +603,14 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
 
 
 def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
-    """Return those of the given facets that lie on a part; MeshError if they do not cover it."""
+    """Return which of the given facets lie on a boundary part; raise MeshError if they do not cover the part.
+
+    Args:
+        mesh: the mesh.
+        facets: the numbers of boundary facets.
+        part: the boundary part.
+        length: the length to which the tolerance is relative.
+    """
     on = part.contains(mesh.p, TOLERANCE * length)
     mine = facets[on[mesh.facets[:, facets]].all(axis=0)]
     covered = facet_measures(mesh, mine).sum()
@@ -615,7 +650,8 @@ class Skin:
         cells, corners = mesh.f2t[0, facets], mesh.facets[:, facets]
         fourth = mesh.t[:, cells].sum(axis=0) - corners.sum(axis=0)
         a, b, c, d = (mesh.p[:, vertex].T for vertex in (*corners, fourth))
-        # Seen from outside, the fourth vertex of the cell lies behind the facet; this determines the orientation.
+        # The orientation is chosen such that the corners run counter-clockwise if seen from outside. The fourth vertex
+        # of the cell lies inside.
         seen_from_inside = np.linalg.det(np.stack([b - a, c - a, d - a], axis=1)) > 0
         outer = np.where(seen_from_inside, corners[[0, 2, 1]], corners)
         vertices, triangles = np.unique(outer, return_inverse=True)

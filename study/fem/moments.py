@@ -1,4 +1,4 @@
-"""Integrals of an exact strain, of its stress and of its energy over the cells, for many times.
+"""Integrals of an exact strain, of its stress and of its energy over the cells of a mesh, for many times.
 
 An exact strain is a sum of products of a function φ_k of the point and a function T_k of the coordinate s along a
 contact face and of time (``manufactured.modes``):
@@ -30,21 +30,25 @@ from manufactured.tensors import Array, Tensors
 from study.fem.quadrature import CellRule, FacetRule
 
 Amplitudes = Array
-"""The amplitudes T_k(s_j, t) of all terms of ε at one time, one term after the other, (Σ K J,)."""
+"""The values T_k(s_j, t) at one time of the functions that describe how a strain changes with time.
+
+The J values of each of the K terms follow one after the other, (Σ K J,).
+"""
 MANY = 4
-"""Largest memory of the matrix of the energy, relative to the memory of the modes."""
+"""The energy is stored as a matrix if it needs at most this many times the memory of the terms of the strain."""
 
 
 def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]:
-    """Return the function (time, rate) ↦ amplitudes of ε, or of its time derivative ε̇ if ``rate`` is true."""
-    # The function must not refer to other data of the modes, which are large and would then stay in memory.
+    """Return the function (time, rate) ↦ amplitudes of the strain ε, or of its rate ε̇ if ``rate`` is true."""
+    # The returned function stores only these references. A reference to the modes would keep their large arrays in
+    # memory.
     each = [part.amplitudes for part in modes]
     return lambda time, rate: np.concatenate([of(time, rate).ravel() for of in each])
 
 
 @dataclass(frozen=True, eq=False)
 class QuadraturePoints:
-    """Quadrature points, each of which contributes to one sum: the sum of its cell, or of a vertex of its facet.
+    """Quadrature points, sorted into sums: each point contributes to the sum of its cell, or of a vertex of its facet.
 
     Attributes:
         x: the points, (d, n).
@@ -60,7 +64,7 @@ class QuadraturePoints:
 
     @classmethod
     def on_cells(cls, rules: Sequence[CellRule]) -> QuadraturePoints:
-        """Return the points of quadrature rules that cover every cell once; there is one sum for each cell."""
+        """Return the points of quadrature rules that together cover every cell once; there is one sum for each cell."""
         return cls(
             np.concatenate([rule.points.reshape(len(rule.points), -1) for rule in rules], axis=1),
             np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in rules]),
@@ -70,7 +74,7 @@ class QuadraturePoints:
 
     @classmethod
     def on_facets(cls, rule: FacetRule, part: Part, mesh: Mesh) -> tuple[QuadraturePoints, Array]:
-        """Return the points of a facet rule, with one sum for each vertex of the facets, and these vertices.
+        """Return the points of a quadrature rule on facets, with one sum for each vertex, and these vertices.
 
         The weights contain the shape function of the vertex, so a point of a facet occurs once for each of its d
         vertices.
@@ -83,9 +87,12 @@ class QuadraturePoints:
 
 
 def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_array]:
-    """Yield for each term k the matrix from T_k(s_j, t), (J,), to φ_k(x_p) T_k(s_{j(p)}, t), (count,)."""
+    """Yield for each term k of the strain the matrix that maps its amplitudes to its values at the quadrature points.
+
+    The matrix maps T_k(s_j, t), (J,), to φ_k(x_p) T_k(s_{j(p)}, t), (count,).
+    """
     for part in modes:
-        # Each point has one entry in its row, so the CSR arrays can be filled without sorting.
+        # Each row belongs to a point and has one entry, so the arrays of the CSR format can be filled without sorting.
         rows = np.searchsorted(part.points, np.arange(count + 1)).astype(np.int32)
         places = part.places.astype(np.int32)
         for shape in part.shapes:
@@ -93,7 +100,10 @@ def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_arr
 
 
 def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
-    """Return the matrix from amplitudes to the strain at ``count`` points, (D · count, Σ K J), by components."""
+    """Return the matrix from amplitudes to the strain at ``count`` points, component by component.
+
+    The shape is (D · count, Σ K J).
+    """
     tensors = np.concatenate([part.tensors for part in modes])
     shapes = shapes_at_points(modes, count)
     columns = [sps.kron(sps.csr_array(E[:, None]), shape) for E, shape in zip(tensors, shapes, strict=True)]
@@ -101,12 +111,12 @@ def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
 
 
 class StrainSums:
-    """Computes the sums Σ w_p ε(x_p, t), (D, sums), from the amplitudes at the time t.
+    """Computes weighted sums Σ w_p ε(x_p, t) of a strain over points, (D, sums), from its amplitudes at the time t.
 
     Args:
-        modes: the terms of ε at the points.
+        modes: the terms of the strain ε at the points x_p.
         points: the points, with the sums to which they contribute.
-        weights: w_p, (n,); the quadrature weights, possibly times material factors.
+        weights: the weights w_p, (n,), which are quadrature weights, possibly times material factors.
     """
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
@@ -118,29 +128,29 @@ class StrainSums:
             sums = add @ shape
             blocks.append(sps.csr_array((sums.data, sums.indices + first, sums.indptr), shape=(points.count, width)))
             first += shape.shape[1]
-        # ``block_diag`` is avoided because it needs twice the memory.
+        # ``block_diag`` would need twice the memory.
         self._matrix = sps.vstack(blocks, format="csr")
         self._tensors = np.concatenate([part.tensors for part in modes]).T
 
     @classmethod
     def at_points(cls, modes: Sequence[Modes], count: int) -> StrainSums:
-        """Return an instance that computes ε at ``count`` points: each point is a separate sum with the weight 1."""
+        """Return an object that computes the strain at ``count`` points; each point is a sum with weight 1."""
         ones = np.ones(count)
         return cls(modes, QuadraturePoints(np.empty((0, count)), np.arange(count), ones, count), ones)
 
     def __call__(self, amplitudes: Amplitudes, C: Array | None = None) -> Tensors:
-        """Return the sums of ε, or of C ε for a tensor C, Mandel (D, D)."""
+        """Return the sums of the strain ε, or of the stress C ε if a tensor C is given in Mandel form, (D, D)."""
         sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1)
         return np.asarray((self._tensors if C is None else C @ self._tensors) @ sums)
 
 
 class PointwiseSums:
-    """Computes several sums over points p, Σ w_p S(ε(x_p, t)), for a nonlinear function S of the strain.
+    """Computes weighted sums Σ w_p S(ε(x_p, t)) over points, for a nonlinear function S of the strain.
 
     Args:
-        modes: the terms of ε at the points.
+        modes: the terms of the strain ε at the points x_p.
         sums: for each point, the index of the sum to which it contributes, (n,).
-        weights: w_p, (n,).
+        weights: the weights w_p, (n,).
         count: the number of sums.
     """
 
@@ -154,13 +164,13 @@ class PointwiseSums:
 
 
 class StressSums:
-    """Computes the sums Σ w_p σ(x_p, t), (D, sums), of the stress σ = A ε(u̇) + G ε(u) of (2.1).
+    """Computes weighted sums Σ w_p σ(x_p, t) of the stress σ = A ε(u̇) + G ε(u), (D, sums).
 
-    A call needs the amplitudes of ε and of ε̇ at the time t.
+    A call needs the amplitudes of the strain ε and of its rate ε̇ at the time t.
 
     Attributes:
-        viscous: the sums Σ w_p α of the factor α of A, (sums,).
-        strains: computes Σ w_p α ε from amplitudes.
+        viscous: the sums Σ w_p α of the material factor α of A, (sums,).
+        strains: computes the sums Σ w_p α ε of the strain from its amplitudes.
     """
 
     def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: QuadraturePoints) -> None:
@@ -181,15 +191,15 @@ class StressSums:
 
 
 class StrainEnergy:
-    """Computes the energy ∫_Ω α C ε·ε dx from the amplitudes.
+    """Computes the energy ∫_Ω α C ε·ε dx of a strain from its amplitudes.
 
-    If many points have the same coordinate along the face, the energy is stored as a quadratic form of the amplitudes.
-    Otherwise the matrix of this form would need many times the memory of the modes, and the strain at the points is
-    computed first.
+    If many points have the same coordinate along the contact face, the energy is stored as a quadratic form of the
+    amplitudes. Otherwise the matrix of this form would need too much memory, and the strain at the points is computed
+    first.
 
     Args:
-        modes: the terms of ε at the points.
-        weights: quadrature weights times α, (n,).
+        modes: the terms of the strain ε at the quadrature points.
+        weights: quadrature weights times the material factor α, (n,).
         C: a symmetric tensor in Mandel form, (D, D).
     """
 
@@ -201,7 +211,8 @@ class StrainEnergy:
             return
         tensors = np.concatenate([part.tensors for part in modes])
         products, shapes = tensors @ C @ tensors.T, [*shapes_at_points(modes, len(weights))]
-        # The matrix is symmetric: only blocks on and above the diagonal are computed, and the latter are doubled.
+        # The matrix is symmetric, so only blocks on and above the diagonal are computed. Blocks above the diagonal are
+        # doubled.
         blocks: list[list[sps.csr_array | None]] = [[None] * len(shapes) for _ in shapes]
         for k, shape in enumerate(shapes):
             weighted = sps.csr_array(shape.T @ sps.diags_array(weights))

@@ -25,9 +25,9 @@ from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.files import UsageError
 
 SEED_DIGITS = 20
-"""Largest number of digits of a seed: enough for 64 bits. The seed is part of file names, so its length is limited."""
+"""Largest number of digits of a seed, which is enough for 64 bits. File names contain the seed, so it must be short."""
 LONGEST_SHOWN = 120
-"""Longest name, in characters, that a message shows in full."""
+"""Names up to this number of characters are shown in full in error messages."""
 
 
 def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
@@ -55,7 +55,9 @@ def unknown(kind: str, name: str, names: Sequence[str]) -> UsageError:
 
 
 def family_named(name: str) -> MeshFamily:
-    """Return the mesh family with a name; "shaken-7" means shaken meshes with the random seed 7.
+    """Return the mesh family with a name.
+
+    The name "shaken-7" means shaken meshes with the random seed 7.
 
     Raises:
         UsageError: no mesh family has this name, or the seed has too many digits.
@@ -118,7 +120,7 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
 
 
 def _lookup(reference: str) -> Any:
-    """Return the object that FILE.py:NAME denotes, or the case with a name; None if no case has this name."""
+    """Return the object that FILE.py:NAME denotes, or the case with the given name; None if there is no such case."""
     if is_own(reference) or reference.endswith(".py"):
         return _from_file(reference)
     if reference in NAMES:
@@ -127,7 +129,10 @@ def _lookup(reference: str) -> Any:
 
 
 def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
-    """Return the cases outside the catalogue, including the roller cases of the level that ``name`` ends with."""
+    """Return the cases that have a name but are not in the catalogue.
+
+    Roller cases exist for every level. If ``name`` is one of them, the roller cases of its level are included.
+    """
     rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
     level = int(rolling[1]) if rolling else 0
     return (*multiscale(), natural_motion(), no_potential(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
@@ -139,12 +144,15 @@ def _case_names() -> list[str]:
 
 
 def is_own(reference: str) -> bool:
-    """Return whether a reference is FILE.py:NAME, a case of the user, and not a name of the catalogue."""
+    """Return whether a reference denotes a case of the user, FILE.py:NAME, and not of the catalogue."""
     return ":" in reference
 
 
 def name_of(reference: str) -> str:
-    """Return the name that data files use: for FILE.py:NAME the name of the case, otherwise the reference itself."""
+    """Return the name of a case in data files.
+
+    If the reference has the form FILE.py:NAME, it is the name of the case, otherwise the reference itself.
+    """
     return resolve(reference).name if is_own(reference) else reference
 
 
@@ -178,7 +186,7 @@ def _from_file(reference: str) -> Any:
 
 
 def _none_named(file: str, name: str, module: ModuleType) -> str:
-    """Return a message for a name that a file does not define; it lists the cases, data and functions of the file."""
+    """Return an error message for a name that a file does not define; it lists what the file defines."""
     own = {key: value for key, value in vars(module).items() if not key.startswith("_")}
     made = [key for key, value in own.items() if isinstance(value, Case | Data)]
     made += [key for key, value in own.items() if isfunction(value) and value.__module__ == module.__name__]

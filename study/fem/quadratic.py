@@ -1,9 +1,9 @@
-"""Continuous piecewise quadratic displacements on triangles, with a linear condition that implies v ∈ K.
+"""Continuous piecewise quadratic displacements on triangles, with linear constraints that make them admissible.
 
 On a cell, v = Σ_α c_α B_α with the Bernstein polynomials B_α of degree 2: λ_i² for every vertex i and 2 λ_a λ_b for
-every edge (a, b). On Γ3 the normal component v_ν is then a polynomial in Bernstein form with the coefficients ν·c. It
-is ≤ 0 if all its coefficients are, so every v with N v ≤ 0 lies in K. (Values ≤ 0 at vertices and midpoints would not
-suffice.) The converse is false: K contains other quadratic displacements, too.
+every edge (a, b). On the contact boundary Γ3 the normal component v_ν is then a polynomial in Bernstein form with the
+coefficients ν·c. If all of them are ≤ 0, so is v_ν. These are the constraints N v ≤ 0. (Values ≤ 0 at vertices and
+midpoints would not suffice.) Not every admissible quadratic displacement satisfies them.
 """
 
 from __future__ import annotations
@@ -20,15 +20,18 @@ from study.fem.quadrature import simplex_rule
 from study.fem.space import Displacements
 
 EDGES = ((0, 1), (1, 2), (0, 2))
-"""The vertices of the edges of a cell, in the order of the mesh."""
+"""The two vertices of each edge of a cell, in the order in which the mesh numbers the edges."""
 
 
 class Quadratic(Displacements):
-    """Displacements of degree 2 on a triangular mesh; the coefficients of vertices come first, then those of edges."""
+    """Displacements of degree 2 on a triangular mesh.
+
+    Every vertex and every edge has one coefficient vector; all vertices come first.
+    """
 
     @cached_property
     def numbers(self) -> Array:
-        """The numbers of the basis functions of the 3 vertices and 3 edges of every cell, (6, cells)."""
+        """The numbers of the six basis functions of every cell, for its 3 vertices and then its 3 edges, (6, cells)."""
         return np.vstack([self.mesh.t, self.mesh.p.shape[1] + self.mesh.t2f])
 
     @property
@@ -46,7 +49,7 @@ class Quadratic(Displacements):
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
-        """The points at which strains are stored, in barycentric coordinates, (3, 3), and weights (3,) with sum 1."""
+        """The quadrature rule on a cell: barycentric coordinates of three points, (3, 3), and weights with sum 1."""
         return simplex_rule(2, 2)
 
     @cached_property
@@ -56,7 +59,7 @@ class Quadratic(Displacements):
 
     @cached_property
     def weights(self) -> Array:
-        """The quadrature weights |T|/3 at the points, (cells, 3)."""
+        """The quadrature weights |T|/3 at the three points of every cell T, (cells, 3)."""
         return np.multiply.outer(self.volumes, self.rule[1])
 
     @cached_property
@@ -64,11 +67,15 @@ class Quadratic(Displacements):
         return self.strains(self.rule[0])
 
     def shapes(self, barycentric: Array) -> Array:
-        """Return the basis functions B_α at points in barycentric coordinates: (3, q) → (6, q)."""
+        """Return the six basis functions of a cell at points given by barycentric coordinates, (3, q) → (6, q)."""
         return np.array([*(x * x for x in barycentric), *(2 * barycentric[a] * barycentric[b] for a, b in EDGES)])
 
     def strains(self, barycentric: Array) -> sps.csr_array:
-        """Return the matrix from v to ε(v) at points of every cell, (3, q) barycentric: (3 · cells · q, dofs)."""
+        """Return the matrix from a displacement to its strain at q points of every cell, (3 · cells · q, dofs).
+
+        Args:
+            barycentric: the barycentric coordinates of the points, (3, q).
+        """
         slopes, outer = barycentric_gradients(self.mesh), np.multiply.outer
         gradients = np.stack(
             [
@@ -81,10 +88,10 @@ class Quadratic(Displacements):
         return self._matrix(values, self.numbers.T[:, None])
 
     def strain_at(self, v: Array, cells: Array, points: Points) -> Tensors:
-        """Return ε(v) at q points of each of the given cells.
+        """Return the strain of a displacement at q points of each of the given cells.
 
         Args:
-            v: free coefficients, (dofs,).
+            v: the coefficients of the displacement, (dofs,).
             cells: numbers of cells, (n,).
             points: points in these cells, (2, n, q).
 

@@ -1,9 +1,9 @@
 """Quadrature rules on the cells and facets of a mesh, adapted to where the solution is not smooth.
 
-* Where the exact strain is singular or has a kink along a line at all times, cells are cut along the line, and the
-  points are concentrated (graded) towards it.
+* If the exact strain is singular or has a kink along a line at all times, cells are cut along the line, and the
+  quadrature points are concentrated (graded) towards it.
 * Cells with a vertex at a singular point have Duffy's rule, graded towards the point.
-* Where the contact fronts of one time cross cells, the cells can be cut along the fronts (``sliced_rules``).
+* Cells that contact fronts cross at one time can be cut along the fronts (``sliced_rules``).
 * All other cells have a standard rule.
 """
 
@@ -25,20 +25,22 @@ from manufactured.tensors import Array, Points
 from study.fem.mesh import MeshError, barycentric_gradients, cell_volumes, facet_measures
 
 TOUCHING = 1e-9
-"""Relative distance up to which a vertex counts as lying on a line."""
+"""A vertex counts as lying on a line up to this distance, relative to the size of the cell."""
 GRADING = 8
-"""Exponent of the grading s = c + L ξ^8. It turns (s − c)^{2(α−2)}, the square of a singular second derivative, into a
-nonnegative power of ξ for every α > 3/2."""
+"""Exponent of the substitution s = c + L ξ^8 that grades quadrature points towards a line or vertex.
+
+It turns (s − c)^{2(α−2)}, the square of a singular second derivative, into a nonnegative power of ξ for every α > 3/2.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class CellRule:
-    """A quadrature rule on several cells, with equally many points in each.
+    """A quadrature rule on several cells, with equally many points in each cell.
 
     Attributes:
         cells: the numbers of the cells, (n,).
-        points: (d, n, q).
-        weights: (n, q); the sum over q is the volume |T| of the cell.
+        points: the quadrature points, (d, n, q).
+        weights: the weights, (n, q); their sum over q is the volume of the cell.
     """
 
     cells: Array
@@ -46,7 +48,7 @@ class CellRule:
     weights: Array
 
     def parts(self, most: int) -> Iterator[CellRule]:
-        """Divide the rule into rules on at most ``most`` cells each."""
+        """Divide the rule into rules that have at most ``most`` cells each."""
         for here in (slice(first, first + most) for first in range(0, len(self.cells), most)):
             yield CellRule(self.cells[here], self.points[:, here], self.weights[here])
 
@@ -57,9 +59,9 @@ class FacetRule:
 
     Attributes:
         facets: the numbers of the facets, (n,).
-        s: the local coordinates of the points along the part, (d−1, n, q).
+        s: the coordinates of the points along the part, (d−1, n, q).
         shapes: the P1 basis functions of the d vertices of the facet at the points, (d, n, q).
-        weights: (n, q).
+        weights: the weights, (n, q).
     """
 
     facets: Array
@@ -81,8 +83,9 @@ def gauss(count: int) -> tuple[Array, Array]:
 def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
     """Return a rule of the given degree on a simplex: barycentric points (d+1, q) and weights (q,) with sum 1.
 
-    Triangles have rules up to degree 19, tetrahedra up to 8. From degree 5 on the rules of scikit-fem 12 on tetrahedra
-    are exact to one degree less than requested (a test verifies this), and its rule of degree 4 has negative weights.
+    On triangles the degree can be up to 19, on tetrahedra up to 8. Rules of scikit-fem 12 are used. On tetrahedra its
+    rule of degree 4 has negative weights, and from degree 5 on its rules are exact to one degree less than requested (a
+    test verifies this); a rule of a higher degree is used instead.
     """
     reference, weights = get_quadrature(RefTri, degree) if dim == 2 else get_quadrature(RefTet, degree + (degree > 3))
     return np.vstack([1 - reference.sum(axis=0), reference]), weights / weights.sum()
@@ -91,13 +94,13 @@ def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
 def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
     """Return Duffy's rule on a triangle, graded towards its first vertex v_0.
 
-    The rule consists of Gauss rules in ξ and η on the unit square, which is mapped to the triangle by
-    x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η (v_2 − v_0)), with dx = 2|T| g ξ^{2g−1} dξ dη.
+    Gauss rules in ξ and η on the unit square are mapped to the triangle by x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η
+    (v_2 − v_0)), with dx = 2|T| g ξ^{2g−1} dξ dη.
 
     Args:
         along: number of points in ξ, the direction away from v_0.
         across: number of points in η.
-        grading: g.
+        grading: the exponent g.
 
     Returns:
         Barycentric points, (3, q), and weights with sum 1, (q,).
@@ -113,20 +116,26 @@ def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
 
 
 def placed(vertices: Points, simplices: Array, barycentric: Array) -> Points:
-    """Return the points with given barycentric coordinates (k+1, q) in each of the simplices (k+1, n): (d, n, q)."""
+    """Return the points that have given barycentric coordinates in each of n simplices, (d, n, q).
+
+    Args:
+        vertices: vertices of a mesh, (d, vertices).
+        simplices: vertex numbers of the simplices, (k+1, n).
+        barycentric: barycentric coordinates, (k+1, q).
+    """
     return np.einsum("dvn,vq->dnq", vertices[:, simplices], barycentric)
 
 
 def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
-    """Return a quadrature rule on facets of one part, exact for polynomials of degree 2 · points − 2.
+    """Return a quadrature rule on facets of one boundary part, exact for polynomials of degree 2 · points − 2.
 
     Args:
         mesh: the mesh.
         facets: the numbers of the facets, (n,).
         part: the part on which the facets lie.
-        rough: coordinates along the part at which the integrand is not smooth, in 2D only. Facets are divided there,
-            and the rule is graded towards these coordinates.
-        points: Gauss points per direction, in 2D on each piece of a facet.
+        rough: in 2D the coordinates along the part at which the integrand is not smooth. Facets are divided there, and
+            the quadrature points are graded towards these coordinates.
+        points: the number of Gauss points per direction, in 2D on each piece of a facet.
 
     Raises:
         MeshError: ``rough`` is given in 3D.
@@ -160,18 +169,22 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
 
 
 def _close(s: Array, rough: tuple[float, ...], length: Array) -> Array:
-    """Return which coordinates are equal to a rough coordinate up to round-off."""
+    """Return for each coordinate s whether it equals one of the coordinates ``rough`` up to round-off."""
     return np.any([abs(s - c) <= TOUCHING * length for c in rough] or [np.zeros(s.shape, dtype=bool)], axis=0)
 
 
-# Cells in 2D in which the integrand is not smooth: their selection, and rules graded towards a vertex or a line.
+# Cells in 2D in which the integrand is not smooth: how they are found, and their quadrature rules.
 
 Point = tuple[float, ...]
 
 
 @dataclass(frozen=True)
 class Line:
-    """The line {x : direction·x = offset}; MeshError unless the direction is a unit vector."""
+    """The line {x : direction·x = offset} in the plane.
+
+    Raises:
+        MeshError: ``direction`` is not a unit vector.
+    """
 
     direction: tuple[float, ...]
     offset: float
@@ -186,7 +199,7 @@ class Line:
 
     @property
     def tangent(self) -> Array:
-        """The direction rotated by a right angle, (2,)."""
+        """The unit vector along the line, (2,)."""
         return np.array([-self.direction[1], self.direction[0]])
 
     def __str__(self) -> str:
@@ -195,7 +208,7 @@ class Line:
 
 
 def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> list[Array]:
-    """Return the numbers of the cells that need special rules, (n,) for each line and then for each point.
+    """Return the cells in which lines or points make the integrand rough, (n,) for each line, then each point.
 
     Raises:
         MeshError: two lines or points meet the same cell, a point is not a vertex of the mesh, or lines or points are
@@ -230,7 +243,7 @@ def _touching(mesh: Mesh, line: Line) -> Array:
 
 
 def _around(mesh: Mesh, point: Point) -> Array:
-    """Return the cells that have a singular point as a vertex."""
+    """Return the numbers of the cells that have a given point as a vertex."""
     apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
     vertex = int(apart.argmin())
     here = np.flatnonzero((mesh.t == vertex).any(axis=0))
@@ -243,9 +256,9 @@ def _around(mesh: Mesh, point: Point) -> Array:
 
 
 def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
-    """Return Duffy's rule on cells that have a vertex at a singular point, exact to the given degree.
+    """Return Duffy's rule on the cells that have a given point as a vertex, exact to the given degree.
 
-    Powers of the distance to the point are smooth along the rays of the rule.
+    It is accurate for powers of the distance to the point, because they are smooth along the rays of the rule.
     """
     simplices = mesh.t[:, cells]
     vertex = np.linalg.norm(mesh.p[:, simplices] - np.array(point)[:, None, None], axis=0).argmin(axis=0)
@@ -255,11 +268,11 @@ def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
 
 
 def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
-    """Return a rule on cells that a line meets, graded towards the line.
+    """Return a quadrature rule on cells that a line meets, graded towards the line.
 
-    The cells are cut by the line and by its parallels through the vertices. In each slab, the rule across the line is a
-    Gauss rule after the substitution s = c + L ξ^8, where s is the signed distance from the line and c the end of the
-    slab that is nearer to the line.
+    The cells are cut into slabs by the line and by its parallels through the vertices. In each slab, the rule across
+    the line is a Gauss rule after the substitution s = c + L ξ^8, where s is the signed distance from the line and c
+    the end of the slab that is nearer to the line.
     """
     xi, wx = gauss(degree + GRADING)
 
@@ -272,14 +285,14 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
 
 
 def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) -> Iterator[CellRule]:
-    """Yield rules for the cells that the contact fronts of one time cross, cut along the fronts.
+    """Yield quadrature rules for the cells that contact fronts cross; the cells are cut along the fronts.
 
-    A cell that meets two parallel fronts is cut along both. A cell that meets fronts of different directions is cut
-    along those of the first direction only.
+    If two parallel fronts meet a cell, it is cut along both. If fronts of different directions meet a cell, it is cut
+    only along the fronts of the first direction.
 
     Args:
         mesh: a mesh in 2D.
-        fronts: lines through the fronts.
+        fronts: lines through the contact fronts of one time.
         but: numbers of cells that are left out, (n,).
         degree: degree of the rules.
     """
@@ -299,7 +312,7 @@ def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) ->
 
 
 def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) -> CellRule:
-    """Return a rule on cells cut along parallel lines, for integrands that are smooth on both sides of each line."""
+    """Return a quadrature rule on cells cut along parallel lines, at which the integrand may jump."""
     x, w = gauss(degree // 2 + 2)
 
     def plain(left: Array, right: Array) -> tuple[Array, Array]:
@@ -317,10 +330,10 @@ def _slab_rule(
     across: Callable[[Array, Array], tuple[Array, Array]],
     degree: int,
 ) -> CellRule:
-    """Return a rule on triangles that are cut into slabs parallel to a line.
+    """Return a quadrature rule on triangles that are cut into slabs parallel to a line.
 
     Let s be the signed distance from the line and r the coordinate along it. The slabs end at the vertices of a
-    triangle and at given s. In each slab a rule in s is combined with a Gauss rule in r.
+    triangle and at the values ``offsets`` of s. In each slab a rule in s is combined with a Gauss rule in r.
 
     Args:
         mesh: a mesh in 2D.
@@ -337,7 +350,7 @@ def _slab_rule(
     s, r = np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0)
 
     def chord(x: Array, low: int, high: int) -> Array:
-        """Return r on the edge from vertex ``low`` to vertex ``high`` at s = x, (n, p)."""
+        """Return r at the point with s = x of the edge between two vertices, (n, p)."""
         length = s[high] - s[low]
         slope = np.divide(r[high] - r[low], length, out=np.zeros_like(length), where=length > 0)
         return r[low][:, None] + slope[:, None] * (x - s[low][:, None])
@@ -348,7 +361,8 @@ def _slab_rule(
     for left, right in pairwise(ends):
         x, weights = across(left, right)
         long = chord(x, 0, 2)
-        # The last point decides, because rounding can put the first point of a graded rule outside the slab.
+        # Which edges bound the slab is decided by its last point, because rounding can put the first point outside the
+        # slab.
         short = np.where(x[:, -1:] <= s[1][:, None], chord(x, 0, 1), chord(x, 1, 2))
         along = long[..., None] + (short - long)[..., None] * eta
         weights = (weights * abs(short - long))[..., None] * we
@@ -358,14 +372,15 @@ def _slab_rule(
     return CellRule(cells, normal * (s + line.offset) + tangent * r, weights)
 
 
-# Rules that cover every cell of a mesh once. Many of their points can have the same coordinate along a contact face.
+# Quadrature rules that together cover every cell once. To save time, many of their points can have the same coordinate
+# along a contact face.
 
 BLOCK = 4096
-"""Largest number of ordinary cells in one rule, so that its points fit into the processor's cache."""
+"""Largest number of ordinary cells in one quadrature rule, so that its points fit into the processor's cache."""
 SHIFT = 1 / 32
-"""Largest change of a barycentric coordinate when a quadrature point is moved."""
+"""Moving a quadrature point changes its barycentric coordinates by at most this number."""
 TIE = 1e-9
-"""Added to a logarithm before it is rounded down, so that congruent cells get equal spacings despite round-off."""
+"""Added to a logarithm before it is rounded down, so that congruent cells get equal spacings in spite of round-off."""
 
 
 def cell_rules(
@@ -374,7 +389,7 @@ def cell_rules(
     """Return quadrature rules that together cover every cell once.
 
     Args:
-        mesh: a mesh in 2D or, without lines and points, in 3D.
+        mesh: a mesh in 2D; in 3D only if there are no lines and points.
         degree: degree of the rule on ordinary cells, up to 19 in 2D and 8 in 3D. Cells at a line or point get enough
             points for the same accuracy.
         lines: lines at which the integrand is not smooth.
@@ -406,17 +421,17 @@ def cell_rules(
 def shared(
     corners: Array, gradients: Array, barycentric: Array, weights: Array, lines: Sequence[Line]
 ) -> tuple[Array, Array]:
-    """Move the points of a rule on triangles so that they have few different distances s to given lines.
+    """Move the points of a quadrature rule on triangles so that few different distances to given lines occur.
 
-    Most of the time for an exact solution is spent on its formulas in (s, t), and on an unstructured mesh all
-    quadrature points have different s. So each point is moved to the nearest of the lines s = jδ, where δ is a power of
-    two and 16 to 32 times smaller than the cell (twice that ratio with two lines). The weights are then changed as
-    little as possible so that the rule is exact for polynomials of the highest degree that this number of weights
-    permits, which is 2 for six points.
+    The reason is run time: formulas of an exact solution in (s, t) are expensive, where s is the distance to a line,
+    and on an unstructured mesh all quadrature points have different s. So each point is moved to the nearest of the
+    lines s = jδ, where δ is a power of two and 16 to 32 times smaller than the cell (twice that ratio with two lines).
+    The weights are then changed as little as possible so that the rule is exact for polynomials of the highest degree
+    that this number of weights permits, which is 2 for six points.
 
     Args:
         corners: the vertices of the triangles, (2, 3, n).
-        gradients: ∇λ_i, (n, 3, 2).
+        gradients: the gradients of the barycentric coordinates, ∇λ_i, (n, 3, 2).
         barycentric, weights: the original rule, (3, q) and (q,) with sum 1.
         lines: one or two lines, not parallel.
 
@@ -429,7 +444,8 @@ def shared(
     new = np.broadcast_to(barycentric[:, None], (3, *points.shape[1:]))
     for line, move in zip(lines, moves, strict=True):
         slopes = gradients @ move
-        # A shift by δ/2 changes λ_i by half of δ ∇λ_i·m.
+        # The spacing δ is chosen such that no barycentric coordinate λ_i changes by more than the limit: moving a point
+        # by δ/2 along the normal m of the line changes λ_i by half of δ ∇λ_i·m.
         spacing = np.exp2(np.floor(np.log2(2 * limit / abs(slopes).max(axis=1)) + TIE))[:, None]
         along = np.einsum("d,dnq->nq", line.direction, points) - line.offset
         shift = np.rint(along / spacing) * spacing - along
@@ -439,9 +455,13 @@ def shared(
 
 
 def _correction(barycentric: Array, weights: Array) -> Array:
-    """Return the change of the weights (q,) that makes the rule with moved points (3, n, q) exact again, (n, q).
+    """Return the smallest change of the weights, (n, q), that makes a rule exact again after its points have moved.
 
-    Of all such changes it is the smallest relative to the weights.
+    The change is measured relative to the weights.
+
+    Args:
+        barycentric: the moved points of n triangles, (3, n, q).
+        weights: the original weights, (q,).
     """
     degree = (math.isqrt(8 * len(weights) + 1) - 3) // 2
     monomials, integrals = _monomials(degree)
@@ -456,9 +476,12 @@ def _correction(barycentric: Array, weights: Array) -> Array:
 
 @lru_cache
 def _monomials(degree: int) -> tuple[Array, Array]:
-    """Return the exponents α of the monomials λ^α with |α| = degree, (k, 3), and their mean values on a triangle, (k,).
+    """Return exponents and mean values on a triangle of monomials λ^α that span the polynomials of a degree.
 
-    These monomials span the polynomials of the degree. Their integrals are ∫_T λ^α dx = 2|T| α!/(|α| + 2)!.
+    These are the monomials with |α| = degree; their integrals are ∫_T λ^α dx = 2|T| α!/(|α| + 2)!.
+
+    Returns:
+        The exponents α, (k, 3), and the mean values, (k,).
     """
     exponents = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
     means = [2 * math.prod(map(math.factorial, each)) / math.factorial(degree + 2) for each in exponents]

@@ -1,8 +1,9 @@
-"""Locally refined meshes for quadrature, and the inclusion of V^h in the P1 functions on them.
+"""Locally refined meshes for quadrature, and the matrix that embeds V^h in the P1 functions on such a mesh.
 
 A solution with details of many sizes needs fine quadrature in a few places. Cells are divided there by red, green and
-blue refinement. Every cell is then a union of finer cells, so V^h is contained in the P1 functions on the finer mesh.
-Loads and errors of functions in V^h can thus be computed on the finer mesh, where only the quadrature is approximate.
+blue refinement. Every cell is then a union of finer cells, so each function of V^h is also a P1 function on the finer
+mesh. Loads and errors of functions in V^h can thus be computed on the finer mesh, where only the quadrature is
+approximate.
 """
 
 from __future__ import annotations
@@ -18,15 +19,19 @@ from manufactured.tensors import Array, Points
 from study.fem.space import Space
 
 MOST = 40
-"""Largest number of successive refinements."""
+"""Largest number of successive refinements of a mesh."""
 
 
 def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.csr_array]:
-    """Return a refined mesh, and the matrix from P1 nodal values on the given mesh to nodal values on the refined one.
+    """Refine a mesh until its cells are small enough; return also the matrix that interpolates P1 functions to it.
 
     Args:
         mesh: a mesh of triangles.
-        wanted: function from corners of cells (2, 3, cells) to the largest permitted length of a side, (cells,).
+        wanted: function from the corners of cells (2, 3, cells) to the largest permitted length of their sides,
+            (cells,).
+
+    Returns:
+        The refined mesh, and the matrix from vertex values on the given mesh to vertex values on the refined one.
 
     Raises:
         ValueError: cells are still too large after ``MOST`` refinements.
@@ -47,7 +52,10 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
 
 
 def _midpoint_values(mesh: Mesh, finer: Mesh) -> sps.csr_array:
-    """Return the matrix from P1 nodal values on a mesh to those on its refinement, whose new vertices halve edges."""
+    """Return the matrix that interpolates P1 functions to a refined mesh whose new vertices halve edges.
+
+    It maps values at the vertices of ``mesh`` to values at the vertices of ``finer``.
+    """
     old, new = mesh.p.shape[1], finer.p.shape[1]
     middles = mesh.p[:, mesh.facets].mean(axis=1)
     distance, edge = cKDTree(middles.T).query(finer.p[:, old:].T)
@@ -61,11 +69,11 @@ def _midpoint_values(mesh: Mesh, finer: Mesh) -> sps.csr_array:
 
 
 def inclusion_of(space: Space, finer: Space, nodal: sps.csr_array) -> sps.csr_array:
-    """Return the inclusion matrix of V^h into V^h on a finer mesh, (finer dofs, dofs), for displacements.
+    """Return the matrix that embeds the displacements V^h in the space on a finer mesh, (finer dofs, dofs).
 
     Args:
-        space: V^h.
+        space: the space V^h.
         finer: the space on the finer mesh.
-        nodal: the matrix of scalar nodal values that ``refined`` returns.
+        nodal: the matrix for scalar functions that ``refined`` returns.
     """
     return sps.csr_array(sps.kron(nodal, sps.eye_array(space.dim), format="csr")[finer.free][:, space.free])

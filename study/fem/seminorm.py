@@ -1,6 +1,6 @@
-"""The Sobolev–Slobodeckij seminorm of functions on an interval, for 0 < ϱ < 1:
+"""The Sobolev–Slobodeckij seminorm |v|_ϱ of a function v on an interval, for 0 < ϱ < 1:
 
-|v|_ϱ² = ∬ |v(x) − v(y)|² |x − y|^{−1−2ϱ} dx dy.
+v|_ϱ² = ∬ |v(x) − v(y)|² |x − y|^{−1−2ϱ} dx dy.
 """
 
 from __future__ import annotations
@@ -13,8 +13,10 @@ from manufactured.tensors import Array
 from study.fem.quadrature import gauss
 
 PANELS, POINTS = 64, 3
-"""Number of equal panels of (0, 1) and of Gauss points in each. The rule in y has one more point in each panel, so that
-x = y does not occur."""
+"""The quadrature of the double integral: number of equal panels of (0, 1), and number of Gauss points in each panel.
+
+The rule in y has one more point in each panel than the rule in x, so that x = y does not occur.
+"""
 
 
 def composite_gauss(panels: int, points: int) -> tuple[Array, Array]:
@@ -24,11 +26,11 @@ def composite_gauss(panels: int, points: int) -> tuple[Array, Array]:
 
 
 FIRST, SECOND = composite_gauss(PANELS, POINTS), composite_gauss(PANELS, POINTS + 1)
-"""The quadrature rules in x and in y."""
+"""The quadrature rules of the double integral, in x and in y."""
 
 
 def seminorm(first: Array, second: Array, rho: float) -> Array:
-    """Return the seminorm |v|_ϱ on (0, 1), (...).
+    """Return the Sobolev–Slobodeckij seminorm |v|_ϱ of functions v on (0, 1), (...).
 
     For a Lipschitz v and ϱ ≤ 1/2 the integrand is bounded. The relative error is a few per mille if v has about ten
     oscillations.
@@ -36,7 +38,7 @@ def seminorm(first: Array, second: Array, rho: float) -> Array:
     Args:
         first: the values of v at the nodes of ``FIRST``, (..., n).
         second: the values of v at the nodes of ``SECOND``, (..., m).
-        rho: ϱ.
+        rho: the order ϱ.
     """
     (x, wx), (y, wy) = FIRST, SECOND
     kernel = np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho)
@@ -46,7 +48,7 @@ def seminorm(first: Array, second: Array, rho: float) -> Array:
 
 @lru_cache
 def gram(panels: int, rho: float) -> Array:
-    """Return the Gram matrix of |v|_ϱ² for the hat functions on equal panels of (0, 1), (panels + 1, panels + 1)."""
+    """Return the Gram matrix of |·|_ϱ for the hat functions on equal panels of (0, 1), (panels + 1, panels + 1)."""
     nodes = np.linspace(0, 1, panels + 1)
     (x, wx), (y, wy) = composite_gauss(panels, POINTS), composite_gauss(panels, POINTS + 1)
     hats = [np.maximum(0, 1 - panels * abs(nodes[:, None] - z)) for z in (x, y)]

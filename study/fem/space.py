@@ -30,7 +30,7 @@ from study.fem.mesh import size as mesh_size
 from study.fem.quadrature import Line, cell_rules
 
 FACTOR_DEGREE = 6
-"""Degree of the quadrature rule for the cell mean of a material factor α; cells are cut where α jumps."""
+"""Degree of the quadrature rule for the mean of a material factor α on a cell. Cells are cut where α jumps."""
 
 
 class Displacements(MeshedBody, ABC):
@@ -43,21 +43,24 @@ class Displacements(MeshedBody, ABC):
     @property
     @abstractmethod
     def numbers(self) -> Array:
-        """The numbers of the k scalar basis functions of every cell, (k, cells)."""
+        """The numbers of the k scalar basis functions that belong to every cell, (k, cells)."""
 
     @abstractmethod
     def numbers_on(self, part: Part) -> Array:
-        """Return the numbers of the scalar basis functions that do not vanish on a part with its ends, (n,)."""
+        """Return the numbers of the basis functions that do not vanish on a boundary part with its ends, (n,)."""
 
     @property
     @abstractmethod
     def weights(self) -> Array:
-        """The quadrature weights w, (cells,) for one point in a cell or (cells, points)."""
+        """The weights w of the quadrature points, (cells,) if cells have one point, otherwise (cells, points)."""
 
     @property
     @abstractmethod
     def E(self) -> sps.csr_array:
-        """The matrix from coefficients to strains, (D · cells · points, dofs): first all 11 components, then 22, …."""
+        """The matrix from the coefficients of a displacement to its strains, (D · cells · points, dofs).
+
+        The rows for all components 11 come first, then those for 22, and so on.
+        """
 
     @property
     def dim(self) -> int:
@@ -83,7 +86,7 @@ class Displacements(MeshedBody, ABC):
 
     @property
     def nodes(self) -> Points:
-        """The nodes of all scalar basis functions, (d, count)."""
+        """The nodes of all scalar basis functions, including those on Γ1, (d, count)."""
         return self.mesh.p
 
     @property
@@ -98,22 +101,23 @@ class Displacements(MeshedBody, ABC):
         return full.reshape(-1, self.dim)
 
     def strain(self, v: Array) -> Tensors:
-        """Return the strain ε(v) at the quadrature points.
+        """Return the strain of a displacement at the quadrature points.
 
         Args:
-            v: free coefficients, (dofs,), or of n displacements, (dofs, n).
+            v: the free coefficients of a displacement, (dofs,), or of n displacements, (dofs, n).
 
         Returns:
-            (D, cells) or (D, cells, points); for n displacements with n as an additional last axis.
+            The strain in Mandel form, (D, cells) or (D, cells, points). For n displacements there is one more axis, the
+            last.
         """
         return (self.E @ v).reshape(-1, *self.weights.shape, *v.shape[1:])
 
     def functional(self, stress: Tensors) -> Array:
-        """Return the vector of the functional v ↦ (σ, ε(v))_Q, which is the virtual work of a stress.
+        """Return the virtual work of a stress for every basis function: the vector of v ↦ (σ, ε(v))_Q.
 
         Args:
-            stress: σ at the quadrature points, or its cell means for one point in a cell, (D, cells) or
-                (D, cells, points); n stresses have n as an additional last axis.
+            stress: σ at the quadrature points, (D, cells, points), or its cell means if cells have one point,
+                (D, cells). For n stresses there is one more axis, the last.
 
         Returns:
             (dofs,), or (dofs, n) for n stresses.
@@ -122,16 +126,17 @@ class Displacements(MeshedBody, ABC):
         return self.tested(self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress)
 
     def tested(self, integrals: Tensors) -> Array:
-        """Return the vector of v ↦ (σ, ε(v))_Q, (dofs,), from values of σ that already contain the weights w.
+        """Return the virtual work of a stress as ``functional`` does, from integrals instead of values, (dofs,).
 
         Args:
-            integrals: integrals of σ over the cells, (D, cells), or w σ at the points, (D, cells, points).
+            integrals: the integrals of the stress σ over the cells, (D, cells), or weights times σ at the points,
+                (D, cells, points).
         """
         return self._transposed @ integrals.reshape(self.E.shape[0], *integrals.shape[self.weights.ndim + 1 :])
 
     @cached_property
     def _transposed(self) -> sps.csr_array:
-        """The matrix Eᵀ by rows, stored because every load uses it."""
+        """The transposed strain matrix Eᵀ, stored by rows because every load vector is a product with it."""
         return sps.csr_array(self.E.T)
 
     def form(self, C: Array, factor: Array | float = 1.0) -> sps.csc_array:
@@ -147,10 +152,10 @@ class Displacements(MeshedBody, ABC):
 
     @cached_property
     def contact(self) -> list[tuple[Part, Array]]:
-        """Every part Γ3,i with the numbers of its free basis functions, in the order of the rows of ``N``.
+        """For every contact part of the boundary, its free basis functions, in the order of the rows of ``N``.
 
-        A function on two parts with the same normal is listed with the first part only, so that ``N`` has no equal
-        rows.
+        If a function belongs to two parts with the same normal, it is listed for the first part only, so that ``N`` has
+        no equal rows.
         """
         fixed = np.setdiff1d(np.arange(self.count), self.free[:: self.dim] // self.dim)
         found: list[tuple[Part, Array]] = []
@@ -161,38 +166,40 @@ class Displacements(MeshedBody, ABC):
 
     @cached_property
     def N(self) -> sps.csr_array:
-        """The constraint matrix, (m, dofs): N v contains the normal components of the coefficients on Γ3.
+        """The constraint matrix, (m, dofs): N v contains the normal components of the coefficients of v on Γ3.
 
-        Displacements with N v ≤ 0 are admissible. There is one row for each part and basis function, so a function on
-        two parts with different normals has two constraints.
+        Displacements with N v ≤ 0 are admissible. There is one row for each pair of a contact part and a basis
+        function. So a function on two parts with different normals has two constraints.
         """
         return self.normal_components(self.contact)
 
     def normal_components(self, on: Sequence[tuple[Part, Array]]) -> sps.csr_array:
-        """Return the matrix from v to the normal components ν·c of chosen coefficients c, (Σ n, dofs).
+        """Return the matrix from displacements to the normal components ν·c of some coefficients c, (Σ n, dofs).
 
         Args:
-            on: pairs of a part, which gives ν, and the numbers of basis functions, (n,).
+            on: pairs of a boundary part, which gives the normal ν, and the numbers of basis functions, (n,).
         """
-        # The empty arrays serve bodies without contact.
+        # Bodies without contact have no array to concatenate, so each list starts with an empty array.
         normals = [np.empty((0, self.dim)), *(np.tile(part.normal, (len(numbers), 1)) for part, numbers in on)]
         numbers = np.concatenate([np.empty(0, dtype=np.int64), *(numbers for _, numbers in on)])
         return sps.csr_array(self._rows(np.concatenate(normals)[:, None], numbers[:, None])[:, self.free])
 
     def _matrix(self, values: Array, numbers: Array) -> sps.csr_array:
-        """Return the matrix of ``_rows`` without its zeros and without the columns of Γ1."""
+        """Return the matrix of ``_rows`` without stored zeros and without the columns for the clamped boundary Γ1."""
         full = self._rows(values, numbers)
         full.eliminate_zeros()
         return sps.csr_array(full[:, self.free])
 
     def _rows(self, values: Array, numbers: Array) -> sps.csr_array:
-        """Return a matrix on all coefficients with one row for each entry of the leading axes ``...``.
+        """Return a sparse matrix from all coefficients, including those on Γ1; each row combines k basis functions.
+
+        The rows belong to the entries of the leading axes of the arguments, written ``...``.
 
         Args:
-            values: the entries of a row, d for each of its k basis functions, (..., k, d).
-            numbers: the numbers of these basis functions, (..., k).
+            values: the factors of the d components of the k coefficients of a row, (..., k, d).
+            numbers: the numbers of the k basis functions, (..., k).
         """
-        # Matrix products read as many indices as values, so 32-bit indices are used if they suffice.
+        # A product with a sparse matrix reads as many indices as values, so 32-bit indices are used where they suffice.
         index = sps.get_index_dtype(maxval=max(values.size, self.dim * self.count))
         columns = np.broadcast_to(self.dim * numbers[..., None] + np.arange(self.dim), values.shape).astype(index)
         width = values.shape[-2] * values.shape[-1]
@@ -204,11 +211,11 @@ class Displacements(MeshedBody, ABC):
 class Space(Displacements):
     """The space V^h of Problem 5.1: continuous, piecewise linear displacements, given by their values at the vertices.
 
-    The admissible set is K^h = {v : N v ≤ 0}. Strains are constant on every cell, so the integrals need only the cell
-    means of stresses and of material factors.
+    The admissible displacements are K^h = {v : N v ≤ 0}. Strains are constant on every cell, so integrals need only the
+    cell means of stresses and of material factors.
 
     Raises:
-        MeshError: the mesh does not fit the parts of the body (from ``boundary_parts``).
+        MeshError: the mesh does not fit the parts of the body.
     """
 
     mesh: Mesh
@@ -229,7 +236,7 @@ class Space(Displacements):
         return self.vertices(part)
 
     def vertices(self, part: Part) -> Array:
-        """Return the numbers of the vertices on a part, including its ends, (n,)."""
+        """Return the numbers of the vertices on a boundary part, including its ends, (n,)."""
         return np.unique(self.mesh.facets[:, self.facets(part)])
 
     @property
@@ -238,19 +245,22 @@ class Space(Displacements):
 
     @cached_property
     def E(self) -> sps.csr_array:
-        """The strains of the basis functions, (D · cells, dofs): for φ e_j, component I is E_I : sym(e_j ⊗ ∇φ)."""
+        """The matrix from displacements to strains, (D · cells, dofs).
+
+        For the basis function φ e_j, the component I of the strain is E_I : sym(e_j ⊗ ∇φ).
+        """
         gradients = barycentric_gradients(self.mesh)
         return self._matrix(np.einsum("Ijk,cik->Icij", basis(self.dim), gradients, optimize=True), self.numbers.T)
 
     def scatter(self, vertices: Array, values: Vectors) -> Vectors:
-        """Add local vectors up at the vertices: numbers (k, n) and vectors (d, k, n) → (d, vertices)."""
+        """Add local vectors (d, k, n) up at the vertices with the numbers (k, n): the result is (d, vertices)."""
         return np.array([np.bincount(vertices.ravel(), component.ravel(), self.count) for component in values])
 
     def interpolate(self, values: Vectors) -> Array:
-        """Return the interpolant Π^h u as free coefficients, from values of u at the vertices.
+        """Return the interpolant Π^h u of a function u as free coefficients, from its values at the vertices.
 
         Args:
-            values: (d, vertices), or (d, vertices, n) for n functions.
+            values: the values of u, (d, vertices), or (d, vertices, n) for n functions.
 
         Returns:
             (dofs,) or (dofs, n).
@@ -265,7 +275,7 @@ class Space(Displacements):
 def means(space: Space, factor: Factor) -> Array:
     """Return the mean of a material factor α on every cell, (cells,).
 
-    Strains of V^h are constant on cells, so with these means (α C ε(u), ε(v))_Q is exact.
+    Strains of V^h are constant on cells, so with these means the integrals (α C ε(u), ε(v))_Q are exact.
     """
     if factor is UNIFORM:
         return np.ones(len(space.volumes))
@@ -277,10 +287,13 @@ def means(space: Space, factor: Factor) -> Array:
 
 
 def form(space: Space, tensor: Elasticity) -> sps.csc_array:
-    """Return the matrix of (α C ε(u), ε(v))_Q for the constant reference tensor C of a law, (dofs, dofs)."""
+    """Return the matrix of the bilinear form (α C ε(u), ε(v))_Q of an elasticity tensor, (dofs, dofs).
+
+    For a nonlinear law, C is the constant reference tensor.
+    """
     return space.form(tensor.reference, means(space, tensor.factor))
 
 
 def on_cells(space: Space, law: KelvinVoigt) -> PointLaw:
-    """Return the law between strains and stresses that are constant on the cells, (D, cells) each."""
+    """Return the law as a function from strains to stresses that are constant on the cells, (D, cells) → (D, cells)."""
     return law.scaled(means(space, law.A.factor), means(space, law.G.factor))

@@ -1,16 +1,17 @@
-"""The false-alarm rate of a check: how often chance alone makes it fail, on a random mesh with a fresh seed.
+"""Estimates how often a check fails by chance although the program is correct (its false-alarm rate).
 
-Each seed gives the check one value v. Its *position* in the window is (2v − low − high)/(high − low) if the window has
-two ends, so that the ends are −1 and 1. If the window has one end, the position is v/high or low/v, and the end is 1.
-A position beyond an end is a false alarm. The rate of false alarms is estimated in two ways.
+Checks are measured on meshes with random vertices, so their values depend on the seed of the mesh. For each seed, the
+value v of a check has a *position* in its tolerance window [low, high], whose ends have the positions −1 and 1:
+position = (2v − low − high)/(high − low). If only one end is finite, it has the position 1, and position = v/high or
+low/v. A position beyond an end is a false alarm. The rate of false alarms is estimated in two ways.
 
-By counting alarms, with the confidence interval of Clopper and Pearson at 95 %. No alarm on 100 seeds only shows that
-the rate is at most 3.6 %.
+First, by counting false alarms, with the 95 % confidence interval of Clopper and Pearson. No alarm on 100 seeds only
+shows that the rate is at most 3.6 %.
 
-From the tail of the distribution of positions, which is extrapolated with one of two models:
+Second, by extrapolating the tail of the distribution of positions with one of two models:
 
-* *normal*, if the test of Shapiro and Wilk does not reject it at 1 %. For N positions with mean m and standard
-  deviation s, the next position lies beyond an end at the distance d from m with the probability
+* *normal*, if the test of Shapiro and Wilk does not reject a normal distribution at 1 %. For N positions with mean m
+  and standard deviation s, the next position lies beyond an end at the distance d from m with the probability
   P(t_{N−1} > d/(s √(1 + 1/N))) of Student's distribution, which accounts for m and s being estimates.
 * *Pareto* otherwise: the excesses of the largest quarter of the positions over a threshold follow a generalised Pareto
   distribution, which includes bounded and heavy tails. Shape and scale come from probability-weighted moments
@@ -28,7 +29,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import scipy  # importing ``scipy.stats`` takes half a second, so it is loaded at its first use
+import scipy  # loads ``scipy.stats`` at its first use, because importing it takes half a second
 from numpy.typing import NDArray
 
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
@@ -36,23 +37,24 @@ from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 Array = NDArray[np.float64]
 CONFIDENCE = 0.95
 PROMISE = 0.01
-"""The largest permitted false-alarm rate of the whole ledger on a fresh seed."""
+"""The largest permitted false-alarm rate: on which share of seeds at least one check may fail by chance."""
 AGAINST = 0.01
-"""A model of the tail is accepted if the p-value of its test is at least this number."""
+"""A model of a distribution is accepted if the p-value of its test is at least this number."""
 UPPER = 0.25
-"""The largest values of a sample, up to this fraction of it, are its tail."""
+"""This fraction of all values, the largest ones, is used for the Pareto model of the tail."""
 FEWEST = 8
-"""The least number of seeds for a model of the tail."""
+"""The least number of seeds for a model of the distribution of a checked value."""
 SAME = 2e-3
-"""Positions count as constant if they differ by at most this number, twice the resolution of the record of seeds."""
+"""Positions in the tolerance window that differ by at most this number count as equal. It is twice the resolution with
+which positions are stored."""
 
 
 @cache
 def interval(alarms: int, judged: int) -> tuple[float, float]:
-    """Return the confidence interval of a rate at 95 % by Clopper and Pearson.
+    """Return the 95 % confidence interval of a false-alarm rate by Clopper and Pearson.
 
     Parameters:
-        alarms: number of seeds with an alarm.
+        alarms: number of seeds with a false alarm.
         judged: number of all seeds; for 0 seeds the interval is (0, 1).
     """
     if judged == 0:
@@ -63,29 +65,24 @@ def interval(alarms: int, judged: int) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class Tail:
-    """A model of the distribution of the positions of a check.
+    """A model of the distribution of a checked value on random meshes, from which its false-alarm rate follows.
 
     Attributes:
         model: normal, Pareto, constant, or none if there are too few seeds.
-        rate: the probability of an alarm on the next seed.
-        fit: p-value of the test of the model; NaN if the model has no test.
+        rate: the probability of a false alarm on the next seed.
+        fit: p-value of the test that compares the model with the values; NaN if the model has no test.
     """
 
     model: str
     rate: float
     fit: float = float("nan")
 
-    @property
-    def serves(self) -> bool:
-        """Whether the model can be used: it is constant, or its test accepts it."""
-        return self.model == "constant" or self.fit >= AGAINST
-
 
 def tail(places: Array, two_sided: bool) -> Tail:
-    """Return the model of the distribution of a check.
+    """Return the model of the distribution of a checked value on random meshes.
 
     Parameters:
-        places: positions of the check in its window, (seeds,).
+        places: positions of the value in its tolerance window for all seeds, (seeds,); the ends are −1 and 1.
         two_sided: whether values can come near both ends of the window.
     """
     if len(places) < FEWEST or not np.isfinite(places).all():
@@ -101,10 +98,10 @@ def tail(places: Array, two_sided: bool) -> Tail:
 
 
 def normal(places: Array) -> float:
-    """Return the probability that the next position is larger than 1 in the normal model.
+    """Return the probability that the next position is larger than 1 if positions are normally distributed.
 
     Parameters:
-        places: positions, (seeds,).
+        places: positions of a value in its tolerance window, whose upper end is 1, (seeds,).
     """
     n = len(places)
     distance = (1 - places.mean()) / (places.std(ddof=1) * np.sqrt(1 + 1 / n))
@@ -112,10 +109,13 @@ def normal(places: Array) -> float:
 
 
 def pareto(places: Array) -> tuple[float, float]:
-    """Return the probability that the next position is larger than 1 in the Pareto model, and the p-value of its test.
+    """Return the probability that the next position is larger than 1 if large positions follow a Pareto distribution.
 
     Parameters:
-        places: positions, (seeds,).
+        places: positions of a value in its tolerance window, whose upper end is 1, (seeds,).
+
+    Returns:
+        The probability, and the p-value of the test of Kolmogorov and Smirnov for the model.
     """
     ordered = np.sort(places)
     most = max(FEWEST // 2, round(UPPER * len(places)))
@@ -132,9 +132,9 @@ def pareto(places: Array) -> tuple[float, float]:
 
 
 def promise_verdict(low: float, high: float) -> str:
-    """Return whether the false-alarm rate is at most ``PROMISE``: holds, fails or undecided.
+    """Return whether the false-alarm rate of the whole ledger is at most ``PROMISE``: holds, fails or undecided.
 
-    Only the counted alarms decide. The models of tails do not, because they extrapolate beyond all seeds.
+    Only counted alarms decide. Models of distributions do not, because they extrapolate beyond all measured seeds.
 
     Parameters:
         low, high: confidence interval of the rate by counting alarms.
@@ -145,5 +145,5 @@ def promise_verdict(low: float, high: float) -> str:
 
 
 def seeds_needed() -> int:
-    """Return how many seeds without any alarm are needed to show that the false-alarm rate is at most ``PROMISE``."""
+    """Return the number of seeds without any alarm that shows that the false-alarm rate is at most ``PROMISE``."""
     return math.ceil(math.log((1 - CONFIDENCE) / 2) / math.log(1 - PROMISE))

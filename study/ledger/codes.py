@@ -1,7 +1,8 @@
-"""Results of other people's contact codes on problems with exact solutions: ``errors.csv`` and ``classes.csv``.
+"""Errors of contact codes by other people on problems with known exact solutions: ``errors.csv`` and ``classes.csv``.
 
-``make codes`` runs the codes that are installed and writes these files into the folders ``FOLDER`` and ``MARCHES``. One
-statement compares the errors in these files with errors that this study measures (``OtherErrors``).
+``make codes`` runs the codes that are installed and writes the two files into the folders ``FOLDER`` and ``MARCHES`` of
+a result directory. The statement ``OtherCodes`` compares the errors in these files with errors that this study
+measures.
 """
 
 from __future__ import annotations
@@ -25,19 +26,19 @@ GRADES = ("exact for P1", "consistent", "stagnates", "wrong", "undecided")
 MADE = "make codes"
 AGAIN = f"make it again with `{MADE}`"
 FOLDER, MARCHES = "codes", "codes/march"
-"""Folders with the results on static problems, and on problems in time."""
+"""Folders of a result directory with the results on static problems, and on problems in time."""
 FROZEN, MARCH = "frozen", "march"
 
 
 @dataclass(frozen=True)
 class Codes:
-    """The results of all codes.
+    """The results of all contact codes by other people.
 
-    A *series* is a code with fixed parameters (``variant``) on the meshes of one case and mesh family.
+    A *series* is one code with fixed parameters (``variant``) on the meshes of one case and mesh family.
 
     Attributes:
         errors: one row for each series and mesh, in the order of the file, with the names that identify the series.
-        classes: one row for each series: the class of the code (``GRADES``) and its observed orders.
+        classes: one row for each series: how well the code solves the problem (one of ``GRADES``), and observed orders.
     """
 
     errors: pd.DataFrame
@@ -56,15 +57,17 @@ class Codes:
         errors = _table(place / "errors.csv", ERRORS, ["series", "level"])
         classes = _table(place / "classes.csv", CLASSES, ["series"], empty=True)
         refuse_repeated(place / "classes.csv", classes, SERIES, AGAIN)
-        # Rows whose series is unknown remain, with empty names, so that ``study check`` reports them.
+        # Errors whose series is missing in ``classes`` are kept with empty names, so that ``study check`` reports them.
         return cls(errors.merge(classes[["series", *SERIES]], on="series", how="left"), classes)
 
     def series(self) -> pd.DataFrame:
-        """Return one row for each series that a code can express: its class, and two quotients on its finest mesh.
+        """Return one row for each series that the code can express: its class, and two quotients on its finest mesh.
 
-        Columns ``share``: the distance of the displacement from the discrete solution in K^h, divided by the error of
-        that solution. ``excess``: the error of the contact pressure, divided by the error of the pressure of the
-        discrete solution.
+        The columns of the quotients are:
+
+        * ``share``: the distance of the code's displacement from the finite-element solution with exact contact
+          constraints, divided by the error of this solution.
+        * ``excess``: the error of the code's contact pressure, divided by the error of the pressure of this solution.
         """
         finest = self.errors.sort_values("level").groupby(SERIES, sort=False).tail(1)
         judged = self.classes[self.classes["class"] != NOT_EXPRESSED]
@@ -73,10 +76,11 @@ class Codes:
         return found.assign(share=share, excess=excess).replace([np.inf, -np.inf], np.nan)
 
     def rows(self) -> pd.DataFrame:
-        """Return one row for each code with fixed parameters, which summarises all of its series.
+        """Return a table with one row for each code with fixed parameters, over all cases and mesh families.
 
-        Columns: ``KEY``; ``classes``, the number of series in each class as text; ``order_low`` and ``order_high``, the
-        extreme observed orders in V; the largest ``share``, ``excess`` and ``invariance``.
+        Its columns are ``KEY``; ``classes``, the number of series in each class as text; ``order_low`` and
+        ``order_high``, the extreme observed orders of the displacement in the energy norm; and the largest ``share``,
+        ``excess`` and ``invariance``.
         """
         found = []
         for key, mine in self.series().groupby(KEY, sort=False):
@@ -88,9 +92,9 @@ class Codes:
         return pd.DataFrame(found)
 
     def on_meshes(self) -> pd.DataFrame:
-        """Return ``errors`` with version and class of the series.
+        """Return ``errors`` with two more columns: the version of the code, and the class of the series.
 
-        A series that the code cannot express has a row of NaN for each mesh on which other codes were run.
+        If a code cannot express a problem, it has a row of NaN for each mesh on which other codes were run.
         """
         told = self.classes[[*SERIES, "version", "class"]]
         meshes = self.errors[MESH].drop_duplicates()
@@ -109,7 +113,10 @@ class OtherErrors(CsvFile):
     label: str = ""
 
     def read(self, directory: Path) -> pd.DataFrame:
-        """Return ``Codes.on_meshes`` of both folders, with the columns ``mode`` and ``label``; empty without data."""
+        """Return the errors of all codes in one table with the columns ``mode`` and ``label``; empty without data.
+
+        The column ``mode`` is FROZEN for static problems and MARCH for problems in time.
+        """
         modes = {FROZEN: Codes.read(directory, FOLDER), MARCH: Codes.read(directory, MARCHES)}
         found = [codes.on_meshes().assign(mode=mode, label=self.label) for mode, codes in modes.items() if codes]
         return pd.concat(found, ignore_index=True)[[*self.columns]] if found else pd.DataFrame(columns=[*self.columns])

@@ -21,12 +21,13 @@ from study.ledger.pictures import Packed
 from study.ledger.verdict import ROW_KEY
 
 IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
-"""States of a file: equal bytes; differences within the tolerance; larger differences; not compared, because only one
-directory has the file and ``study run`` does not write it."""
+"""States of a file in two directories. IDENTICAL: the bytes are equal. WITHIN: numbers differ within the tolerance.
+DIFFERS: there are larger differences. LEFT_OUT: only one directory has the file, and ``study run`` does not write
+it."""
 PROSE = {"statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law"}
-"""Columns of text for readers: changes in them are listed, but do not make results differ."""
+"""Columns with text for readers. A change of such a text is listed, but does not count as a difference of results."""
 LATER = ["key", "family", "window_low", "window_high"]
-"""Columns that earlier versions did not write: results do not differ if only one directory has them."""
+"""Columns that earlier versions of the program did not write. If only one directory has them, results do not differ."""
 KEYS = {
     "rates.csv": ("claim", "case", "family", "scheme", "level"),
     "equivalence.csv": ("case", "form", "level", "family"),
@@ -42,29 +43,36 @@ KEYS = {
     "sensitivity.csv": ("defect", "case", "family"),
     "seeds.csv": ("label", "key", "case"),
 }
-"""File ↦ the columns that identify a row. In ``enclosures.csv`` and the files of ``NUMBERS`` several rows may have the
-same key; they are compared in their order."""
+"""File ↦ the columns that identify a row. In ``enclosures.csv`` and in the files of ``NUMBERS`` several rows may have
+the same key; such rows are compared in their order."""
 MAGNITUDES = {"equivalence.csv": ("displacement_gap", "stress_gap", "displacement_bound", "stress_bound")}
-"""File ↦ columns of which only the order of magnitude is compared, because it depends on where an iteration stops."""
+"""File ↦ columns of which only the order of magnitude is compared: the numbers depend on where an iteration stops."""
 SAME_MAGNITUDE = 100.0
-"""These columns count as equal up to this factor: for two tolerances of the solver they differed by at most 100."""
+"""Numbers of which only the order of magnitude is compared count as equal up to this factor. With two tolerances of the
+solver they differed by at most this factor."""
 NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("seeds", "lowest", "highest")}
-"""File ↦ columns of numbers by which a row is found if the text in its key was changed."""
+"""File ↦ columns of numbers by which a row is found in the other table if the text in its key was changed."""
 OF_CONTROLS = "controls.csv", "seeds.csv", "sensitivity.csv"
-"""Files that ``study run`` does not write."""
+"""Files that other commands than ``study run`` write, so that a result directory may lack them."""
 MOST = 2000
-"""Largest number of cells of text that are listed for a column."""
+"""Largest number of differing cells of a text column that are listed."""
 
 
 @dataclass(frozen=True)
 class Tolerance:
-    """Numbers a and b count as equal if |a − b| ≤ absolute + relative · max(|a|, |b|)."""
+    """The tolerance with which numbers are compared.
+
+    Numbers a and b count as equal if |a − b| ≤ absolute + relative · max(|a|, |b|).
+    """
 
     relative: float = 1e-12
     absolute: float = 0.0
 
     def equates(self, a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
-        """Return where numbers count as equal; NaN equals NaN, and an infinite number equals itself."""
+        """Return for each pair of numbers whether they are equal within the tolerance, as an array of booleans.
+
+        NaN equals NaN, and an infinite number equals itself.
+        """
         with np.errstate(all="ignore"):
             near = abs(a - b) <= self.absolute + self.relative * np.maximum(abs(a), abs(b))
         return (a == b) | (np.isnan(a) & np.isnan(b)) | (near & np.isfinite(a) & np.isfinite(b))
@@ -72,16 +80,17 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Difference:
-    """The differences in one column, or the rows or columns that only one of two files has.
+    """The differences in one column of a table, or the rows or columns that only one of two files has.
 
     Attributes:
         what: name of the column, place in a picture, or a text such as "rows only in OLD".
         compared: number of cells that both files have; 0 for rows or columns that only one file has.
         differing: number of cells that differ.
-        beyond: number of differences that count: numbers beyond the tolerance, and text in columns other than PROSE.
-        cells: differing cells as dictionaries with the keys ``row``, ``old``, ``new`` and ``relative``. For text the
-            first MOST cells, with ``relative`` None. For numbers the one with the largest relative difference
-            |a − b| / max(|a|, |b|); ``relative`` is None if a or b is not finite.
+        beyond: number of differences that count: numbers that differ by more than the tolerance, and texts that differ,
+            except in the columns PROSE.
+        cells: differing cells as dictionaries with the keys ``row``, ``old``, ``new`` and ``relative``. For text they
+            are the first MOST cells, with ``relative`` None. For numbers there is only the cell with the largest
+            relative difference |a − b| / max(|a|, |b|); ``relative`` is None if a or b is not finite.
     """
 
     what: str
@@ -93,13 +102,13 @@ class Difference:
 
 @dataclass(frozen=True)
 class FileDifference:
-    """The differences in one file.
+    """The differences between two versions of one file.
 
     Attributes:
         name: name of the file in the folder ``data``.
         state: IDENTICAL, WITHIN, DIFFERS or LEFT_OUT.
         only: OLD or NEW if only this directory has the file.
-        differences: differences that count first, then by their size.
+        differences: the differences, first the ones that count, the largest first.
     """
 
     name: str
@@ -110,7 +119,13 @@ class FileDifference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The differences between two result directories."""
+    """The differences between two result directories.
+
+    Attributes:
+        old, new: the directories.
+        tolerance: the tolerance for numbers.
+        files: the differences in each file.
+    """
 
     old: Path
     new: Path
@@ -119,7 +134,7 @@ class Comparison:
 
     @property
     def verdicts(self) -> list[dict[str, Any]]:
-        """The cells of the column ``verdict`` that differ, from all files."""
+        """The verdicts of checks that differ between the two directories, from all files."""
         return [cell for file in self.files for d in file.differences if d.what == "verdict" for cell in d.cells]
 
     @property
@@ -134,7 +149,11 @@ class Comparison:
 
 
 def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
-    """Return the differences between two result directories; raises DataError for a missing or damaged file."""
+    """Compare two result directories and return the differences.
+
+    Raises:
+        DataError: a directory has no data, or a file is damaged.
+    """
     names: set[str] = set()
     for directory in (old, new):
         data = directory / "data"
@@ -154,7 +173,7 @@ def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileD
         if not (directory / "data" / stored_name).exists():
             return FileDifference(name, LEFT_OUT if name in OF_CONTROLS else DIFFERS, other)
     first, second = map(_content, stored, directories)
-    # A truncated file ends within a line; it is read below, which raises an error.
+    # Two truncated files may be equal. They have no line end at their end, and reading them below raises an error.
     if first == second and first.endswith(b"\n"):
         return FileDifference(name, IDENTICAL)
     csv = name.endswith(".csv")
@@ -171,10 +190,13 @@ def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileD
 
 
 def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
-    """Return the common rows of two tables as two tables, and the differences in their rows.
+    """Read a table from two directories, and compare which rows it has there.
 
-    A column with a number in it is read as numbers in both tables. Rows that occur in only one table, and rows whose
-    text changed but whose numbers agree, are the third and later entries of the list.
+    A column with a number in it is read as numbers in both tables.
+
+    Returns:
+        A list. The first two entries are the tables, with only the rows that both have. Further entries are
+        differences: rows that only one table has, and rows whose key was changed but whose numbers are the same.
     """
     key, numbers = KEYS.get(name, ()), NUMBERS.get(name, ())
     tables = [read_csv(directory, name, (*key, *numbers)) for directory in directories]
@@ -200,7 +222,7 @@ def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
         lost = [mine.loc[mine.index.difference(other.index, sort=False)] for mine, other in ((old, new), (new, old))]
         names = pd.concat([pd.Series(rows.index, _rows(rows, loose)) for rows in lost], axis=1, join="inner")
         new = new.rename(index=dict(zip(names[1], names[0], strict=True)))
-        found = [_words("rows renamed, found by their numbers", names[0], counts=False)]
+        found = [_words("rows with other names but the same numbers", names[0], counts=False)]
     both = old.index.intersection(new.index, sort=False)
     for side, mine in (("OLD", old), ("NEW", new)):
         found.append(_words(f"rows only in {side}", mine.index.difference(both, sort=False)))
@@ -212,7 +234,10 @@ def _refusal(directory: Path, name: str, what: str) -> DataError:
 
 
 def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:
-    """Return the names of rows: the cells of the key, numbers with nine digits; equal names are numbered."""
+    """Return a name for each row of a table, by which it is found in another version of the table.
+
+    A name consists of the cells of the key, numbers with nine digits. Equal names are numbered.
+    """
     cells = [[v if isinstance(v, str) else f"{v + 0.0:.9g}" for v in table[column]] for column in key]
     joined = [", ".join(filter(None, row)) for row in zip(*cells, strict=True)] if key else ["row"] * len(table)
     names = pd.Series(joined, dtype=str)
@@ -221,7 +246,11 @@ def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:
 
 
 def _content(name: str, directory: Path) -> bytes:
-    """Return the content of a data file, uncompressed; raises DataError if it cannot be read."""
+    """Return the content of a data file, uncompressed.
+
+    Raises:
+        DataError: the file cannot be read or is damaged.
+    """
     try:
         return read_uncompressed(directory / "data" / name)
     except OSError as error:
@@ -239,11 +268,14 @@ def _picture(name: str, directory: Path) -> dict[str, pd.Series]:
 
 
 def _places(value: Any, place: str) -> Iterator[tuple[str, pd.Series]]:
-    """Yield (place and shape, values) for each array of numbers or words in nested JSON data.
+    """Yield all arrays of numbers or words in nested JSON data, each with its place in the data.
 
     Parameters:
         value: lists, dictionaries, numbers and words.
         place: the place of ``value`` in the file, such as ``.frames[3]``.
+
+    Yields:
+        Place and shape as text, and the values.
     """
     packed = isinstance(value, dict) and value.keys() == {"unit", "shape", "changes"}
     array = np.atleast_1d(Packed.read(value).values if packed else np.array(value, dtype=object))
@@ -261,11 +293,14 @@ def _words(what: str, rows: Any, old: Any = "", new: Any = "", compared: int = 0
 
 
 def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance, rough: bool = False) -> Difference:
-    """Return the differences in a column; the tolerance is not for words and whole numbers, such as levels.
+    """Return the differences in a column of two tables.
+
+    The tolerance does not apply to texts, nor to whole numbers such as levels.
 
     Parameters:
         what: name of the column.
-        old, new: its cells in both files, in the same order of rows.
+        old, new: the cells of the column in both tables, in the same order of rows.
+        tolerance: the tolerance for numbers.
         rough: whether only the orders of magnitude of numbers are compared.
     """
     a, b = old.to_numpy(), new.to_numpy()
@@ -287,24 +322,26 @@ def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance, rou
 
 
 SHOWN_VERDICTS, SHOWN_ROWS, SHOWN_PLACES = 20, 5, 3
-"""Largest numbers of changed verdicts, of rows that only one directory has, and of differences in a picture in the
-report."""
+"""Largest numbers of changed verdicts, of rows in only one directory, and of differences in a picture in the report."""
 
 
 def as_json(found: Comparison) -> dict[str, Any]:
-    """Return the comparison as a dictionary that can be written as JSON."""
+    """Return a comparison of two result directories as a dictionary that can be written as JSON."""
     head = {"differs": found.differs, "states": found.states, "verdicts": found.verdicts}
     return {**head, **asdict(found), "old": str(found.old), "new": str(found.new)}
 
 
 def as_text(found: Comparison) -> str:
-    """Return the comparison as text of 80 columns: changed verdicts, a block for each file, and a summary."""
+    """Return a comparison of two result directories as text of 80 columns.
+
+    The text has the changed verdicts, a block for each file, and a summary.
+    """
     lines = (textwrap.fill(line, 80, subsequent_indent=" " * 8, break_on_hyphens=False) for line in _lines(found))
     return "\n".join(lines).replace("\u00a0", " ")
 
 
 def _lines(found: Comparison) -> Iterator[str]:
-    """Yield the lines of the report on a comparison, before they are wrapped."""
+    """Yield the lines of the report on a comparison; long lines are not yet wrapped."""
     yield f"verdicts: {len(found.verdicts) or 'none'} changed"
     yield from _listed(found.verdicts, SHOWN_VERDICTS)
     yield ""
@@ -329,7 +366,7 @@ def _lines(found: Comparison) -> Iterator[str]:
 
 def _listed(cells: list[dict[str, Any]], most: int) -> Iterator[str]:
     for cell in cells[:most]:
-        # Non-breaking spaces, so that no line is broken at the arrow.
+        # The spaces are non-breaking, so that lines are not wrapped at the arrow.
         change = f": {cell['old'] or 'nothing'}\u00a0→\u00a0{cell['new'] or 'nothing'}"
         yield f"    {cell['row']}" + change * (cell["old"] != cell["new"])
     if len(cells) > most > 1:
@@ -339,9 +376,10 @@ def _listed(cells: list[dict[str, Any]], most: int) -> Iterator[str]:
 ROUNDED = {name for name in LEDGER if name not in TEXT} - {"expected", "family"}
 """Columns of ``claims.csv`` whose last digits depend on the machine."""
 ROUNDED_RTOL = 1e-6
-"""Largest relative difference of numbers in these columns, because iterations stop at slightly different values."""
+"""Relative difference up to which numbers in these columns count as equal. Iterations stop at slightly different values
+on different machines."""
 SHOWN_TEXT = 60
-"""Largest number of characters of a line in a message."""
+"""Largest number of characters of a differing line that a message shows."""
 
 
 def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -> str | None:
@@ -353,7 +391,7 @@ def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -
         close: columns of a CSV file whose numbers may differ by rounding.
 
     Returns:
-        Line, column, the text in the file and the expected text, in words.
+        A message with line, column, the text in the file and the expected text.
     """
     text = path.read_text(encoding="utf-8", errors="replace")
     if text == expected:
@@ -367,7 +405,7 @@ def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -
 
 
 def _in_line(old: str | None, new: str | None, head: list[str], close: frozenset[str]) -> str:
-    """Return the difference between two lines in words; an empty text if only last digits differ.
+    """Return in words how two lines differ; an empty text if they only differ by rounding.
 
     Parameters:
         old, new: the line in the file and the expected line; None if there is no such line.
@@ -386,9 +424,9 @@ def _in_line(old: str | None, new: str | None, head: list[str], close: frozenset
 
 
 def _shown(text: str | None, other: str | None = None) -> str:
-    """Return a text in quotation marks, or "nothing" for None.
+    """Return a text in quotation marks for a message, or "nothing" for None.
 
-    A long text is shortened to the part around its first difference from the other text.
+    A long text is cut to the part around its first difference from the other text.
     """
     if text is None:
         return "nothing"
@@ -399,7 +437,6 @@ def _shown(text: str | None, other: str | None = None) -> str:
 
 
 def _close(a: str | None, b: str | None) -> bool:
-    """Return whether two texts are numbers that differ by rounding."""
     try:
         return math.isclose(float(a or "nan"), float(b or "nan"), rel_tol=ROUNDED_RTOL, abs_tol=1e-12)
     except ValueError:

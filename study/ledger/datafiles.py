@@ -1,4 +1,4 @@
-"""The data files of a run: their columns and keys; reading them with a check of every cell; writing them."""
+"""The data files of a run: defines their columns and keys, reads them with a check of every cell, and writes them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interp
 RATES += ["time_share", "predicted_interpolation"]
 SEEDS = ["label", "key", "case", "since", "seeds", "alarms", "rate_low", "rate_high", "rate_tail", "claimed"]
 ALL_ROWS = "all claimed rows"
-"""The label of the rows of ``seeds.csv`` about all claimed checks together."""
+"""The label of the two rows of ``seeds.csv`` about all claimed checks together."""
 LEDGER = [field.name for field in fields(Verdict)]
 TEXT = {
     *SERIES, "label", "statement", "quantity", "verdict", "form", "summary", "law", "zone", "regularity", "statements",
@@ -38,21 +38,28 @@ TEXT = {
 
 
 COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds"}
-"""Data file ↦ the command that writes it, if this is not ``study run``."""
+"""Data file ↦ the command that writes it, for files that ``study run`` does not write."""
 
 
 class DataError(ValueError):
-    """Raised if a data file is missing, damaged or edited; the message names the file and the command that mends it."""
+    """Raised if a data file is missing, damaged or edited.
+
+    The message names the file and the command that writes it again.
+    """
 
 
 def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFrame:
-    """Return the table ``directory/data/name`` of a run.
+    """Return the table in the file ``directory/data/name`` of a run.
 
     Parameters:
-        columns: the columns that it must have; those that are not in ``TEXT`` must contain numbers or empty cells.
+        directory: the result directory.
+        name: name of the file.
+        columns: the columns that the table must have. Those that are not in ``TEXT`` must contain numbers or empty
+            cells.
 
     Raises:
-        DataError: as ``read_table``, or a column of numbers contains text; the message names file, line and column.
+        DataError: the file is missing or damaged, or a column of numbers contains text; the message names file, line
+            and column.
     """
     command, path = COMMANDS.get(name), directory / "data" / name
     again = f"{command} --out {directory}" if command else made_by(directory)
@@ -63,7 +70,7 @@ def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFra
 
 
 def made_by(directory: Path) -> str:
-    """Return the command that made a result directory, from its provenance; ``study run`` if that is unreadable."""
+    """Return the command line that wrote a result directory, from its provenance; else ``study run``."""
     try:
         content = json.loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))
         plain = "study run --full" if content.get("plan") == "full" else "study run"
@@ -88,14 +95,14 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
         raise DataError(f"{path} is missing: make it with `{command}`")
     again = f"make it again with `{command}`"
     try:
-        # Only empty cells are NaN: no command writes the word "nan".
+        # Only empty cells are read as NaN. A word such as "nan" or "null" is text, because no command writes it.
         kinds = dict.fromkeys(TEXT, str)
         content = read_uncompressed(path)
         frame = pd.read_csv(BytesIO(content), dtype=kinds, keep_default_na=False, na_values=[""], low_memory=False)  # type: ignore[arg-type]
     except ValueError as error:
         raise DataError(f"{path} is not a table ({error}): {again}") from error
     if not content.endswith(b"\n"):
-        raise DataError(f"{path} is truncated, its last line has no end: {again}")
+        raise DataError(f"{path} is truncated, because its last line is incomplete: {again}")
     if lacking := [column for column in columns if column not in frame]:
         raise DataError(f"{path} lacks the columns {', '.join(lacking)}: {again}")
     return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT], ""))
@@ -115,12 +122,12 @@ def read_uncompressed(path: Path) -> bytes:
 
 
 def line(row: int) -> int:
-    """Return the number of the line in a data file that contains a row; rows are counted from 0."""
+    """Return the line number in a data file of row number ``row`` of its table; line 1 has the names."""
     return row + 2
 
 
 def refuse_words(path: Path, table: pd.DataFrame, columns: Collection[str], mend: str, empty: bool = False) -> None:
-    """Refuse a table in which a cell of some columns is not a number.
+    """Raise an error if some columns of a table contain anything but numbers.
 
     Parameters:
         path: the file, for the message.
@@ -130,7 +137,7 @@ def refuse_words(path: Path, table: pd.DataFrame, columns: Collection[str], mend
         empty: whether empty cells are accepted.
 
     Raises:
-        DataError: names the line, the column and the cell.
+        DataError: a cell is not a number; the message names line, column and cell.
     """
     for column in columns:
         wrong = pd.to_numeric(table[column], errors="coerce").isna().to_numpy()
@@ -143,7 +150,17 @@ def refuse_words(path: Path, table: pd.DataFrame, columns: Collection[str], mend
 
 
 def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: str) -> None:
-    """Refuse a table in which two rows have the same key; raises DataError, which names both lines."""
+    """Raise an error if two rows of a table have the same key.
+
+    Parameters:
+        path: the file, for the message.
+        table: the content of the file.
+        key: the columns that identify a row.
+        mend: how to mend the file, for the message.
+
+    Raises:
+        DataError: a key is repeated; the message names both lines.
+    """
     if (again := table.duplicated([*key]).to_numpy()).any():
         row = int(again.argmax())
         first = int((table[[*key]] == table[[*key]].iloc[row]).all(axis=1).to_numpy().argmax())
@@ -153,9 +170,12 @@ def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: s
         )
 
 
-def write_csv(path: Path, table: pd.DataFrame) -> None:
-    """Write a table as CSV with 12 digits and Unix line ends; if writing is interrupted, the old file remains."""
-    write_text(path, table_text(table))
+def write_csv(path: Path, table: pd.DataFrame) -> Path:
+    """Write a table as CSV with 12 digits and Unix line ends, and return the path.
+
+    If writing is interrupted, the old file remains.
+    """
+    return write_text(path, table_text(table))
 
 
 def table_text(table: pd.DataFrame) -> str:
@@ -170,8 +190,8 @@ class DataFile(Protocol):
     """A file or folder into which measurements are written.
 
     Attributes:
-        name: its name in the folder ``data``.
-        key: the columns that identify a row.
+        name: name of the file or folder in the folder ``data``.
+        key: the columns that identify a measurement.
     """
 
     @property
@@ -189,8 +209,9 @@ class CsvFile:
     Attributes:
         name: name of the file in the folder ``data``.
         key: the columns that identify a row.
-        columns: all measured columns.
-        derive: function that adds the columns which are computed from measured ones.
+        columns: the measured columns.
+        derive: function that returns the table to be written, given the table of measured columns. It may add columns
+            that are computed from measured ones, such as observed orders.
     """
 
     name: str
@@ -200,15 +221,17 @@ class CsvFile:
 
     def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
         """Write all rows into the file in the folder ``data`` and return its path, as a list."""
-        write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=list(self.columns))))
-        return [data / self.name]
+        return [write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=list(self.columns))))]
 
     def read(self, directory: Path) -> pd.DataFrame:
-        """Return the table of a result directory; raises DataError as ``read_csv``."""
+        """Return the table from the file in a result directory; raises DataError if it is missing or damaged."""
         return read_csv(directory, self.name, self.columns)
 
     def keys(self, table: pd.DataFrame) -> set[tuple[str, ...]]:
-        """Return for each row the tuple (name of the file, cells of its key), as text."""
+        """Return the keys of all rows of a table, as texts.
+
+        A key is a tuple of the name of the file and the cells of the key columns.
+        """
         return {(self.name, *row) for row in table[list(self.key)].astype(str).itertuples(index=False, name=None)}
 
 
@@ -218,29 +241,33 @@ class JsonFiles:
 
     Attributes:
         name: name of the folder in the folder ``data``.
-        key: the one column whose values name the files.
+        key: one column, whose values are the names of the files.
     """
 
     name: str
     key: tuple[str, ...]
 
     def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
-        """Write one file for each row and return the paths; no spaces follow separators, which saves a tenth."""
+        """Write one file for each row and return the paths.
+
+        The JSON text has no spaces after separators, which makes the files a tenth smaller.
+        """
         texts = {row[self.key[0]]: json.dumps(row, separators=(",", ":")) + "\n" for row in rows}
         return [write_packed(data / self.name / f"{name}.json.gz", text) for name, text in texts.items()]
 
 
 def read_rates(directory: Path) -> pd.DataFrame:
-    """Return ``rates.csv`` with sorted levels in each series, and with the observed orders of the discrete error.
+    """Return the table ``rates.csv``, sorted by levels, with a new column ``discrete_order``.
 
-    These orders are in the column ``discrete_order``.
+    This column has the observed orders of the discrete error, the distance between the interpolant of the exact
+    solution and the computed solution.
 
     Raises:
-        DataError: as ``read_csv``, or a number is missing or infinite, or a row is repeated.
+        DataError: the file is missing or damaged, a number is missing or infinite, or a row is repeated.
     """
     rates = read_csv(directory, "rates.csv", RATES)
     path, again = directory / "data" / "rates.csv", f"make it again with `{made_by(directory)}`"
-    # Figures cannot show infinite errors, so they are refused as missing numbers are.
+    # Infinite errors are refused like missing numbers, because figures cannot show them.
     finite = rates.replace([np.inf, -np.inf], np.nan)
     refuse_words(path, finite, [column for column in RATES if column not in {*TEXT, "order"}], again)
     refuse_repeated(path, rates, [*SERIES, "level"], again)
@@ -250,29 +277,29 @@ def read_rates(directory: Path) -> pd.DataFrame:
 
 
 def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
-    """Return the sorted levels of a series, with the observed orders of a column in the column ``order``."""
+    """Return rows sorted by levels, with the observed orders of a column in the new column ``order``."""
     ordered = series.sort_values("level")
     return ordered.assign(order=since_before(ordered["h"].to_numpy(), ordered[column].to_numpy()))
 
 
 def count_caught(controls: pd.DataFrame) -> tuple[int, int]:
-    """Return how many of the deliberate defects in ``controls.csv`` were noticed, and the number of all."""
+    """Return how many of the deliberate defects in ``controls.csv`` were noticed, and how many there are."""
     injected = controls[controls["caught"] != ""]
     return int((injected["caught"] == "yes").sum()), len(injected)
 
 
 class AlarmSummary(NamedTuple):
-    """The false-alarm rate of all claimed checks, from random meshes with fresh seeds.
+    """The false-alarm rate of all checks about which something is claimed, from meshes with random vertices.
 
     Attributes:
-        rows: number of claimed checks.
-        seeds: number of seeds on which all claimed checks were measured.
+        rows: number of these checks.
+        seeds: number of random seeds on which all checks were measured.
         red: number of these seeds on which at least one check did not hold.
         low, high: confidence interval of red/seeds at 95 %.
-        by_tail: upper estimate of the rate from the tails of the distributions of all checks.
+        by_tail: upper estimate of the rate from the distributions of the values of all checks.
         light_seeds: number of all seeds; the cheap checks were measured on each.
         light_red: number of all seeds on which at least one cheap check did not hold.
-        verdict: whether the rate is at most the permitted one, by counting seeds: holds, fails or undecided.
+        verdict: whether the rate is at most the permitted one: holds, fails or undecided. Only counts decide.
     """
 
     rows: int
@@ -287,10 +314,14 @@ class AlarmSummary(NamedTuple):
 
 
 def alarm_summary(seeds: pd.DataFrame) -> AlarmSummary:
-    """Return the summary of all claimed checks in ``seeds.csv``; raises DataError if the table has no such rows."""
+    """Return the false-alarm rate of all claimed checks from the table ``seeds.csv``.
+
+    Raises:
+        DataError: the table has no rows about all checks together.
+    """
     together = seeds[seeds["label"] == ALL_ROWS].set_index("key")
     if not {"every", "light"} <= set(together.index):
-        raise DataError("seeds.csv has no lines about all claimed rows: make it again with `study seeds`")
+        raise DataError("seeds.csv lacks the rows about all claimed checks: make it again with `study seeds`")
     every, light = together.loc["every"], together.loc["light"]
     low, high, by_tail = (float(every[name]) for name in ("rate_low", "rate_high", "rate_tail"))
     rows = int((seeds["claimed"] == "yes").sum()) - len(together)
@@ -300,7 +331,11 @@ def alarm_summary(seeds: pd.DataFrame) -> AlarmSummary:
 
 
 def read_claims(directory: Path) -> pd.DataFrame:
-    """Return ``claims.csv``, the table of all checks; raises DataError as ``read_csv``, or for an unknown verdict."""
+    """Return ``claims.csv``, the table of all checks.
+
+    Raises:
+        DataError: the file is missing or damaged, or has an unknown verdict.
+    """
     claims = read_csv(directory, "claims.csv", LEDGER)
     unknown = sorted(set(claims["verdict"]) - set(VERDICTS))
     if unknown:
@@ -318,26 +353,34 @@ def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
 
 
 def count_kinds(claims: pd.DataFrame) -> dict[str, int]:
-    """Return the number of checks of each kind, of those that hold."""
+    """Return the number of checks that hold, for each kind of check (orders, sizes, bounds, …)."""
     kinds = claims[claims["verdict"] == HOLDS].apply(kind, axis=1)
     return {name: int((kinds == name).sum()) for name in KINDS}
 
 
 def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
-    """Yield (label, claim, checks) for each statement in the order of the ledger; a label may have several claims."""
+    """Divide the table of all checks by statements, in the order of the ledger.
+
+    Yields:
+        Label, claim in words, and checks. Two claims may have the same label.
+    """
     for (label, claim), rows in claims.groupby(["label", "statement"], sort=False):
         yield str(label), str(claim), rows
 
 
 def with_orders(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a table with the observed orders of its errors in a new column ``order`` after ``time_share``."""
+    """Return a table of errors with their observed orders in a new column ``order`` after the column ``time_share``."""
     found = table.copy()
     found.insert(table.columns.tolist().index("time_share") + 1, "order", in_series(table, "error"))
     return found
 
 
 def in_series(table: pd.DataFrame, column: str) -> pd.Series:
-    """Return the observed orders of a column, computed in each series as by ``since_before``, (rows,)."""
+    """Return for each row of a table the observed order of a column between this level and the level before, (rows,).
+
+    Rows with the same proposition, case, mesh family and time scheme belong together. The order is NaN on the first
+    level.
+    """
     found = pd.Series(np.nan, table.index)
     for _, group in table.groupby(SERIES, sort=False):
         found[group.index] = since_before(group["h"].to_numpy(), group[column].to_numpy())
@@ -345,9 +388,9 @@ def in_series(table: pd.DataFrame, column: str) -> pd.Series:
 
 
 def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return for each level the observed order between it and the level before, (levels,).
+    """Return for each level the observed order between this level and the level before, (levels,).
 
-    The order is NaN for the first level, and if an error is not positive and finite.
+    The order is NaN on the first level. It is also NaN if an error is zero, negative or not finite.
 
     Parameters:
         h, error: mesh sizes and errors, (levels,), coarse to fine.

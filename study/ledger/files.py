@@ -11,10 +11,10 @@ from contextlib import suppress
 from pathlib import Path
 
 FULL = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC))
-"""Error numbers of a full disk and of an exhausted quota; Windows has no number for quotas."""
+"""Error numbers of a full disk and of an exhausted quota. Windows has no error number for quotas."""
 
 BLOCK = 4096
-"""A disk with fewer free bytes counts as full, because file systems allocate blocks of this size."""
+"""A disk with fewer free bytes is regarded as full, because file systems allocate blocks of this size."""
 
 
 class UsageError(ValueError):
@@ -22,7 +22,7 @@ class UsageError(ValueError):
 
 
 class JobsError(RuntimeError):
-    """Raised if some jobs failed; the results of all other jobs are stored."""
+    """Raised if some measurements of a run failed; the results of all others are stored."""
 
 
 class StoreError(ValueError):
@@ -53,14 +53,14 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
             raise
         raise unwritable(path, cause) from error
     finally:
-        # If the directory could not be made, there is no temporary file to remove.
+        # The temporary file may not exist: it was renamed, or its directory could not be made.
         with suppress(OSError):
             part.unlink()
     return path
 
 
 def disk_full(error: BaseException | None) -> OSError | None:
-    """Return the error that reports a full disk or quota, among an error and its causes; None if there is none."""
+    """Return the error "disk full" or "quota exceeded" from an error and its causes; None if neither is there."""
     seen: set[int] = set()
     while error is not None and id(error) not in seen:
         if isinstance(error, OSError) and error.errno in FULL:
@@ -71,7 +71,10 @@ def disk_full(error: BaseException | None) -> OSError | None:
 
 
 def _no_room(path: Path) -> OSError | None:
-    """Return an error if the disk is full, else None; needed for programs such as ffmpeg, which give no reason."""
+    """Return an error if the disk is full, otherwise None.
+
+    Some programs, such as ffmpeg, fail without giving this reason.
+    """
     with suppress(OSError):
         if shutil.disk_usage(path.parent).free < BLOCK:
             return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -79,7 +82,7 @@ def _no_room(path: Path) -> OSError | None:
 
 
 def unwritable(path: Path, error: OSError) -> StoreError:
-    """Return the StoreError for a file that cannot be written; its message gives reason and remedy."""
+    """Return the StoreError for a file that cannot be written; its message gives the reason and the remedy."""
     if error.errno in FULL:
         return StoreError(
             f"cannot write {path}: the disk is full ({error.strerror}); free space there, or give a directory on "
@@ -89,7 +92,10 @@ def unwritable(path: Path, error: OSError) -> StoreError:
 
 
 def write_packed(path: Path, text: str) -> Path:
-    """Write text compressed by gzip, completely or not at all, and return the path; equal texts give equal files."""
+    """Write text compressed by gzip, completely or not at all, and return the path.
+
+    No time is stored in the file, so that equal texts give equal files.
+    """
     return write_whole(path, lambda part: part.write_bytes(gzip.compress(text.encode(), 9, mtime=0)))
 
 

@@ -1,7 +1,7 @@
-"""The numbered formulas and statements of the paper, and which of them the label of a check names.
+"""The numbered formulas and statements of the paper, and which of them belong to a check.
 
-A label such as "(3.9)–(3.11), (4.14), (4.15)" or "Thm 4.1, 5.2" is the only place that says which formulas a check
-tests.
+The label of a check names the formulas and statements that the check tests, for example "(3.9)–(3.11), (4.14), (4.15)"
+or "Thm 4.1, 5.2". No other place has this information.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 
 FORMULAS = {2: 18, 3: 15, 4: 30, 5: 43}
-"""Section of the paper ↦ number of its last formula."""
+"""Section of the paper ↦ number of the last formula in this section."""
 STATEMENTS = (
     "Problem 2.1",
     "Thm 2.2",
@@ -24,16 +24,16 @@ STATEMENTS = (
     "Prop. 5.4",
 )
 NUMBERED = (*(f"({section}.{n})" for section, last in FORMULAS.items() for n in range(1, last + 1)), *STATEMENTS)
-"""All formulas in the order of the paper, then all statements."""
+"""All numbered formulas in the order of the paper, then all numbered statements."""
 NO_ROW, NOT_TESTED = "no row", "not tested"
-"""Labels of the rows that give the reason why a formula or statement has no check that can fail."""
+"""Labels of rows that give the reason why a formula or statement of the paper has no check that can fail."""
 
 _FORMULA = re.compile(r"\((\d)\.(\d+)\)(?:–\((\d)\.(\d+)\))?")
 _STATEMENT = re.compile(r"(Thm|Prop\.|Problem) (\d\.\d(?:, \d\.\d)*)")
 
 
 def named(text: str) -> set[str]:
-    """Return the numbers of the formulas and statements that a label names.
+    """Return the formulas and statements that the label of a check names, as a set of texts.
 
     Raises:
         ValueError: a range of formulas begins and ends in different sections.

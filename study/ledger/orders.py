@@ -15,11 +15,11 @@ Array = NDArray[np.float64]
 
 
 class RatesError(ValueError):
-    """Raised if a sequence of errors has no order."""
+    """Raised if errors have no order of convergence, for example because one of them is zero."""
 
 
 def orders(h: Array, error: Array) -> Array:
-    """Return the observed orders log(e_i/e_{i+1}) / log(h_i/h_{i+1}) of consecutive levels, (levels − 1,).
+    """Return the observed orders of errors e on consecutive levels, log(e_i/e_{i+1}) / log(h_i/h_{i+1}), (levels − 1,).
 
     Raises:
         RatesError: mesh sizes do not decrease, or errors are not positive and finite.
@@ -33,10 +33,10 @@ def orders(h: Array, error: Array) -> Array:
 
 
 def fit(h: Array, error: Array) -> float:
-    """Return the observed order over all levels by least squares of log(error) over log(h).
+    """Return the observed order over all levels: the least-squares slope of log(error) over log(h).
 
     Raises:
-        RatesError: as ``orders``.
+        RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     orders(h, error)
     return fitted_order(h, error)[0]
@@ -45,24 +45,24 @@ def fit(h: Array, error: Array) -> float:
 def extrapolated_order(h: Array, error: Array) -> float:
     """Return the observed order for h → 0, extrapolated from the three finest levels.
 
-    If e = C h^p (1 + c h + …), the order between two levels is p + c' (h_i h_{i+1})^½ + …. The second term is
-    eliminated from the orders p_1 and p_2 between the three levels. If each mesh size is half of the one before, the
-    result is 2 p_2 − p_1.
+    For errors e = C h^p (1 + c h + …), the order between two consecutive levels i and i + 1 is p + c' (h_i h_{i+1})^½ +
+    … with a constant c'. The term with c' is eliminated from the orders p_1 and p_2 between the three levels. If each
+    mesh size is half of the one before, the result is 2 p_2 − p_1.
 
     Raises:
-        RatesError: as ``orders``.
+        RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     orders(h, error)
     return sequences.extrapolated_order(h, error)
 
 
 def weighted_order(h: Array, error: Array, power: float) -> float:
-    """Return the observed order by least squares with the weights h^−power.
+    """Return the observed order by least squares of log(error) over log(h), with the weights h^−power.
 
-    The weights are optimal if the variance of log e_i is proportional to h_i^power.
+    The weights are optimal if the variance of the logarithm of an error is proportional to h^power.
 
     Raises:
-        RatesError: as ``orders``.
+        RatesError: mesh sizes do not decrease, or errors are not positive and finite.
     """
     orders(h, error)
     x, y, weights = np.log(h), np.log(error), np.asarray(h, dtype=float) ** -power
@@ -71,13 +71,14 @@ def weighted_order(h: Array, error: Array, power: float) -> float:
 
 
 def limit(h: Array, error: Array, order: float) -> float:
-    """Return the limit of the errors for h → 0, relative to the geometric mean of the two finest errors.
+    """Return the limit of the errors for h → 0, relative to the geometric mean of the errors on the two finest levels.
 
-    The limit is a in e = a + C h^p with the given p. A contact front lies at alternating places in its cell from level
-    to level, so errors alternate, too. Therefore two averages are extrapolated: the geometric means of h and e over the
-    two finest levels, and over the two levels before.
+    The limit is the number a in e = a + C h^p for errors e with a given p. The edge of the contact zone lies at
+    alternating places in a cell from level to level, so errors alternate, too. Therefore averages are extrapolated: the
+    geometric means of h and e over the two finest levels, and over the two levels before.
 
     Parameters:
+        h, error: mesh sizes and errors on at least four levels.
         order: the exponent p.
     """
     x, e = (np.exp(np.log(np.asarray(v, dtype=float)[-4:]).reshape(2, 2).mean(axis=1)) for v in (h, error))

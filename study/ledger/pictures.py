@@ -1,4 +1,4 @@
-"""Data for pictures: values over time, stored with few digits; the facets of a contact face; fields on a mesh."""
+"""Data for pictures: values over time with few digits, the facets of a contact surface, and fields on a mesh."""
 
 from __future__ import annotations
 
@@ -14,19 +14,20 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 STEPS = 999
-"""The largest value is this multiple of the unit of storage: three digits, enough for a tenth of a pixel in a
-picture."""
+"""Values for pictures are rounded to multiples of their largest value / 999: three digits, enough for a tenth of a
+pixel."""
 FINE = 32_000
-"""The same multiple for values that are read as numbers: as large as 16 bits permit."""
+"""Values that are read as numbers are rounded to multiples of their largest value / 32 000, as fine as 16 bits
+permit."""
 
 
 @dataclass(frozen=True, eq=False)
 class Packed:
-    """Values over time, rounded to multiples of a unit for short files.
+    """Values over time that are rounded to multiples of a unit, so that files are short.
 
     Attributes:
-        unit: the largest absolute value / steps; 1 if all values are zero.
-        multiples: the values / unit, between −steps and steps, (times, ...).
+        unit: the largest absolute value divided by a number of steps; 1 if all values are zero.
+        multiples: the values divided by the unit, as whole numbers, (times, ...).
     """
 
     unit: float
@@ -34,11 +35,11 @@ class Packed:
 
     @classmethod
     def of(cls, values: NDArray[np.float64], steps: int = STEPS) -> Packed:
-        """Return the rounded form of values.
+        """Return values over time in rounded form.
 
         Parameters:
             values: (times, ...).
-            steps: the largest absolute value in units: STEPS or FINE.
+            steps: number of units in the largest absolute value: STEPS or FINE.
         """
         unit = float(f"{np.max(np.abs(values), initial=0.0) / steps:.6g}") or 1.0
         return cls(unit, np.round(values / unit).astype(np.int16))
@@ -49,9 +50,10 @@ class Packed:
         return self.unit * self.multiples.astype(np.float64)
 
     def record(self) -> dict[str, Any]:
-        """Return the content of a JSON file, which ``read`` and the script of the report page read.
+        """Return the rounded values as a dictionary that can be written as JSON; ``read`` reads it.
 
-        The multiples are stored as differences from time to time, compressed by zlib, as base-64 text.
+        The whole numbers are stored as differences from one time to the next, compressed by zlib, as base-64 text. The
+        script of the report page reads this format, too.
         """
         changes = np.diff(self.multiples, axis=0, prepend=np.int16(0)).astype("<i2")
         return {
@@ -62,7 +64,7 @@ class Packed:
 
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> Packed:
-        """Return the values from the content of a JSON file, as ``record`` returns it.
+        """Return rounded values from a dictionary that ``record`` has returned.
 
         Raises:
             KeyError, TypeError, ValueError: the content is damaged.
@@ -76,24 +78,24 @@ class Packed:
 
 
 def short(values: NDArray[np.float64]) -> Any:
-    """Return an array as nested lists, its numbers rounded to four significant digits, enough for a figure."""
+    """Return an array as nested lists with numbers of four significant digits, which suffice for a figure."""
     return np.vectorize(lambda v: float(f"{v:.4g}"), otypes=[float])(values).tolist()
 
 
 @dataclass(frozen=True, eq=False)
 class Facets:
-    """The facets of a contact face in 3D: the triangles of a surface whose corners are all nodes of the face.
+    """The facets of a contact face in 3D: the triangles of the surface mesh whose corners are all vertices of the face.
 
-    A data file lists the nodes of the face. It stores the level function ψ of the exact contact zone at the nodes and
-    at the midpoints of the edges. The writer and the reader of a file use this class, so that both number edges in the
-    same way.
+    A data file lists the vertices of the face, here called nodes. At the nodes and at the midpoints of edges, it stores
+    a function that is positive in the exact contact zone. Writer and reader of the file use this class, so that both
+    number the edges in the same way.
 
     Attributes:
         cells: indices of the facets among the triangles of the surface, (k,).
-        corners: corners of the facets as indices into the nodes, (3, k).
+        corners: corners of the facets as indices of nodes, (3, k).
         edges: the two ends of each edge, the lower index first, in lexicographic order, (2, e).
-        quarters: corners of the four triangles into which the midpoints of the edges divide each facet, (3, 4k);
-            midpoint i has the index (number of nodes) + i.
+        quarters: corners of the four triangles into which the midpoints of the edges divide each facet, (3, 4k). The
+            midpoint of edge i has the index (number of nodes) + i.
     """
 
     cells: Numbers
@@ -150,7 +152,7 @@ class MeshSeries:
     """A mesh with fields at several times.
 
     Attributes:
-        vertices: (d, vertices).
+        vertices: coordinates of the vertices, (d, vertices).
         cells: vertex numbers of the triangles or tetrahedra, (d + 1, cells).
         fields: the fields, one entry for each time.
     """

@@ -1,4 +1,4 @@
-"""Text for the terminal and for tables: wrapped lines, and numbers that are rounded so that they remain bounds."""
+"""Text for the terminal and for tables: wraps lines, and rounds numbers so that bounds remain bounds."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def width() -> int:
 
 
 def is_narrow() -> bool:
-    """Return whether tables must fit into ``NARROW`` characters."""
+    """Return whether printed tables must fit into ``NARROW`` characters."""
     return width() == NARROW
 
 
@@ -32,22 +32,22 @@ def folded(text: str) -> str:
 
 
 def down(value: float, digits: int) -> str:
-    """Return a number as text, rounded down to some significant digits."""
+    """Return a number as text, rounded down to a number of significant digits; it remains a lower bound."""
     return f"{float(Context(prec=digits, rounding=ROUND_FLOOR).create_decimal(Decimal(value))):.{digits}g}"
 
 
 def up(value: float, digits: int) -> str:
-    """Return a number as text, rounded up to some significant digits."""
+    """Return a number as text, rounded up to a number of significant digits; it remains an upper bound."""
     return f"{float(Context(prec=digits, rounding=ROUND_CEILING).create_decimal(Decimal(value))):.{digits}g}"
 
 
 def power_of_ten(value: float, least: float) -> float:
     """Return the smallest power of ten that is at least ``value`` and at least ``least``.
 
-    Infinity, NaN and values up to ``least`` have no such power: the larger of ``value`` and ``least`` is returned.
+    Infinity and NaN are returned unchanged.
 
     Parameters:
-        value: a number ≥ 0.
+        value: a number ≥ 0, infinity or NaN.
         least: a power of ten.
     """
     if not math.isfinite(value) or value <= least:
@@ -57,17 +57,17 @@ def power_of_ten(value: float, least: float) -> float:
 
 
 def below(value: float, decimals: int) -> str:
-    """Return a number as text with the given number of decimals, rounded down."""
+    """Return a number as text, rounded down to a number of decimal places; it remains a lower bound."""
     return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), ROUND_FLOOR))
 
 
 def above(value: float, decimals: int) -> str:
-    """Return a number as text with the given number of decimals, rounded up."""
+    """Return a number as text, rounded up to a number of decimal places; it remains an upper bound."""
     return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), ROUND_CEILING))
 
 
 def interval(low: float, high: float, digits: int) -> str:
-    """Return the interval [low, high] as text, both ends rounded outwards to some significant digits."""
+    """Return the interval [low, high] as text, with both ends rounded outwards to a number of significant digits."""
     return f"[{down(low, digits)}, {up(high, digits)}]"
 
 
@@ -77,7 +77,7 @@ def significant(number: float) -> str:
 
 
 def cell(value: Hashable) -> str:
-    """Return the text of a table cell: words and whole numbers as they are, other numbers with four digits."""
+    """Return the text of a table cell. Words and whole numbers are unchanged; other numbers get four digits."""
     if pd.isna(value):
         return ""
     text = str(value)

@@ -1,8 +1,8 @@
-"""Lists of the checks that test a proved relation between computed numbers.
+"""Lists the checks of proved relations: relations that hold between computed numbers on every mesh.
 
-Such a relation holds on every mesh and for every solution, so its check fails only if the program is wrong. It is no
-evidence for a claim about convergence. A check whose window has a proved upper end but a predicted lower end is not
-listed, because it fails if the prediction is wrong.
+Such a check can only fail if the program is wrong, so it is no evidence for a claim about convergence. Some tolerance
+windows have a proved upper end and a predicted lower end. Their checks are not listed here, because they also fail if
+the prediction is wrong.
 """
 
 from __future__ import annotations
@@ -29,22 +29,12 @@ THEOREMS: dict[str, tuple[str, ...]] = {
     "bound": ("above",),
     "enclosure": ("above", "below"),
 }
-"""Label ↦ keys of the checks of proved inequalities and of the parallelogram law."""
+"""Label ↦ keys of the checks that test proved inequalities or the parallelogram law."""
 EXACT_QUOTIENTS: dict[str, tuple[str, ...]] = {
     "(3.1)": ("ellipticity", "bound"),
     "(3.2)": ("lipschitz",),
     "Thm 4.2": ("alone-displacement", "alone-stress"),
     "(4.12)": ("bounded", "unbounded"),
 }
-"""Label ↦ keys of the checks of quotients that are exactly 1, without discretisation: by linear algebra, or by
-quadrature of the exact solution alone. Their windows are wider than rounding."""
-
-
-def is_theorem(label: str, key: str) -> bool:
-    """Return whether the checks with this label and key test a proved relation."""
-    return key in THEOREMS.get(label, ())
-
-
-def is_exact_quotient(label: str, key: str) -> bool:
-    """Return whether the checks with this label and key compare two computations of the same exact number."""
-    return key in EXACT_QUOTIENTS.get(label, ())
+"""Label ↦ keys of the checks of quotients that are exactly 1 without any discretisation error: by linear algebra, or by
+integrals of the exact solution alone. Their tolerance windows are wider than rounding errors."""

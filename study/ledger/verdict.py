@@ -1,9 +1,9 @@
-"""Checks, which are the rows of the ledger: their verdicts, their kinds, and the share of the window that they use.
+"""Checks, which are the rows of the ledger: their verdicts, their kinds, and how much of their window they use.
 
-The verdicts:
+A check compares a measured quantity with a tolerance window. The verdicts are:
 
-holds      the whole range of the quantity lies in the window
-fails      the observed value lies outside the window: it contradicts a claim of the paper or of this study
+holds      the whole range of the quantity over meshes lies in the window
+fails      the value lies outside the window: it contradicts a claim of the paper or of this study
 undecided  there are too few levels, or the range reaches beyond the window; this is not a pass
 missed     a prediction of this study was wrong: the value lies outside the predicted window, which no statement claims
 reported   nothing is claimed about the value
@@ -19,33 +19,33 @@ from typing import Protocol
 import pandas as pd
 
 from study.ledger.numbered import named
-from study.ledger.theorems import is_exact_quotient, is_theorem
+from study.ledger.theorems import EXACT_QUOTIENTS, THEOREMS
 from study.ledger.window import SMALL, Window
 
 HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
 VERDICTS = (HOLDS, REPORTED, MISSED, UNDECIDED, FAILS)
-"""From best to worst."""
+"""The possible verdicts on a check, from best to worst."""
 ROW_KEY = ("label", "key", "case", "family")
 """The columns of ``claims.csv`` that identify a row."""
 UNCLAIMED = (REPORTED, MISSED)
-"""Verdicts of rows about which no statement makes a claim."""
+"""Verdicts on checks for which no statement makes a claim."""
 ORDER, SIZE, ONE_SIDED = "two-sided orders", "two-sided sizes", "one-sided bounds"
 THEOREM, IDENTITY = "proved relations", "identities"
 KINDS = (ORDER, SIZE, ONE_SIDED, THEOREM, IDENTITY)
-"""Kinds of checks, from the strongest evidence for a claim to checks that fail only if the program is wrong."""
+"""Kinds of checks, from the strongest evidence for a claim to checks that can only fail if the program is wrong."""
 CAN_FAIL = (ORDER, SIZE, ONE_SIDED)
 """Kinds of checks that can fail although the program is correct."""
 EXACT = 1e-6
-"""A check is an identity if the upper end or the width of its window is at most this number, so that the window allows
-only for rounding and the solver's tolerance."""
+"""A check is an identity if the upper end or the width of its window is at most this number. Then the window allows
+only for rounding and for the tolerance of the solver."""
 NOWHERE = (-math.inf, math.inf)
-"""The range of a quantity that could not be measured."""
+"""The range (lowest, highest value) of a quantity that could not be measured."""
 BECAUSE = "; undecided, because "
-"""Separates the window from the reason why a check is undecided, in the column ``expected``."""
+"""Separates, in the column ``expected``, the window from the reason why a check is undecided."""
 Span = tuple[float, float]
-"""(smallest value, largest value)."""
+"""The range of a quantity: smallest value, largest value."""
 Found = tuple[float, Span, str]
-"""(observed value, its range, the verdict)."""
+"""The result of a check: observed value, its range over meshes, and the verdict."""
 
 
 class Named(Protocol):
@@ -62,18 +62,18 @@ class Verdict:
     """One check: a row of ``claims.csv``, identified by label, key, case and family.
 
     Attributes:
-        label: number of the statement.
+        label: number of the statement, such as "Prop. 5.4".
         statement: the claim in words.
         case: name of the exact solution.
         quantity: the measured quantity in words.
-        expected: the window in words.
-        observed: the value that is shown: the one of the mesh family that uses most of the window.
+        expected: the tolerance window in words.
+        observed: the value that is shown. With several mesh families, it is the value that uses most of the window.
         low, high: the range of the quantity over mesh families and levels.
         verdict: holds, fails, undecided, missed or reported.
         key: short name of the quantity, which never changes.
         family: the mesh family; empty for a check about all families.
         window_low, window_high: the ends of the window. If a check holds although its range reaches beyond the window,
-            its observed value was judged; if that lies outside as well, ``expected`` says what was judged.
+            its observed value was judged. If this value lies outside as well, ``expected`` says what was judged.
     """
 
     label: str
@@ -92,7 +92,7 @@ class Verdict:
 
     @property
     def identity(self) -> tuple[str, str, str, str]:
-        """The tuple (label, key, case, family), which is different for every row of a ledger."""
+        """Label, key, case and family, which together identify a row of the ledger."""
         return self.label, self.key, self.case, self.family
 
 
@@ -103,8 +103,8 @@ def row(
 
     Parameters:
         of: the statement.
-        key, quantity, window, case, family: as for ``Verdict``.
-        found: observed value, range and verdict.
+        key, quantity, window, case, family: as described in ``Verdict``.
+        found: observed value, its range (low, high), and the verdict.
         expected: the expected value in words; by default the text of the window.
     """
     observed, (low, high), verdict = found
@@ -114,7 +114,10 @@ def row(
 
 
 def exit_code(verdicts: Sequence[Verdict]) -> int:
-    """Return the exit code: 1 if a check fails, otherwise 3 if one is undecided or there are none, otherwise 0."""
+    """Return the exit code of a command that judges.
+
+    It is 1 if a check fails. Otherwise, it is 3 if a check is undecided or there are no checks, and 0 if not.
+    """
     found = {verdict.verdict for verdict in verdicts}
     return 1 if FAILS in found else 3 if UNDECIDED in found or not found else 0
 
@@ -122,7 +125,7 @@ def exit_code(verdicts: Sequence[Verdict]) -> int:
 def kind(row: pd.Series) -> str:
     """Return the kind of a check: one of ``KINDS``.
 
-    The kind follows from the window and from the lists of ``study.ledger.theorems``. A check is
+    The kind follows from the tolerance window and from the lists in ``study.ledger.theorems``. A check is
 
     * an identity if its window only allows for rounding (``EXACT``) or if it is listed as an exact quotient;
     * a proved relation if it is listed as a theorem;
@@ -135,9 +138,9 @@ def kind(row: pd.Series) -> str:
     label, key = str(row["label"]), str(row["key"])
     low, high = float(row["window_low"]), float(row["window_high"])
     one_sided = math.isinf(low) or math.isinf(high) or 0 <= low < SMALL * high or high == 0
-    if high - low <= EXACT or (one_sided and high <= EXACT) or is_exact_quotient(label, key):
+    if high - low <= EXACT or (one_sided and high <= EXACT) or key in EXACT_QUOTIENTS.get(label, ()):
         return IDENTITY
-    if is_theorem(label, key):
+    if key in THEOREMS.get(label, ()):
         return THEOREM
     if one_sided:
         return ONE_SIDED
@@ -145,29 +148,38 @@ def kind(row: pd.Series) -> str:
 
 
 def is_of_the_paper(label: str) -> bool:
-    """Return whether a label names a numbered formula or statement of the paper."""
+    """Return whether the label of a check names a numbered formula or statement of the paper."""
     return bool(named(label))
 
 
 def window_share(row: pd.Series) -> float:
-    """Return the share of its window that a check uses, from a row of ``claims.csv``; NaN without a finite end.
+    """Return how near a check is to the end of its tolerance window, as a share of the window.
 
-    The share is 1 at an end of the window. It is 0 in the middle of a window with two ends, and at the value 0 if the
-    lower end is 0 or negligible next to the upper end.
+    The result is 1 for a value at an end of the window. It is 0 for a value in the middle of a window with two ends. If
+    the lower end is 0 or negligible next to the upper end, it is 0 for the value 0. It is NaN if no end is finite.
+
+    Parameters:
+        row: a row of ``claims.csv``.
     """
     return max((_share(value, row) for value in _judged(row)), default=math.nan)
 
 
 def worst_value(row: pd.Series) -> float:
-    """Return the value of a check that uses most of its window; the observed value without a window."""
+    """Return the worst value of a check: nearest to an end of its tolerance window, or farthest outside.
+
+    If there is no window, it is the observed value.
+
+    Parameters:
+        row: a row of ``claims.csv``.
+    """
     return max(_judged(row), key=lambda value: _share(value, row), default=float(row["observed"]))
 
 
 def agreement(found: Verdict | pd.Series) -> str:
-    """Return whether the prediction of a reported or missed check was met, wrong or undecided.
+    """Return whether a prediction, for which no claim is made, was met, wrong or undecided.
 
     Parameters:
-        found: the check, or its row of ``claims.csv``.
+        found: the check with the verdict *reported* or *missed*, or its row of ``claims.csv``.
     """
     if found.verdict == MISSED:
         return "wrong"
@@ -176,10 +188,10 @@ def agreement(found: Verdict | pd.Series) -> str:
 
 
 def _judged(row: pd.Series) -> list[float]:
-    """Return the values that were compared with the window.
+    """Return the values of a check that were compared with its tolerance window.
 
-    These are both ends of the range, or the observed value if the check holds although its range reaches beyond the
-    window.
+    These are both ends of the range. If the check holds although its range reaches beyond the window, it is the
+    observed value alone.
     """
     low, high = float(row["window_low"]), float(row["window_high"])
     if not low < high or (low <= 0 and math.isinf(high)):

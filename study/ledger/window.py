@@ -9,12 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 MIN_POSITIVE = 1e-20
-"""The smallest diagnostic that counts as positive. Two different computations of a quantity differ at least by
-rounding, about 1e-16 of the quantity, so a diagnostic of exactly 0 means that a quantity was compared with itself."""
+"""The smallest diagnostic that counts as positive. If a quantity is computed in two ways, the results differ at
+least by rounding, about 1e-16 of the quantity. So a difference of exactly 0 means that a quantity was compared with
+itself."""
 SMALL = 1e-3
-"""If the lower end of a window is below this fraction of the upper end, only large values are bad."""
+"""If the lower end of a window is less than this fraction of the upper end, only the upper end is regarded."""
 STEEPER = 0.15
-"""Half the width of the window for the observed order of a solution that violates assumption (5.36)."""
+"""Half the width of the tolerance window for the observed order of a solution that is not smooth enough for the
+propositions of the paper (assumption (5.36))."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class Window:
     Attributes:
         low, high: the ends. If ``low`` is 0, −∞ or far below ``high``, only large values are bad.
         why: the reason for the ends, or the quantity to which the value is relative.
-        predicted: the smallest and the largest predicted value, if the window extends this interval on both sides.
+        predicted: the smallest and the largest predicted value, if the window extends beyond them on both sides.
     """
 
     low: float = -math.inf
@@ -58,8 +60,8 @@ class Window:
     def worst(self, values: Sequence[float]) -> float:
         """Return the worst of some values.
 
-        In a window with two ends, the worst value is farthest from the middle. If only large or only small values are
-        bad, it is the largest or the smallest one. NaN is the worst of all.
+        In a window with two ends, the worst value is the one farthest from the middle. If only large values are bad, it
+        is the largest one; if only small values are bad, the smallest one. NaN is worse than any number.
         """
         if math.isinf(self.high):
             distances = [-value for value in values]
@@ -71,32 +73,35 @@ class Window:
 
 
 def at_most(high: float, why: str = "", low: float = 0.0) -> Window:
-    """Return the window of values up to ``high``; give ``low=-math.inf`` for quantities that may be negative."""
+    """Return the tolerance window of values up to ``high``.
+
+    The lower end is 0; quantities that may be negative need ``low=-math.inf``.
+    """
     return Window(low, high, why)
 
 
 def positive_at_most(high: float, why: str = "") -> Window:
-    """Return the window of positive values up to ``high``; it excludes 0, see ``MIN_POSITIVE``."""
+    """Return the tolerance window of values up to ``high`` that are positive: at least ``MIN_POSITIVE``."""
     return Window(MIN_POSITIVE, high, why)
 
 
 def at_least(low: float, why: str = "") -> Window:
-    """Return the window of values that are at least ``low``."""
+    """Return the tolerance window of values that are at least ``low``."""
     return Window(low, math.inf, why)
 
 
 def around(predicted: float, room: float, why: str = "") -> Window:
-    """Return the window predicted ± room."""
+    """Return the tolerance window from ``predicted`` − ``room`` to ``predicted`` + ``room``."""
     return Window(predicted - room, predicted + room, why, (predicted, predicted))
 
 
 def between(least: float, largest: float, below: float, above: float, why: str = "") -> Window:
-    """Return the window from the least predicted value minus ``below`` to the largest plus ``above``."""
+    """Return the tolerance window around an interval of predictions, from least − below to largest + above."""
     return Window(least - below, largest + above, why, (least, largest))
 
 
 def shown(number: float) -> str:
-    """Return a number as text with three significant digits, and its small rest: 0.544, 1e-10, 1 + 1e-9."""
+    """Return a number as text with three significant digits; a small rest is added, such as in 1 + 1e-9."""
     text = f"{number:.3g}"
     rest = number - float(text) if math.isfinite(number) else 0.0
     if number and 0 < abs(rest) < 1e-4 * abs(number):

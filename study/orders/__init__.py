@@ -18,20 +18,21 @@ Wish = float | Mapping[str, float] | None
 
 def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_least: Wish = None,
                  tolerance: float = TOLERANCE) -> dict[str, OrderResult]:  # fmt: skip
-    """Return the observed orders and the verdicts for several columns of errors.
+    """Compute and judge the observed orders of several columns of errors.
 
     Parameters:
         h: mesh sizes, (levels,), or the name of their column in ``errors``.
         errors: a dictionary or a DataFrame, name of a column ↦ errors, (levels,).
-        expected: expected order, one number for all columns, or name ↦ number.
-        at_least: smallest accepted order, one number for all columns, or name ↦ number.
+        expected: expected order: one number for all columns, or name of a column ↦ number.
+        at_least: smallest accepted order: one number for all columns, or name of a column ↦ number.
         tolerance: accepted difference from ``expected``.
 
     Returns:
-        Name of a column ↦ result.
+        Name of a column ↦ observed orders and verdict.
 
     Raises:
-        OrderError: as ``observed_orders``; or ``errors`` has no names; or an order is expected of an unknown column.
+        OrderError: ``errors`` has no names, an order is expected of an unknown column, or a column has no orders, as
+            described in ``observed_orders``.
     """
     if not hasattr(errors, "keys"):
         raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")
@@ -51,7 +52,7 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
 
 def assert_order(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
                  tolerance: float = TOLERANCE, name: str = "") -> OrderResult:  # fmt: skip
-    """Return the result of ``observed_orders`` if the errors have the expected order; for tests.
+    """Assert, in a test, that errors have the expected order of convergence, and return the observed orders.
 
     Parameters:
         h, errors: mesh sizes and errors, (levels,).
@@ -60,8 +61,8 @@ def assert_order(h: ArrayLike, errors: ArrayLike, expected: float | None = None,
         name: name of the errors, for messages.
 
     Raises:
-        AssertionError: the verdict is not *holds*; the message describes the observed orders.
-        OrderError: as ``observed_orders``, or no expectation was given.
+        AssertionError: the errors do not have the expected order; the message describes the observed orders.
+        OrderError: no order is expected, or the errors have no orders, as described in ``observed_orders``.
     """
     if expected is None and at_least is None:
         raise OrderError("assert_order got no order, expected one: give expected=P or at_least=P")

@@ -10,7 +10,7 @@ import math
 import re
 
 MISSING = re.compile(r"(?i)(?:[-–—−_*.…~/\\]*|n/?a|none|null|missing)")
-"""Matches cells without a number: empty ones, dashes, n/a."""
+"""Matches a cell that has no number: an empty cell, dashes, n/a."""
 THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
 DECIMAL_COMMA = re.compile(r"[-+−]?\d*,\d+(?:[eEdD][-+−]?\d+)?\s*%?")
 UNIT = re.compile(r"(?P<number>.*[\d.])\s*(?P<unit>[kcmnµu]?m|[mµu]?s|min|[kMG]i?B|°|deg|[kM]?Pa|N)")
@@ -32,7 +32,7 @@ _REMARK = re.compile(r"(.*[\d.%])\s*(?:\([^()]*\)|±.*|\+/-.*|\\pm.*)")
 
 
 def to_number(cell: str, decimal_comma: bool = False) -> float | None:
-    """Return the number in a cell; NaN if the cell says that there is no number, None if it contains other text.
+    """Return the number in a cell; NaN for a cell that is empty or says that a number is missing; None for other text.
 
     Parameters:
         cell: the text, with or without surrounding blanks.
@@ -88,16 +88,16 @@ def _plain(text: str) -> float | None:
 
 
 def uses_decimal_commas(cells: list[str]) -> bool | None:
-    """Return whether commas in some cells are decimal commas; None if 1,024 can mean 1.024 as well as 1024."""
+    """Return whether the commas in cells are decimal commas; None if 1,024 may be 1.024 or 1024."""
     commas = [cell for cell in map(str.strip, cells) if "," in cell]
     if any(DECIMAL_COMMA.fullmatch(cell) and not THOUSANDS.fullmatch(cell) for cell in commas):
         return True
     grouped = any(THOUSANDS.fullmatch(cell) for cell in commas)
-    # If points are decimal points, commas separate thousands.
+    # If some cells have decimal points, the commas separate thousands.
     return None if grouped and not any(re.search(r"\d\.\d|\.\d", cell) for cell in cells) else False
 
 
-# Names of columns.
+# Patterns for names of columns.
 
 _COUNTED = r"cells|elements|elems?|dofs?|unknowns|nodes|points|vertices|degrees of freedom|grid ?points"
 _KINDS = {
@@ -109,7 +109,7 @@ _KINDS = {
     "level": r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|refinements?|refine",
 }
 SIZES = ("size", "count", "total", "step")
-"""Roles of columns from which mesh sizes or time steps follow, in the order in which they are preferred."""
+"""Roles of columns from which mesh sizes or time steps can be computed, the preferred role first."""
 _ORDER = (
     r"\b(?:e?oc|eoc|orders?|rates?|roc|ooc|slope|ratio|reduction|log2|ordnung|ordre|konvergenzrate)\b|"
     r"^(?:p|q|r|conv|red)$"
@@ -132,7 +132,7 @@ def role(name: str) -> str:
     and ``unknown``.
     """
     if name.strip(" $") == "T":
-        # T is a temperature; time is t.
+        # A column T often has errors of a temperature; the time is called t.
         return "unknown"
     text = re.sub(r"\[.*?\]|\((?:k?m|s|ms|sec|seconds|cm|mm)\)", " ", name)
     text = text.replace("\\Delta", "Δ").replace("\\tau", "τ").replace("\\#", " n ").replace("#", " n ")

@@ -17,12 +17,12 @@ from .sequences import SAME_SIZE, OrderError, consecutive_orders
 
 @dataclass(frozen=True)
 class Options:
-    """The options with which a user describes the columns of a table.
+    """The options with which a user describes the columns of a table of errors.
 
     Attributes:
-        dim: dimension of the meshes, needed if the sizes are numbers of all cells or unknowns.
-        size: name of the column of sizes.
-        ratio: ratio of the mesh sizes in consecutive rows, for tables without sizes.
+        dim: dimension of the meshes. It is needed if mesh sizes are given as numbers of all cells or unknowns.
+        size: name of the column of mesh sizes.
+        ratio: ratio of the mesh sizes in consecutive rows, for tables without a column of sizes.
         columns: names of the columns of errors; by default they are recognised.
         signed: whether numbers may be negative.
     """
@@ -48,11 +48,11 @@ class Series:
         h: mesh sizes, (levels,).
         errors: name of a column ↦ errors, (levels,).
         size: how the mesh sizes were determined, in words.
-        ignored: name of a column that was left out ↦ its role.
+        ignored: name of a column that was left out ↦ its role, such as ``order`` or ``other``.
         caption: text above the table.
-        form: the form of the table in words.
-        label: text that distinguishes several tables: ``degree 2`` if a column divides a table into cases, or the
-            caption.
+        form: the form of the table in words, such as ``CSV``.
+        label: text that distinguishes several tables. It is ``degree 2``, for example, if a column divides a table into
+            cases; otherwise, it is the caption.
     """
 
     h: list[float]
@@ -65,20 +65,21 @@ class Series:
 
     @property
     def recognised(self) -> str:
-        """One line that says how the table was read: its form, the sizes, the errors and the ignored columns."""
+        """One line about how the table was read: its form, the mesh sizes, the errors and the ignored columns."""
         ignored = f"; ignored: {', '.join(self.ignored)}" if self.ignored else ""
         return f"read as {self.form}; size: {self.size}; errors: {', '.join(self.errors)}{ignored}"
 
 
 def read_series(data: bytes | str, options: Options) -> list[Series]:
-    """Return the mesh sizes and errors of all tables in a text; tables without errors are left out.
+    """Return the mesh sizes and errors of all tables in a text. Tables without errors are left out.
 
     Parameters:
-        data: the text, or the bytes of a file.
-        options: the description of the columns by the user.
+        data: the text, or the content of a file.
+        options: the user's description of the columns.
 
     Raises:
-        OrderError: there is no table, no size or no errors; the size is ambiguous; or a cell is not a positive number.
+        OrderError: there is no table, no mesh size or no errors; the column of mesh sizes is ambiguous; or a cell is
+            not a positive number.
     """
     raw = read_tables(data)
     names = list(dict.fromkeys(name for table in raw for name in _distinct(table.names)))
@@ -100,13 +101,13 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
 
 
 class Columns:
-    """The columns of a table.
+    """The columns of one table, with their meaning.
 
     Attributes:
-        table, options: the table as text, and the description of the columns by the user.
-        names: distinct names of the columns.
+        table, options: the table as text, and the user's description of the columns.
+        names: names of the columns; repeated names are numbered.
         cells, values, roles: name of a column ↦ its cells as text, its numbers, its role.
-        size: name of the column of sizes; None if there is none.
+        size: name of the column of mesh sizes; None if there is none.
         errors: names of the columns of errors.
     """
 
@@ -122,12 +123,12 @@ class Columns:
         self.errors = [name for name in self.names if self._is_error(name)]
 
     def _role_by_numbers(self, name: str, original: str) -> str:
-        """Return the role of a column, corrected by its numbers.
+        """Return the role of a column, guessed from its name and corrected by its numbers.
 
-        A column that only counts rows has no errors, and a column that repeats the sizes is not a second size.
+        For example, a column of the numbers 1, 2, 3, … only counts rows, so it has no errors.
 
         Parameters:
-            name, original: the distinct name of the column, and the name in the table.
+            name, original: the name of the column, with a number if the name is repeated, and the name in the table.
         """
         kind, numbers = self.roles[name], self.values[name]
         if kind in ("other", "unknown") and all(ALONG_SIDES.fullmatch(cell.strip()) for cell in self.cells[name]):
@@ -150,7 +151,7 @@ class Columns:
         return self.roles[name] in ("error", "unknown") and name != self.size and filled
 
     def _size_column(self) -> str | None:
-        """Return the name of the column of sizes; None if there is none."""
+        """Return the name of the column of mesh sizes; None if there is none."""
         if self.options.ratio is not None:
             return None
         wanted = self.options.size
@@ -175,10 +176,10 @@ class Columns:
         return None
 
     def series(self) -> Series:
-        """Return the mesh sizes, the errors and the description of the table.
+        """Return the mesh sizes and errors of the table, and how it was read.
 
         Raises:
-            OrderError: sizes are unknown or ambiguous, or a cell is not a positive number.
+            OrderError: mesh sizes are unknown or ambiguous, or a cell is not a positive number.
         """
         errors = {name: self._checked(name) for name in self.errors if name != self.size}
         h, words = self._sizes(errors)
@@ -191,7 +192,10 @@ class Columns:
         return Series(h, errors, words, ignored, self.table.caption, self.table.form, self.table.label)
 
     def _sizes(self, errors: dict[str, list[float]]) -> tuple[list[float], str]:
-        """Return the mesh sizes, and how they were determined, in words."""
+        """Return the mesh sizes, and in words how they were determined.
+
+        They come from the ratio that the user gives, from a column, or from orders that are printed in the table.
+        """
         rows, ratio = len(self.table.rows), self.options.ratio
         levels = [name for name in self.names if self.roles[name] == "level"]
         if ratio is not None:
@@ -213,12 +217,19 @@ class Columns:
         )
 
     def _converted(self, name: str) -> tuple[list[float], str]:
-        """Return the mesh sizes that follow from the column of sizes, and how they were determined, in words."""
+        """Return the mesh sizes that follow from a column, and in words how they were determined.
+
+        A column of numbers of cells or unknowns is converted to mesh sizes.
+
+        Parameters:
+            name: name of the column.
+        """
         kind, label, dim = self.roles[name], name or "n", self.options.dim
         if not name:
             kind = "size" if str(self.options.size).lower() == "h" else "count"
         elif kind not in SIZES and all(value and value > 1 and (dim or value % 1 == 0) for value in self.values[name]):
-            # Whole numbers in a column with an unknown name, such as steps, are counts; with --dim, other numbers, too.
+            # In a column with an unknown name, numbers > 1 are taken as numbers of cells if they are whole, or if the
+            # user gives the dimension of the meshes.
             kind = "count"
         found = [math.nan if value is None else value for value in self.values[name]]
         if kind not in ("count", "total"):
@@ -237,7 +248,7 @@ class Columns:
         return [value ** (-1 / power) for value in found], f"{words} from column {label}"
 
     def _agrees_with_printed_orders(self, h: list[float], errors: dict[str, list[float]]) -> bool:
-        """Return whether the orders that the table has next to the errors follow from these mesh sizes."""
+        """Return whether the orders in the table follow from its errors and these mesh sizes."""
         differences = []
         for error, order in pairwise(self.names):
             if error not in errors or self.roles[order] != "order":
@@ -264,7 +275,11 @@ class Columns:
                 )
 
     def _checked(self, name: str) -> list[float]:
-        """Return the numbers in a column of errors; NaN if the cell says nan; raise OrderError for other cells."""
+        """Return the numbers in a column of errors; NaN for a cell with the text nan.
+
+        Raises:
+            OrderError: a cell is empty, negative or no number, or the column has logarithms of errors.
+        """
         if re.match(_LOGARITHM, name) and not self.options.signed:
             raise OrderError(f"column {name} holds logarithms: give the mesh sizes and the errors themselves")
         found = []
@@ -286,17 +301,17 @@ _LOGARITHM = re.compile(r"(?i)[\W_]*(?:log|ln)(?:[\W_]*(?:2|10|e))?(?:[\W_]|$)")
 
 
 def _distinct(names: list[str]) -> list[str]:
-    """Return distinct names: the number of the column is added to a repeated name."""
+    """Return distinct names of columns: the number of the column is added to a repeated name."""
     counts = Counter(names)
     return [name if counts[name] == 1 else f"{name} ({k + 1})" for k, name in enumerate(names)]
 
 
 def _join_names(parts: tuple[str, ...], names: list[str]) -> tuple[str, ...]:
-    """Return names of columns from the parts of a text that was split at commas; some names contain commas.
+    """Return the names of columns in a list that was split at commas; names that contain a comma are joined again.
 
     Parameters:
-        parts: the parts.
-        names: all names of columns.
+        parts: the parts of the list between commas.
+        names: the names of all columns of the table.
     """
     joined, start, known = [], 0, set(names)
     while start < len(parts):
@@ -308,7 +323,7 @@ def _join_names(parts: tuple[str, ...], names: list[str]) -> tuple[str, ...]:
 
 
 def _indices(length: int) -> list[list[float | None]]:
-    """Return the lists 0, 1, 2, … and 1, 2, 3, …"""
+    """Return the lists 0, 1, 2, … and 1, 2, 3, … of the given length."""
     return [[float(k) for k in range(start, start + length)] for start in (0, 1)]
 
 
@@ -317,9 +332,10 @@ def _from_ratio(ratio: float, rows: int) -> list[float]:
 
 
 def _split_by_case(columns: Columns) -> list[Columns]:
-    """Return one table for each value of a column, such as the degree, if this makes the sizes distinct.
+    """Divide a table into one table for each case, if the mesh sizes in the whole table are repeated.
 
-    If the sizes of the whole table are distinct, or there is no such column, the table itself is returned.
+    A case is a value of some column, such as the degree of the elements, for which all mesh sizes differ. If there is
+    no such column, the table itself is returned in a list.
     """
     table, size, rows = columns.table, columns.size, range(len(columns.table.rows))
     numbers = columns.values.get(size or "", [])
@@ -328,7 +344,7 @@ def _split_by_case(columns: Columns) -> list[Columns]:
     for name in columns.names:
         cells = columns.cells[name]
         if cells[0] and "" in cells:
-            # Only the first row of each case has its name, as with \multirow in LaTeX.
+            # The name of a case may only stand in its first row, as with \multirow in LaTeX. It is copied to the rest.
             cells = [next(cell for cell in reversed(cells[: k + 1]) if cell) for k in rows]
         groups = {cell: [k for k in rows if cells[k] == cell] for cell in dict.fromkeys(cells)}
         whole = all(value is None or value % 1 == 0 for value in map(to_number, cells))

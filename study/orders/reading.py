@@ -1,6 +1,6 @@
 """Reads tables of errors from text: finds rows, columns and names in the forms in which people paste tables.
 
-Forms that are understood: values separated by commas, semicolons, tabs, pipes (Markdown, pytools, box drawing), ``&``
+These forms are understood: values separated by commas, semicolons, tabs, pipes (Markdown, pytools, box drawing), ``&``
 (LaTeX) or blanks; headers that are comments or have two rows; transposed tables; ``name = value`` lines; lists ``name =
 [1, 2, 3]``; ``label 51: 0.1, 101: 0.02`` lines. The meaning of a column is decided in ``columns.py``.
 """
@@ -21,8 +21,9 @@ MAX_BYTES = 8_000_000
 MAX_ROWS = 100_000
 MAX_CELL = 2_000
 MOST_GROUPED = 1_000
-"""Largest number of names in a header of two rows; more names would take too long."""
+"""Largest number of names in a header of two rows; with more names, reading would take too long."""
 UNNAMED = ""
+"""Stands in place of the name of a column without a name."""
 EXAMPLE = (
     "expected a header such as 'h error' and one line for each mesh, for example 'h,error', '0.5,0.1', '0.25,0.025'"
 )
@@ -30,15 +31,15 @@ EXAMPLE = (
 
 @dataclass(frozen=True)
 class RawTable:
-    """Names and cells of a table as text.
+    """A table with names of columns and cells as text.
 
     Attributes:
-        form: the form of the table in words.
+        form: the form of the table in words, such as ``CSV``.
         names: names of the columns; an empty text for a column without a name.
         rows: the cells, one list for each mesh.
-        lines: for each row its line number in the text.
-        caption: text above the table.
-        label: the case, if the table is one part of a larger table.
+        lines: the line number of each row in the text.
+        caption: the text above the table.
+        label: name of the case, such as ``degree 2``, if the table is a part of a larger table.
     """
 
     form: str
@@ -51,7 +52,7 @@ class RawTable:
 
 @dataclass(frozen=True)
 class Line:
-    """A line of the text, without the sign of a comment."""
+    """A line of the input text; if it is a comment, the sign of the comment is removed."""
 
     number: int
     text: str
@@ -59,10 +60,10 @@ class Line:
 
 
 def decode(data: bytes) -> str:
-    """Return the text in some bytes, which may be in UTF-8, UTF-16 or Windows-1252.
+    """Return the text in bytes that are encoded in UTF-8, UTF-16 or Windows-1252.
 
     Raises:
-        OrderError: more than 8 MB, or bytes that are not text.
+        OrderError: there are more than 8 MB, or the bytes are not text.
     """
     if len(data) > MAX_BYTES:
         raise OrderError(
@@ -93,6 +94,9 @@ def decode(data: bytes) -> str:
 
 def read_tables(data: bytes | str) -> list[RawTable]:
     """Return all tables in a text, in the order in which they occur.
+
+    Parameters:
+        data: the text, or the content of a file.
 
     Raises:
         OrderError: no table is recognised, a row has too few or too many cells, or the input is too large.
@@ -128,13 +132,16 @@ _LATEX_START = re.compile(
 
 
 def _lines(text: str) -> list[Line]:
-    """Return the lines with content, without colour codes, quote marks, rules and LaTeX commands for layout."""
+    """Return the lines of a text that may belong to a table.
+
+    Colour codes, quote marks, rules and LaTeX commands for the layout are removed.
+    """
     text = re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", text)
     signs: dict[str, str | int | None] = {"│": "|", "┃": "|", "║": "|", "┆": "|", "\u200b": None, "\ufeff": None}
     text = text.translate(str.maketrans(signs))
     raw = re.split(r"\r\n|\r|\n", text)
     for k in range(len(raw) - 1, 0, -1):
-        # A row in LaTeX may continue on the next line.
+        # A row of a LaTeX table that ends with & continues on the next line, so both lines are joined.
         if raw[k - 1].rstrip().endswith("&") and len(raw[k]) < MAX_CELL:
             raw[k - 1 : k + 1] = [f"{raw[k - 1]} {raw[k]}", ""]
     quoted = sum(line.lstrip().startswith("> ") for line in raw)
@@ -161,7 +168,7 @@ def _lines(text: str) -> list[Line]:
     return found
 
 
-# Tables with separators.
+# Tables with separators between the cells of a row.
 
 Split = list[tuple[str, int, int]]
 """The cells of a line, each with the positions at which it begins and ends."""
@@ -171,9 +178,14 @@ _NORM = re.compile(r"\\?\|\\?\|[^|]+\\?\|\\?\||\\\|[^|]+\\\|")
 
 
 def _split(line: str, separator: str) -> Split:
-    """Return the cells of a line that are separated by a sign or by blanks."""
+    """Return the cells of a line with their positions.
+
+    Parameters:
+        line: the line.
+        separator: the sign between two cells; a blank stands for one or more blanks.
+    """
     if separator == " ":
-        # ``h = 1/2`` is one cell, ``h: 0.5 error: 0.1`` are two; a bar or a comma between blanks separates nothing.
+        # ``h = 1/2`` is one cell, ``h: 0.5 error: 0.1`` are two. A bar or comma between blanks is no cell.
         joined = _WITHIN_NUMBER.sub(lambda found: found[1].strip(), line)
         line = re.sub(r"(?<=\S) *(=+) *(?=\S)", r"\1", joined)
         if len(_PAIRS.findall(line)) > 1:
@@ -185,7 +197,7 @@ def _split(line: str, separator: str) -> Split:
         except csv.Error:
             cells = line.strip().split(separator)
     elif separator == "|":
-        # The bars in the norm ||u - u_h|| are no separators, but the bars around a number are.
+        # Bars in a norm such as ||u - u_h|| do not separate cells, but bars around a number do.
         protected = _NORM.sub(
             lambda found: found[0] if _is_number(found[0].strip("|\\ ")) else found[0].replace("|", "\0"), line
         )
@@ -199,7 +211,7 @@ def _split(line: str, separator: str) -> Split:
 
 
 def _is_number(cell: str) -> bool:
-    """Return whether a cell contains a number, with decimal point or comma."""
+    """Return whether a cell contains a number, with a decimal point or a decimal comma, or with a unit."""
     value = to_number(cell)
     value = to_number(cell, decimal_comma=True) if value is None else value
     if value is None and (found := UNIT.fullmatch(cell)):
@@ -213,7 +225,7 @@ def _is_missing(cell: str) -> bool:
 
 
 def _separator(lines: list[Line]) -> str | None:
-    """Return the separator with which most lines consist of numbers; None if there is none."""
+    """Return the separator that divides most lines into cells with numbers; None if there is none."""
     best, most = None, 0.0
     for separator in ("|", "&", "\t", ";", ",", " "):
         score = 0.0
@@ -242,7 +254,7 @@ _TYPE_OR_UNIT = re.compile(
 
 
 def _delimited(lines: list[Line]) -> list[RawTable]:
-    """Return the tables whose cells are separated by one sign or by blanks."""
+    """Return the tables whose cells are separated by a sign or by blanks."""
     separator = _separator(lines)
     if separator is not None:
         grid = _Grid(lines, separator)
@@ -270,7 +282,7 @@ class _Grid:
         self.texts = [[cell for cell, *_ in cells] for cells in self.split]
 
     def tables(self) -> list[RawTable]:
-        """Return the tables; each is a block of rows with a header above it."""
+        """Return the tables in the lines. A table is a block of rows with a header above it."""
         tables: list[RawTable] = []
         above: list[int] = []
         block: list[int] = []
@@ -288,13 +300,13 @@ class _Grid:
         return tables + (self._table(above, block, tables) if block else [])
 
     def _is_row(self, i: int, width: int) -> bool:
-        """Return whether a line is a row of a table.
+        """Return whether a line is a row of a table, because enough of its cells are numbers.
 
-        At least half of its cells must be numbers; with ``width`` cells, one number suffices.
+        At least half of the cells must be numbers. One number is enough for a line with as many cells as the table.
 
         Parameters:
             i: index of the line.
-            width: number of columns of the table so far, 0 at its beginning.
+            width: number of columns of the table above the line; 0 if no table has begun.
         """
         texts = self.texts[i]
         numbers = sum(map(_is_number, texts))
@@ -307,7 +319,7 @@ class _Grid:
         return filled >= used / 2 and (used > 1 or width > 1)
 
     def _starts_table(self, i: int, block: list[int]) -> bool:
-        """Return whether a comment between rows is the header of another table."""
+        """Return whether a comment between rows of numbers is the header of another table."""
         width = len(self.texts[i])
         following = next((j for j in range(i + 1, len(self.lines)) if not self.lines[j].is_comment), None)
         if following is None or any(map(_is_number, self.texts[i])):
@@ -315,14 +327,14 @@ class _Grid:
         return len(self.split[following]) == width == len(self.split[block[0]]) > 1
 
     def _table(self, above: list[int], block: list[int], before: list[RawTable]) -> list[RawTable]:
-        """Return the table of a block of rows, in a list; the list is empty if the block is not a table.
+        """Return the table that consists of a block of rows, in a list; the list is empty if it is not a table.
 
-        The header is the nearest line above with a name for each column.
+        The header is the nearest line above the block with a name for each column.
 
         Parameters:
             above: indices of the lines above the block.
             block: indices of the rows.
-            before: tables above, whose header is used if the block has none.
+            before: tables above the block. If the block has no header, it gets the header of the last one.
         """
         rows, width = self._aligned(block)
         names, used = self._header(above, rows, width)
@@ -344,7 +356,13 @@ class _Grid:
         return [RawTable(_FORMS[self.separator], names, rows, numbers, _short(caption, 100))]
 
     def _aligned(self, block: list[int]) -> tuple[list[list[str]], int]:
-        """Return the lines of a block as rows of equal length; an empty cell is recognised by its position."""
+        """Return lines as rows with equal numbers of cells, and this number.
+
+        If columns are separated by blanks, the position of the other cells shows which cell of a line is empty.
+
+        Parameters:
+            block: indices of the lines.
+        """
         lengths = [len(self.split[i]) for i in block]
         width = max(lengths) if self.separator == " " else Counter(lengths).most_common(1)[0][0]
         model = self.split[block[lengths.index(width)]]
@@ -364,7 +382,16 @@ class _Grid:
         return rows, width
 
     def _header(self, above: list[int], rows: list[list[str]], width: int) -> tuple[list[str], list[int]]:
-        """Return the names of the columns and the numbers of their lines; both empty if no line fits."""
+        """Find the header of a table among the lines above it.
+
+        Parameters:
+            above: indices of these lines.
+            rows, width: the rows of the table, and the number of its columns.
+
+        Returns:
+            The names of the columns, and the indices of the lines of the header; two empty lists if no line is a
+            header.
+        """
         units = [i for i in above if all(map(_TYPE_OR_UNIT.fullmatch, self.texts[i]))]
         for i in (i for i in reversed(above) if i not in units):
             names = self._names(i, rows, width)
@@ -379,9 +406,16 @@ class _Grid:
         return [], []
 
     def _names(self, i: int, rows: list[list[str]], width: int) -> list[str] | None:
-        """Return the names in a line, if it has one for every column, or for every column except orders or an index."""
+        """Return the names of columns in a line; None if the line does not have enough names.
+
+        A name may be missing for columns of orders, and for the first column if it only counts the rows.
+
+        Parameters:
+            i: index of the line.
+            rows, width: the rows of the table, and the number of its columns.
+        """
         text, texts = self.lines[i].text, list(self.texts[i])
-        # A bar or comma between blanks is only decoration.
+        # A bar or comma between blanks is not part of a name.
         wide = re.split(r"\s{2,}|\t", re.sub(r"(?<!\S)[|,](?!\S)", "  ", text).strip())
         if self.separator != " ":
             while len(texts) > width and not texts[-1]:
@@ -410,7 +444,9 @@ class _Grid:
         return None
 
     def _grouped(self, group: int, i: int, names: list[str]) -> list[str] | None:
-        """Return the names from a header of two rows, whose upper headings span several columns; otherwise None.
+        """Return the names of columns from a header of two rows; None if it is no such header.
+
+        Each heading in the upper row spans several columns, and is joined with the names below it.
 
         Parameters:
             group, i: indices of the upper and of the lower row.
@@ -433,13 +469,17 @@ class _Grid:
             return None
         combined = []
         for name, label in zip(names, labels, strict=True):
-            # An error of a quantity called h is not a mesh size.
+            # The heading replaces a name such as ``error``. But a heading such as h is joined with the name, because an
+            # error of a quantity h must not be taken as the mesh size.
             is_error = re.fullmatch(r"(?i)err(?:or)?s?|e", name) and role(label) not in SIZES
             combined.append(label if label and is_error else f"{label} {name}".strip())
         return combined
 
     def transposed(self) -> list[RawTable]:
-        """Return the tables with one line for each quantity and one column for each mesh; otherwise an empty list."""
+        """Return the tables with one line for each quantity and one column for each mesh.
+
+        The list is empty if there is no such table.
+        """
         runs: list[list[int]] = []
         labelled = {i: parts for i in range(len(self.lines)) if (parts := self._labelled(i))}
         for i in range(len(self.lines)):
@@ -471,7 +511,7 @@ class _Grid:
         return " ".join(texts[:first]).strip(), values
 
     def _transposed_run(self, run: list[int], labelled: list[tuple[str, list[str]]]) -> RawTable | None:
-        """Return the table of consecutive lines with labels; None if the mesh sizes are unknown.
+        """Return the table that consists of consecutive lines, one for each quantity; None if it has no mesh sizes.
 
         Parameters:
             run: indices of the lines.
@@ -494,7 +534,7 @@ class _Grid:
             caption = self.lines[run[0] - 2].text.strip() if run[0] > 1 and run[0] - 2 not in run else ""
             return replace(_from_columns(f"{form}, sizes in the header", columns, number), caption=caption)
         if width % 2 and width >= 3 and (not above or _orders_between(labelled)):
-            # AMReX prints error order error order error.
+            # The AMReX library prints errors and orders in turn: error order error order error.
             pairs = [((label, values[::2]), (f"order of {label}", ["", *values[1::2]])) for label, values in labelled]
             columns = dict(pair for both in pairs for pair in both)
             return _from_columns(f"{form}, orders between the errors", columns, number)
@@ -502,14 +542,15 @@ class _Grid:
 
 
 def _phrases(text: str) -> Split:
-    """Return the phrases of a line, which are separated by two or more blanks, with their positions."""
+    """Return the phrases of a line with their positions; between two phrases there are two or more blanks."""
     return [(found[0], *found.span()) for found in re.finditer(r"\S+(?: \S+)*", text)]
 
 
 def _labels_of_repeated(upper: Split, lower: Split) -> list[str] | None:
-    """Return for each name the heading above it, if each heading is above a group of names and the groups are alike.
+    """Return for each column name the heading in the upper row of a header; None if the columns form no groups.
 
-    Columns of sizes belong to no group; their heading is empty.
+    A group has different names, which are repeated in the next group, and one heading above it. Columns of mesh sizes
+    belong to no group; their heading is empty.
 
     Parameters:
         upper, lower: headings and names with their positions.
@@ -535,9 +576,12 @@ def _labels_of_repeated(upper: Split, lower: Split) -> list[str] | None:
 
 
 def _labels_from_left(upper: Split, lower: Split) -> list[str] | None:
-    """Return for each name the last heading that begins above it or left of it.
+    """Return for each column name the last heading of the upper row that begins above the name or left of it.
 
-    None is returned unless every heading begins above the beginning of a name.
+    None is returned if a heading does not begin above the beginning of a name.
+
+    Parameters:
+        upper, lower: headings and names with their positions.
     """
     if any(all(abs(begin - start) > 1 for _, start, _ in lower) for _, begin, _ in upper):
         return None
@@ -546,7 +590,13 @@ def _labels_from_left(upper: Split, lower: Split) -> list[str] | None:
 
 
 def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
-    """Return whether every second value is the observed order of its two neighbours, if mesh sizes are halved."""
+    """Return whether lines have errors and orders in turn: error, order, error, order, error.
+
+    Each order must be the observed order of the errors to its left and right for halved mesh sizes.
+
+    Parameters:
+        labelled: label and values of each line.
+    """
     checked = []
     for numbers in ([to_number(cell) or math.nan for cell in values] for _, values in labelled):
         for coarse, order, fine in zip(numbers[::2], numbers[1::2], numbers[2::2], strict=False):
@@ -556,13 +606,13 @@ def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
 
 
 def _place(cells: Split, model: Split) -> list[str] | None:
-    """Return the cells of an incomplete row, each in the column of a complete row below or above it.
+    """Return the cells of an incomplete row in the columns of a complete row, with empty cells for missing ones.
 
-    None is returned if two cells belong to the same column.
+    The position of a cell in its line shows its column. None is returned if two cells belong to the same column.
 
     Parameters:
-        cells: the cells of the incomplete row.
-        model: the cells of the complete row.
+        cells: the cells of the incomplete row, with their positions.
+        model: the cells of the complete row, with their positions.
     """
     placed = [""] * len(model)
     for cell, start, end in cells:
@@ -582,7 +632,7 @@ def _from_columns(form: str, columns: dict[str, list[str]], line: int) -> RawTab
     return RawTable(form, list(columns), rows, [line] * len(rows))
 
 
-# Lists, pairs, and lines with names.
+# Other forms: lists, size: error pairs, and ``name = value`` lines.
 
 _OPENING = r"[=:]\s*(?:[\w.]{1,40}\(?)?[\[({]"
 _LIST = re.compile(rf"(?P<name>[^\[\](){{}}=:\n]{{1,80}}?)[ \t]*{_OPENING}(?P<values>[^\[\](){{}}]*)[\])}}]")
@@ -591,9 +641,9 @@ _UNNAMED_LIST = re.compile(r"\s*(?:[\w.]{1,40}\()?\[[^\[\]{}:=]*\]\)?[,;]?\s*")
 
 
 def _lists(lines: list[Line]) -> list[RawTable]:
-    """Return the tables of lists ``name = [1, 2, 3]``, each of which is a column.
+    """Return the tables whose columns are lists ``name = [1, 2, 3]``.
 
-    A list may continue on further lines. A second list of sizes begins another table.
+    A list may continue on further lines. A second list of mesh sizes begins another table.
     """
     text = "\n".join(line.text for line in lines)
     if not re.search(_OPENING, text):
@@ -631,7 +681,7 @@ _PAIR = re.compile(
 
 
 def _labelled_pairs(lines: list[Line]) -> list[RawTable]:
-    """Return the table of lines such as ``label 51: 0.1, 101: 0.02``, with one line for each quantity."""
+    """Return the table in lines such as ``label 51: 0.1, 101: 0.02``, with one line for each quantity."""
     columns: dict[str, list[str]] = {}
     sizes: list[str] = []
     number = 0
@@ -655,7 +705,7 @@ _VALUE = re.compile(r"[=:]\s*(?P<value>[^\s,;=:]+)(?=[\s,;]|$)")
 
 
 def _key_values(lines: list[Line]) -> list[RawTable]:
-    """Return the table of lines ``name = value``; the next row begins when a name is repeated."""
+    """Return the table in lines ``name = value``; a name that occurs again begins the next row."""
     records: list[dict[str, str]] = []
     numbers: list[int] = []
     for line in lines:
@@ -680,9 +730,9 @@ def _key_values(lines: list[Line]) -> list[RawTable]:
 
 
 def _plain(table: RawTable) -> RawTable:
-    """Return the table without units and decimal commas in its cells, and without empty columns.
+    """Return a table without empty columns, and without units and decimal commas in its cells.
 
-    A separator at the end of each line makes an empty column.
+    A column is empty, for example, if each line ends with a separator.
     """
     filled = [k for k, name in enumerate(table.names) if name or any(not _is_missing(row[k]) for row in table.rows)]
     columns = [[row[k] for row in table.rows] for k in filled]

@@ -17,14 +17,16 @@ from .columns import Series
 from .sequences import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderError, OrderResult
 
 MOST_ROWS, MOST_COLUMNS = 24, 20
+"""Largest numbers of rows of a column, and of columns and tables, that the report shows."""
 Judged = list[tuple[Series, list[OrderResult]]]
-"""Pairs (table, results of its columns of errors)."""
+"""List of pairs: a table, and the observed orders of its columns of errors."""
 
 
 def exit_code(judged: Judged) -> int:
-    """Return the exit code: 1 if an order fails or is higher than expected, else 3 if one is undecided, else 0.
+    """Return the exit code of ``study rates``.
 
-    Columns without an expected order are not judged.
+    It is 1 if an observed order is lower or higher than expected. Otherwise, it is 3 if the verdict on an order is
+    undecided, and 0 if not. Columns without an expected order are not judged.
     """
     results = [result for _, results in judged for result in results if result.expectation.window]
     verdicts = {result.verdict for result in results} - {SKIPPED}
@@ -34,7 +36,10 @@ def exit_code(judged: Judged) -> int:
 
 
 def as_text(judged: Judged) -> str:
-    """Return the printed text: a conclusion for each column, then for each table how it was read and all orders."""
+    """Return the text that ``study rates`` prints.
+
+    It has a conclusion for each column of errors. Then it has for each table how the table was read, and all orders.
+    """
     lines: list[str] = []
     every = [result for _, results in judged for result in results]
     for result in every[:MOST_COLUMNS]:
@@ -51,7 +56,10 @@ def as_text(judged: Judged) -> str:
 
 
 def _rows(result: OrderResult) -> list[str]:
-    """Return the lines with the sizes, errors and orders of a column, without the middle of a long column."""
+    """Return lines with the mesh sizes, errors and orders of a column.
+
+    Of a long column, only the first and the last rows are returned.
+    """
     orders = ("", *(f"{order:.3f}" for order in result.orders))
     rows = [f"  {h:12.5g} {e:12.5g} {p:>8}" for h, e, p in zip(result.h, result.errors, orders, strict=True)]
     if len(rows) > MOST_ROWS:
@@ -60,7 +68,7 @@ def _rows(result: OrderResult) -> list[str]:
 
 
 def as_json(judged: Judged) -> list[dict[str, Any]]:
-    """Return one dictionary for each column, in the format of docs/reference/rates.schema.json.
+    """Return one dictionary for each column of errors, in the format of docs/reference/rates.schema.json.
 
     Numbers that are not finite become None.
     """
@@ -82,8 +90,8 @@ def _finite(value: Any) -> Any:
 
 
 def as_markdown(judged: Judged) -> str:
-    """Return a Markdown table with the verdict of each column, for example for the summary of a CI job."""
-    rows = ["| column | verdict | what the errors do |", "|---|---|---|"]
+    """Return a Markdown table with the verdict on each column of errors, for example for the summary of a CI job."""
+    rows = ["| column | verdict | behaviour of the errors |", "|---|---|---|"]
     for result in (result for _, results in judged for result in results):
         words = result.conclusion.removeprefix(f"{result.verdict}: ")
         cells = (result.name, result.verdict or "–", words)
@@ -92,9 +100,9 @@ def as_markdown(judged: Judged) -> str:
 
 
 def as_junit(judged: Judged) -> str:
-    """Return JUnit XML with one test case for each column.
+    """Return JUnit XML with one test case for each column of errors.
 
-    Verdicts other than *holds* and *skipped* are failures, undecided orders and higher ones among them.
+    An order that is lower or higher than expected is a failure, and so is an undecided verdict.
     """
     every = [result for _, results in judged for result in results]
     failed = [result for result in every if result.verdict in (FAILS, HIGHER, UNDECIDED)]
@@ -109,10 +117,10 @@ def as_junit(judged: Judged) -> str:
 
 
 def plot(judged: Judged, file: Path) -> None:
-    """Draw the errors over h with two lines: the fitted order of the judged levels, and the expected order.
+    """Draw errors over mesh sizes, with two lines for each column: the fitted order and the expected order.
 
     Parameters:
-        judged: the tables and results.
+        judged: the tables and the observed orders of their columns.
         file: the file, whose name ends with .png, .svg or .pdf.
 
     Raises:

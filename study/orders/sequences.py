@@ -1,4 +1,4 @@
-"""Observed orders of one sequence of errors: consecutive, fitted and extrapolated, with a diagnosis and a verdict."""
+"""Computes the observed orders of a sequence of errors, says what the errors do, and judges the orders."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from scipy.special import stdtrit
 Array = NDArray[np.float64]
 HOLDS, FAILS, UNDECIDED, HIGHER, SKIPPED = "holds", "fails", "undecided", "higher", "skipped"
 TOLERANCE = 0.15
-"""Default half width of the tolerance window around an expected order."""
+"""Default for the accepted difference between an observed and an expected order."""
 STALLED = 0.2
-"""If the order on the finest meshes is at most this number, the errors stagnate; if it is below its negative, they
-grow."""
+"""Errors stagnate if the orders on the finest meshes are at most this number, and grow if they are less than its
+negative."""
 CLEAR = 10.0
-"""If errors stagnate at a floor, only errors above this multiple of the floor are judged: a floor of a tenth of an
-error changes an order by at most 0.15."""
+"""If errors stagnate at a floor, only errors above this multiple of the floor are judged. A floor of a tenth of an
+error changes the order by at most 0.15."""
 ROUND_OFF = 1e-10
-"""A floor below this number, relative to the coarsest error or to 1, is due to round-off."""
+"""If errors stagnate below this number, relative to the coarsest error or to 1, the cause is taken to be round-off."""
 SAME_SIZE = 1e-6
-"""Mesh sizes with a smaller relative difference count as equal; an order between them would be meaningless."""
+"""Mesh sizes with a smaller relative difference count as equal, because an order between them would be meaningless."""
 
 
 class OrderError(ValueError):
-    """Raised if a table or a sequence of errors cannot be used; the message names the smallest remedy."""
+    """Raised if a table or a sequence of errors cannot be used; the message says how to mend it."""
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """The expectation with which an observed order is compared.
+    """The order of convergence that is expected of errors.
 
     Attributes:
         expected: the order that theory predicts; the observed order may be neither lower nor higher.
         at_least: the smallest accepted order; higher orders are accepted.
-        tolerance: half width of the tolerance window around ``expected``.
+        tolerance: accepted difference between the observed order and ``expected``.
 
     Raises:
-        OrderError: both an expected and a least order are given, or a number is not positive.
+        OrderError: both ``expected`` and ``at_least`` are given, or a number is not positive.
     """
 
     expected: float | None = None
@@ -50,7 +50,7 @@ class Expectation:
 
     def __post_init__(self) -> None:
         if self.expected is not None and self.at_least is not None:
-            raise OrderError("give an expected order or a least one, not both")
+            raise OrderError("give an expected order or a lower limit of the order, not both")
         for what, value in (("expected order", self.expected), ("least order", self.at_least)):
             if value is not None and not (math.isfinite(value) and value > 0):
                 raise OrderError(f"the {what} must be positive, got {value:g}")
@@ -73,13 +73,13 @@ class Expectation:
 
 
 class Diagnosis(NamedTuple):
-    """The diagnosis of a sequence of errors.
+    """What a sequence of errors does, such as to converge, stagnate or grow.
 
     Attributes:
-        first, last: the range of the judged levels, as for a slice.
-        kind: the diagnosis in a word or two.
-        sentence: the diagnosis as a sentence.
-        verdict: holds, fails, undecided, higher or skipped.
+        first, last: the errors that were judged have the indices first, …, last − 1, from the coarsest mesh on.
+        kind: what the errors do, in a word or two.
+        sentence: what the errors do, as a sentence.
+        verdict: holds, fails, undecided, higher (than expected) or skipped.
     """
 
     first: int
@@ -91,19 +91,20 @@ class Diagnosis(NamedTuple):
 
 @dataclass(frozen=True)
 class OrderResult:
-    """Observed orders, diagnosis and verdict of one sequence of errors, coarse to fine.
+    """Observed orders of one sequence of errors on meshes from coarse to fine, with a diagnosis and a verdict.
 
     Attributes:
         name: name of the errors.
         h, errors: mesh sizes and errors, (levels,).
-        orders: consecutive observed orders, (levels − 1,); NaN if an error is zero or not finite.
-        order, low, high: least-squares order over the judged levels and its 95 % interval.
-        extrapolated: order extrapolated from the three finest judged levels; NaN for fewer levels.
-        limit: a of a + C h^p through the last three judged levels; NaN if there is no such fit.
-        first, last: range of the judged levels, as for a slice.
-        kind, sentence: the diagnosis in a word or two, and as a sentence.
-        verdict: holds, fails, undecided, higher (than expected), skipped (exactly zero); None without an expectation.
-        expectation: the expectation with which the orders were compared.
+        orders: observed orders between consecutive meshes, (levels − 1,); NaN if an error is zero or not finite.
+        order, low, high: least-squares order over the judged meshes, and its 95 % confidence interval.
+        extrapolated: order extrapolated to h → 0 from the three finest judged meshes; NaN if there are fewer.
+        limit: limit a of the errors for h → 0, from a fit a + C h^p of the last three judged errors; NaN without a fit.
+        first, last: the judged meshes have the indices first, …, last − 1.
+        kind, sentence: what the errors do, in a word or two, and as a sentence.
+        verdict: holds, fails, undecided, higher (than expected), skipped (all errors are zero); None if nothing is
+            expected.
+        expectation: the expected order.
     """
 
     name: str
@@ -124,7 +125,7 @@ class OrderResult:
 
     @property
     def conclusion(self) -> str:
-        """The verdict, the diagnosis and the expected order, in one line."""
+        """The verdict, what the errors do, and the expected order, in one line."""
         wanted = f"; expected {self.expectation}" if str(self.expectation) else ""
         return f"{self.verdict}: {self.sentence}{wanted}" if self.verdict else self.sentence
 
@@ -136,25 +137,32 @@ class OrderResult:
 
 
 def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
-    """Return the orders log(e_i/e_{i+1}) / log(h_i/h_{i+1}), (levels − 1,); NaN if an error is zero or not finite."""
+    """Return the observed orders of errors e on consecutive meshes of size h, (levels − 1,).
+
+    They are log(e_i/e_{i+1}) / log(h_i/h_{i+1}), and NaN if one of both errors is zero or not finite.
+    """
     sizes, e = np.asarray(h, dtype=float), np.asarray(errors, dtype=float)
     with np.errstate(all="ignore"):
         found = np.log(e[:-1] / e[1:]) / np.log(sizes[:-1] / sizes[1:])
-        # Quotients of very large and very small numbers overflow; differences of logarithms do not.
+        # Quotients of very large and very small errors overflow. Then differences of logarithms are used.
         found = np.where(np.isfinite(found), found, np.diff(np.log(e)) / np.diff(np.log(sizes)))
     return np.where(np.isfinite(found), found, np.nan)
 
 
 def fitted_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float, float]:
-    """Return the least-squares slope of log e over log h, and the ends of its 95 % confidence interval by Student.
+    """Return the observed order over all meshes with its 95 % confidence interval.
 
-    For two levels the interval is infinite.
+    The order is the least-squares slope of log e over log h for errors e; the interval follows from Student's
+    distribution.
+
+    Returns:
+        The order, and the lower and upper end of the interval, which is infinite for two meshes.
     """
     x, y = np.log(np.asarray(h, dtype=float)), np.log(np.asarray(errors, dtype=float))
     free = len(x) - 2
     if free < 0:
         return math.nan, -math.inf, math.inf
-    # ``scipy.stats`` has this function, but importing it takes half a second.
+    # ``scipy.stats.linregress`` does the same, but importing it takes half a second.
     (xx, xy), (_, yy) = np.cov(x, y, bias=True)
     order = float(xy / xx)
     if not free:
@@ -164,7 +172,10 @@ def fitted_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float, float]:
 
 
 def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
-    """Return the order for h → 0 from the three finest levels, if orders are linear in h; NaN for fewer levels."""
+    """Return the observed order for h → 0, extrapolated from the three finest meshes; NaN for fewer meshes.
+
+    The extrapolation assumes that the order is a linear function of the mesh size.
+    """
     sizes, orders = np.asarray(h, dtype=float)[-3:], consecutive_orders(h, errors)[-2:]
     if len(sizes) < 3:
         return math.nan
@@ -173,7 +184,10 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
 
 
 def limit_and_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
-    """Return a and p of e = a + C h^p through the three finest levels; NaN if no positive p fits."""
+    """Fit a + C h^p to the errors on the three finest meshes, and return the limit a and the order p.
+
+    Both are NaN if there is no fit with a positive p.
+    """
     h1, h2, h3 = map(float, np.asarray(h, dtype=float)[-3:])
     e1, e2, e3 = map(float, np.asarray(errors, dtype=float)[-3:])
     if not (e1 > e2 > e3 or e1 < e2 < e3) or max(e1, e3) > 1e200 or max(h1 / h2, h2 / h3) > 1e5:
@@ -193,15 +207,18 @@ def limit_and_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
 
 def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
                     tolerance: float = TOLERANCE, name: str = "") -> OrderResult:  # fmt: skip
-    """Return observed orders, diagnosis and verdict of errors on meshes of size h, in any order of the meshes.
+    """Compute the observed orders of errors, and judge whether they are as expected.
 
     Parameters:
-        h, errors: (levels,).
-        expected: the order that theory gives; the verdict holds within ``tolerance`` of it.
-        at_least: a lower limit for the order, used without ``expected``.
+        h, errors: mesh sizes and errors, (levels,), in any order of the meshes.
+        expected: the order that theory predicts. The verdict is *holds* if the order differs by at most ``tolerance``.
+        at_least: the smallest accepted order; only one of ``expected`` and ``at_least`` can be given.
+        tolerance: accepted difference from ``expected``.
+        name: name of the errors, for messages.
 
     Raises:
-        OrderError: different lengths, sizes that are not positive or repeated, a negative error, a bad expectation.
+        OrderError: the numbers of mesh sizes and errors differ, mesh sizes are not positive or are repeated, an error
+            is negative, or the expected order is not positive.
     """
     expectation = Expectation(expected, at_least, tolerance)
     sizes, e = _coarse_first(h, errors, name)
@@ -221,7 +238,11 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
 
 
 def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Array]:
-    """Return mesh sizes and errors, the coarsest mesh first; raise OrderError if they cannot be used."""
+    """Return mesh sizes and errors as arrays, sorted from the coarsest mesh to the finest.
+
+    Raises:
+        OrderError: an error or a mesh size cannot be used, or a mesh size is repeated.
+    """
     if np.iscomplexobj(errors):
         raise OrderError(f"{name or 'error'}: the errors are complex numbers; give absolute values")
     sizes, e = (np.asarray(values, dtype=float).ravel() for values in (h, errors))
@@ -244,7 +265,10 @@ def _text(orders: Array) -> str:
 
 
 def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
-    """Return the diagnosis of a sequence; special cases come first: infinite or zero errors, few meshes, stagnation."""
+    """Say what a sequence of errors does.
+
+    Special cases come first: infinite errors, zero errors, few meshes, stagnation.
+    """
     n = len(e)
     if not np.isfinite(e).all():
         where = h[np.flatnonzero(~np.isfinite(e))[0]]
@@ -254,9 +278,9 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         return Diagnosis(0, n, "exactly zero", "the error is exactly zero on all meshes: nothing to judge", SKIPPED)
     if (e == 0).any():
         stop = int(np.argmax(e == 0))
-        words = f"exactly zero from h = {h[stop]:.5g} on"
+        words = f"is exactly zero from h = {h[stop]:.5g} on"
         if e[stop:].any():
-            words = f"exactly zero for h = {h[stop]:.5g}, but not on all finer meshes (is this value right?)"
+            words = f"is exactly zero for h = {h[stop]:.5g}, but not on all finer meshes (is this value right?)"
         return _above(h, e, stop, 0.0, "exactly zero", words, expectation)
     orders = consecutive_orders(h, e)
     if n < 3:
@@ -276,12 +300,12 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
         return None
     floor, start = float(np.median(e[stall:])), f"from h = {h[stall]:.5g} on"
     if floor <= ROUND_OFF * max(1.0, e[0]) and stall > 0:
-        return _above(h, e, stall, floor, "round-off", f"round-off of about {floor:.2g} {start}", expectation)
+        return _above(h, e, stall, floor, "round-off", f"is round-off of about {floor:.2g} {start}", expectation)
     if e[-1] > 2 * e[stall] or (e[-1] >= 1.01 * e[0] and (stall == n - 1 or orders[-1] < -STALLED)):
         words = f"the error grows as h decreases: orders {_text(orders)}; it does not converge"
         return Diagnosis(0, n, "grows", words, FAILS)
     equal = ", errors are equal" if (np.diff(e[stall:]) == 0).any() else ""
-    reason = "a floor, another error dominates"
+    reason = "another error dominates (a floor)"
     if stall == 0:
         values = "values of a quantity (--values), not errors?"
         reason = f"are these orders or {values}" if 0.3 < floor < 20 else f"{reason}; or are these {values}"
@@ -290,10 +314,10 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
 
 
 def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
-    """Return the diagnosis if errors behave like a + C h^p with a > 0, otherwise None.
+    """Return the diagnosis if errors tend to a positive limit, otherwise None.
 
-    The limit a and the order p are computed from the last three levels and from the three levels before the last one.
-    Both results must agree.
+    Errors a + C h^p are fitted to the last three meshes, and to the three meshes before the last one. The limits a and
+    the orders p of both fits must agree.
     """
     n, orders = len(e), consecutive_orders(h, e)
     if n < 4 or not orders[-1] < orders[-2] < orders[-3]:
@@ -308,32 +332,32 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
 
 
 def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, expectation: Expectation) -> Diagnosis:
-    """Return the diagnosis of errors that are judged only while they are clearly above a floor.
+    """Return the diagnosis of errors that stagnate at a floor. Only errors clearly above the floor are judged.
 
-    If fewer than three orders remain, the verdict is *fails*, or *undecided* if the floor is round-off.
+    If fewer than three orders remain, the verdict is *fails*. If the floor is round-off, it is *undecided* then.
 
     Parameters:
-        stall: index of the first level at the floor.
-        floor: size of the errors there.
-        kind, words: the diagnosis of the floor.
+        h, e, expectation: mesh sizes, errors and expected order.
+        stall: index of the first mesh on which the error is at the floor.
+        floor: size of the errors at the floor.
+        kind, words: what the errors do at the floor, in a word or two, and as a sentence.
     """
     low = np.flatnonzero(e[:stall] < CLEAR * floor)
     stop = int(low[0]) if low.size else stall
     if stop < 4:
         if kind in ("round-off", "exactly zero"):
-            return Diagnosis(
-                0, stop, kind, f"{words}; fewer than three orders above it: take coarser meshes", UNDECIDED
-            )
+            return Diagnosis(0, stop, kind, f"{words}; fewer than three orders before: add coarser meshes", UNDECIDED)
         return Diagnosis(0, len(e), "stagnates" if kind == "floor" else kind, words, FAILS)
     first, verdict = _judge(h[:stop], e[:stop], expectation)
     orders = consecutive_orders(h[:stop], e[:stop])[first:]
-    return Diagnosis(first, stop, kind, f"{words}; above it orders {_text(orders)}", verdict)
+    return Diagnosis(first, stop, kind, f"{words}; on coarser meshes the orders are {_text(orders)}", verdict)
 
 
 def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
-    """Return the index of the first level from which on all orders lie in the window, and the verdict.
+    """Return the index of the first mesh from which on all orders are as expected, and the verdict.
 
-    Without an expected order, it is the level from which on the orders hardly change, and the verdict is undecided.
+    If no order is expected, it is the first mesh from which on the orders hardly change, and the verdict is
+    *undecided*.
     """
     orders, n = consecutive_orders(h, e), len(e)
     if expectation.window is None:
@@ -344,7 +368,7 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
     outside = np.flatnonzero((orders < low) | (orders > high))
     first = int(outside[-1]) + 1 if outside.size else 0
     extrapolated = extrapolated_order(h, e)
-    # If errors on two meshes are equal, by mistake or by chance, extrapolation is meaningless.
+    # Two orders suffice if the extrapolated order is as expected, too. If two errors are equal, it is meaningless.
     two_suffice = low <= extrapolated <= high and (np.diff(e) != 0).all()
     if n - 1 - first >= 3 or (n - 1 - first == 2 and two_suffice):
         return first, HOLDS
@@ -386,25 +410,26 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         sentence += f"; the errors for h = {h[equal[-1]]:.5g} and {h[equal[-1] + 1]:.5g} are equal (one mesh twice?)"
     if verdict == HIGHER:
         kind = "higher than expected"
-        sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or the wrong error? {sentence}"
+        sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or another error? {sentence}"
     return Diagnosis(first, len(e), kind, sentence, verdict)
 
 
-# Without an exact solution: grid convergence index (Celik et al. 2008, V&V 20).
+# The grid convergence index, for quantities without an exact value (Celik et al. 2008; ASME V&V 20).
 
 SAFETY = 1.25
-"""The safety factor of the grid convergence index."""
+"""The safety factor in the grid convergence index, as recommended for three or more meshes."""
 
 
 @dataclass(frozen=True)
 class GridConvergence:
-    """The convergence of a quantity on the three finest meshes, without an exact value.
+    """The convergence of a quantity on the three finest meshes, when its exact value is unknown.
 
     Attributes:
         kind: monotone, oscillating, diverging or equal values.
-        order: apparent order.
-        extrapolated: extrapolated value for h → 0.
-        index: grid convergence index of the finest mesh: the estimated relative error, times ``SAFETY``.
+        order: the observed order.
+        extrapolated: the value extrapolated to h → 0.
+        index: grid convergence index of the finest mesh: its estimated relative error, times the safety factor
+            ``SAFETY``.
     """
 
     kind: str
@@ -414,13 +439,15 @@ class GridConvergence:
 
 
 def grid_convergence(h: ArrayLike, values: ArrayLike) -> GridConvergence:
-    """Return the apparent order, the extrapolated value and the grid convergence index from the three finest meshes.
+    """Return the order, the extrapolated value and the grid convergence index of a quantity on three meshes.
+
+    The method needs no exact value (Celik et al. 2008). It uses the three finest meshes.
 
     Parameters:
         h, values: mesh sizes and values of the quantity, (levels,).
 
     Raises:
-        OrderError: fewer than three meshes, or sizes that are not positive and distinct.
+        OrderError: there are fewer than three meshes, or mesh sizes are not positive and distinct.
     """
     sizes, phi = (np.asarray(entries, dtype=float) for entries in (h, values))
     if sizes.shape != phi.shape or len(sizes) < 3:

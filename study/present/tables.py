@@ -5,6 +5,7 @@ Numbers have four significant digits and orders three decimals; the three files 
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
@@ -158,7 +159,14 @@ def ledger_table(directory: Path) -> Table:
         *numbers(observed="observed", low="low", high="high"),
         *words(verdict="verdict"),
     ]
-    return Table.of("ledger", columns, read_claims(directory), grouped=2)
+    return Table.of("ledger", columns, _with_measured_ranges(directory), grouped=2)
+
+
+def _with_measured_ranges(directory: Path) -> pd.DataFrame:
+    """Return ``claims.csv`` with empty ends ``low`` and ``high`` where nothing was measured: −∞ to ∞ is no range."""
+    claims = read_claims(directory)
+    unmeasured = (claims["low"] == -math.inf) & (claims["high"] == math.inf)
+    return claims.assign(low=claims["low"].mask(unmeasured), high=claims["high"].mask(unmeasured))
 
 
 def short_ledger(directory: Path) -> Table:
@@ -168,7 +176,7 @@ def short_ledger(directory: Path) -> Table:
     Each case has its own row in ``claims.csv``.
     """
     shared = ["label", "statement", "quantity", "expected", "verdict"]
-    groups = read_claims(directory).groupby(shared, sort=False, dropna=False)
+    groups = _with_measured_ranges(directory).groupby(shared, sort=False, dropna=False)
     lines = groups.agg(
         case=("case", _some_names), least=("observed", "min"), most=("observed", "max"), low=("low", "min"),
         high=("high", "max"),

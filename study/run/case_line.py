@@ -1,4 +1,4 @@
-"""Describes a case for ``cases.csv`` and ``study cases``; imports no solvers, which would be slow."""
+"""Describes a case for ``cases.csv`` and ``study cases``. It imports no solvers, which would be slow."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from manufactured.proved import proved_order
 
 
 def describe(case: Case) -> dict[str, Any]:
-    """Return the row of ``cases.csv`` for a case: name of the column ↦ value."""
+    """Return the row of ``cases.csv`` for a case, as a dictionary: name of the column ↦ value."""
     motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
     return {
         "case": case.name,

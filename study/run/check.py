@@ -1,7 +1,7 @@
-"""Checks the data of a run: the functions of ``study check``.
+"""Checks the data of a run for later changes: the functions of ``study check``.
 
-Most data follow from other data, and are compared with them: the recorded plan with the plan that its scope gives now,
-the rows of all tables with the plan, ``cases.csv`` with the catalogue of cases, and columns with each other
+Most data follow from other data, and are compared with them. The recorded plan is compared with the plan that its scope
+gives now, the rows of all tables with the plan, ``cases.csv`` with the catalogue of cases, and columns with each other
 (``study.run.relations``). Nothing is measured for this. With ``--again N``, a random sample of the rows is also
 measured again.
 """
@@ -31,12 +31,12 @@ from study.run.store import Store
 from study.statements.enclosure import BOUNDS, ENCLOSURES
 
 SHOWN = 3
-"""Number of wrong cells that a message lists for each relation."""
+"""Number of wrong cells that a message lists for each violated relation."""
 
 
 @dataclass(frozen=True)
 class Verified:
-    """The numbers of everything that was compared.
+    """How much of the data of a run was compared.
 
     Attributes:
         rows, files: numbers of rows and of files with measurements.
@@ -57,7 +57,8 @@ class Verified:
         rest = f"; not compared, because their files no longer exist: {', '.join(self.gone)}" if self.gone else ""
         return (
             f"{self.rows} rows in {self.files} files belong to the {self.planned} planned measurements; "
-            f"{self.relations} relations hold in all of them; predictions of {self.cases} cases{rest}"
+            f"{self.relations} relations hold in all of them; the predictions of {self.cases} cases agree with the "
+            f"definitions of the cases{rest}"
         )
 
 
@@ -79,8 +80,8 @@ def verify(directory: Path) -> Verified:
     tables = read_tables(directory)
     for file, table in tables.items():
         _refuse_unplanned(directory, file, table, planned, again)
-    # Predictions come from the catalogue or from the file of a case. If this file no longer exists, the record of the
-    # run is used.
+    # Predicted orders come from the catalogue, or from the file of a user's case. If this file no longer exists, the
+    # predictions in the provenance of the run are used.
     path = directory / "data" / "cases.csv"
     read_csv(directory, path.name, PREDICTED)
     if found := difference(path, table_text(pd.DataFrame(expectation.lines))):
@@ -96,10 +97,10 @@ def verify(directory: Path) -> Verified:
 
 
 def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, again: str) -> set[tuple[str, ...]]:
-    """Return the keys of the recorded plan.
+    """Return the keys of all measurements in the recorded plan of a run.
 
     Raises:
-        DataError: the plan is empty, repeats a key, or differs from the plan that its scope gives.
+        DataError: the plan is empty, repeats a key, or differs from the plan that follows from the recorded scope.
     """
     recorded = record["planned"]
     where = f"{directory}/data/provenance.json"
@@ -119,8 +120,11 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
 def _refuse_unplanned(
     directory: Path, file: CsvFile, table: pd.DataFrame, planned: set[tuple[str, ...]], again: str
 ) -> None:
-    """Raise DataError if a row of a table is not planned. The first check of the ledger reports missing rows."""
-    # The plan lists the bounds; values over time belong to them.
+    """Raise DataError if a table has a row that is not in the plan of the run.
+
+    Rows that are in the plan but not in the table are no error here. The first check of the ledger reports them.
+    """
+    # The plan lists each error bound once. The values of a bound over time, in another file, have the same key.
     name = BOUNDS.name if file == ENCLOSURES else file.name
     keys = zip(*(table[column].astype(str) for column in file.key), strict=True)
     for row, key in enumerate(keys):
@@ -131,18 +135,18 @@ def _refuse_unplanned(
             )
 
 
-# Measuring again.
+# Functions that measure a sample of the rows again.
 
 LEAST_COST = 0.3e6
-"""Smallest cost in µs with which a measurement is weighted; otherwise the few cheapest ones would be drawn too
-often."""
+"""Smallest cost in µs that is used for the probability of drawing a job. Without this limit, the few cheapest jobs
+would be drawn too often."""
 
 
 def planned_jobs(directory: Path) -> tuple[Job, ...]:
-    """Return all jobs whose rows are in the tables of a result directory.
+    """Return all jobs, that is measurements, whose rows are in the tables of a result directory.
 
-    Jobs of pictures are left out: on other processors, the cells of unstructured meshes of symmetric bodies may be
-    numbered differently.
+    Jobs for pictures are left out. On other processors, the cells of unstructured meshes of symmetric bodies may be
+    numbered differently, so that pictures differ.
 
     Raises:
         UsageError: there are no data, or the file of a user's case no longer exists.
@@ -179,7 +183,9 @@ def expected_seconds(jobs: Sequence[Job]) -> float:
 def compare_again(
     directory: Path, jobs: Sequence[Job], pool: Pool, tolerance: Tolerance, notify: Callable[[float], None]
 ) -> Comparison:
-    """Run jobs again and compare the measured columns with the rows on disk; derived columns are not compared.
+    """Run jobs again and compare the new measurements with the rows on disk.
+
+    Only measured columns are compared, not columns that are derived from them.
 
     Parameters:
         directory: the result directory.
@@ -210,7 +216,7 @@ def compare_again(
         for file, measured in rows.items():
             table = pd.DataFrame(measured, columns=list(file.columns))
             write_csv(new / "data" / file.name, table)
-            # Only the rows on disk that were measured again are compared, without derived columns.
+            # From the file on disk, only the rows that were measured again are compared, without derived columns.
             committed, key = file.read(directory), list(file.key)
             on_disk, wanted = (pd.MultiIndex.from_frame(rows_of[key].astype(str)) for rows_of in (committed, table))
             write_csv(old / "data" / file.name, committed.loc[on_disk.isin(wanted), list(file.columns)])

@@ -1,9 +1,9 @@
-"""Runs jobs on local processes, or on the workers of a Dask cluster, within the available memory.
+"""Runs jobs, that is measurements, on local processes or on a Dask cluster, within the available memory.
 
-Jobs whose results are stored are not run again. For each job, its largest memory is estimated
+Jobs whose results are stored are not run again. The largest memory of each job is estimated
 (``study.statements.shared.estimates``). A job starts only if there is enough memory for it and for all running jobs. If
-a job needs more memory than is available, the run is refused before it starts. If a worker process is killed
-nevertheless, for example by the system because memory runs out, the results of all other jobs are kept.
+a job needs more memory than is available, the run is refused before it starts. A worker process may be killed
+nevertheless, for example by the system because memory runs out. Then the results of all other jobs are kept.
 """
 
 from __future__ import annotations
@@ -34,10 +34,11 @@ from study.statements.enclosure import resolve_problem
 P = ParamSpec("P")
 T = TypeVar("T")
 Notify = Callable[[float], None]
-"""Function that is called with the cost of each finished job, to show progress."""
+"""Function that shows progress; it is called with the cost of each finished job."""
 GIB = 2.0**30
 CROWDED = 1.0 * GIB
-"""If a worker takes more memory than this after a job, it runs the garbage collector: cycles may hold large arrays."""
+"""If a worker uses more memory than this after a job, it runs the garbage collector, because large arrays may be kept
+alive by reference cycles."""
 
 
 class Processes(Executor):
@@ -53,7 +54,7 @@ class Processes(Executor):
 
     def _start(self) -> ProcessPoolExecutor:
         pool = ProcessPoolExecutor(self.workers, initializer=_end_with_parent)
-        # The first call forks all workers. This must happen before this process has threads that hold locks.
+        # The first call forks all workers. Later, this process may have threads with locks, which must not be forked.
         pool.submit(os.getpid)
         return pool
 
@@ -69,14 +70,13 @@ class Processes(Executor):
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = True) -> None:
         """End the workers and cancel all calls that have not begun.
 
-        Without ``cancel_futures``, a standard pool before Python 3.11.4 waits forever for cancelled calls
+        Calls are cancelled by default, because a standard pool before Python 3.11.4 may otherwise wait forever
         (python/cpython#94440).
         """
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
 
 
 def _end_with_parent() -> None:
-    """Make this worker process end as soon as its parent process has ended."""
     parent = multiprocessing.parent_process()
     assert parent is not None
 
@@ -94,8 +94,8 @@ class Pool:
     Attributes:
         executor: runs the jobs.
         workers: largest number of jobs that run at the same time, each with one thread.
-        each: memory that one job may take, in bytes.
-        together: memory that all running jobs may take together, in bytes.
+        each: memory in bytes that one job may use.
+        together: memory in bytes that all running jobs may use together.
     """
 
     executor: Executor
@@ -105,7 +105,7 @@ class Pool:
 
     @classmethod
     def of(cls, processes: Processes) -> Pool:
-        """Return the pool of local processes, which may take all memory of this machine together."""
+        """Return the pool of local processes, which together may use all available memory of this machine."""
         memory = available()
         return cls(processes, processes.workers, memory, memory)
 
@@ -126,8 +126,8 @@ def refuse_too_large(jobs: Sequence[Job], pool: Pool) -> None:
 def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> None:
     """Run the jobs whose results are not stored, the most expensive first, and store each result when its job ends.
 
-    If a worker is killed, it is unknown which of the running jobs took too much memory. These jobs wait until all other
-    jobs have ended, and then run one by one. If a worker is killed again, its job is the cause.
+    If a worker is killed, it is unknown which of the running jobs used too much memory. These jobs wait until all other
+    jobs have ended, and then run one by one. If a worker is killed again, the job that it ran is the cause.
 
     Parameters:
         jobs: the jobs.
@@ -137,7 +137,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
 
     Raises:
         UsageError: a job needs more memory than is available; no job has started.
-        JobsError: some jobs failed; it is raised after all other jobs have ended, and names each failed job and its
+        JobsError: some jobs failed. It is raised after all other jobs have ended, and names each failed job and its
             error.
         BrokenExecutor: a worker of an executor other than ``Processes`` was killed.
     """
@@ -148,7 +148,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
     suspects: set[str] = set()
     failures: list[str] = []
     try:
-        # The limit is needed for executors that run jobs in threads of this process.
+        # An executor may run jobs in threads of this process, so the limit of one thread per job is set here, too.
         with threadpool_limits(1):
             while waiting or running:
                 for job in startable(waiting, running.values(), suspects, pool):
@@ -170,12 +170,12 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
 
 
 def startable(waiting: Sequence[Job], running: Iterable[Job], suspects: set[str], pool: Pool) -> Iterator[Job]:
-    """Yield the jobs that may start now within the limits of a pool.
+    """Yield the jobs that may start now.
 
     Parameters:
         waiting: jobs that have not started, the most expensive first.
         running: jobs that are running.
-        suspects: keys of jobs that were running when a worker was killed; each of them starts only alone.
+        suspects: keys of jobs that were running when a worker was killed. Such a job runs only while no other job runs.
         pool: the limits of workers and memory.
     """
     started = [*running]
@@ -192,7 +192,7 @@ def startable(waiting: Sequence[Job], running: Iterable[Job], suspects: set[str]
 
 
 def run_job(job: Job) -> Mapping[str, Any]:
-    """Run a job and return its result; one thread is used, because the worker processes already use all cores."""
+    """Run a job in one thread and return its result; the other cores are used by other worker processes."""
     try:
         with threadpool_limits(1):
             return job.run()
@@ -202,7 +202,11 @@ def run_job(job: Job) -> Mapping[str, Any]:
 
 
 def _finish(job: Job, future: Future[Mapping[str, Any]], store: Store, notify: Notify) -> list[str]:
-    """Store the result of a job that has ended; return a list with the reason if it failed, otherwise an empty list."""
+    """Store the result of a job that has ended, or report why it failed.
+
+    Returns:
+        A list with the reason if the job failed, otherwise an empty list.
+    """
     if future.cancelled():
         return [f"{job.key}: its cluster no longer answers; run the same command again"]
     error = future.exception()
@@ -236,13 +240,13 @@ def available(root: Path = Path("/")) -> float:
     """Return the number of bytes that this process can use without swapping.
 
     On Linux, control groups may limit the memory of a process, for example in a container. Their limits are read from
-    /proc and /sys below ``root``; page cache that can be dropped counts as free. Other systems have no control groups.
+    /proc and /sys below ``root``. Page cache that can be dropped counts as free. Other systems have no control groups.
     """
     return min([float(psutil.virtual_memory().available), *_free_in_control_groups(root)])
 
 
 def _free_in_control_groups(root: Path) -> Iterator[float]:
-    """Yield the free bytes of each control group with a limit, from the group of this process up to the root."""
+    """Yield the free bytes of each control group with a memory limit that contains this process."""
     mounted = root / "sys/fs/cgroup"
     for line in _read(root / "proc/self/cgroup").splitlines():
         _, controllers, path = line.split(":", 2)
@@ -262,20 +266,19 @@ def _free_in_control_groups(root: Path) -> Iterator[float]:
 
 
 def _read(path: Path) -> str:
-    """Return the text of a file; empty if there is none."""
     return path.read_text() if path.is_file() else ""
 
 
-# Jobs on several machines: the workers of a running Dask cluster.
+# Functions that run jobs on several machines: on the workers of a Dask cluster.
 
 PATIENCE = 10
-"""Seconds within which a scheduler must answer and have a worker."""
+"""Seconds within which the scheduler of a cluster must answer and have a worker."""
 START = "dask worker {address} --nworkers 2 --nthreads 1"
 
 
 @contextmanager
 def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
-    """Yield a pool of the workers of a Dask cluster, after checking that each worker computes the same results.
+    """Connect to a Dask cluster and yield a pool of its workers, if each of them would compute the same results.
 
     Functions and results are exchanged as pickles. Anybody who can reach the port of the scheduler or of a worker can
     run any code there, and a hostile scheduler can run any code in this process. The only protection is Dask's TLS
@@ -283,7 +286,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
 
     Parameters:
         address: address of the Dask scheduler, tcp://HOST:PORT.
-        references: the cases of the run; the file of a case FILE.py:NAME must exist at the same path on every machine.
+        references: the cases of the run. The file of a case FILE.py:NAME must exist at the same path on every machine.
 
     Raises:
         UsageError: Dask is not installed, nothing answers at the address, there are no workers, or a worker has several
@@ -297,8 +300,8 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
             f"--cluster needs Dask ({error}): python -m pip install '.[study,cluster]' in a clone of the repository"
         ) from error
     try:
-        # If nothing listens at the address, opening a socket fails at once; a client of Dask would wait for a long
-        # time.
+        # A socket is opened first. If nothing listens at the address, this fails at once, but a client of Dask would
+        # wait for a long time.
         socket.create_connection(get_address_host_port(address), PATIENCE).close()
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -324,7 +327,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
     try:
         answers = client.run(identity, references)
     except Exception as error:
-        # A worker with another version of this package, or without it, may raise any exception.
+        # A worker without this package, or with another version, may raise any exception.
         raise UsageError(f"a worker at {address} cannot run this study ({error}); install it there, too") from error
     for name, theirs in answers.items():
         other = [f"{key} {theirs.get(key)}, here {mine}" for key, mine in expected.items() if theirs.get(key) != mine]
@@ -334,13 +337,15 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
                 "versions, and the files of your cases at the same paths, and start the workers again"
             )
     each = min(float(worker["memory_limit"] or "inf") for worker in workers.values())
-    # Workers that join later are not used, because they have not been compared.
+    # Workers that join the cluster later are not used, because it was not checked that they compute the same.
     executor = client.get_executor(pure=False, workers=list(workers), allow_other_workers=False)
     return Pool(executor, len(workers), each, float("inf"))
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:
-    """Return everything on which results depend, in this process: versions, hashes of the code and of the cases.
+    """Return everything on which results depend: versions of libraries, and hashes of the code and of the cases.
+
+    It is called in this process and in each worker of a cluster, and the answers are compared.
 
     Parameters:
         references: names of cases, or FILE.py:NAME.

@@ -1,4 +1,4 @@
-"""Cache keys of results: hashes of the code that computes, of library versions, of the problem and of the setting.
+"""Cache keys of results: hashes of the code that computes, of library versions, of the problem and of its mesh.
 
 The code consists of all modules in ``COMPUTING``, without docstrings, comments and tolerance windows. If the code
 changes, every result is computed again. If only texts or windows change, stored results are used. The processor is not
@@ -33,29 +33,35 @@ COMPUTING = (
 )
 """The modules on which results depend. The last one rounds the numbers of pictures."""
 WINDOWS = ("Window", "positive_at_most", "around", "at_least", "at_most", "between")
-"""Names of the class and the functions that make tolerance windows."""
+"""Names of the class and of the functions with which the code makes tolerance windows."""
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
+"""Libraries on which results depend."""
 
 
 def fingerprint(statement: Statement, setting: Setting) -> str:
-    """Return the cache key of the measurement of a statement in a setting."""
+    """Return the cache key of one measurement.
+
+    Parameters:
+        statement: the statement that is measured.
+        setting: the case, mesh family, level and other parameters of the measurement.
+    """
     mesh = sorted((name, repr(value)) for name, value in vars(setting).items() if name != "case")
     return _hash([statement.label, type(statement).__name__, problem(setting.case), mesh, statement.steps(setting)])
 
 
 def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
-    """Return the cache key of a result for a problem, or for a case with an exact solution.
+    """Return the cache key of a result that was computed for a problem.
 
     Parameters:
         data: the problem.
-        case: the case; None if the exact solution is unknown.
+        case: the case with the exact solution of the problem; None if the exact solution is unknown.
         setting: everything else on which the result depends: numbers, texts, arrays and dataclasses of these.
     """
     return _hash([_value_of(data, case), by_value(list(setting))])
 
 
 def of_everything() -> str:
-    """Return the cache key of a result that depends on all code of the project and on the tolerance windows."""
+    """Return the cache key of a result that depends on all code of the project, tolerance windows included."""
     return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py"), windows=True))
 
 
@@ -63,9 +69,11 @@ def of_everything() -> str:
 def problem(reference: str) -> str:
     """Return a text that identifies a problem, for cache keys.
 
+    The name of a problem of this project is returned unchanged. For a problem in a file, a hash of the file and of the
+    values in the problem is returned.
+
     Parameters:
-        reference: the name of a problem of the project, which is returned unchanged, or FILE.py:NAME, for which a hash
-            of the file and of the values in the problem is returned.
+        reference: the name, or FILE.py:NAME.
     """
     file, colon, _ = reference.rpartition(":")
     if not colon:
@@ -95,7 +103,7 @@ def without_docstrings(text: str, windows: bool = True) -> str:
 
     Parameters:
         text: the source text.
-        windows: whether the calls that make tolerance windows are included.
+        windows: whether calls that make tolerance windows remain in the tree.
     """
     tree: ast.AST = ast.parse(text) if windows else _WithoutWindows().visit(ast.parse(text))
     for node in ast.walk(tree):
@@ -108,7 +116,7 @@ def without_docstrings(text: str, windows: bool = True) -> str:
 
 
 class _WithoutWindows(ast.NodeTransformer):
-    """Replaces the calls that make tolerance windows by a constant, because windows do not change measured numbers."""
+    """Replaces calls that make tolerance windows by a constant, because windows do not change measured numbers."""
 
     def visit_Call(self, node: ast.Call) -> ast.AST:
         is_window = isinstance(node.func, ast.Name) and node.func.id in WINDOWS
@@ -117,17 +125,20 @@ class _WithoutWindows(ast.NodeTransformer):
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions of Python and of ``LIBRARIES``, and the architecture of the machine."""
+    """Return the versions of Python and of ``LIBRARIES``, and the architecture of the processor."""
     return {"python": platform.python_version(), "machine": platform.machine(), **packages()}
 
 
 def packages() -> dict[str, str]:
-    """Return the versions of ``LIBRARIES``."""
+    """Return the versions of ``LIBRARIES``, on which results depend."""
     return {package: version(package) for package in LIBRARIES}
 
 
 def by_value(item: object) -> object:
-    """Return a value as nested lists of texts and numbers: a dataclass by its fields, a formula as text."""
+    """Return a value as nested lists of texts and numbers, for a hash.
+
+    A dataclass becomes a list of its fields, and a formula becomes a text.
+    """
     if is_dataclass(item) and not isinstance(item, type):
         return [type(item).__name__, *(by_value(getattr(item, field.name)) for field in fields(item) if field.init)]
     if isinstance(item, tuple | list):

@@ -29,7 +29,7 @@ from study.ledger.files import write_text
 from study.ledger.verdict import Verdict
 from study.run.case_line import describe
 from study.run.plan import Plan
-from study.run.provenance import SUMS, Complete, provenance, read_provenance, sums_of
+from study.run.provenance import SUMS, Complete, provenance, read_provenance, text_sum
 from study.run.store import Store
 from study.statements import STATEMENTS
 from study.statements.enclosure import BOUNDS, ENCLOSURES
@@ -39,16 +39,16 @@ from study.statements.shared.base import LISTED, REPORTED, Statement
 from study.statements.unmeasured import Listed
 
 WITHIN = {LISTED.name: ["quantity"], ENCLOSURES.name: ["time"]}
-"""File ↦ columns that distinguish the rows of one measurement."""
+"""File ↦ columns that, together with the key, identify a row. One measurement gives several rows in these files."""
 MAY_BE_EMPTY = {
     BOUNDS.name: ["expected_order", "error", "above", "below", "upper", "lower"],
     ENCLOSURES.name: ["error"],
 }
 """File ↦ columns of numbers that are empty if the exact solution is unknown."""
 EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
-"""Names of the files with measurements of all cases of a run."""
+"""Names of the data files whose measurements are made for every case of a run."""
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
-"""Columns of ``cases.csv`` that are fixed before the measurement."""
+"""Columns of ``cases.csv`` that are fixed before anything is measured."""
 
 
 def data_files() -> list[DataFile]:
@@ -57,12 +57,12 @@ def data_files() -> list[DataFile]:
 
 
 def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
-    """Write the data files of a plan from the stored results of its jobs, ``cases.csv`` and ``provenance.json``.
+    """Write all data files of a run from the stored results of its jobs, with ``cases.csv`` and ``provenance.json``.
 
     Parameters:
         plan: the plan; the results of all its jobs must be stored.
         store: the result directory.
-        others: further data files, whose checksums are recorded in ``provenance.json`` as well.
+        others: further data files. Their checksums are recorded in ``provenance.json``, too.
     """
     rows: dict[DataFile, list[Row]] = {file: [] for file in data_files()}
     written = list(others)
@@ -74,7 +74,8 @@ def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
     for file, rows_of_file in rows.items():
         written += file.write(store.data, rows_of_file)
     write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.scope.resolved()]))
-    content = {**provenance(plan, store.directory), SUMS: sums_of(store.data, written)}
+    sums = {path.relative_to(store.data).as_posix(): text_sum(path) for path in sorted(written)}
+    content = {**provenance(plan, store.directory), SUMS: sums}
     write_text(store.data / "provenance.json", json.dumps(content, separators=(",", ":")) + "\n")
 
 
@@ -99,14 +100,19 @@ def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
 
 
 def judge(directory: Path) -> list[Verdict]:
-    """Judge the data in a result directory, write ``claims.csv`` and return its checks; raises as ``verdicts``."""
+    """Judge the data in a result directory, write the checks into ``claims.csv`` and return them.
+
+    Raises:
+        UsageError: the directory has no data.
+        StoreError, DataError: data are of another format, missing or damaged.
+    """
     found = verdicts(directory)
     write_csv(claims_file(directory), claims(found))
     return found
 
 
 def claims_file(directory: Path) -> Path:
-    """Return the path of ``claims.csv`` in a result directory."""
+    """Return the path of ``claims.csv``, the table of all checks, in a result directory."""
     return directory / "data" / "claims.csv"
 
 
@@ -116,7 +122,7 @@ def claims(found: Sequence[Verdict]) -> pd.DataFrame:
 
 
 def verdicts(directory: Path) -> list[Verdict]:
-    """Return all checks of the data in a result directory; nothing is solved or written.
+    """Judge the data in a result directory and return all checks; nothing is solved or written.
 
     Raises:
         UsageError: the directory has no data.
@@ -128,7 +134,7 @@ def verdicts(directory: Path) -> list[Verdict]:
     _refuse_gaps(directory, tables, cases)
     measured = set().union(*(file.keys(table) for file, table in tables.items()))
     judged = {file: predicted(table, cases) for file, table in tables.items()}
-    # Some statements also read files that ``study run`` does not write, such as the errors of other codes.
+    # Some statements also need files that ``study run`` does not write, such as the errors of other codes.
     external = {statement.joined_file for statement in STATEMENTS if statement.joined_file} - set(tables)
     judged |= {file: file.read(directory) for file in external}
     rows = [Complete().judge(planned, measured)]
@@ -139,14 +145,14 @@ def verdicts(directory: Path) -> list[Verdict]:
 
 
 def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
-    """Return a table with the predictions of its cases, and a column ``known``.
+    """Return a table of measurements with the predictions for its cases, and a new column ``known``.
 
     Parameters:
         table: a table with a column ``case``.
         cases: the table ``cases.csv``, whose columns ``PREDICTED`` are added.
 
     Returns:
-        The table; ``known`` tells whether the exact solution is known.
+        The table; the column ``known`` tells whether the exact solution of the case is known.
     """
     new = [name for name in PREDICTED if name not in table or name == "case"]
     return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
@@ -155,8 +161,12 @@ def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
 def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.DataFrame:
     """Return the rows by which a statement is judged.
 
-    If the statement compares its measurements with those in another file, the columns of that file are added, with the
-    suffix ``REPORTED`` in their names.
+    Some statements compare their measurements with the measurements in another file. Then the columns of the other file
+    are added, with the suffix ``REPORTED`` in their names.
+
+    Parameters:
+        statement: the statement.
+        tables: data file ↦ its table.
     """
     assert isinstance(statement.file, CsvFile)
     mine, key = tables[statement.file], list(statement.file.key)
@@ -167,9 +177,10 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
 
 
 def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:
-    """Return the checks, with those of users' cases judged again by ``judge_own``.
+    """Judge the checks of users' cases again, and return all checks.
 
-    A check of a user's case fails only if the data contradict the statement; otherwise a reason is added to its text.
+    A check of a user's case only fails if the data contradict the statement. Otherwise, the text of the check says why
+    it is undecided.
 
     Parameters:
         verdicts: all checks.
@@ -181,10 +192,11 @@ def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdi
 
 
 def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
-    """Return the checks of a statement; an empty list if the table has no rows of it.
+    """Return the checks of a statement; an empty list if the table has no rows of the statement.
 
     Parameters:
-        rows: the table of the statement's file, which several statements may share.
+        statement: the statement.
+        rows: the table of the data file of the statement; several statements may use the same file.
     """
     of_all = statement.file != LISTED or isinstance(statement, Listed)
     mine = rows if of_all else rows[rows["label"] == statement.label]
@@ -192,7 +204,7 @@ def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
 
 
 def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame], cases: pd.DataFrame) -> None:
-    """Raise DataError if ``cases.csv`` lacks a measured case, or a bound has no values over time."""
+    """Raise DataError if ``cases.csv`` lacks a measured case, or an error bound has no values over time."""
     again = f"make it with `{made_by(directory)}`"
     measured = {case for file, table in tables.items() if file.name in EVERY_CASE for case in table["case"]}
     if unknown := sorted(measured - set(cases["case"])):

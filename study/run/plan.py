@@ -1,7 +1,8 @@
-"""The plan of a run: a list of jobs, each of which measures one statement in one setting.
+"""The plan of a run: a list of jobs, each of which measures one statement of the paper or of this study.
 
-A setting consists of case, mesh family, level, and further parameters such as the time scheme. A plan is checked before
-anything is computed. The file also defines the scopes of the quick and of the full study.
+A job has a statement and a setting: the case, mesh family, level, and further parameters such as the time scheme. A
+plan is checked before anything is computed. The file also defines which cases and levels the quick and the full study
+have.
 """
 
 from __future__ import annotations
@@ -27,14 +28,17 @@ from study.statements.shared.scope import SLOW, Levels, Scope
 
 @dataclass(frozen=True)
 class Job:
-    """One measurement: a statement in a setting. Jobs are small, so that they can be sent to other processes."""
+    """One measurement: a statement, and the case and mesh on which it is measured.
+
+    Jobs are small, so that they can be sent to other processes.
+    """
 
     statement: Statement
     setting: Setting
 
     @property
     def identity(self) -> tuple[str, ...]:
-        """The name of the data file, and the cells in its key columns that all rows of this job have, as texts."""
+        """The name of the data file, and the cells in its key columns that all rows of this job share, as texts."""
         known = {"label": self.statement.label, "case": name_of(self.setting.case)}
         key = (str(known.get(column) or getattr(self.setting, column)) for column in self.statement.file.key)
         return self.statement.file.name, *key
@@ -56,15 +60,15 @@ class Job:
         return self.statement.memory(self.setting)
 
     def fingerprint(self) -> str:
-        """Return the cache key of the result."""
+        """Return the cache key of the result of this job."""
         return fingerprint(self.statement, self.setting)
 
     def run(self) -> Mapping[str, Any]:
-        """Run the measurement of the statement and return the measured numbers by their names."""
+        """Measure, and return the measured numbers by their names."""
         return self.statement.measure(self.setting)
 
     def records(self, result: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """Yield pairs (data file, row) for all rows that follow from the result of ``run``."""
+        """Yield the rows of data files that follow from the result of ``run``, as pairs (data file, row)."""
         return self.statement.records(self.setting, result)
 
 
@@ -82,7 +86,7 @@ class Plan:
 
     @classmethod
     def of(cls, scope: Scope) -> Plan:
-        """Return the plan with the jobs of all statements in a scope."""
+        """Return the plan with the jobs of all statements for the cases, mesh families and levels of a scope."""
         statements = [
             statement
             for statement in STATEMENTS
@@ -92,27 +96,26 @@ class Plan:
         return cls(scope, tuple(jobs))
 
     def keys(self) -> list[tuple[str, ...]]:
-        """Return the sorted identities of all jobs that write rows of tables."""
+        """Return the sorted identities of all jobs whose results are rows of tables. Pictures are left out."""
         return sorted(job.identity for job in self.jobs if isinstance(job.statement.file, CsvFile))
 
     def check(self, spread: Callable[..., Iterable[Any]] = map) -> None:
-        """Raise an error if the plan cannot be run.
+        """Check before a run that every solution is exact and that every mesh fits its body.
 
         Parameters:
             spread: applies a function to all cases, like ``map``; it may use several processes.
 
         Raises:
-            UsageError: the scope is refused by ``Scope.check``, or a user's case has the name of a case of the
-                catalogue.
+            UsageError: the scope cannot be run, or a user's case has the name of a case of the catalogue.
             SelfProofError: the solution of a case violates an equation or a contact condition.
-            MeshError: a mesh does not fit the boundary parts of a body, or there is no quadrature rule for the places
-                in a cell where a solution is not smooth.
+            MeshError: a mesh does not fit the boundary parts of a body. Or there is no quadrature rule for a cell in
+                which the solution is not smooth.
         """
         self.scope.check()
-        # Solutions in 3D come first, because they take longest and would delay the end.
+        # Solutions in 3D take longest. They are checked first, so that no process works alone at the end.
         cases = sorted(self.scope.cases, key=lambda reference: -resolve(reference).solution.body.dim)
         findings = spread(violations, cases)
-        # Meanwhile, other processes check the solutions.
+        # This process checks the meshes while other processes check the solutions.
         self._check_meshes()
         for reference, violated in zip(cases, findings, strict=True):
             if violated:
@@ -124,9 +127,12 @@ class Plan:
                 raise UsageError(f"{reference} has the name {name} of a case of the catalogue; give it another name")
 
     def _check_meshes(self) -> None:
-        """Raise MeshError if a mesh does not fit a body, or the lines at which a solution is not smooth.
+        """Check that every mesh fits its body and the lines along which a solution is not smooth.
 
         Each mesh is made once for all cases on bodies of the same shape.
+
+        Raises:
+            MeshError: a mesh does not fit.
         """
         groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
         for case, family, level in self.meshes():
@@ -144,24 +150,28 @@ class Plan:
                 raise MeshError(f"{case.name}, {family}, level {level}: {error}") from error
 
     def meshes(self) -> Iterator[tuple[Case, str, int]]:
-        """Yield (case, mesh family, level) of the statements about every case; others only use meshes that fit."""
+        """Yield the meshes that must be checked, as (case, mesh family, level).
+
+        They belong to the statements that are measured for every case. Other statements choose meshes that are known to
+        fit.
+        """
         for job in self.jobs:
             if job.statement.of_every_case:
                 yield resolve(job.setting.case), job.setting.family, job.setting.level
 
 
 def violations(reference: str) -> list[Finding]:
-    """Return the equations and contact conditions that the solution of a case violates."""
+    """Return the equations and contact conditions that the exact solution of a case violates."""
     return [finding for finding in examine(resolve(reference).solution) if not finding.passes]
 
 
 NARROW = ("merging-patches", "layered")
-"""Cases with contact zones or layers that are only three or four cells wide at n = 8. On such meshes the observed order
-depends on the mesh, so these cases begin with a finer level. Cases in 3D begin with n = 9 for the same reason: at n = 6
-a contact zone in the form of a disc is three cells wide, and the observed order misses its window on one random mesh in
-twenty."""
+"""Cases whose contact zones or layers are only three or four cells wide on the coarsest level, n = 8. There the
+observed order depends on the mesh, so these cases begin with a finer level. Cases in 3D begin with n = 9 for the same
+reason. With n = 6, a contact zone in the form of a disc is three cells wide, and on one random mesh in twenty the
+observed order would lie outside its window."""
 FINEST = ("fixed-front-off-vertex", "advance-recede")
-"""Cases that the full study measures on one more level."""
+"""Cases that the full study measures on one finer level than other cases."""
 
 
 def quick() -> Scope:

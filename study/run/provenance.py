@@ -1,9 +1,9 @@
-"""The provenance of the data of a run: how they were made, in ``data/provenance.json``.
+"""The provenance of the data of a run: a record of how they were made, in ``data/provenance.json``.
 
 The file has the scope and the plan of the run, the versions of Python and of the libraries, the code and data files of
-each statement, and checksums of the data files. The plan and the predictions also follow from the scope, the catalogue
-of cases and the files of users' cases (``Expectation``). If the file of a user's case no longer exists, the recorded
-values are used.
+each statement, and checksums of the data files. The plan and the predictions can also be computed again from the scope,
+the catalogue of cases and the files of users' cases (``Expectation``). If the file of a user's case no longer exists,
+the recorded values are used.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ def listed(tree: Mapping[str, Any], start: tuple[str, ...] = ()) -> list[tuple[s
 
 
 def sources() -> dict[str, dict[str, Any]]:
-    """Return for the label of each statement the names of its code files and of its data files.
+    """Return the code files and the data files of each statement.
 
     Returns:
         Label ↦ {"code": paths relative to the root of the repository, "data": names of files in ``data``}.
@@ -127,7 +127,10 @@ def read_provenance(directory: Path) -> dict[str, Any]:
 
 
 def refuse_to_replace(plan: Plan, directory: Path) -> None:
-    """Raise UsageError if the directory has rows of an earlier run that are not planned, because they would be lost."""
+    """Raise UsageError if a run would lose data.
+
+    Data are lost if the directory has rows of an earlier run that are not in the plan of this run.
+    """
     if (directory / "data" / "provenance.json").exists():
         lost = set(read_provenance(directory)["planned"]) - set(plan.keys())
         if lost:
@@ -162,7 +165,7 @@ class Complete:
 
 @dataclass(frozen=True)
 class Expectation:
-    """The data of a run that follow from its scope without a measurement.
+    """The data of a run that follow from its recorded scope without a measurement.
 
     Attributes:
         plan: the plan; None if the file of a user's case no longer exists.
@@ -176,7 +179,7 @@ class Expectation:
 
     @classmethod
     def of(cls, record: Mapping[str, Any], directory: Path) -> Expectation:
-        """Return the expected data of a run.
+        """Return the data of a run that follow from its recorded scope.
 
         Parameters:
             record: the content of ``provenance.json``.
@@ -200,23 +203,28 @@ class Expectation:
 
     @property
     def gone(self) -> set[str]:
-        """The names of the cases whose files no longer exist."""
+        """The names of users' cases whose files no longer exist."""
         return {str(line["case"]) for line in self.lines} - set(self.cases)
 
     def proposition(self, case: str) -> str:
-        """Return the proposition whose assumptions a case satisfies; an empty text if the run lacks the case."""
+        """Return the proposition whose assumptions a case satisfies; an empty text if the case is not in the run."""
         statements = [line["statements"] for line in self.lines if line["case"] == case]
         return str(statements[0]).partition(", ")[0] if statements else ""
 
 
 def relative_reference(reference: str, directory: Path) -> str:
-    """Return a case FILE.py:NAME with the path relative to a directory; a name of the catalogue is unchanged."""
+    """Return a case FILE.py:NAME with its path relative to a directory.
+
+    The name of a case of the catalogue is returned unchanged.
+    """
     file, colon, name = reference.rpartition(":")
     return f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference
 
 
 def resolve_path(reference: str, directory: Path) -> str | None:
-    """Return a case FILE.py:NAME with its full path; a name of the catalogue is unchanged.
+    """Return a case FILE.py:NAME with its full path.
+
+    The name of a case of the catalogue is returned unchanged.
 
     Parameters:
         reference: the case; its path is relative to ``directory``.
@@ -233,7 +241,7 @@ def resolve_path(reference: str, directory: Path) -> str | None:
 
 
 def read_scope(values: Mapping[str, Any]) -> Scope:
-    """Return a scope from the values of its attributes as they stand in ``provenance.json``."""
+    """Return a scope from its attributes in ``provenance.json``, in which tuples became lists."""
 
     def levels(fields: Mapping[str, Any]) -> Levels:
         return Levels(tuple(fields["all"]), tuple(fields["first"]))
@@ -254,11 +262,6 @@ def text_sum(path: Path) -> str:
     except ValueError:
         content = path.read_bytes()
     return hashlib.sha256(content.replace(b"\r\n", b"\n")).hexdigest()
-
-
-def sums_of(data: Path, paths: Iterable[Path]) -> dict[str, str]:
-    """Return the checksums of files: name relative to the folder ``data`` ↦ SHA-256."""
-    return {path.relative_to(data).as_posix(): text_sum(path) for path in sorted(paths)}
 
 
 def compare_sums(directory: Path) -> set[Path]:

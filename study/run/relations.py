@@ -1,10 +1,9 @@
-"""Relations between columns and files that hold for every measurement. If one is violated, a file was edited or
-damaged.
+"""Relations between columns and files that hold for every measurement. If one is violated, a file was changed.
 
-Nothing is solved to test them. Examples: h is the mesh size of the mesh family and level; an observed order follows
-from the errors; three norms satisfy the triangle inequality; a bound is the largest of its values over time. Each
-function yields the cells that violate one relation. The second part of this file has the relations for the results of
-other people's contact codes.
+Nothing is solved to test them. Examples: the column h is the mesh size of the mesh family and level; an observed order
+follows from the errors; three norms satisfy the triangle inequality; a bound is the largest of its values over time.
+Each function yields the cells that violate one relation. The second part of this file has the relations for the results
+of contact codes by other people.
 """
 
 from __future__ import annotations
@@ -29,22 +28,23 @@ from study.statements.prop_5_4 import RATES
 Tables = Mapping[CsvFile, pd.DataFrame]
 Numbers = NDArray[np.float64]
 DIGITS = 1e-10
-"""Relative tolerance for columns with twelve digits."""
+"""Relative tolerance for columns that are written with twelve digits."""
 SAMPLED_RTOL = 2e-5
-"""Relative tolerance for values over time, which have six digits: 5e-6 for each of the three numbers in a quotient."""
+"""Relative tolerance for values over time, which have six digits; rounding changes a quotient of three of them by
+1.5e-5."""
 MIN_SAMPLED_MAX = 0.9
-"""Smallest accepted ratio of the largest error at TIMES equidistant times to the largest error at all times."""
+"""The largest error at TIMES equidistant times must be at least this fraction of the largest error at all times."""
 ORIGIN = 1e-9
-"""A time up to this fraction of T counts as 0."""
+"""A time up to this fraction of the final time T counts as 0."""
 CODE_RTOL = 2e-3
-"""Relative tolerance in the files of other codes, most of whose columns have three digits."""
+"""Relative tolerance in the files of other codes, most of whose columns are written with three digits."""
 CODE_ORDER_ROOM = 0.02
-"""Tolerance for an observed order between meshes with h and h/2 if the errors have three digits."""
+"""Tolerance for an observed order between mesh sizes h and h/2 if the errors are written with three digits."""
 
 
 @dataclass(frozen=True)
 class Breach:
-    """A cell that violates a relation.
+    """A cell of a data file that violates a relation.
 
     Attributes:
         file: name of the file.
@@ -69,7 +69,7 @@ Relation = Callable[[Tables, Expectation], Iterator[Breach]]
 
 
 def breaches(file: str, table: pd.DataFrame, column: str, holds: pd.Series, expected: pd.Series) -> Iterator[Breach]:
-    """Yield a breach for each row in which a column violates a relation.
+    """Yield a ``Breach`` for each row in which a column violates a relation.
 
     Parameters:
         file, table: name and content of the file.
@@ -85,7 +85,7 @@ def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series, room
     """Yield the cells of a column that differ from their expected values.
 
     Parameters:
-        file, table, column: the file, its content and the column.
+        file, table, column: name and content of the file, and the column.
         expected: the expected values; NaN if the cell must be empty.
         room: relative and absolute tolerance.
     """
@@ -98,8 +98,8 @@ def at_most(file: str, table: pd.DataFrame, column: str, bound: pd.Series, what:
     """Yield the cells of a column that are larger than a bound; rows without a bound are skipped.
 
     Parameters:
-        file, table, column: the file, its content and the column.
-        bound: the bound of each row.
+        file, table, column: name and content of the file, and the column.
+        bound: the bound for each row.
         what: the bound in words.
     """
     holds = ~(table[column] > bound + DIGITS * abs(bound))
@@ -107,14 +107,18 @@ def at_most(file: str, table: pd.DataFrame, column: str, bound: pd.Series, what:
 
 
 def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that the proposition in ``rates.csv`` is the one whose assumptions the case satisfies."""
+    """Check that each row of ``rates.csv`` names the proposition whose assumptions its case satisfies."""
     rates = tables[RATES]
     expected = rates["case"].map(expectation.proposition)
     yield from breaches(RATES.name, rates, "claim", rates["claim"] == expected, expected)
 
 
 def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that time steps, the dimension and the times of the largest errors agree with the plan."""
+    """Check the numbers of time steps, the dimension, and the times of the largest errors in ``rates.csv``.
+
+    The numbers of time steps must follow from the plan. Times must be ends or midpoints of time steps, at which errors
+    are evaluated.
+    """
     rates = tables[RATES]
     cases = rates["case"].map(expectation.cases)
     known = rates[cases.notna()].reset_index()
@@ -128,7 +132,7 @@ def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     dim = pd.Series([case.solution.body.dim for case in resolved], dtype=float)
     yield from _at(known, equal(RATES.name, known, "dim", dim))
     for column in ("at", "interpolation_at", "discrete_at"):
-        # Errors are evaluated at the ends and midpoints of time steps.
+        # Errors are evaluated at the ends and midpoints of time steps, so these times are multiples of half a step.
         half_steps = 2 * known["steps"]
         nodes = (known[column] * half_steps / T).round().clip(0, half_steps)
         yield from _at(known, equal(RATES.name, known, column, nodes * T / half_steps))
@@ -141,9 +145,10 @@ def orders(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that both columns of time shares give the same error of the time discretisation.
+    """Check that two columns of ``rates.csv`` give the same error of the time discretisation.
 
-    ``time_share`` is relative to the error, ``discrete_time_share`` to the discrete error.
+    The column ``time_share`` has this error divided by the error, ``discrete_time_share`` this error divided by the
+    discrete error.
     """
     rates = tables[RATES]
     expected = rates["time_share"] * rates["error"] / rates["discrete_error"]
@@ -151,7 +156,11 @@ def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def triangles(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check the triangle inequality of the three errors, and that the initial error is at most the largest error."""
+    """Check that the three errors in ``rates.csv`` satisfy the triangle inequality.
+
+    They are the error, the interpolation error, and the discrete error between both solutions. Also, the error at the
+    initial time must be at most the largest error.
+    """
     rates, sides = tables[RATES], ["error", "interpolation_error", "discrete_error"]
     for side in sides:
         others = rates[[other for other in sides if other != side]].sum(axis=1)
@@ -169,11 +178,11 @@ MEASURED = {
                      "primal_displacement", "admissibility", "time_share"),
     BOUNDS.name: ("highest", "residual"),
 }  # fmt: skip
-"""File ↦ columns that are computed from many rounded numbers, so that they are never exactly 0."""
+"""File ↦ columns that are computed from many rounded numbers. Such a number is never exactly 0."""
 
 
 def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that measured columns are positive: a value of exactly 0 means that nothing was measured."""
+    """Check that measured columns are positive. A value of exactly 0 means that nothing was measured."""
     for file, table in tables.items():
         for column in MEASURED.get(file.name, ()):
             wanted = pd.Series("a positive number, as it is measured", table.index)
@@ -181,7 +190,7 @@ def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that h is the mesh size of the mesh family on the body at this level."""
+    """Check that the column h in all files is the size of the mesh with this family and level."""
     known: dict[tuple[object, str, int], float] = {}
     for file, table in tables.items():
         if "h" in table:
@@ -193,10 +202,10 @@ def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 def _size(
     known: dict[tuple[object, str, int], float], expectation: Expectation, case: str, family: str, n: int
 ) -> float:
-    """Return the mesh size, NaN if the file of the case no longer exists.
+    """Return the size of a mesh; NaN if the file of the case no longer exists.
 
     Parameters:
-        known: (shape of a body, mesh family, level) ↦ mesh size; each size is computed once and added.
+        known: (shape of a body, mesh family, level) ↦ mesh size. Each size is computed once and stored here.
         expectation: the cases of the run.
         case, family, n: the case, the mesh family and the level.
     """
@@ -211,7 +220,10 @@ def _size(
 
 
 def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that errors on different mesh families differ; graded meshes are skipped, as coarse ones may be uniform."""
+    """Check that errors on different mesh families differ, because equal ones would be copied.
+
+    Graded meshes are skipped: a coarse one may equal the uniform mesh.
+    """
     rates = tables[RATES]
     place, uniform = [rates[name] for name in ("case", "scheme", "level")], rates["family"] != GRADED
     for column in ("error", "discrete_error"):
@@ -222,7 +234,10 @@ def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check the expected order in ``bounds.csv``, and that errors are empty exactly if the solution is unknown."""
+    """Check the columns of ``bounds.csv`` and ``enclosures.csv`` that are known before a bound is computed.
+
+    The expected order must be that of the problem. Errors must be empty exactly if the exact solution is unknown.
+    """
     bounds = tables[BOUNDS]
     problems = [resolve_problem(case) for case in bounds["case"]]
     orders = pd.Series([problem.order for problem in problems], dtype=float)
@@ -238,7 +253,7 @@ def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breac
 
 
 def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that each number in ``bounds.csv`` is an extreme of the values over time in ``enclosures.csv``."""
+    """Check that each number in ``bounds.csv`` is the largest of the values over time in ``enclosures.csv``."""
     bounds, times = tables[BOUNDS], tables[ENCLOSURES]
     upper, room = times["distance"] + times["bound"], SAMPLED_RTOL * (times["distance"] + times["bound"])
     lower = (times["distance"] - times["bound"]).clip(lower=0)
@@ -264,7 +279,7 @@ def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def _at(known: pd.DataFrame, found: Iterator[Breach]) -> Iterator[Breach]:
-    """Yield breaches that were found in selected rows of a table, with the row numbers of the whole table."""
+    """Yield breaches in selected rows of a table, with the row numbers of the whole table."""
     for breach in found:
         row = int(known["index"].iloc[breach.row])
         yield Breach(breach.file, row, breach.column, breach.stands, breach.expected)
@@ -276,7 +291,10 @@ RELATIONS: tuple[Relation, ...] = (
 
 
 def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Check that the errors of the discrete solution in K^h are the same for all codes on the same mesh."""
+    """Check that the error of the discrete solution on a mesh is the same in the rows of all codes.
+
+    The discrete solution is the finite-element solution with exact contact constraints, which this study computes.
+    """
     errors = codes.errors
     for column in ("h", "best", "best_pressure"):
         first = errors.groupby(MESH)[column].transform("median")
@@ -286,7 +304,10 @@ def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
 
 
 def code_triangle(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Check the triangle inequality for a code's solution, the discrete solution in K^h and the exact solution."""
+    """Check the triangle inequality between three solutions.
+
+    They are the solution of another code, the discrete solution with exact contact constraints, and the exact solution.
+    """
     errors = codes.errors
     room = CODE_RTOL * (errors["best"] + errors["distance"])
     holds = abs(errors["error"] - errors["best"]) <= errors["distance"] + room
@@ -314,7 +335,10 @@ def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
 
 
 def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Check that every series has a class, and has errors unless the code cannot express the problem."""
+    """Check that ``classes.csv`` and ``errors.csv`` have the same series, a code with fixed parameters on a case.
+
+    A series has a class, and it has errors unless the code cannot express the problem.
+    """
     there, left_out = codes.classes["series"].isin(codes.errors["series"]), codes.classes["class"] == NOT_EXPRESSED
     wanted = there.map({True: "a class, as there are errors", False: f"{NOT_EXPRESSED}, as there are no errors"})
     yield from breaches(f"{folder}/classes.csv", codes.classes, "class", there != left_out, wanted)

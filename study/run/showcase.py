@@ -1,4 +1,4 @@
-"""Solves a case on one mesh for display: the data of its picture, and fields for ParaView. Used by ``study show``."""
+"""Solves a case on one mesh for display: for pictures, and for files for ParaView. Used by ``study show``."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ EVERY = 2
 """Every second time step is shown."""
 STEPS = pictures.STEPS
 LEVELS = {2: pictures.LEVEL, 3: 9}
-"""Dimension ↦ default level. In 3D it is a multiple of the number of parts into which a face of a cube is divided."""
+"""Dimension ↦ default level (cells along a unit length). In 3D it is a multiple of the number of parts into which a
+face of the cube is divided."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,12 +42,12 @@ class Showcase:
 
 
 def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[], object] = lambda: None) -> Showcase:
-    """Solve a case for display.
+    """Solve a case on one mesh for display.
 
     Parameters:
         case: the case.
-        level: level of the mesh.
-        directory: the directory in which results will be written; it is only tested here.
+        level: number of cells of the mesh along a unit length.
+        directory: the directory in which results will be written. Here it is only tested whether it can be written.
         notify: called after each of the STEPS + 1 times.
 
     Raises:
@@ -61,7 +62,7 @@ def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[],
 
 
 def affordable_family(case: Case, level: int) -> MeshFamily:
-    """Return the mesh family with which a case is shown.
+    """Return the mesh family with which a case is shown, after checking that there is enough memory.
 
     Raises:
         UsageError: no mesh family can mesh the body, or there is not enough memory for this level.
@@ -73,10 +74,11 @@ def affordable_family(case: Case, level: int) -> MeshFamily:
 
 
 def mesh_series(motion: Motion, every: int) -> MeshSeries:
-    """Return the fields on the mesh at every ``every``-th time of a motion.
+    """Return fields on the mesh of a solved case, at every ``every``-th time.
 
-    Fields at the vertices are ``displacement``, ``velocity``, and on Γ3 ``gap`` and ``pressure`` (``gap_1``, ``gap_2``,
-    … if Γ3 has several faces). Fields on the cells, constant on each, are ``stress`` and ``von_mises``.
+    Fields at the vertices are ``displacement``, ``velocity``, and on the contact boundary ``gap`` and ``pressure``
+    (``gap_1``, ``gap_2``, … if this boundary has several faces). Fields on the cells, constant on each, are ``stress``
+    and ``von_mises``.
     """
     weights, mesh = pictures.contact_weights(motion.space), motion.space.mesh
     return MeshSeries(mesh.p, mesh.t, [_fields(motion, frame, weights) for frame in motion.frames[::every]])
@@ -93,11 +95,13 @@ def _fields(motion: Motion, frame: Frame, weights: Array) -> MeshFields:
 
 
 def _on_contact(motion: Motion, values: dict[str, Array]) -> Iterator[tuple[str, Array]]:
-    """Yield names and fields over all vertices, one field for each quantity and contact face; NaN at other vertices.
+    """Yield names and fields over all vertices from values on the contact boundary; other vertices have NaN.
+
+    Each quantity gives one field for each contact face.
 
     Parameters:
         motion: the solved case.
-        values: name of a quantity ↦ its values at the contact vertices, (m,).
+        values: name of a quantity ↦ its values at the m vertices of the contact boundary, (m,).
     """
     faces, start = motion.space.contact, 0
     for number, (_, vertices) in enumerate(faces, start=1):

@@ -1,9 +1,9 @@
 """Stores the results of finished jobs on disk, and locks a result directory while a command works on it.
 
-Each job has one small file, which is written completely or not at all. It contains the format number, the key of the
-job, the cache key of its result (``fingerprint``), the result and its checksum. If a run is killed, the results of
-finished jobs remain, and the same command runs only the other jobs. If a file is damaged, or its keys differ, the file
-is ignored and the job runs again.
+A job is one measurement of a run. Each job has one small file, which is written completely or not at all. It contains
+the version of the format, the name of the job, the cache key of its result, the result and its checksum. If a run is
+killed, the results of finished jobs remain, and the same command runs only the other jobs. If a file is damaged or its
+cache key differs, the file is ignored and the job runs again.
 """
 
 from __future__ import annotations
@@ -27,14 +27,16 @@ if sys.platform != "win32":
     import fcntl
 
 FORMAT = 2
-"""Version of the format of the data files; it changes when older files can no longer be read."""
+"""Version of the format of data files. It changes if this program can no longer read older files."""
 WRITTEN = ("data", "tables", "figures", "article", "report.html")
 """The files and folders that ``study run`` and the commands for its data write into a result directory."""
 
 
 @dataclass(frozen=True)
 class Store:
-    """A result directory DIR. Its data are in DIR/data, and the results of jobs in DIR/data/jobs.
+    """A result directory DIR with the data of a run.
+
+    The data are in DIR/data, and the results of single measurements in DIR/data/jobs.
 
     Attributes:
         directory: DIR.
@@ -55,7 +57,7 @@ class Store:
 
     @property
     def marks(self) -> tuple[Path, ...]:
-        """Files of which at least one exists if a command of the study has written into the directory before."""
+        """Files that show that a command of the study has written into the directory before; one of them is enough."""
         return self.lock, self.data / "provenance.json"
 
     def path(self, key: str) -> Path:
@@ -63,7 +65,7 @@ class Store:
         return self.data / "jobs" / f"{key}.json"
 
     def refuse_foreign(self) -> None:
-        """Raise StoreError if the directory contains files of other programs, which might be overwritten."""
+        """Raise StoreError if the directory has files of other programs that might be overwritten."""
         if any(mark.exists() for mark in self.marks):
             return
         for place in self.written:
@@ -77,7 +79,7 @@ class Store:
                 )
 
     def check(self) -> None:
-        """Refuse a directory that cannot be written or has data of another format, before anything is computed.
+        """Check, before anything is computed, that the directory can be written and has no data of another format.
 
         Raises:
             StoreError: names the directory or the file, and the remedy.
@@ -94,8 +96,8 @@ class Store:
     def locked(self) -> Iterator[None]:
         """Lock the directory against other runs, and remove temporary files of killed runs.
 
-        The system releases the lock when this process ends for any reason, and its child processes do not inherit it.
-        Windows has no such locks: there, two runs on one directory are not noticed.
+        The operating system releases the lock when this process ends for any reason. Child processes do not inherit the
+        lock. Windows has no such locks: there, two runs on one directory are not noticed.
 
         Raises:
             StoreError: another run works on the directory, or it cannot be written.
@@ -108,7 +110,7 @@ class Store:
             raise unwritable(self.lock, error) from error
         with file:
             self._hold(file)
-            # Remove temporary files whose processes no longer exist.
+            # The name of a temporary file contains the number of its process. If no such process exists, it was killed.
             for part in [part for depth in ("", "*/", "data/*/") for part in self.directory.glob(f"{depth}.*.part")]:
                 owner = part.name.split(".")[-2]
                 if owner.isdigit() and not psutil.pid_exists(int(owner)):
@@ -120,7 +122,8 @@ class Store:
             return
         try:
             fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # Another process may have removed the file after this process opened it, as ``TaskStore`` does at its end.
+            # Another process may have removed the file after this one opened it, as ``TaskStore`` does. A lock of the
+            # removed file protects nothing.
             if not os.path.samestat(os.fstat(file.fileno()), os.stat(self.lock)):
                 raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
         except OSError as error:
@@ -130,7 +133,7 @@ class Store:
             ) from error
 
     def steady(self) -> AbstractContextManager[None]:
-        """Return a context in which the data of a finished run are locked for a command that reads them.
+        """Return a context within which no other command changes the data of a finished run.
 
         If the data do not exist, or this user may not write them, they are not locked.
 
@@ -144,7 +147,7 @@ class Store:
         """Write the result of a finished job into its file.
 
         Parameters:
-            key: name of the file.
+            key: name of the job and of the file.
             fingerprint: cache key of the result.
             result: numbers, texts, lists and dictionaries.
         """
@@ -158,7 +161,7 @@ class Store:
         write_text(self.path(key), json.dumps(content, indent=None) + "\n")
 
     def load(self, key: str, fingerprint: str) -> dict[str, Any] | None:
-        """Return the result of a job; None if its file is missing or damaged, or has another cache key.
+        """Return the stored result of a job; None if its file is missing or damaged, or has another cache key.
 
         Raises:
             StoreError: the file has another format, or cannot be read.
@@ -183,7 +186,7 @@ class Store:
         """
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-        # The file does not exist, is not JSON in UTF-8, or has too many digits or nested brackets.
+        # These errors mean that there is no file, or that it is not JSON or has too many digits or nested brackets.
         except (ValueError, RecursionError, FileNotFoundError, IsADirectoryError, NotADirectoryError):
             return None
         except OSError as error:
@@ -195,12 +198,12 @@ class Store:
 
 
 def _checksum(result: object) -> str:
-    """Return the SHA-256 of a result in JSON; it does not change when the result is written and read."""
+    """Return the SHA-256 of a result as JSON text, which is the same before writing and after reading."""
     return hashlib.sha256(json.dumps(result).encode()).hexdigest()
 
 
 def require_format(path: Path, content: dict[str, Any] | None) -> None:
-    """Raise StoreError if a data file has another format number than this version reads."""
+    """Raise StoreError if a data file has another version of the format than this program reads."""
     found = None if content is None else content.get("format")
     if found != FORMAT:
         raise StoreError(

@@ -1,4 +1,7 @@
-"""Writes contact problems as files for other codes: ``study export``. The format is in docs/reference/tasks.md."""
+"""Writes contact problems as files for other codes: ``study export``.
+
+The format of the files is described in docs/reference/tasks.md.
+"""
 
 from __future__ import annotations
 
@@ -23,18 +26,20 @@ from study.statements.shared.tasks import Task
 FORMAT, VERSION = "contact-task", 2
 Data = dict[str, Any]
 MARGIN, DEPTH = 0.25, 0.25
-"""Length by which a meshed foundation extends beyond its face on each side, and its thickness, both relative to the
-length of the face."""
+"""The length by which the mesh of a foundation extends beyond its contact face on each side, and its thickness. Both
+are relative to the length of the face."""
 SUMS = "SHA256SUMS"
 DIGITS = 13
-"""Significant digits of the largest number of an array; smaller numbers have as many decimal places."""
+"""Significant digits of the largest number of an array. Smaller numbers have as many decimal places."""
 FINER = {"reference": 14}
-"""Significant digits of other arrays: distances from the reference displacement may be zero, and their rounding errors
-grow like 1/h."""
+"""Name of an array ↦ number of digits, if it needs more than ``DIGITS``. Distances from the reference displacement may
+be zero, and their rounding errors grow like 1/h."""
 
 
 def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
-    """Return the data of a file with static problems, each of which has the exact solution at one instant.
+    """Return the data of a file with static problems, one for each of some times.
+
+    The exact solution of a static problem is the solution of the case at this time.
 
     Parameters:
         task: case, mesh family and level.
@@ -57,7 +62,7 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
 
 
 def require_instants(instants: Sequence[float], T: float) -> None:
-    """Raise UsageError if there are no instants, or one lies outside [0, T]."""
+    """Raise UsageError if no time is given, or if a time lies outside [0, T]."""
     if not instants or min(instants) < 0 or max(instants) > T:
         raise UsageError(f"--instants must lie in [0, {T:g}], got {', '.join(f'{t:g}' for t in instants)}")
 
@@ -71,7 +76,7 @@ def require_scale(scale: float) -> None:
 def march(task: Task, steps: int, scale: float = 1.0) -> Data:
     """Return the data of a file with a problem in time, for the midpoint rule with equal steps.
 
-    Loads are given at t_{n−1/2}, solutions at t_n.
+    Loads are given at the middle of each step, solutions at its end.
 
     Parameters:
         task: case, mesh family and level.
@@ -90,11 +95,12 @@ def march(task: Task, steps: int, scale: float = 1.0) -> Data:
 
 
 def _judged(task: Task, time: float, balanced: float, reference: Array) -> Data:
-    """Return the exact and the reference solution by which an answer at one time is judged.
+    """Return the exact and the reference solution with which the answer of a code at one time is compared.
 
     Parameters:
+        task: case, mesh family and level.
         time: the time of the displacement.
-        balanced: the time at which the scheme balances forces, for the contact forces.
+        balanced: the time at which the time scheme balances forces; contact forces belong to this time.
         reference: the discrete solution, (n_dofs,).
     """
     sample = task.v_norm.sample(time)
@@ -142,7 +148,10 @@ def _head(task: Task, mode: str, scale: float) -> Data:
 
 
 def _gaps(task: Task, scale: float) -> list[Data]:
-    """Return for each piece of Γ3 the entry with the initial gap at its vertices, empty if there is no gap."""
+    """Return the initial gap at the vertices of each contact face, as an entry of a dictionary.
+
+    If there is no initial gap, the dictionaries are empty.
+    """
     counts = [len(vertices) for _, vertices in task.space.contact]
     if not task.solution.has_initial_gap:
         return [{} for _ in counts]
@@ -150,10 +159,10 @@ def _gaps(task: Task, scale: float) -> list[Data]:
 
 
 def oriented(points: Array, cells: Array) -> Array:
-    """Return the cells with the vertices in such an order that all volumes are positive, (d + 1, cells).
+    """Return the cells with their vertices in such an order that all volumes are positive, (d + 1, cells).
 
     Parameters:
-        points: the vertices, (d, vertices).
+        points: coordinates of the vertices, (d, vertices).
         cells: vertex numbers, (d + 1, cells).
     """
     corners = points[:, cells]
@@ -164,7 +173,12 @@ def oriented(points: Array, cells: Array) -> Array:
 
 
 def with_foundation(data: Data, segments: int) -> Data:
-    """Return the data of a task with a meshed foundation below each part of Γ3, of ``segments`` segments each."""
+    """Return the data of a problem with a mesh of the foundation below each contact face.
+
+    Parameters:
+        data: the data without foundations.
+        segments: number of segments of each foundation.
+    """
     vertices = np.asarray(data["vertices"])
     pieces = [
         slab(vertices[np.unique(piece["facets"])], np.asarray(piece["normal"]), segments) for piece in data["contact"]
@@ -173,7 +187,7 @@ def with_foundation(data: Data, segments: int) -> Data:
 
 
 def require_segments(segments: int, dim: int) -> None:
-    """Raise UsageError if a foundation is wanted for a body in space, or with fewer than one segment."""
+    """Raise UsageError if the body is not plane, or if there is fewer than one segment."""
     if dim != 2:
         raise UsageError("--foundation meshes foundations in the plane only; leave it out for a body in space")
     if segments < 1:
@@ -181,12 +195,12 @@ def require_segments(segments: int, dim: int) -> None:
 
 
 def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
-    """Return a rigid foundation below a straight face as a mesh: equal segments with two triangles each.
+    """Return a mesh of a rigid foundation below a straight contact face: equal segments with two triangles each.
 
     Parameters:
         face: vertices of the face, (n, 2).
-        normal: unit normal ν, out of the body and into the foundation, (2,).
-        segments: number of segments on the side that touches the body, including both margins.
+        normal: unit normal that points out of the body and into the foundation, (2,).
+        segments: number of segments on the side that touches the body. The foundation extends beyond the face.
 
     Returns:
         Arrays ``vertices`` (v, 2), ``cells`` (c, 3) and ``facets``, the segments towards the body, (s, 2).
@@ -195,7 +209,7 @@ def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
         UsageError: the body is not plane, or there is fewer than one segment.
     """
     require_segments(segments, face.shape[1])
-    # The axes (along, −ν) are right-handed.
+    # The direction of the face and the inward normal are right-handed axes.
     along = np.array([-normal[1], normal[0]])
     s = face @ along
     length = float(np.ptp(s))
@@ -219,7 +233,10 @@ def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class TaskStore(Store):
-    """A directory with only tasks and their checksums. People copy it, so the lock file is removed at the end."""
+    """A directory with files of contact problems and their checksums.
+
+    People copy this directory, so the lock file is removed at the end.
+    """
 
     written: tuple[str, ...] = (".",)
 
@@ -233,18 +250,18 @@ class TaskStore(Store):
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Lock the directory as ``Store.locked`` does, and remove the lock at the end."""
+        """Lock the directory as ``Store.locked`` does, and remove the lock file at the end."""
         with super().locked():
             try:
                 yield
             finally:
-                # Windows cannot remove an open file.
+                # On Windows, an open file cannot be removed, so the lock file remains there.
                 with suppress(PermissionError):
                     self.lock.unlink(missing_ok=True)
 
 
 def write_task(directory: Path, data: dict[str, Any]) -> Path:
-    """Write a task into a file NAME.json.xz, and its checksum into SHA256SUMS; return the path.
+    """Write a contact problem into a file NAME.json.xz, and its checksum into SHA256SUMS; return the path.
 
     Equal data give identical files.
 
@@ -261,7 +278,7 @@ def write_task(directory: Path, data: dict[str, Any]) -> Path:
 
 
 def _sums(path: Path) -> dict[str, str]:
-    """Return the checksums in a file that ``sha256sum`` can read: name of a file ↦ checksum."""
+    """Return the checksums in a file that ``sha256sum`` can read, as a dictionary: name of a file ↦ checksum."""
     sums = {}
     for number, line in enumerate(path.read_text(encoding="utf-8").splitlines() if path.exists() else [], 1):
         parts = line.split()
@@ -272,9 +289,10 @@ def _sums(path: Path) -> dict[str, str]:
 
 
 def plain(value: Any, digits: int = DIGITS) -> Any:
-    """Return nested data with arrays as lists, for JSON.
+    """Return nested data for JSON: arrays become lists of rounded numbers.
 
-    Numbers are rounded to as many decimal places as the largest number of their array needs for ``digits`` digits.
+    The largest number of an array is rounded to ``digits`` significant digits. All other numbers of the array have the
+    same number of decimal places.
     """
     if isinstance(value, dict):
         return {key: plain(one, FINER.get(key, DIGITS)) for key, one in value.items()}

@@ -13,14 +13,16 @@ from manufactured.tensors import Array, Tensors
 
 @dataclass(frozen=True, eq=False)
 class Power:
-    """The stored energy and the powers at one time, integrated over Ω.
+    """The stored energy of a body and the powers of all forces at one time.
+
+    δu is the velocity.
 
     Attributes:
-        stored: the energy ∫ W(ε(u)) with W' = G.
+        stored: the stored energy ∫ W(ε(u)) with W' = G.
         elastic: the rate of the stored energy, (G ε(u), ε(δu))_Q.
         viscous: the dissipation (A ε(δu), ε(δu))_Q.
-        contact: the power of the contact forces, λ·N δu; nonzero only if a vertex comes into contact or loses it.
-        load: the power of the loads, F·δu, which is the sum of ``elastic``, ``viscous`` and ``contact``.
+        contact: the power λ·N δu of the contact forces. It is nonzero only if a vertex comes into contact or loses it.
+        load: the power F·δu of the loads, which is the sum of ``elastic``, ``viscous`` and ``contact``.
     """
 
     stored: float
@@ -31,15 +33,15 @@ class Power:
 
 
 def density(G: Elasticity, strain: Tensors, stress: Tensors) -> Array:
-    """Return the density W(ε) of the stored energy, (...).
+    """Return the density W(ε) of the stored energy at points, (...).
 
     For a linear law W = ½ G ε·ε. For law (3.3) W = β/2 dist(ε, K)² = |G(ε)|²/(2β), because ½ dist² has the gradient
     ε − P_K ε. For a ``Combined`` G, W is the sum of both and of S·ε with the stress at rest S.
 
     Args:
         G: the elasticity operator.
-        strain: ε, (D, ...).
-        stress: G(ε), (D, ...).
+        strain: the strain ε, (D, ...).
+        stress: the elastic stress G(ε), (D, ...).
 
     Raises:
         LawError: G has no potential, so there is no stored energy.
@@ -56,14 +58,16 @@ def density(G: Elasticity, strain: Tensors, stress: Tensors) -> Array:
 def balance(times: Array, powers: Sequence[Power]) -> dict[str, Array]:
     """Return the energy balance as a dict of arrays over time, (times,) each.
 
-    Keys: ``times``; ``stored``, the stored energy; ``dissipated``, ``contact`` and ``work``, the integrals since the
-    first time of dissipation, power of contact and power of loads; and ``defect`` = stored − stored(0) + dissipated +
-    contact − work. The defect is not zero: the time scheme does not conserve energy exactly, and powers are integrated
-    by the trapezoidal rule. It is of second order in the time step.
-
     Args:
         times: the times, (times,).
         powers: energy and powers at these times.
+
+    Returns:
+        ``times``; ``stored``, the stored energy; ``dissipated``, ``contact`` and ``work``, the integrals over time of
+        the dissipation, of the power of contact and of the power of the loads; and
+        ``defect`` = stored − stored(0) + dissipated + contact − work. The defect is of second order in the time step.
+        It is not zero, because the time scheme does not conserve energy exactly and powers are integrated by the
+        trapezoidal rule.
     """
 
     def since_start(name: str) -> Array:

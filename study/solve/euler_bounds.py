@@ -1,10 +1,11 @@
 """Error bounds for backward Euler with steps of variable size; Problem 5.1 need not be a gradient flow.
 
-Problem 5.1 is u̇ + Bu + N_K(u) ∋ f in V^h with ‖Bv − Bw‖ ≤ κ ‖v − w‖ and (Bv − Bw, v − w) ≥ −γ ‖v − w‖², 0 ≤ γ ≤ κ,
-in the norm and inner product of V. Backward Euler on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and
-γk < 1 gives U_n, δ_n = (U_n − U_{n−1})/k_n and ξ_n = f(t_n) − BU_n − δ_n ∈ N_K(U_n). Let û be the piecewise linear
-interpolant of the U_n, V = Var f, z = u̇(0+), F_n = ∫_{t_{n−1}}^{t_n} ‖f(t) − f(t_n)‖ dt and P = Π_n (1 − γk_n)^{−1}.
-Then max_t ‖u(t) − û(t)‖ is at most
+The semi-discrete problem (Problem 5.1) is u̇ + Bu + N_K(u) ∋ f in V^h with ‖Bv − Bw‖ ≤ κ ‖v − w‖ and
+(Bv − Bw, v − w) ≥ −γ ‖v − w‖², 0 ≤ γ ≤ κ, in the norm and inner product of V. N_K is the normal cone of the admissible
+set. Backward Euler on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and γk < 1 gives U_n,
+δ_n = (U_n − U_{n−1})/k_n and ξ_n = f(t_n) − BU_n − δ_n ∈ N_K(U_n). Let û be the piecewise linear interpolant of the
+U_n, V = Var f, z = u̇(0+), F_n = ∫_{t_{n−1}}^{t_n} ‖f(t) − f(t_n)‖ dt and P = Π_n (1 − γk_n)^{−1}. Then max_t
+‖u(t) − û(t)‖ is at most
 
     (Σ_n e^{2γ(T − t_{n−1})} k_n² (ξ_n, δ_n))^{1/2} + Σ_n e^{γ(T − t_{n−1})} (F_n + κ k_n² ‖δ_n‖/2)
         ≤ kP/(1 − γk) · ((1/√2 + κT/2) ‖z‖ + (2 + κT/2) V).
@@ -29,11 +30,11 @@ from study.solve.tableau import BACKWARD_EULER
 
 
 def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
-    """Solve Problem 5.1 by backward Euler with steps of variable size.
+    """Solve the semi-discrete problem by backward Euler with steps of variable size.
 
     Args:
-        problem: Problem 5.1 on a mesh, with n unknowns.
-        times: t_0 = 0, …, t_N.
+        problem: the semi-discrete problem on a mesh, with n unknowns.
+        times: the times t_0 = 0, …, t_N.
 
     Returns:
         The displacements U_0, …, U_N, (N + 1, n).
@@ -45,7 +46,7 @@ def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
     held = replace(problem, load=lambda _: problem.load(end))
     states, steps = [problem.initial()], dict[float, ContactStep]()
     for begin, end in pairwise(times):
-        # Steps of equal size share one factorisation.
+        # Step sizes are rounded, so that steps of equal size share one factorisation.
         k = round(end - begin, 12)
         if k not in steps:
             steps[k] = ContactStep(held, BACKWARD_EULER, k)
@@ -55,12 +56,12 @@ def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class EulerBounds:
-    """Computes both error bounds of the module for Problem 5.1 on one mesh.
+    """Computes error bounds for backward Euler on one mesh; the docstring of the module states both.
 
     Attributes:
-        flow: the problem with its load on a fine grid in time, which gives ‖z‖ and Var f.
-        kappa: κ, a Lipschitz constant of B, such as L_G/m_A.
-        growth: γ, at most κ; 0 if G is monotone.
+        flow: the problem with its loads on a fine grid in time, from which the total variation of the loads follows.
+        kappa: κ, a Lipschitz constant of the elasticity in ‖·‖_V, such as L_G/m_A.
+        growth: γ, the largest rate at which two solutions can move apart, at most κ; 0 if G is monotone.
     """
 
     flow: GradientFlow
@@ -68,23 +69,32 @@ class EulerBounds:
     growth: float
 
     def a_priori(self, longest: float, product: float) -> float:
-        """Return the second bound, from the data alone, for the longest step k and the product P = Π_n (1 − γk_n)⁻¹."""
+        """Return the error bound that needs only the data.
+
+        Args:
+            longest: the length k of the longest step.
+            product: P = Π_n (1 − γk_n)⁻¹.
+        """
         T, z, variation = self.flow.problem.T, self.flow.first, self.flow.variation
         half = self.kappa * T / 2
         terms = (1 / math.sqrt(2) + half) * z + (2 + half) * variation
         return longest * product / (1 - self.growth * longest) * terms
 
     def by_data(self, nodes: Array) -> float:
-        """Return the second bound, from the data alone, for steps between given nodes of the grid, indices (N + 1,)."""
+        """Return the error bound that needs only the data, for steps between given nodes of the fine grid.
+
+        Args:
+            nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
+        """
         steps = self._steps(nodes)
         return self.a_priori(float(steps.max()), float(np.prod(1 / (1 - self.growth * steps))))
 
     def by_solution(self, nodes: Array, states: Array) -> float:
-        """Return the first bound, from a computed solution.
+        """Return the error bound that is computed from the solution by backward Euler.
 
         Args:
-            nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
-            states: U_0, …, U_N, (N + 1, n).
+            nodes: the indices of t_0, …, t_N in the fine grid, (N + 1,).
+            states: the displacements U_0, …, U_N, (N + 1, n).
         """
         problem, steps = self.flow.problem, self._steps(nodes)
         rates = np.diff(states, axis=0) / steps[:, None]
@@ -101,10 +111,16 @@ class EulerBounds:
         return nodes * (self.flow.problem.T / (len(self.flow.loads) - 1))
 
     def _steps(self, nodes: Array) -> Array:
-        """Return the step sizes k_1, …, k_N."""
+        """Return the step sizes k_1, …, k_N between given nodes of the fine grid."""
         return np.diff(self._time(nodes))
 
     def _delay(self, begin: int, end: int) -> float:
-        """Return an upper bound of F_n: on each interval of the grid, the larger of the values at its ends is used."""
+        """Return an upper bound of ∫ ‖f(t) − f(t_n)‖ dt over the step that ends at t_n.
+
+        On each interval of the fine grid, the larger of the values at its ends is used.
+
+        Args:
+            begin, end: the indices of the ends of the step in the grid.
+        """
         away = self.flow.distance(np.arange(begin, end + 1), np.full(end + 1 - begin, end))
         return float(np.maximum(away[1:], away[:-1]).sum()) * self.flow.problem.T / (len(self.flow.loads) - 1)

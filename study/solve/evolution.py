@@ -1,6 +1,6 @@
-"""Problem 5.1 on one mesh, and its time steps.
+"""The semi-discrete problem (Problem 5.1) on one mesh, and its time steps.
 
-Problem 5.1 is the differential inclusion M u̇ + G(u) + N_{K^h}(u) ∋ F, where N_{K^h} is the normal cone of
+It is the differential inclusion M u̇ + G(u) + N_{K^h}(u) ∋ F, where N_{K^h} is the normal cone of the admissible set
 K^h = {v : N v ≤ g}. g is the initial gap at the vertices of Γ3, 0 in the paper. G is bounded relative to M uniformly in
 h, (5.5), so the system is not stiff, and the step k need not be small relative to h.
 
@@ -36,20 +36,21 @@ from study.solve.tableau import Tableau
 
 @dataclass(frozen=True, eq=False)
 class SemiDiscrete:
-    """Problem 5.1 on one mesh, with n unknowns and m constraints.
+    """The semi-discrete problem (Problem 5.1) on one mesh, with n unknowns and m constraints.
 
     Attributes:
         M: the matrix of the viscosity A, which is the inner product (·,·)_V on V^h, (n, n).
-        reference: the matrix of G_ref, (n, n).
+        reference: the matrix G_ref of the elasticity, (n, n); for a nonlinear law it belongs to a constant reference
+            tensor.
         remainder: the function v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,) → (n,); None for a linear law.
-        N: the matrix of K^h = {v : N v ≤ g}, (m, n).
-        load: the function t ↦ F(t), (n,).
+        N: the constraint matrix, (m, n): displacements with N v ≤ g are admissible.
+        load: the function from a time t to the load vector F(t), (n,).
         u0: the initial value u_0^h ∈ K^h, (n,).
         T: the final time.
         solver: a function that makes the contact solver of one step from S and N; an initial gap is passed as
             ``gap=g``.
-        growth: max(−m, 0)/m_A of the law, where m is its constant of monotonicity; 0 for a monotone G. It limits the
-            length of steps.
+        growth: the largest rate max(−m, 0)/m_A at which two solutions can move apart, where m is the monotonicity
+            constant of G; 0 for a monotone G. It limits the length of steps.
         gap: the initial gap g ≥ 0 at the contact vertices, (m,), or the number 0 as in the paper.
     """
 
@@ -73,7 +74,7 @@ class SemiDiscrete:
         u0: Array,
         gap: Array | float = 0.0,
     ) -> SemiDiscrete:
-        """Return Problem 5.1 on a space; the arguments are described in ``SemiDiscrete``."""
+        """Return Problem 5.1 on a space for a law, a load and an initial value; see ``SemiDiscrete``."""
         factor = means(space, law.G.factor)
         return cls(
             M=form(space, law.A),
@@ -89,25 +90,34 @@ class SemiDiscrete:
         )
 
     def contact(self, S: sps.csc_array) -> ContactSolver:
-        """Return the solver of minimise ½ vᵀSv − bᵀv over K^h, as a function of b."""
+        """Return the contact solver for a matrix S: a function of b that minimises ½ vᵀSv − bᵀv over K^h."""
         return self.solver(S, self.N, gap=self.gap) if np.any(self.gap) else self.solver(S, self.N)
 
     def initial(self) -> State:
-        """Return the state at t_0: u_0^h, with zeros as contact forces, because the scheme gives none at t_0."""
+        """Return the state at t_0, with the displacement u_0^h.
+
+        Contact forces are 0 there, because the time scheme does not define them at t_0.
+        """
         return State(0.0, self.u0, np.zeros(self.N.shape[0]), 0, lambda: 0.0)
 
     def elastic(self, v: Array) -> Array:
-        """Return the vector of the elastic forces, (G ε(v), ε(·))_Q, (n,) → (n,)."""
+        """Return the vector of the elastic forces of a displacement v, (G ε(v), ε(·))_Q, (n,) → (n,)."""
         linear: Array = self.reference @ v
         return linear if self.remainder is None else linear + self.remainder(v)
 
     def stepper(self, scheme: Tableau, k: float) -> ContactStep:
-        """Return the function that computes the state at t_n from n and the previous states."""
+        """Return the function that computes the state at t_n from n and the previous states, for steps of size k."""
         return ContactStep(self, scheme, k)
 
 
 def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[Array], Array] | None:
-    """Return the function ``SemiDiscrete.remainder``; ``factor`` is α of G at the quadrature points of the space."""
+    """Return the difference of the elastic forces and their linear part, the function ``SemiDiscrete.remainder``.
+
+    Args:
+        space: the finite element space.
+        G: the elasticity; the result is None if it is linear.
+        factor: the material factor α of G at the quadrature points.
+    """
     if isinstance(G, Linear):
         return None
     at_points = G.scaled(factor)
@@ -120,9 +130,9 @@ def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[A
 
 
 def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[tuple[State, Array]]:
-    """Yield pairs of the state at t_n and the velocity δu_n, n = 0, …, steps.
+    """Solve the problem and yield pairs of the state at t_n and the velocity δu_n, n = 0, …, steps.
 
-    δu_n is the difference quotient of the scheme. The scheme does not define δu_0, so δu_1 is used for it.
+    The velocity is the difference quotient of the scheme. The scheme does not define δu_0, so δu_1 is used for it.
     """
     k = step_size(problem.T, steps)
     states = scheme.march(problem, steps)
@@ -137,7 +147,7 @@ def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[t
 
 
 class Scheme(Protocol):
-    """A time scheme for Problem 5.1: a ``Tableau``, or another class with these methods."""
+    """The interface of time schemes for the semi-discrete problem, such as ``Tableau``."""
 
     @property
     def name(self) -> str: ...
@@ -145,35 +155,38 @@ class Scheme(Protocol):
     def order(self) -> float: ...
 
     def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
-        """Yield the states at t_0, t_1, …, t_steps."""
+        """Solve the problem and yield the states at t_0, t_1, …, t_steps."""
         ...
 
 
 FIXED_POINT = ROUNDING / 10
-"""Relative distance to the fixed point, in ‖·‖_M, at which the iteration for a nonlinear law stops. The residual of a
-state is measured in another norm; it was at most five times this value in all runs, half of what is permitted."""
+"""The iteration for a nonlinear law stops at this relative distance from the fixed point, in the norm of M.
+
+The residual of a state is measured in another norm. In all runs it was at most five times this value, half of what is
+permitted.
+"""
 ITERATIONS = 60
-"""Largest number of iterations for a nonlinear law."""
+"""Largest number of iterations of a time step for a nonlinear law."""
 TINY = 1e-150
-"""Replaces zero in denominators; its square is still positive."""
+"""Replaces zero in denominators. Its square is still a positive number."""
 
 
 class EvolutionError(RuntimeError):
-    """Raised if a time step could not be solved."""
+    """Raised if a time step could not be solved, or gave values that are not finite."""
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """The solution of Problem 5.1 at one time node.
+    """The solution of the semi-discrete problem at one time node t_n.
 
     Attributes:
-        time: t_n.
-        u: u_n ∈ K^h, (n,).
-        multipliers: λ_n ≥ 0, the nodal contact forces, (m,).
-        iterations: the number of contact solves in this step.
-        residual: a function that returns the residual of the step, which is 0 for an exact solution: the largest of
-            ‖S u + Nᵀλ − b‖/‖b‖, (N u − g)_+, |λ·(N u − g)| and λ_−, the last three relative to the size of u and λ. It
-            is computed only on request, because that takes as long as a step on a coarse mesh.
+        time: the time t_n.
+        u: the displacement u_n ∈ K^h, (n,).
+        multipliers: the nodal contact forces λ_n ≥ 0, (m,).
+        iterations: the number of contact problems that were solved in this step.
+        residual: a function that returns the residual of the step, which is 0 for an exact solution. It is the largest
+            of ‖S u + Nᵀλ − b‖/‖b‖, (N u − g)_+, |λ·(N u − g)| and λ_−, the last three relative to the size of u and λ.
+            It is computed only on request, because that takes as long as a step on a coarse mesh.
     """
 
     time: float
@@ -187,9 +200,9 @@ class ContactStep:
     """Computes the time steps of one scheme with one step size k.
 
     Attributes:
-        S: the matrix that is factorised.
-        known: the matrices that multiply u_{n−1}, u_{n−2}, … on the right-hand side, w_j M/k; (1 − θ) G_ref is
-            subtracted from the first.
+        S: the matrix of the contact problem in each step, which is factorised once.
+        known: the matrices that multiply the earlier displacements u_{n−1}, u_{n−2}, … on the right-hand side. They are
+            w_j M/k; (1 − θ) G_ref is subtracted from the first.
 
     Raises:
         StepsError: G is not monotone, and a step of this length may have several solutions.
@@ -205,7 +218,7 @@ class ContactStep:
             self.known[0] = sps.csc_array(self.known[0] - (1 - scheme.theta) * problem.reference)
 
     def __call__(self, n: int, past: Sequence[State]) -> State:
-        """Return the state at t_n.
+        """Compute one time step and return the state at t_n.
 
         Args:
             n: the number of the step.
@@ -224,7 +237,9 @@ class ContactStep:
     def _nonlinear(
         self, time: float, constant: Array, before: Sequence[Array], remainder: Callable[[Array], Array]
     ) -> State:
-        """Return the state of a nonlinear law: the fixed point of the map v ↦ u that solves the contact problem
+        """Compute a time step for a nonlinear law by a fixed-point iteration.
+
+        The displacement is the fixed point of the map v ↦ u that solves the contact problem with the equation
 
         S u + Nᵀλ = constant − remainder(θv + (1 − θ) u_{n−1}).
         """
@@ -237,7 +252,7 @@ class ContactStep:
             u, multipliers = self.solve(constant - remainder(theta * v + base))
             return u
 
-        # The first guess is extrapolated by the polynomial through the last states, at most three.
+        # The first guess is extrapolated from the last states (at most three) by a polynomial, which saves iterations.
         weights = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(before)]
         guess = sum((weight * u for weight, u in zip(weights, before, strict=True)), np.zeros_like(base))
         try:
@@ -249,7 +264,7 @@ class ContactStep:
         return self._state(time, u, multipliers, constant - remainder(theta * u + base), taken)
 
     def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
-        # A sum is finite only if all of its terms are, so one test suffices.
+        # A sum is finite only if all of its terms are finite, so testing the sum suffices.
         if not math.isfinite(u.sum() + multipliers.sum()):
             raise EvolutionError(
                 f"the step to t = {time:.6g} gave values that are not finite; check the loads, and use units in which "
@@ -258,7 +273,7 @@ class ContactStep:
         return State(time, u, multipliers, iterations, partial(self._residual, u, multipliers, b))
 
     def _residual(self, u: Array, multipliers: Array, b: Array) -> float:
-        """Return the residual that is described in ``State``."""
+        """Return the relative residual of a step, as ``State`` describes it."""
         defect = self.S @ u + self.forces @ multipliers - b
         normal = self.problem.N @ u - self.problem.gap
         size, force = _largest(u), _largest(multipliers)
@@ -268,10 +283,10 @@ class ContactStep:
             float(-multipliers.min(initial=0.0)) / force,
             float(abs(normal * multipliers).max(initial=0.0)) / (size * force),
         )
-        # NumPy's maximum is NaN if any value is; Python's max may hide a NaN.
+        # NumPy's maximum is NaN if any value is NaN, whereas Python's max may hide a NaN.
         return float(np.max(parts))
 
 
 def _largest(v: Array) -> float:
-    """Return the largest absolute value, or TINY for a zero vector."""
+    """Return the largest absolute value of a vector, or TINY if the vector is 0."""
     return max(float(v.max(initial=0.0)), -float(v.min(initial=0.0)), TINY)

@@ -14,24 +14,25 @@ from manufactured.tensors import Array, Points
 Integers = NDArray[np.int64]
 
 LEAF = 32
-"""Number of points up to which nested dissection does not divide a part."""
+"""Nested dissection does not divide sets of at most this number of points."""
 
 
 class Cholesky:
-    """The Cholesky factorisation S = Pᵀ L Lᵀ P; a call with b returns S⁻¹ b.
+    """The Cholesky factorisation S = Pᵀ L Lᵀ P of a sparse matrix; a call with b returns S⁻¹ b.
 
-    P is an order of elimination that keeps L sparse and eliminates given unknowns last. The trailing block of L is then
-    the Cholesky factor of the Schur complement of S on these unknowns.
+    The permutation P is an order of elimination that keeps L sparse and eliminates given unknowns last. The trailing
+    block of L is then the Cholesky factor of the Schur complement of S on these unknowns.
 
     How SuperLU is used: without pivoting it computes S = L₁ U with U = D L₁ᵀ, so that L = L₁ D^{1/2}. It has no
     function for a solve with L₁ alone. But if L itself is factorised, its factors are trivial, and solves with L and
     with Lᵀ are the forward and the backward substitution.
 
     Args:
-        S: a symmetric positive definite matrix, (n, n). last: the unknowns that are eliminated last, (c,). x: the p
-        points to which the unknowns belong, n/p consecutive unknowns each, (d, p). They give an order by nested
-            dissection. Without them a minimum degree order is used, for which S is factorised twice; this is meant for
-            small matrices.
+        S: a symmetric positive definite matrix, (n, n).
+        last: the unknowns that are eliminated last, (c,).
+        x: the p points to which the unknowns belong, n/p consecutive unknowns each, (d, p). They give an order by
+            nested dissection. Without them a minimum degree order is used, for which S is factorised twice; this is
+            meant for small matrices.
 
     Attributes:
         order: the unknowns in the order of elimination, (n,).
@@ -51,34 +52,38 @@ class Cholesky:
         if not ((pivots > 0).all() and np.array_equal(factors.perm_r, np.arange(len(order)))):
             raise np.linalg.LinAlgError("the matrix is not positive definite, so it has no Cholesky factor")
         L = sps.csc_array(factors.L @ sps.diags_array(np.sqrt(pivots)))
-        # Free L₁ and U before the next matrix is made: they take most of the memory.
+        # The factors L₁ and U take most of the memory, so they are freed before the next matrix is made.
         del factors
         count = len(order) - len(last)
         self.trailing = L[count:, count:].toarray()
         self._triangular = superlu(L)
 
     def __call__(self, b: Array) -> Array:
-        """Return S⁻¹ b, (n,), or for several b, (m, n)."""
+        """Return S⁻¹ b for a right-hand side b, (n,), or for m of them, (m, n)."""
         return self.backward(self.forward(b))
 
     def forward(self, b: Array) -> Array:
-        """Return y = L⁻¹ P b, (n,) or (m, n)."""
+        """Return y = L⁻¹ P b, the forward substitution for b, (n,) or (m, n)."""
         return np.asarray(self._triangular.solve(b[..., self.order].T).T)
 
     def backward(self, y: Array) -> Array:
-        """Return Pᵀ L⁻ᵀ y, (n,) or (m, n)."""
+        """Return Pᵀ L⁻ᵀ y, the backward substitution for y, (n,) or (m, n)."""
         u = np.empty_like(y)
         u[..., self.order] = self._triangular.solve(y.T, "T").T
         return u
 
 
 def superlu(matrix: sps.csc_array, permc_spec: str = "NATURAL") -> SuperLU:
-    """Return SuperLU's factors of a matrix with a symmetric pattern, without pivoting.
+    """Factorise a matrix with a symmetric pattern by SuperLU, without pivoting.
+
+    Args:
+        matrix: the matrix.
+        permc_spec: SuperLU's option for the order of the columns.
 
     Raises:
         LinAlgError: the matrix is not positive definite.
     """
-    # ``relax`` must keep SciPy's default: with 40, SciPy 1.17 writes beyond its arrays.
+    # The option ``relax`` must keep its default in SciPy: with 40, SciPy 1.17 writes beyond its arrays.
     try:
         options = {"SymmetricMode": True}
         return splu(sps.csc_matrix(matrix), permc_spec=permc_spec, diag_pivot_thresh=0.0, options=options)
@@ -87,12 +92,12 @@ def superlu(matrix: sps.csc_array, permc_spec: str = "NATURAL") -> SuperLU:
 
 
 def minimum_degree(S: sps.csc_array) -> Integers:
-    """Return SuperLU's minimum degree order of the unknowns, (n,)."""
+    """Return an order of the unknowns that keeps the factors sparse: SuperLU's minimum degree order, (n,)."""
     return np.argsort(superlu(S, "MMD_AT_PLUS_A").perm_c)
 
 
 def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
-    """Return an order of elimination that keeps the factors sparse, by geometric nested dissection, (n,).
+    """Return an order of the unknowns that keeps the factors sparse, by geometric nested dissection, (n,).
 
     The set of points is divided into two halves at the median of its longest coordinate axis. The points of one half
     that are coupled to the other half are called a separator. The smaller of the two separators is eliminated after
@@ -105,7 +110,7 @@ def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
 
     Args:
         S: a matrix with a symmetric pattern, (n, n).
-        x: the p points, with n/p consecutive unknowns each, (d, p).
+        x: the p points to which the unknowns belong, n/p consecutive unknowns each, (d, p).
     """
     count = x.shape[1]
     several = S.shape[0] // count

@@ -23,11 +23,11 @@ import numpy as np
 from manufactured.tensors import Array
 
 SEEN = 3
-"""Least number of images before the iteration may stop; they give two estimates of ρ."""
+"""The iteration may stop only after this number of evaluations, which give two estimates of the contraction number."""
 MEMORY = 3
-"""Number of previous differences that the acceleration combines."""
+"""Number of previous steps that Anderson acceleration combines."""
 CUTOFF = 1e-12
-"""Eigenvalues of a Gram matrix below this value, relative to the largest, count as zero."""
+"""In least squares, eigenvalues of the Gram matrix count as zero below this fraction of the largest one."""
 TINY = 1e-300
 """Replaces zero in denominators."""
 
@@ -39,14 +39,15 @@ class FixedPointError(RuntimeError):
 def fixed_point(
     image: Callable[[Array], Array], v: Array, dual: Callable[[Array], Array], tolerance: float, most: int
 ) -> tuple[Array, int]:
-    """Return the fixed point of a contraction, and the number of evaluations.
+    """Return the fixed point of a contraction, and the number of evaluations of the contraction.
 
     Args:
         image: the contraction g, (n,) → (n,).
         v: the first input, (n,).
         dual: the function w ↦ M w with the matrix of the norm, ‖w‖² = w·M w.
-        tolerance: the estimated distance from the fixed point, relative to ‖u‖, at which the iteration stops.
-        most: largest number of evaluations of g.
+        tolerance: the iteration stops at this estimated distance from the fixed point, relative to the norm of the
+            result.
+        most: the largest number of evaluations of g.
 
     Raises:
         FixedPointError: the iteration did not converge, or values are not finite.
@@ -67,13 +68,14 @@ def fixed_point(
         u = image(v)
         before, residual = residual, with_dual(u - v)
         change = residual - before
-        # u = v + f(v) is the image of v, so step + change is the difference of the last two images.
+        # The image of an input v is v plus its residual. So the image changes by the step of the input plus the change
+        # of the residual.
         moved = step + change
         whole += moved
         left = _finite(_norm(residual), taken)
         contraction = max(contraction, _norm(moved) / max(_norm(step), TINY))
-        # The residual may exceed the tolerance by (1 − ρ)/ρ, but is not required to be smaller than the tolerance:
-        # quotients of round-off are arbitrary.
+        # By the estimate of the distance, the residual may be (1 − ρ)/ρ times the tolerance. It is not required to be
+        # smaller than the tolerance, because the estimate of ρ then depends on round-off.
         excess = max(1.0, (1 - contraction) / max(contraction, TINY))
         if left == 0 or (taken >= SEEN and left <= tolerance * excess * _norm(whole)):
             return u, taken
@@ -82,7 +84,7 @@ def fixed_point(
 
 
 def _norm(w: Array) -> float:
-    """Return the norm ‖w‖ of a vector with its dual, (2, n)."""
+    """Return the norm (w·M w)^½ of a vector w that is stored together with M w, (2, n)."""
     return float(np.sqrt(max(w[0] @ w[1], 0.0)))
 
 
@@ -93,17 +95,19 @@ def _finite(size: float, taken: int) -> float:
 
 
 def _accelerated(residual: Array, memory: Sequence[tuple[Array, Array]]) -> Array:
-    """Return the accelerated step, residual − Σ γ_i Δu_i, where the γ_i minimise ‖residual − Σ γ_i Δf_i‖.
+    """Return the step of Anderson acceleration, residual − Σ γ_i Δu_i, where the γ_i minimise ‖residual − Σ γ_i Δf_i‖.
+
+    Each vector w is stored together with M w, as an array (2, n).
 
     Args:
-        residual: the last residual with its dual, (2, n).
-        memory: pairs of the differences Δf_i of residuals and Δu_i of images, with their duals, (2, n) each.
+        residual: the last residual, (2, n).
+        memory: pairs of the differences Δf_i of successive residuals and Δu_i of successive images, (2, n) each.
     """
     if not memory:
         return residual
     changes, of_images = (np.array(parts) for parts in zip(*memory, strict=True))
     gram = changes[:, 0] @ changes[:, 1].T
-    # The differences of a contraction become much smaller from step to step, so the system is scaled.
+    # The differences become much smaller from step to step, so the system is scaled to avoid ill-conditioning.
     sizes = np.sqrt(np.maximum(gram.diagonal(), TINY))
     slopes = changes[:, 1] @ residual[0] / sizes
     gamma = np.linalg.lstsq(gram / np.outer(sizes, sizes), slopes, rcond=CUTOFF)[0] / sizes

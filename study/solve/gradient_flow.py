@@ -1,8 +1,9 @@
 """Error bounds for backward Euler, independent of the mesh, if Problem 5.1 is a gradient flow.
 
-If (B^h ·, ·)_V has a convex potential, Problem 5.1 is u̇ + ∂φ(u) ∋ f in V^h with φ convex, infinite outside K^h. Let
-U_n be the solution of backward Euler with N steps of size k, δU_n = (U_n − U_{n−1})/k, ξ_n = f(t_n) − δU_n ∈ ∂φ(U_n),
-and û the piecewise linear interpolant. Let z be the element of least norm of f(0) − ∂φ(u_0), used as δU_0. Then
+If the elasticity operator B^h on V^h has a convex potential, the semi-discrete problem (Problem 5.1) is u̇ + ∂φ(u) ∋ f
+in V^h with φ convex, infinite outside K^h. Let U_n be the solution of backward Euler with N steps of size k,
+δU_n = (U_n − U_{n−1})/k, ξ_n = f(t_n) − δU_n ∈ ∂φ(U_n), and û the piecewise linear interpolant. Let z be the element of
+least norm of f(0) − ∂φ(u_0), used as δU_0. Then
 
     max_t ‖u^h − û‖_V ≤ F + k (Σ_n (ξ_n − ξ_{n−1}, δU_n)_V)^½ ≤ k (‖z‖_V/√2 + 2 Var f),
 
@@ -16,7 +17,7 @@ nodes follows from the interpolation error of u^h: if û is linear between its v
 where osc_n is the largest difference of velocities within a step.
 
 The proofs are in paper/time.tex. The first bound needs the computed solution, the second only the data; both are
-independent of h. z is u̇^h(0+), the projection of f(0) − B^h u_0 onto the cone of
+independent of h. z is the initial velocity u̇^h(0+), which is the projection of f(0) − B^h u_0 onto the cone of
 directions that K^h permits at u_0, and ‖z‖_V ≤ ‖f(0)‖_V + ‖B^h u_0‖_V.
 """
 
@@ -34,16 +35,16 @@ from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 
 TOUCHING = 1e-12
-"""Value of −N u_0 at a vertex, relative to the largest value of u_0, up to which the vertex counts as in contact."""
+"""A vertex counts as in contact at t = 0 up to this gap, relative to the largest initial displacement."""
 
 
 @dataclass(frozen=True, eq=False)
 class GradientFlow:
-    """Problem 5.1 with its load on a grid in time, and the quantities of the bounds of the module.
+    """Computes error bounds for backward Euler on one mesh; the docstring of the module states them.
 
     Attributes:
-        problem: Problem 5.1 on a mesh, with n unknowns.
-        loads: the loads F(t_0), …, F(t_m) at equidistant times from 0 to T, (m + 1, n).
+        problem: the semi-discrete problem (Problem 5.1), with n unknowns.
+        loads: the load vectors at equidistant times t_0, …, t_m from 0 to T, (m + 1, n).
     """
 
     problem: SemiDiscrete
@@ -51,38 +52,42 @@ class GradientFlow:
 
     @cached_property
     def riesz(self) -> Cholesky:
-        """The Cholesky factorisation of M; a call maps b to M⁻¹b."""
+        """The Cholesky factorisation of the matrix M of (·,·)_V; a call maps b to M⁻¹b."""
         return Cholesky(self.problem.M)
 
     @cached_property
     def representers(self) -> Array:
-        """The Riesz representers of f at the times of the grid, (m + 1, n)."""
+        """The Riesz representers of the loads in V^h at the times of the grid, (m + 1, n)."""
         return np.array([self.riesz(load) for load in self.loads])
 
     def distance(self, i: Array, j: Array) -> Array:
-        """Return ‖f(t_i) − f(t_j)‖_V for arrays of indices of the grid, (k,) → (k,)."""
+        """Return the distances ‖f(t_i) − f(t_j)‖_V of loads at times of the grid, for arrays of indices,
+        (k,) → (k,)."""
         squares = np.sum((self.loads[i] - self.loads[j]) * (self.representers[i] - self.representers[j]), axis=-1)
         root: Array = np.sqrt(np.maximum(squares, 0))
         return root
 
     @cached_property
     def variation(self) -> float:
-        """The total variation Var f over the grid."""
+        """The total variation Var f of the load over the times of the grid."""
         ends = np.arange(len(self.loads))
         return float(self.distance(ends[1:], ends[:-1]).sum())
 
     @cached_property
     def start(self) -> Array:
-        """The initial velocity z, (n,)."""
+        """The initial velocity z = u̇^h(0+), (n,)."""
         problem, u0 = self.problem, self.problem.u0
         touching = problem.N @ u0 >= -TOUCHING * abs(u0).max(initial=0.0)
         return Signorini(problem.M, problem.N[np.flatnonzero(touching)])(self.loads[0] - problem.elastic(u0))[0]
 
     def delay(self, steps: int) -> float:
-        """Return an upper bound of F for a number of steps that divides m.
+        """Return an upper bound of F, the sum over all steps of ∫ ‖f(t_n) − f(t)‖_V dt.
 
-        On every interval of the grid, the larger of the values of ‖f(t_n) − f(t)‖ at its ends is used. If a step has j
-        intervals and the load is linear in it, the bound is 1 + 1/j times F.
+        On every interval of the grid, the larger of the values at its ends is used. If a step has j intervals and the
+        load is linear in it, the result is 1 + 1/j times F.
+
+        Args:
+            steps: the number of time steps, which must divide m.
         """
         nodes = np.arange(len(self.loads))
         inner = (len(self.loads) - 1) // steps
@@ -92,30 +97,30 @@ class GradientFlow:
 
     @cached_property
     def first(self) -> float:
-        """The norm ‖z‖_V of the initial velocity."""
+        """The norm ‖z‖_V of the initial velocity z."""
         return math.sqrt(self.start @ (self.problem.M @ self.start))
 
     @property
     def fastest(self) -> float:
-        """The bound ‖z‖_V + Var f of the speeds ‖u̇^h(t)‖_V and ‖δU_n‖_V."""
+        """A bound of the speeds ‖u̇^h(t)‖_V and ‖δU_n‖_V: the initial speed ‖z‖_V plus Var f."""
         return self.first + self.variation
 
     def a_priori(self, steps: int) -> float:
-        """Return the second bound, k (‖z‖_V/√2 + 2 Var f), which needs only the data, for k = T/steps."""
+        """Return the error bound that needs only the data, k (‖z‖_V/√2 + 2 Var f), for steps of size k = T/steps."""
         return self.problem.T / steps * (self.first / math.sqrt(2) + 2 * self.variation)
 
     def piecewise_constant(self, steps: int) -> float:
-        """Return the bound if û is replaced by the function that is U_n on (t_{n−1}, t_n].
+        """Return the error bound for the piecewise constant function that is U_n on (t_{n−1}, t_n].
 
         It is k (‖z‖_V/√2 + 2 Var f) + k (‖z‖_V + Var f).
         """
         return self.a_priori(steps) + self.problem.T / steps * self.fastest
 
     def a_posteriori(self, states: Array) -> float:
-        """Return the first bound, F + k (Σ (ξ_n − ξ_{n−1}, δU_n)_V)^½, from a computed solution.
+        """Return the error bound that is computed from the solution, F + k (Σ (ξ_n − ξ_{n−1}, δU_n)_V)^½.
 
         Args:
-            states: U_0, …, U_N, (N + 1, n), where N divides m.
+            states: the displacements U_0, …, U_N, (N + 1, n), where N divides m.
         """
         steps, M = len(states) - 1, self.problem.M
         k, every = self.problem.T / steps, (len(self.loads) - 1) // steps

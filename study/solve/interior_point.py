@@ -11,19 +11,27 @@ from typing import NamedTuple
 import clarabel
 
 REFINEMENT = 1e-16
-"""Tolerance for linear systems in the solver; it is too small to be reached, so they are refined down to rounding."""
+"""Tolerance of the linear systems in the solver.
+
+It cannot be reached, so the systems are refined until rounding prevents further progress.
+"""
 SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
 
 
 class Accuracy(NamedTuple):
-    """Tolerances of the solver: for the duality gap (absolute or relative) and for the residuals of the constraints."""
+    """Tolerances of the solver.
+
+    Attributes:
+        gap: for the duality gap, absolute or relative.
+        feasibility: for the residuals of the constraints.
+    """
 
     gap: float
     feasibility: float
 
 
 def settings(aim: Accuracy, enough: Accuracy) -> clarabel.DefaultSettings:
-    """Return settings of the solver.
+    """Return the settings with which the solver stops at a given accuracy.
 
     Args:
         aim: the accuracy at which the solver stops.
@@ -31,7 +39,8 @@ def settings(aim: Accuracy, enough: Accuracy) -> clarabel.DefaultSettings:
     """
     found = clarabel.DefaultSettings()
     found.verbose = False
-    # With presolve or chordal decomposition the solver would not accept new data for the next time step.
+    # Presolve and chordal decomposition are switched off, because the solver could not take new data for the next time
+    # step.
     found.presolve_enable = False
     found.chordal_decomposition_enable = False
     found.tol_gap_abs = found.tol_gap_rel = aim.gap

@@ -1,4 +1,4 @@
-"""The solution of one problem by BDF2: displacement, velocity, stress, contact and energy at every time node.
+"""The numerical solution of one problem by BDF2: displacement, velocity, stress, contact and energy at every time node.
 
 The scheme replaces u̇(t_n) by a difference quotient δu_n. The stress in equilibrium at t_n is therefore
 
@@ -28,14 +28,14 @@ from study.solve.tableau import BDF2
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """The solution at one time node.
+    """The solution at one time node t_n.
 
     Attributes:
-        time: t_n.
-        u, velocity: u_n and δu_n, (dofs,).
-        stress: σ_n on the cells, (D, cells).
-        normal: N u_n − g at the contact vertices, ≤ 0, (m,).
-        multipliers: λ_n, the nodal contact forces, (m,).
+        time: the time t_n.
+        u, velocity: the displacement u_n and the velocity δu_n, (dofs,).
+        stress: the stress σ_n on the cells, (D, cells).
+        normal: the normal displacement minus the initial gap at the contact vertices, N u_n − g ≤ 0, (m,).
+        multipliers: the nodal contact forces λ_n, (m,).
         power: the stored energy and the powers at t_n.
     """
 
@@ -50,13 +50,13 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """The numerical solution of the problem of an exact solution on one mesh.
+    """The numerical solution, on one mesh, of the problem to which an exact solution belongs.
 
     Attributes:
-        solution: the exact solution.
-        family, level: the mesh family, by name, and the level of the mesh.
-        space: V^h.
-        frames: the solution at t_0, …, t_steps; λ is set to 0 at t_0.
+        solution: the exact solution, which gives the data.
+        family, level: the name of the mesh family, and the level of the mesh.
+        space: the space V^h.
+        frames: the solution at t_0, …, t_steps. At t_0 the contact forces are set to 0.
     """
 
     solution: ExactSolution
@@ -74,7 +74,7 @@ class Motion:
         steps: int,
         notify: Callable[[], object] = lambda: None,
     ) -> Motion:
-        """Solve the problem and return its solution.
+        """Solve the problem to which an exact solution belongs, and return the numerical solution.
 
         Args:
             solution: the exact solution, which gives the data.
@@ -98,7 +98,7 @@ class Motion:
         return cls(solution, family.name, level, space, found)
 
     def balance(self) -> dict[str, Array]:
-        """Return the energy balance at the times of the frames (``study.solve.energy_balance``)."""
+        """Return the energy balance at the times of the frames; see ``study.solve.energy_balance.balance``."""
         return balance(np.array([frame.time for frame in self.frames]), [frame.power for frame in self.frames])
 
 

@@ -42,35 +42,41 @@ from scipy.sparse.linalg import LinearOperator, cg
 from manufactured.tensors import Array, Points
 
 REDUCTION = 0.02
-"""Factor by which one correction reduces the residual. More accuracy would be wasted while the active set changes."""
+"""One correction reduces the residual by this factor. More accuracy would be wasted while the active set changes."""
 CORRECTIONS, ITERATIONS = 200, 300
-"""Largest number of corrections in a solve and of conjugate gradient iterations in a correction."""
+"""Largest numbers of corrections in a solve, and of conjugate gradient iterations in a correction."""
 PATIENCE = 5
-"""A cycle of active sets is suspected if, for this many corrections, the number of unknowns to change has not reached a
-new minimum."""
+"""Number of corrections without progress after which a cycle of active sets is suspected.
+
+Progress means that the number of unknowns to change has reached a new minimum.
+"""
 SMOOTHER = ("chebyshev", {"degree": 2, "lower_bound": 1 / 20})
-"""The smoother: Chebyshev polynomials for eigenvalues above λ_max/20. Higher degrees cost more time than they save."""
+"""The smoother of the multigrid method: Chebyshev polynomials of degree 2 for eigenvalues above λ_max/20.
+
+Higher degrees cost more time than they save.
+"""
 COARSEST = 100
-"""Largest number of aggregates on the coarsest level, whose matrix is inverted as a dense matrix."""
+"""Largest number of aggregates on the coarsest level. The matrix of this level is inverted as a dense matrix."""
 INDEPENDENT = 1e-8
-"""Sine of the angle between normals at a vertex below which they are refused as linearly dependent."""
+"""Two contact normals at a vertex are refused as linearly dependent if the sine of their angle is below this number."""
 
 
 class MultigridError(RuntimeError):
-    """Raised if the solver did not reach its tolerance."""
+    """Raised if the multigrid solver did not reach its tolerance."""
 
 
 class Multigrid:
-    """The contact solver for a fixed S and N. Each solve starts from the last solution and active set.
+    """The multigrid solver of contact problems with fixed matrices S and N.
 
     The solution satisfies N u ≤ g, λ ≥ 0 and λ·(N u − g) = 0 up to rounding, and S u + Nᵀλ = b up to the tolerance.
+    Each solve starts from the last solution and active set.
 
     Args:
         S: a symmetric positive definite matrix, with the d unknowns of each vertex in sequence, (n, n).
-        N: the constraints, (m, n). All entries of a row belong to one vertex, and the rows of a vertex are linearly
-            independent.
+        N: the constraint matrix, (m, n). All entries of a row belong to one vertex, and the rows of a vertex are
+            linearly independent.
         x: the vertices to which the unknowns belong, (d, n/d).
-        tolerance: the largest accepted ‖S u + Nᵀλ − b‖/‖b‖.
+        tolerance: the largest accepted relative residual ‖S u + Nᵀλ − b‖/‖b‖.
         gap: the initial gap g ≥ 0, (m,) or a number.
 
     Raises:
@@ -91,7 +97,7 @@ class Multigrid:
         S = sps.bsr_array(S, blocksize=(len(x), len(x)))
         diagonal = get_block_diag(S, len(x), inv_flag=False)
         scale = np.sqrt(np.einsum("vai,vab,vbi->vi", inverse, diagonal, inverse))
-        # u = basis w and w = coordinates u.
+        # The matrices convert scaled unknowns w to displacements u and back: u = basis w and w = coordinates u.
         self.basis = block_diagonal(inverse / scale[:, None, :])
         self.coordinates = block_diagonal(blocks * scale[:, :, None])
         self.forces = scale.ravel()[self.bounded]
@@ -102,7 +108,7 @@ class Multigrid:
         self.hold(np.zeros(N.shape[0], dtype=bool))
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
-        """Return u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,).
+        """Solve the contact problem for a load b: return u ∈ K^h, (n,), and the nodal contact forces λ ≥ 0, (m,).
 
         Raises:
             MultigridError: the tolerance was not reached.
@@ -129,13 +135,18 @@ class Multigrid:
         )
 
     def hold(self, held: NDArray[np.bool_]) -> None:
-        """Set the active set: one flag for each row of N says whether its unknown is held at its bound, (m,)."""
+        """Set the active set.
+
+        Args:
+            held: for each row of N, whether its unknown is held at its bound, (m,).
+        """
         self.held, self.free = held, np.ones(self.A.shape[0])
         self.free[self.bounded[held]] = 0
         self.cut = without(self.A, self.free)
 
     def _corrected(self, w: Array, r: Array, reduction: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Return w after one correction, (n,), and for each row of N whether to hold or release its unknown, (m,).
+        """Return the iterate after one correction, (n,), and which unknowns to hold, as flags for the rows of N,
+        (m,).
 
         Args:
             w: the present iterate, (n,).
@@ -150,7 +161,7 @@ class Multigrid:
         return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > self.highest)
 
     def cycle(self, r: Array) -> Array:
-        """Apply the preconditioner, a symmetric V-cycle, to a residual that vanishes on the held unknowns."""
+        """Apply the preconditioner, a symmetric V-cycle, to a residual that is 0 on the held unknowns."""
         if self.coarse is None:
             return r
         x = np.zeros_like(r)
@@ -161,7 +172,7 @@ class Multigrid:
 
 
 def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Callable[[Array], Array] | None]:
-    """Construct the levels of smoothed aggregation.
+    """Construct the levels of the multigrid method by smoothed aggregation.
 
     Args:
         A: a symmetric positive definite matrix with ones on the diagonal, in blocks for the vertices, (n, n).
@@ -171,7 +182,8 @@ def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Call
         The finest level, and a function that applies a V-cycle on the other levels, or None if there are none.
     """
     state = np.random.get_state()
-    # pyamg estimates λ_max with NumPy's global random generator; a fixed seed makes the levels reproducible.
+    # The seed is fixed because pyamg estimates λ_max with NumPy's global random generator. So the levels are
+    # reproducible.
     np.random.seed(0)
     smoothers = {"presmoother": SMOOTHER, "postsmoother": SMOOTHER}
     made = smoothed_aggregation_solver(A, modes, max_coarse=COARSEST, improve_candidates=None, **smoothers).levels
@@ -181,7 +193,12 @@ def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Call
 
 
 def without(A: sps.bsr_array, free: Array) -> sps.bsr_array:
-    """Return A with zeros in the rows and columns for which ``free``, (n,), is 0; elsewhere ``free`` is 1."""
+    """Return a matrix with the rows and columns of some unknowns set to zero.
+
+    Args:
+        A: the matrix.
+        free: 0 for these unknowns and 1 for all others, (n,).
+    """
     free = free.reshape(-1, A.blocksize[0])
     row = np.repeat(np.arange(len(free)), np.diff(A.indptr))
     met = free.min(axis=1) == 0
@@ -192,7 +209,10 @@ def without(A: sps.bsr_array, free: Array) -> sps.bsr_array:
 
 
 def rigid_motions(x: Points) -> Array:
-    """Return the translations and infinitesimal rotations at points: (d, vertices) → (d·vertices, d(d + 1)/2)."""
+    """Return the displacements at points of all translations and infinitesimal rotations.
+
+    The shape is (d, vertices) → (d·vertices, d(d + 1)/2).
+    """
     d, count = x.shape
     motions = [np.tile(unit[:, None], count) for unit in np.eye(d)]
     centred = x - x.mean(axis=1, keepdims=True)
@@ -204,7 +224,7 @@ def rigid_motions(x: Points) -> Array:
 
 
 def local_bases(N: sps.csr_array, d: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return the change of coordinates at every vertex, and which new unknown each row of N bounds.
+    """Return new coordinates at every vertex in which each contact constraint is a bound of one unknown.
 
     The matrix of a vertex consists of its rows of N, followed by an orthonormal basis of their orthogonal complement.
 
@@ -242,6 +262,6 @@ def local_bases(N: sps.csr_array, d: int) -> tuple[Array, NDArray[np.int64]]:
 
 
 def block_diagonal(blocks: Array) -> sps.bsr_array:
-    """Return the block diagonal matrix of blocks, (n/d, d, d) → (n, n)."""
+    """Return the block diagonal matrix of given blocks, (n/d, d, d) → (n, n)."""
     count = len(blocks)
     return sps.bsr_array((blocks, np.arange(count), np.arange(count + 1)))

@@ -1,4 +1,4 @@
-"""Solutions of Problem 5.1 as arrays of displacements at equidistant times, and distances between such solutions."""
+"""Numerical solutions as arrays of displacements at equidistant times, and distances between such solutions."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from study.solve.evolution import Scheme, SemiDiscrete
 
 
 def path(problem: SemiDiscrete, scheme: Scheme, steps: int) -> Array:
-    """Solve Problem 5.1 and return the displacements u_0, …, u_steps, (steps + 1, n)."""
+    """Solve the semi-discrete problem and return the displacements u_0, …, u_steps, (steps + 1, n)."""
     return np.array([state.u for state in scheme.march(problem, steps)])
 
 
 def interpolated(states: Array, steps: int) -> Array:
-    """Return the piecewise linear interpolant of displacements at the nodes of a finer time grid, (steps + 1, n).
+    """Interpolate displacements linearly to a finer time grid, (steps + 1, n).
 
     Args:
         states: displacements at the nodes of the coarse grid, (N + 1, n).
-        steps: number of steps of the finer grid, a multiple of N.
+        steps: the number of steps of the finer grid, a multiple of N.
     """
     inner = steps // (len(states) - 1)
     part = np.arange(inner)[:, None] / inner
@@ -30,11 +30,11 @@ def interpolated(states: Array, steps: int) -> Array:
 
 
 def last(states: Array, steps: int) -> tuple[Array, Array]:
-    """Return the piecewise constant function that is U_n on (t_{n−1}, t_n] at the nodes of a finer time grid.
+    """Evaluate the piecewise constant function that is U_n on (t_{n−1}, t_n], at the nodes of a finer time grid.
 
     Args:
-        states: U_0, …, U_N, (N + 1, n).
-        steps: number of steps of the finer grid, a multiple of N.
+        states: the displacements U_0, …, U_N, (N + 1, n).
+        steps: the number of steps of the finer grid, a multiple of N.
 
     Returns:
         The left and the right limits at the nodes of the finer grid, (steps + 1, n) each.
@@ -44,12 +44,12 @@ def last(states: Array, steps: int) -> tuple[Array, Array]:
 
 
 def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
-    """Return the largest difference ‖v̇(r) − v̇(s)‖_V of two velocities at times r and s within the same step.
+    """Return the largest difference ‖v̇(r) − v̇(s)‖_V of the velocities of a solution within one time step.
 
     Args:
-        problem: gives the norm of V and T.
-        states: v at equidistant times, (N + 1, n); v is linear between them.
-        steps: number of steps, a divisor of N.
+        problem: gives the norm of V and the final time.
+        states: the displacements v at equidistant times, (N + 1, n); v is linear between them.
+        steps: the number of steps, a divisor of N.
     """
     inner = (len(states) - 1) // steps
     rates = np.diff(states, axis=0) * ((len(states) - 1) / problem.T)
@@ -61,6 +61,6 @@ def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
 
 
 def furthest(problem: SemiDiscrete, one: Array, other: Array) -> float:
-    """Return the largest distance max_n ‖v_n − w_n‖_V of two solutions, (steps + 1, n) each."""
+    """Return the largest distance max_n ‖v_n − w_n‖_V of two solutions at the same times, (steps + 1, n) each."""
     away = one - other
     return math.sqrt(np.sum(away * (problem.M @ away.T).T, axis=1).max())

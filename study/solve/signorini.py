@@ -32,18 +32,18 @@ from study.solve.factorisation import Cholesky
 
 
 class ContactSolver(Protocol):
-    """The interface of contact solvers: a function from b, (n,), to u, (n,), and λ, (m,)."""
+    """The interface of contact solvers: a function from a load b, (n,), to u, (n,), and contact forces λ, (m,)."""
 
     def __call__(self, b: Array) -> tuple[Array, Array]: ...
 
 
 class Signorini:
-    """The contact solver for a fixed S and N. Each solve starts from the last active set.
+    """The direct solver of contact problems with fixed matrices S and N. Each solve starts from the last active set.
 
     Args:
         S: a symmetric positive definite matrix, (n, n).
-        N: the constraints N v ≤ g, with linearly independent rows, (m, n).
-        x: the points of the unknowns, which give the order of elimination (see ``Cholesky``), (d, p).
+        N: the matrix of the constraints N v ≤ g, with linearly independent rows, (m, n).
+        x: the points to which the unknowns belong, (d, p); they give the order of elimination (see ``Cholesky``).
         gap: the initial gap g, (m,) or a number.
 
     Raises:
@@ -62,7 +62,7 @@ class Signorini:
         self._factored: tuple[bytes, Array, Array] | None = None
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
-        """Return the minimiser u ∈ K^h, (n,), and the nodal contact forces λ ≥ 0, (m,).
+        """Solve the contact problem for a load b: return u ∈ K^h, (n,), and the nodal contact forces λ ≥ 0, (m,).
 
         For several right-hand sides b, (k, n), the results are (k, n) and (k, m).
         """
@@ -74,11 +74,18 @@ class Signorini:
         return self.factor.backward(y), multipliers
 
     def gap(self, b: Array) -> Array:
-        """Return the normal displacements without contact forces, N S⁻¹ b, (m,); for several b, (k, m)."""
+        """Return the normal displacements N S⁻¹ b that a load b causes without contact forces, (m,).
+
+        For several loads, (k, n), the result is (k, m).
+        """
         return self.factor.forward(b)[..., self.contact] @ self.Y
 
     def complementarity(self, gap: Array) -> Array:
-        """Return the solution λ ≥ 0 of gap − Wλ ≤ 0, λ·(gap − Wλ) = 0, (m,), for gap = N S⁻¹ b − g."""
+        """Solve the complementarity problem λ ≥ 0, gap − Wλ ≤ 0, λ·(gap − Wλ) = 0 for the contact forces λ, (m,).
+
+        Args:
+            gap: the penetration without contact forces, N S⁻¹ b − g, (m,).
+        """
         active = self.active
         visited: set[bytes] = set()
         while (key := active.tobytes()) not in visited:
@@ -89,16 +96,20 @@ class Signorini:
                 self.active = active
                 return multipliers
             active = following
-        # The active sets repeat in a cycle. The method of Lawson and Hanson for least squares always terminates.
+        # Here the active sets repeat in a cycle. The method of Lawson and Hanson for least squares always terminates.
         L = cholesky(self.W, lower=True)
         multipliers, _ = nnls(L.T, solve_triangular(L, gap, lower=True))
         self.active = multipliers > 0
         return self.multipliers_on(self.active, gap)
 
     def multipliers_on(self, active: Array, gap: Array) -> Array:
-        """Return λ with gap − Wλ = 0 on the active set and λ = 0 elsewhere, (m,).
+        """Return the contact forces with gap − Wλ = 0 on the active set and λ = 0 elsewhere, (m,).
 
-        W is factorised only if the active set, given by flags (m,), differs from the last one.
+        W is factorised only if the active set differs from the last one.
+
+        Args:
+            active: the active set as flags, (m,).
+            gap: the penetration without contact forces, (m,).
         """
         if self._factored is None or self._factored[0] != active.tobytes():
             where = np.flatnonzero(active)

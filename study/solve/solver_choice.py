@@ -1,4 +1,4 @@
-"""Chooses the contact solver for a space, direct or multigrid, and the residual that is permitted for it."""
+"""Chooses the contact solver for a space, direct or multigrid, and the largest residual that it may leave."""
 
 from __future__ import annotations
 
@@ -11,23 +11,26 @@ from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
 
 FACTORED = {2: math.inf, 3: 15_000}
-"""Largest number n of unknowns for which the direct solver is used, by dimension. In 2D its factor L has O(n log n)
-entries, and multigrid takes ten times as long. In 3D L has O(n^{4/3}) entries and takes O(n²) operations."""
+"""The direct solver is used up to this number n of unknowns, by dimension.
+
+In 2D its factor L has O(n log n) entries, and multigrid takes ten times as long. In 3D L has O(n^{4/3}) entries and
+takes O(n²) operations.
+"""
 ROUNDING = 1e-10
-"""Relative residual that is permitted for the direct solver."""
+"""Largest relative residual that the direct solver may leave."""
 SHARE = 0.01
-"""Permitted error of multigrid divided by the discretisation error (see ``residual``)."""
+"""Permitted error of the multigrid solver, as a fraction of the discretisation error (see ``residual``)."""
 
 
 def contact_solver(space: Displacements) -> Callable[..., ContactSolver]:
-    """Return the function that makes the contact solver for a space, from S, N and optionally ``gap``."""
+    """Return the class or function that makes the contact solver for a space, from S, N and optionally ``gap``."""
     if space.dofs <= FACTORED[space.dim]:
         return partial(Signorini, x=space.free_points)
     return partial(Multigrid, x=space.free_points, tolerance=multigrid_tolerance(space.dim, space.dofs))
 
 
 def multigrid_tolerance(dim: int, dofs: int) -> float:
-    """Return the relative residual at which multigrid stops, half of the permitted one as a margin for rounding."""
+    """Return the relative residual at which multigrid stops: half of the permitted one, as a margin for rounding."""
     return SHARE / 2 * (dim / dofs) ** (2 / dim)
 
 

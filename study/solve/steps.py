@@ -11,9 +11,9 @@ import math
 from study.ledger.files import UsageError
 
 PACE = 8.0
-"""Number of steps per unit of time divided by n^{2/3}, unless a case requires more."""
+"""Default number of time steps per unit of time, divided by n^{2/3} at level n."""
 MOST = 1_000_000
-"""Largest number of steps of one trajectory; more would take days."""
+"""Largest number of steps of one solution. More would take days."""
 
 
 class StepsError(ValueError):
@@ -24,7 +24,7 @@ def step_size(T: float, steps: int) -> float:
     """Return the step size k = T/steps.
 
     Raises:
-        StepsError: fewer than one step.
+        StepsError: there is less than one step.
     """
     if steps < 1:
         raise StepsError(f"the number of steps up to T = {T:g} is {steps}; take one step or more")
@@ -32,24 +32,24 @@ def step_size(T: float, steps: int) -> float:
 
 
 def longest_step(growth: float, newest: float = 1.0, theta: float = 1.0) -> float:
-    """Return the step size k below which a step has a unique solution; infinity if G is monotone.
+    """Return the step size below which a time step has a unique solution; infinity if G is monotone.
 
-    A step has a unique solution if (w/k) A + θ G is strongly monotone, which holds for θ k ω < w.
+    A step of size k has a unique solution if (w/k) A + θ G is strongly monotone, which holds for θ k ω < w.
 
     Args:
         growth: ω ≤ L_G/m_A, the largest rate at which differences of solutions can grow; 0 for a monotone G.
-        newest, theta: w and θ of the time scheme (``Tableau``); the defaults are those of backward Euler.
+        newest, theta: the numbers w and θ of the time scheme (``Tableau``). The defaults belong to backward Euler.
     """
     return newest / (theta * growth) if growth else math.inf
 
 
 def require_unique(scheme: str, k: float, growth: float, longest: float) -> None:
-    """Refuse a time step that may have several solutions.
+    """Refuse a step size for which a time step may have several solutions.
 
     Args:
         scheme: the name of the time scheme, for the message.
         k: the step size.
-        growth: the rate ω as in ``longest_step``, for the message.
+        growth: the largest rate at which differences of solutions can grow, for the message.
         longest: the step size that must not be reached.
 
     Raises:
@@ -75,18 +75,18 @@ def require_steps(steps: int) -> None:
 
 
 def rate_steps(T: float, level: int, pace: float = PACE) -> int:
-    """Return the number of steps for errors of order h in space: ⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}.
+    """Return the number of time steps for an error in space of order h: ⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}.
 
-    The time error is then of order h for a scheme of order 3/2 (midpoint if u̇ jumps), and of order h^{4/3} for a scheme
-    of order 2.
+    The time error is then of order h for a scheme of order 3/2 (midpoint if u̇ jumps), and of order h^{4/3} for a
+    scheme of order 2.
     """
     return math.ceil(pace * T * level ** (2 / 3))
 
 
 def stress_steps(T: float, level: int, pace: float = PACE) -> int:
-    """Return the number of steps for errors of order h² in space: about pace/2 · T · n, so that k ~ h.
+    """Return the number of time steps for an error in space of order h²: about pace/2 · T · n, so that k ~ h.
 
-    It is at least T · n, at most 4 T · n, and even, because a solution with half as many steps is computed, too. Their
-    difference shows which share of the error is due to time.
+    It is at least T · n, at most 4 T · n, and even, because a solution with half as many steps is computed, too. The
+    difference of both solutions shows which part of the error is due to time.
     """
     return 2 * round(min(max(1.0, pace / 2), 4.0) * T * level / 2)

@@ -1,4 +1,4 @@
-"""Problem 3.2 (unknown: the stress) on the strains of V^h, solved at every time step by an interior-point method.
+"""Problem 3.2, whose unknown is the stress, on the strains of V^h, solved in steps by an interior-point method.
 
 Stresses are constant on cells. The admissible stresses are (3.9) with V^h in place of V,
 
@@ -7,10 +7,10 @@ Stresses are constant on cells. The admissible stresses are (3.9) with V^h in pl
 By Farkas' lemma, τ ∈ Σ^h(t) if and only if Eᵀ W τ + Nᵀ λ = F(t) for some λ ≥ 0, where E maps nodal values to strains
 and W contains the volumes |T|. A step of backward Euler minimises a convex potential over Σ^h(t_n).
 
-The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is the displacement u_n. At the minimum ε_n = ε(u_n),
-N u_n ≤ 0 and λ·N u_n = 0. None of this is imposed: the previous strain ε_{n−1} is computed from the stresses, and it is
-Theorem 4.2 that states that u_n ∈ K^h solves Problem 3.1. The theorem can therefore be tested with this module, which
-shares no code with the contact solver or the time schemes of Problem 3.1.
+The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is the displacement u_n. At the minimum ε_n = ε(u_n), N
+u_n ≤ 0 and λ·N u_n = 0. None of this is imposed: the previous strain ε_{n−1} is computed from the stresses. That
+u_n ∈ K^h solves Problem 3.1 is the statement of Theorem 4.2. The theorem can therefore be tested with this module,
+which shares no code with the contact solver or the time schemes of Problem 3.1.
 
 The potential of a step. A step maps the strain ε_n to the stress σ_n = A (ε_n − ε_{n−1})/k + G ε_n. By (3.12) and
 (3.15), σ_n minimises over Σ^h(t_n) the potential Φ with the inverse of this map as its derivative, DΦ(σ_n) = ε_n:
@@ -27,7 +27,7 @@ The potential of a step. A step maps the strain ε_n to the stress σ_n = A (ε_
   where h_K, the support function of K = {|Pτ| ≤ r}, is r |s₂| on the range of the projector P and infinite elsewhere;
 
 * for a sum of both, G ε = S + C ε + β (ε − P_K ε), with Ĉ = A/k + C positive and the strain
-  r = Ĉ⁻¹((A/k) ε_{n−1} − S): as for (3.3), with Ĉ⁻¹ for k A⁻¹ and r for ε_{n−1}.
+  r = Ĉ⁻¹((A/k) ε_{n−1} − S): as for (3.3), with Ĉ⁻¹ in place of k A⁻¹ and r in place of ε_{n−1}.
 
 Every Φ is the integral of a density ½ Q y·y + g(ε_{n−1})·y, where y is an unknown on every cell that determines τ
 there. For (3.3), a part (ρ, z) of y lies in the second-order cone ρ ≥ |z|.
@@ -50,29 +50,33 @@ from study.solve.interior_point import SOLVED, Accuracy, settings
 from study.solve.steps import longest_step, require_unique, step_size
 
 AIM = Accuracy(gap=1e-15, feasibility=1e-11)
-"""As accurate as rounding permits. This is needed where a vertex touches with almost no force: there the error is the
-square root of the duality gap."""
+"""The accuracy at which the solver should stop, as high as rounding permits.
+
+It is needed where a vertex touches with almost no force: there the error is the square root of the duality gap.
+"""
 ENOUGH = Accuracy(gap=1e-12, feasibility=1e-9)
-"""Accepted if rounding stops the solver before AIM; the verdict does not depend on this value."""
+"""The accuracy that is accepted if rounding stops the solver before AIM. No verdict depends on this value."""
 
 
 class StressError(RuntimeError):
-    """Raised if Problem 3.2 could not be solved."""
+    """Raised if Problem 3.2 could not be solved, or if its potential is not known for a law."""
 
 
 @dataclass(frozen=True, eq=False)
 class Potential:
-    """The potential of one backward Euler step, written on every cell as ½ Q y·y + g·y with an unknown y.
+    """The convex potential of one step of backward Euler, written on every cell as ½ Q y·y + g·y with an unknown y.
 
-    For linear G the unknown is the stress, y = τ. For the laws with (3.3) it is y = (s₁, ρ, z) with ρ ≥ |z|, where z
-    are the coordinates of s₂ in an orthonormal basis R of the range of P. Then |s₂| = |z| and τ = s₁ + R z, and ρ = |z|
-    at the minimum.
+    For linear G the unknown is the stress, y = τ. For laws that contain (3.3) it is y = (s₁, ρ, z) with ρ ≥ |z|, where
+    z are the coordinates of a part s₂ of the stress in an orthonormal basis R of the range of P. Then |s₂| = |z| and
+    τ = s₁ + R z, and ρ = |z| at the minimum.
 
     Attributes:
-        compliance: the matrix from a stress to the strain that it adds in a step: C⁻¹, k A⁻¹ or Ĉ⁻¹, (cells, D, D).
-        quadratic: Q, (cells, p, p).
-        stress: the matrix from y to τ, (D, p).
-        released: function from ε_{n−1} to the strain at which a stress-free step would end, (D, cells) → (D, cells).
+        compliance: the matrix from a stress to the strain that it adds in a step, (cells, D, D). In the docstring of
+            the module it is C⁻¹, k A⁻¹ or Ĉ⁻¹.
+        quadratic: the matrix Q, (cells, p, p).
+        stress: the matrix from y to the stress τ, (D, p).
+        released: function from the previous strain ε_{n−1} to the strain at which a step without stress would end,
+            (D, cells) → (D, cells).
         cone: the number of entries of (ρ, z), which are the last entries of y; 0 for linear G.
         radius: the radius r of K; 0 for linear G.
     """
@@ -85,13 +89,16 @@ class Potential:
     radius: float = 0.0
 
     def linear(self, strain: Tensors) -> Array:
-        """Return the linear term g for the previous strain ε_{n−1}, (p, cells): the released strain, then (r, 0)."""
+        """Return the linear term g of the potential for the previous strain ε_{n−1}, (D, cells) → (p, cells).
+
+        It consists of the strain ``released(strain)``, followed by (r, 0) for the entries (ρ, z).
+        """
         rest = np.zeros((self.cone, strain.shape[1]))
         rest[:1] = self.radius
         return np.vstack([self.released(strain), rest])
 
     def strain(self, y: Array, old: Tensors) -> Tensors:
-        """Return the new strain ε_n from y, (p, cells), and ε_{n−1}, (D, cells)."""
+        """Return the new strain ε_n from the solution y of a step, (p, cells), and the strain ε_{n−1}, (D, cells)."""
         return self.released(old) + _act(self.compliance, y[: len(old)])
 
 
@@ -101,7 +108,7 @@ def _act(blocks: Array, values: Array) -> Array:
 
 
 def potential(space: Space, law: KelvinVoigt, k: float) -> Potential:
-    """Return the potential of one backward Euler step of length k.
+    """Return the convex potential of one step of backward Euler of length k.
 
     Raises:
         StressError: G is neither linear, nor (3.3), nor a sum of both, so its potential is not known.
@@ -117,7 +124,7 @@ def potential(space: Space, law: KelvinVoigt, k: float) -> Potential:
     if isinstance(G, Yield):
         inverse = k * np.linalg.inv(A.matrix)
         compliance = np.multiply.outer(1 / means(space, A.factor), (inverse + inverse.T) / 2)
-        # G vanishes inside K, so a step without stress keeps the strain.
+        # G is 0 inside K, so in a step without stress the strain does not change.
         return _with_cone(compliance, G, lambda strain: strain)
     if isinstance(G, Combined):
         compliance = np.linalg.inv(viscosity + G.linear.matrix)
@@ -131,7 +138,13 @@ def potential(space: Space, law: KelvinVoigt, k: float) -> Potential:
 
 
 def _with_cone(compliance: Array, G: Yield, released: Callable[[Tensors], Tensors]) -> Potential:
-    """Return the potential in the unknown (s₁, ρ, z) for the part (3.3) of a law."""
+    """Return the potential for a law that contains (3.3), in the unknown y = (s₁, ρ, z) of ``Potential``.
+
+    Args:
+        compliance: the matrix from a stress to the strain that it adds in a step, (cells, D, D).
+        G: the part (3.3) of the law.
+        released: see ``Potential``.
+    """
     values, vectors = np.linalg.eigh(G.convex.projector)
     R = vectors[:, values > 0.5]
     D, rank = R.shape
@@ -144,18 +157,18 @@ def _with_cone(compliance: Array, G: Yield, released: Callable[[Tensors], Tensor
 
 @dataclass(frozen=True, eq=False)
 class StressState:
-    """The solution of Problem 3.2 at one time node.
+    """The solution of Problem 3.2 at one time node t_n.
 
     Attributes:
-        time: t_n.
-        stress: σ_n ∈ Σ^h(t_n), (D, cells); NaN at t_0, where backward Euler has no rate.
-        strain: ε_n, computed by the law from σ_n and ε_{n−1}, (D, cells).
-        u: u_n, the Lagrange multiplier of the equation of equilibrium, (dofs,).
-        multipliers: λ_n ≥ 0, nodal contact forces, (m,); NaN at t_0.
-        gap: the duality gap at which the solver stopped, 0 at t_0. It bounds the error of this step: for the same
+        time: the time t_n.
+        stress: the stress σ_n ∈ Σ^h(t_n), (D, cells). At t_0 it is NaN, because backward Euler has no rate there.
+        strain: the strain ε_n, computed by the law from σ_n and ε_{n−1}, (D, cells).
+        u: the displacement u_n, which is the Lagrange multiplier of the equation of equilibrium, (dofs,).
+        multipliers: the nodal contact forces λ_n ≥ 0, (m,); NaN at t_0.
+        gap: the duality gap at which the solver stopped; 0 at t_0. It bounds the error of this step: for the same
             ε_{n−1} and the exact σ* and ε*, it is at least ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the norm
-            of C, because two points of the optimality conditions satisfy (P(x − x*), x − x*) = −(λ − λ*)·N(u − u*) ≤
-            −λ·Nu.
+            of C. The reason is that two points of the optimality conditions satisfy (P(x − x*),
+            x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
     """
 
     time: float
@@ -167,10 +180,10 @@ class StressState:
 
 
 class Programme:
-    """Minimises the potential Φ over Σ^h(t) with the solver Clarabel; the solver is made once for all times.
+    """Minimises the potential Φ of a time step over the admissible stresses Σ^h(t) with the solver Clarabel.
 
-    The unknown of a cell is scaled by √|T|, so that norms of Q are Euclidean norms on any mesh. With x_T = √|T| y_T and
-    q_T = √|T| g_T the problem is
+    The solver is made once for all times. The unknown of a cell is scaled by √|T|, so that norms of Q are Euclidean
+    norms on any mesh. With x_T = √|T| y_T and q_T = √|T| g_T the problem is
 
         min Σ_T ½ Q x_T·x_T + q_T·x_T   subject to   Bᵀ x + Nᵀλ = F,   λ ≥ 0,   x_T in its cone,
 
@@ -196,7 +209,7 @@ class Programme:
         equilibrium = every_cell(potential.stress).T @ B
         in_cones = every_cell(np.eye(p)[p - potential.cone :])
         hessian = sps.block_diag([cell_by_cell(potential.quadratic / self.compliance), sps.csr_array((m, m))])
-        # The form of Clarabel: min ½ xᵀPx + qᵀx, Ax + s = b, s in a product of cones.
+        # Clarabel expects the form: min ½ xᵀPx + qᵀx subject to Ax + s = b, with s in a product of cones.
         constraints = sps.block_array([[equilibrium.T, N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
         cones = [clarabel.ZeroConeT(space.dofs)]
         cones += [clarabel.SecondOrderConeT(potential.cone)] * (cells if potential.cone else 0)
@@ -209,22 +222,23 @@ class Programme:
             return clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(aim, ENOUGH))
 
         self.solver = solver(AIM)
-        # If rounding stops the iteration before AIM, its last iterate is not its best, so ENOUGH is tried.
+        # If rounding stops the iteration before AIM, its last iterate is not its best one. So a second solver stops at
+        # ENOUGH.
         self.retry = partial(solver, ENOUGH)
 
     def __call__(self, time: float, load: Array, old: Tensors) -> StressState:
-        """Return the state at a time.
+        """Solve one time step and return the state at its end.
 
         Args:
-            time: t_n.
-            load: F(t_n), (dofs,).
-            old: ε_{n−1}, (D, cells).
+            time: the time t_n.
+            load: the load vector F(t_n), (dofs,).
+            old: the previous strain ε_{n−1}, (D, cells).
 
         Raises:
             StressError: the solver failed.
         """
         cells, dofs = len(self.root), self.dofs
-        # A typical stress of the step, from its load and from C times the previous strain.
+        # The unit of stresses is a typical stress of the step, from the load and from the previous strain times C.
         size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.compliance
         unit = size or 1.0
         slope = self.root * self.potential.linear(old)
@@ -243,20 +257,21 @@ class Programme:
         x, multipliers = np.split(unit * np.array(solution.x), [slope.size])
         u = -unit * self.compliance * np.array(solution.z[:dofs])
         y = x.reshape(cells, -1).T / self.root
-        # Slacks and their multipliers lie in dual cones, so no term is negative and no cancellation occurs.
+        # The duality gap is the sum of products of slacks and multipliers. They lie in dual cones, so no term is
+        # negative, and no digits cancel.
         gap = unit**2 * self.compliance * float(np.dot(solution.s, solution.z))
         return StressState(time, self.potential.stress @ y, self.potential.strain(y, old), u, multipliers, gap)
 
 
 @dataclass(frozen=True, eq=False)
 class StressProblem:
-    """Problem 3.2 on the strains of one V^h.
+    """Problem 3.2, whose unknown is the stress, on the strains of a space V^h.
 
     Attributes:
-        space: V^h.
-        law: A and G.
-        N: the matrix of K^h = {v : N v ≤ 0}, (m, dofs).
-        load: function from a time to F(t), (dofs,).
+        space: the space V^h.
+        law: the material law.
+        N: the constraint matrix, (m, dofs): K^h = {v : N v ≤ 0}.
+        load: the function from a time to the load vector F(t), (dofs,).
         u0: the initial displacement u_0^h, (dofs,).
     """
 
@@ -268,11 +283,11 @@ class StressProblem:
 
     @classmethod
     def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> StressProblem:
-        """Return the problem on a space for a law, a load and an initial value."""
+        """Return Problem 3.2 on a space for a law, a load and an initial displacement."""
         return cls(space, law, space.N, load, u0)
 
     def march(self, steps: int) -> Iterator[StressState]:
-        """Yield the states of backward Euler at t_0, t_1, …, t_steps.
+        """Solve Problem 3.2 by backward Euler and yield the states at t_0, t_1, …, t_steps.
 
         Raises:
             StepsError: there is less than one step, or a step is so long that it may have several solutions.

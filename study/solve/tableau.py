@@ -23,13 +23,13 @@ S = TypeVar("S")
 
 
 class TimeProblem(Protocol[S]):
-    """The interface of problems on [0, T] that ``Tableau.march`` solves; S is the type of a state at a time node."""
+    """The interface of problems on [0, T] that a time scheme solves; S is the type of a state at a time node."""
 
     @property
     def T(self) -> float: ...
 
     def initial(self) -> S:
-        """Return the state at t_0."""
+        """Return the state at the initial time t_0."""
         ...
 
     def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[S]], S]:
@@ -39,15 +39,15 @@ class TimeProblem(Protocol[S]):
 
 @dataclass(frozen=True)
 class Tableau:
-    """A time scheme, given by its weights.
+    """A time scheme, given by its weights as in the docstring of the module.
 
     Attributes:
         name: the name in tables and on the command line.
         order: the order in k for solutions that are smooth in time.
         newest: w, the weight of u_n in the difference quotient δu_n.
-        past: the weights (w_1, w_2, …) of u_{n−1}, u_{n−2}, ….
-        theta: θ; G and F are evaluated at t_{n−1+θ}.
-        starting: the scheme of the first steps of a multistep scheme, None for a one-step scheme.
+        past: the weights (w_1, w_2, …) of the earlier values u_{n−1}, u_{n−2}, ….
+        theta: the number θ; elastic forces and loads are evaluated at t_{n−1+θ}.
+        starting: the scheme of the first steps of a multistep scheme; None for a one-step scheme.
         kept: the number of earlier states that a step gets. The first guess for a nonlinear law is extrapolated from
             all of them.
     """
@@ -61,29 +61,34 @@ class Tableau:
     kept: int = 3
 
     def known(self, before: Sequence[Array]) -> Array:
-        """Return the known part of the difference quotient, Σ_{j≥1} w_j u_{n−j}, from (…, u_{n−2}, u_{n−1})."""
+        """Return Σ_{j≥1} w_j u_{n−j}, the part of the difference quotient from earlier values (…, u_{n−2}, u_{n−1})."""
         return reduce(add, (w * u for w, u in zip(self.past, reversed(before), strict=False)))
 
     def rate(self, u: Array, before: Sequence[Array], k: float) -> Array:
-        """Return the difference quotient δu_n from u_n and (…, u_{n−2}, u_{n−1})."""
+        """Return the velocity δu_n: the difference quotient of u_n and the earlier values (…, u_{n−2}, u_{n−1})."""
         return reduce(sub, (w * v for w, v in zip(self.past, reversed(before), strict=False)), self.newest * u) / k
 
     def of_step(self, n: int) -> Tableau:
-        """Return the scheme for the step to t_n: this one, or the starting scheme while earlier values are missing."""
+        """Return the scheme that is used for the step to t_n.
+
+        It is the starting scheme while earlier values are missing, otherwise this scheme.
+        """
         return self.starting if self.starting and n < len(self.past) else self
 
     def balanced(self, n: int, k: float) -> float:
-        """Return t_{n−1+θ}, the time at which the forces are in equilibrium in the step to t_n."""
-        # This formula, for θ = ½, gives exactly the same numbers as the knots of the splines in ``study.bound``.
+        """Return the time t_{n−1+θ} at which the forces are in equilibrium in the step to t_n."""
+        # The formula is chosen such that, for θ = ½, it gives exactly the same numbers as the knots of splines in
+        # ``study.bound``.
         return (1 - self.theta) * ((n - 1) * k) + self.theta * (n * k)
 
     def longest(self, growth: float) -> float:
-        """Return the step size below which all steps, also the first, have a unique solution (``longest_step``)."""
+        """Return the step size below which every step has a unique solution, also the first ones; see
+        ``longest_step``."""
         mine = longest_step(growth, self.newest, self.theta)
         return min(mine, self.starting.longest(growth)) if self.starting else mine
 
     def require_unique(self, k: float, growth: float) -> None:
-        """Refuse a step size k for which a step may have several solutions.
+        """Refuse a step size k for which a time step may have several solutions.
 
         Raises:
             StepsError: k is too large; the message gives the permitted size.
@@ -91,7 +96,7 @@ class Tableau:
         require_unique(self.name, k, growth, self.longest(growth))
 
     def march(self, problem: TimeProblem[S], steps: int) -> Iterator[S]:
-        """Solve a problem and yield its states at t_0, t_1, …, t_steps = T.
+        """Solve a problem by this time scheme and yield its states at t_0, t_1, …, t_steps = T.
 
         Raises:
             StepsError: there is less than one step.
@@ -114,11 +119,14 @@ BACKWARD_EULER = Tableau("backward-euler", 1.0, 1.0, (1.0,))
 MIDPOINT = Tableau("midpoint", 2.0, 1.0, (1.0,), theta=0.5)
 """The midpoint scheme: M (u_n − u_{n−1})/k + G((u_n + u_{n−1})/2) + N_{K^h}(u_n) ∋ F(t_{n−1/2}).
 
-The order is 2 as long as no vertex comes into contact, and 1 if this relieves a neighbour in contact
-(``statements.landings``).
+The order is 2 as long as no vertex comes into contact. If a vertex comes into contact and thereby relieves a neighbour
+in contact, the order is 1 (``statements.landings``).
 """
 
 BDF2 = Tableau("bdf2", 2.0, 1.5, (2.0, -0.5), starting=BACKWARD_EULER, kept=2)
-"""Second-order BDF: M (3u_n − 4u_{n−1} + u_{n−2})/(2k) + G(u_n) + N_{K^h}(u_n) ∋ F(t_n), first step backward Euler."""
+"""The backward difference formula of order 2: M (3u_n − 4u_{n−1} + u_{n−2})/(2k) + G(u_n) + N_{K^h}(u_n) ∋ F(t_n).
+
+The first step is a step of backward Euler.
+"""
 
 SCHEMES = (BACKWARD_EULER, BDF2, MIDPOINT)

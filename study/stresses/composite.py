@@ -35,24 +35,30 @@ from manufactured.tensors import Array, Points, basis
 from study.fem.quadrature import simplex_rule
 
 CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-"""Vertices of the reference triangle, (2, 3)."""
+"""Vertices of the reference triangle as columns, (2, 3)."""
 SIDES = ((1, 2), (2, 0), (0, 1))
-"""The two vertices of side i, which is opposite to vertex i. Third i has these two vertices and the barycentre."""
+"""The two vertices of each side of the reference triangle; side i is opposite to vertex i.
+
+Third i of the triangle has these two vertices and the barycentre.
+"""
 
 
 def indices(degree: int, variables: int = 3) -> list[tuple[int, ...]]:
-    """Return the multi-indices α ≥ 0 with |α| = degree, in descending lexicographic order, as tuples of integers."""
+    """Return the multi-indices α ≥ 0 with |α| = degree, which number the Bernstein polynomials of this degree.
+
+    They are tuples of integers, in descending lexicographic order.
+    """
     if variables == 1:
         return [(degree,)]
     return [(first, *rest) for first in range(degree, -1, -1) for rest in indices(degree - first, variables - 1)]
 
 
 def bernstein(degree: int, barycentric: Array) -> Array:
-    """Return the Bernstein polynomials B_α at barycentric coordinates, in the order of ``indices``.
+    """Return the values of all Bernstein polynomials of a degree at points, in the order of ``indices``.
 
     Args:
         degree: the degree of the polynomials.
-        barycentric: v barycentric coordinates of every point, (v, ...); v = 2 on an edge, 3 on a triangle.
+        barycentric: barycentric coordinates of the points, (v, ...), with v = 2 on an edge and 3 on a triangle.
 
     Returns:
         (polynomials, ...).
@@ -68,7 +74,7 @@ def bernstein(degree: int, barycentric: Array) -> Array:
 
 
 def interval_mass(degree: int, other: int) -> Array:
-    """Return the integrals ∫_0^1 B_i B_j of Bernstein polynomials of degrees ``degree`` and ``other``.
+    """Return the integrals ∫_0^1 B_i B_j of the Bernstein polynomials B_i of one degree and B_j of another degree.
 
     The shape is (degree + 1, other + 1).
     """
@@ -78,7 +84,7 @@ def interval_mass(degree: int, other: int) -> Array:
 
 
 def triangle_mass(degree: int) -> Array:
-    """Return the mean values of the products B_α B_β on a triangle, (polynomials, polynomials)."""
+    """Return the mean values on a triangle of the products of two Bernstein polynomials, (polynomials, polynomials)."""
     barycentric, weights = simplex_rule(2, 2 * degree)
     at = bernstein(degree, barycentric)
     return (at * weights) @ at.T
@@ -86,22 +92,23 @@ def triangle_mass(degree: int) -> Array:
 
 @dataclass(frozen=True)
 class CompositeElement:
-    """The element of degree k ≥ 1 on the reference triangle.
+    """The composite equilibrium element of degree k ≥ 1 on the reference triangle.
 
-    A stress is stored as the array of its Bernstein coefficients, (3 thirds, polynomials, 3 Mandel components). A
-    semicolon in a shape separates the axes of the result from the axes of the argument of a linear map.
+    The triangle is divided into three thirds. A stress is stored as the array of its Bernstein coefficients, (3 thirds,
+    polynomials, 3 Mandel components). A semicolon in a shape separates the axes of the result of a linear map from the
+    axes of its argument.
     """
 
     degree: int
 
     @property
     def polynomials(self) -> int:
-        """The number of scalar polynomials of degree k on a third."""
+        """The number of scalar polynomials of degree k on a third of the triangle."""
         return len(indices(self.degree))
 
     @cached_property
     def divergence(self) -> Array:
-        """The matrix of Div, from stresses to vector fields in Bernstein form of degree k − 1.
+        """The matrix of the divergence, from stresses to vector fields in Bernstein form of degree k − 1.
 
         The shape is (3 thirds, lower, 2; 3 thirds, polynomials, 3). It follows from the fact that ∂_j of Σ c_α B_α has
         the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
@@ -118,7 +125,7 @@ class CompositeElement:
         return found
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
-        """Return the matrix from stresses to the traction |e| σν on an edge e of a third, in Bernstein form.
+        """Return the matrix from stresses to the traction |e| σν on an edge e of a third of the triangle, in Bernstein form.
 
         Args:
             third: the number of the third.
@@ -138,7 +145,10 @@ class CompositeElement:
 
     @cached_property
     def jumps(self) -> Array:
-        """The matrix from stresses to the jumps of tractions across the inner edges, (equations; 3, polynomials, 3)."""
+        """The matrix from stresses to the jumps of tractions across the inner edges, (equations; 3, polynomials, 3).
+
+        The stresses of the element are those without jumps.
+        """
         rows = []
         for vertex in range(3):
             along = CORNERS[:, vertex] - CORNERS.mean(axis=1)
@@ -148,7 +158,7 @@ class CompositeElement:
 
     @cached_property
     def tractions(self) -> Array:
-        """The matrix from stresses to the tractions |ê| σ̂ν̂ on the sides, in Bernstein form along ``SIDES``.
+        """The matrix from stresses to their tractions |ê| σ̂ν̂ on the sides, in Bernstein form along ``SIDES``.
 
         The shape is (3 sides, k + 1, 2; 3 thirds, polynomials, 3).
         """
@@ -156,20 +166,23 @@ class CompositeElement:
 
     @cached_property
     def space(self) -> Array:
-        """A basis of the element, orthonormal in its coefficients, (3 thirds, polynomials, 3; dimension)."""
+        """A basis of the element with orthonormal coefficient vectors, (3 thirds, polynomials, 3; dimension)."""
         equations = self.jumps.reshape(len(self.jumps), -1)
         return null_space(equations).reshape(3, self.polynomials, 3, -1)
 
     @cached_property
     def divergence_free(self) -> Array:
-        """A basis of the stresses with Div σ̂ = 0, orthonormal in its coefficients, (3, polynomials, 3; dimension)."""
+        """A basis of the stresses of the element with Div σ̂ = 0, (3 thirds, polynomials, 3; dimension).
+
+        The coefficient vectors are orthonormal.
+        """
         jumps = self.jumps.reshape(len(self.jumps), -1)
         equations = np.vstack([jumps, self.divergence.reshape(-1, jumps.shape[1])])
         return null_space(equations).reshape(3, self.polynomials, 3, -1)
 
     @cached_property
     def lift(self) -> Array:
-        """The matrix from a divergence to the stress with this divergence and the smallest coefficients.
+        """The matrix from a divergence to the stress of the element with this divergence and the least coefficients.
 
         The shape is (3 thirds, polynomials, 3; 3 thirds, lower, 2).
         """
@@ -180,7 +193,7 @@ class CompositeElement:
 
 @lru_cache
 def composite(degree: int) -> CompositeElement:
-    """Return the composite element of a degree. It is made once.
+    """Return the composite equilibrium element of a degree, which is made once for each degree.
 
     Raises:
         ValueError: degree < 1.
@@ -191,16 +204,20 @@ def composite(degree: int) -> CompositeElement:
 
 
 def thirds(corners: Points) -> Points:
-    """Return the vertices of the thirds of triangles, from the vertices of the triangles.
+    """Return the vertices of the thirds of triangles, which lie between a side and the barycentre.
 
-    (2, 3 vertices, ...) → (2, 3 vertices, 3 thirds, ...).
+    The shape is (2, 3 vertices, ...) → (2, 3 vertices, 3 thirds, ...).
     """
     centre = corners.mean(axis=1)
     return np.stack([np.stack([corners[:, a], corners[:, b], centre], axis=1) for a, b in SIDES], axis=2)
 
 
 def alfeld_split(mesh: Mesh) -> tuple[Mesh, Points]:
-    """Return the mesh of all thirds, three consecutive ones for each cell, and their vertices, (2, 3, thirds)."""
+    """Divide every cell of a mesh into thirds, which lie between a side and the barycentre.
+
+    Returns:
+        The mesh of all thirds, three consecutive ones for each cell, and the vertices of the thirds, (2, 3, thirds).
+    """
     vertices = np.vstack([mesh.t, mesh.p.shape[1] + np.arange(mesh.t.shape[1])])
     cells = np.stack([vertices[[a, b, 3]] for a, b in SIDES], axis=2).reshape(3, -1)
     points = np.hstack([mesh.p, mesh.p[:, mesh.t].mean(axis=1)])

@@ -50,13 +50,16 @@ from study.stresses.stress_space import StressSpace
 
 @dataclass(frozen=True, eq=False)
 class EquilibratedStress:
-    """One stress in Σ^h; several stresses have one more axis, written ``...`` in the shapes.
+    """A stress in equilibrium with the loads, which ``Equilibrium`` computes.
+
+    Several stresses have one more axis, written ``...`` in the shapes.
 
     Attributes:
         values: the stress at the quadrature points of the space, (3, ..., cells, Q).
         tractions: the traction σν on the three edges of every cell, as Bernstein coefficients in the axes of the edge
             (``StressSpace.frames``), (..., cells, 3, n, 2).
-        moments: the Lagrange multipliers m = ∫_e u B_i, (..., edges, n, 2).
+        moments: the Lagrange multipliers of the continuity of tractions, which are moments m = ∫_e u B_i of a
+            displacement u of the edges, (..., edges, n, 2).
     """
 
     values: Tensors
@@ -65,37 +68,41 @@ class EquilibratedStress:
 
 
 class Equilibrium:
-    """Computes the minimiser of ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q over Σ^h, for given strains ε* and loads.
+    """Computes the stress τ that balances loads and has the least complementary energy ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q.
 
-    Several pairs of ε* and loads can be given at once. They then have one more axis, written ``...`` in the shapes.
+    Several pairs of a strain ε* and loads can be given at once. They then have one more axis, written ``...`` in the
+    shapes.
 
     Args:
         space: the composite stresses.
-        compliance: C⁻¹ in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3, 3).
+        compliance: the inverse C⁻¹ of a stiffness in Mandel form, (3, 3), or at the quadrature points,
+            (cells, Q, 3, 3).
         solver: a function that makes the contact solver from S, N and the points of the unknowns.
     """
 
     def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
         self.space, self.compliance = space, compliance
         stiffness = np.linalg.inv(space.gram(compliance))
-        # shape (cells, 3 sides · n · 2, p)
+        # The tractions of each basis function, with one row for each component on each side: (cells, 3 sides · n · 2,
+        # p).
         R = space.tractions.reshape(space.cells, -1, stiffness.shape[-1])
-        # Let c be the coefficients of a stress with Div τ = 0. Both matrices give c, followed by its tractions R c:
-        # the first from a functional on these stresses, the second from the functional Rᵀm of moments m.
+        # Let c be the coefficients of a stress with Div τ = 0. Both matrices return c, followed by its tractions R c.
+        # The first matrix acts on a functional on these stresses, the second one on moments m, which give the
+        # functional Rᵀm.
         self._of_strains = np.concatenate([stiffness, stiffness @ R.swapaxes(1, 2)], axis=2)
         self._of_moments = R @ self._of_strains
         self._tractions = slice(stiffness.shape[-1], None)
         n, edges = space.degree + 1, space.mesh.facets.shape[1]
-        # The moments are numbered edge by edge, then by Bernstein polynomial, then by component.
+        # The moments are numbered edge by edge, on an edge by Bernstein polynomial, and for a polynomial by component.
         self.total = 2 * n * edges
         self.numbers = (2 * n * space.edges[:, :, None] + np.arange(2 * n)).reshape(space.cells, -1)
         free = np.ones((edges, 2 * n), dtype=bool)
         for _, clamped in space.on(Kind.CLAMPED):
             free[clamped] = False
         self.free = np.flatnonzero(free.ravel())
-        # The empty array serves bodies without contact.
+        # Bodies without contact have no array to concatenate, so the list starts with an empty array.
         self.contact = np.concatenate([np.empty(0, dtype=np.int64), *(mine for _, mine in space.on(Kind.CONTACT))])
-        # Positions of the normal moments on Γ3 among the unknown moments.
+        # For the constraints on Γ3: the positions of the normal moments among all unknown moments.
         self._normal = np.searchsorted(self.free, (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel())
         count = len(self._normal)
         self.N = sps.csr_array((np.ones(count), (np.arange(count), self._normal)), shape=(count, len(self.free)))
@@ -110,24 +117,25 @@ class Equilibrium:
         self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 2 * n] // (2 * n)])
 
     def __call__(self, loads: Loads, strain: Tensors, normal: Array | None = None) -> EquilibratedStress:
-        """Return the minimiser of ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q.
+        """Return the stress τ of least complementary energy ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q that balances the loads.
 
         Args:
-            loads: P f_0 and P f_2.
-            strain: ε* at the quadrature points, (3, ..., cells, Q).
-            normal: if given, ∫_{Γ3} τ_ν v is added to the functional. The function v on Γ3 is given by its moments
-                ∫_e v B_i ≤ 0 on the edges ``contact``, (..., edges of Γ3, n).
+            loads: the projected loads P f_0 and P f_2.
+            strain: the strain ε* at the quadrature points, (3, ..., cells, Q).
+            normal: if given, ∫_{Γ3} τ_ν v is added to the energy. The function v on Γ3 is given by its moments ∫_e v
+                B_i ≤ 0 on the edges ``contact``, (..., edges of Γ3, n).
         """
         values, tractions = self.space.lift(loads.force)
         known = self._released(values) + self.space.tested(strain)
         return self._corrected(loads, values, tractions, known, normal)
 
     def nearest(self, loads: Loads, target: Tensors, normal: Array) -> EquilibratedStress:
-        """Return the stress τ in Σ^h that is nearest to a given stress in the norm of C⁻¹.
+        """Return the stress τ that balances the loads and is nearest to a given stress in the norm of C⁻¹.
 
-        This is the minimiser for ε* = −C⁻¹ target; ``normal`` and ``loads`` as in ``__call__``.
+        This is the stress of least energy for ε* = −C⁻¹ target.
 
         Args:
+            loads, normal: as in ``__call__``.
             target: the given stress at the quadrature points, (3, ..., cells, Q).
 
         Returns:
@@ -138,7 +146,7 @@ class Equilibrium:
         return self._corrected(loads, values, tractions, self._released(values), normal)
 
     def balance(self, loads: Loads) -> EquilibratedStress:
-        """Return the stress of least (C⁻¹τ, τ)_Q that balances loads with traction-free Γ3, τν = 0."""
+        """Return the stress with the least norm (C⁻¹τ, τ)_Q that balances loads and has no traction on Γ3, τν = 0."""
         values, tractions = self.space.lift(loads.force)
         known, g = self._condensed(loads, tractions, self._released(values))
         v = self.solve.factor(g)
@@ -147,9 +155,14 @@ class Equilibrium:
     def _corrected(
         self, loads: Loads, values: Tensors, tractions: Array, known: Array, normal: Array | None
     ) -> EquilibratedStress:
-        """Return the minimiser, from a stress that is in equilibrium inside each cell only (``values``, ``tractions``).
+        """Return the stress of least energy, by correcting a stress that is in equilibrium only inside each cell.
 
-        ``known`` is the functional (C⁻¹τ + ε*, ·)_Q of this stress on the stresses with Div σ = 0, (..., cells, p).
+        Args:
+            loads: the projected loads.
+            values, tractions: the given stress, as in ``EquilibratedStress``.
+            known: the functional (C⁻¹τ + ε*, ·)_Q of the given stress τ on the stresses with Div σ = 0,
+                (..., cells, p).
+            normal: as in ``__call__``.
         """
         known, g = self._condensed(loads, tractions, known)
         shift = np.zeros_like(g)
@@ -161,17 +174,20 @@ class Equilibrium:
         return self._joined(values, tractions, known, v, v - shift)
 
     def _released(self, values: Tensors) -> Array:
-        """Return the functional (C⁻¹τ, ·)_Q on the stresses with Div σ = 0: (3, ..., cells, Q) → (..., cells, p)."""
+        """Return the functional (C⁻¹τ, ·)_Q of a stress τ on the stresses with Div σ = 0.
+
+        The shape is (3, ..., cells, Q) → (..., cells, p).
+        """
         if self.compliance.ndim == 2:
             return self.space.tested(values, self.compliance)
         return self.space.tested(act(self.compliance, values))
 
     def _condensed(self, loads: Loads, tractions: Array, known: Array) -> tuple[Array, Array]:
-        """Eliminate the stresses (static condensation).
+        """Eliminate the stresses on every cell (static condensation), which leaves a problem for the moments.
 
         Returns:
-            The coefficients and tractions due to the functional ``known``, (..., cells, p + 6 n), and the right-hand
-            side g of the problem for the moments, (..., unknown moments).
+            The coefficients and tractions that the functional ``known`` causes, (..., cells, p + 6 n), and the
+            right-hand side of the problem for the moments, (..., unknown moments).
         """
         joined = _times(known, self._of_strains)
         of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
@@ -181,7 +197,13 @@ class Equilibrium:
         return joined, g[..., self.free]
 
     def _joined(self, values: Tensors, tractions: Array, known: Array, v: Array, shifted: Array) -> EquilibratedStress:
-        """Return the stress that belongs to the multipliers v; ``shifted`` is v minus the moments ``normal``."""
+        """Return the stress that belongs to the solution of the problem for the moments.
+
+        Args:
+            values, tractions, known: as in ``_corrected``.
+            v: the moments.
+            shifted: v minus the moments ``normal``.
+        """
         found = _times(self._everywhere(shifted)[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(
             values + self.space.combined(found[..., : self._tractions.start]),
@@ -190,18 +212,23 @@ class Equilibrium:
         )
 
     def _everywhere(self, v: Array) -> Array:
-        """Return the moments of all edges, (..., total), from the unknown moments; they are zero on Γ1."""
+        """Extend the unknown moments by zeros on Γ1 to the moments of all edges, (..., total)."""
         m = np.zeros((*v.shape[:-1], self.total))
         m[..., self.free] = v
         return m
 
     def pressure(self, stress: EquilibratedStress) -> Array:
-        """Return the contact pressure −τ_ν ≥ 0 as Bernstein coefficients on the edges ``contact``, (..., edges, n)."""
+        """Return the contact pressure −τ_ν ≥ 0 as Bernstein coefficients on the edges of Γ3, (..., edges, n)."""
         return -self.space.boundary_tractions(self.contact, stress.tractions)[..., 0]
 
 
 def act(C: Array, strain: Tensors) -> Tensors:
-    """Return C ε at points: C in Mandel form, (..., 3, 3), or (3, 3) for all points; ε and the result (3, ...)."""
+    """Return the stress C ε at points, (3, ...).
+
+    Args:
+        C: the tensor in Mandel form at the points, (..., 3, 3), or one tensor for all points, (3, 3).
+        strain: the strain ε at the points, (3, ...).
+    """
     if C.ndim == 2:
         return mapped(C, strain)
     found: Tensors = np.einsum("...IJ,J...->I...", C, strain)
@@ -209,7 +236,7 @@ def act(C: Array, strain: Tensors) -> Tensors:
 
 
 def _times(vectors: Array, matrices: Array) -> Array:
-    """Multiply a row vector by a matrix for every cell: (..., cells, p), (cells, p, r) → (..., cells, r)."""
+    """Multiply a row vector by a matrix on every cell: (..., cells, p), (cells, p, r) → (..., cells, r)."""
     rows = np.moveaxis(vectors.reshape(-1, *vectors.shape[-2:]), 0, 1)
     return np.moveaxis(rows @ matrices, 1, 0).reshape(*vectors.shape[:-1], -1)
 
@@ -220,13 +247,13 @@ class EquilibriumError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class DualState:
-    """The solution of Problem 3.2 at one time node.
+    """The solution of Problem 3.2 at one time node t_n.
 
     Attributes:
-        time: t_n.
-        stress: σ^h_n; NaN at t_0, where the schemes define no strain rate.
-        strain: ε_n at the quadrature points, (3, cells, Q).
-        loads: P f_0 and P f_2 at t_n.
+        time: the time t_n.
+        stress: the stress σ^h_n. At t_0 it is NaN, because the schemes define no strain rate there.
+        strain: the strain ε_n at the quadrature points, (3, cells, Q).
+        loads: the projected loads P f_0 and P f_2 at t_n.
     """
 
     time: float
@@ -242,10 +269,10 @@ def tensor_at(C: Linear, x: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class StressEvolution:
-    """Problem 3.2 in time on composite stresses, to be solved with ``Tableau.march``.
+    """Problem 3.2, whose unknown is the stress, on composite stresses; ``Tableau.march`` solves it in time.
 
     Attributes:
-        data: body, law, loads and initial displacement.
+        data: the body, the law, the loads and the initial displacement.
         space: the composite stresses.
         solver: the class of the contact solver of one step.
         raised: a number added to the degree of the quadrature rule for f_0.
@@ -265,14 +292,14 @@ class StressEvolution:
         return ProjectedLoads(self.data, self.space, self.raised)
 
     def initial(self) -> DualState:
-        """Return the state at t_0 with the strain ε(u_0); its stress is NaN."""
+        """Return the state at t_0 with the strain ε(u_0) of the initial displacement; its stress is NaN."""
         space = self.space
         strain, edges = self.data.initial(space.points), np.full((len(space.lengths), space.degree + 1, 2), np.nan)
         stress = EquilibratedStress(np.full_like(strain, np.nan), edges[space.edges], edges)
         return DualState(0.0, stress, strain, self.loads(0.0))
 
     def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[DualState]], DualState]:
-        """Return the function that computes the state at t_n from n and the previous states.
+        """Return the function that computes the state at t_n from n and the previous states, for steps of size k.
 
         Raises:
             EquilibriumError: the scheme evaluates G at another time than t_n, or G is not linear.

@@ -1,12 +1,12 @@
-"""The projected loads P f_0 and P f_2, which composite stresses can balance exactly, and their distance from f_0, f_2.
+"""The projected loads P f_0 and P f_2, which composite stresses can balance, and their distances from f_0 and f_2.
 
-P is the L² projection for stresses of degree k: of f_0 onto polynomials of degree k − 1 on the thirds of cells, and of
-f_2 onto polynomials of degree k on the edges of Γ2.
+P is the L² projection for stresses of degree k: of the body force f_0 onto polynomials of degree k − 1 on the thirds of
+cells, and of the traction f_2 onto polynomials of degree k on the edges of Γ2.
 
 Quadrature rules on thirds and edges are cut along the lines at which the data are not smooth
-(``study.fem.quadrature``). On thirds they are also cut along the contact fronts of the time, because f_0 jumps at
-moving fronts. This matters: without these cuts, ‖σ − σ^h‖_Q on one-diagonal meshes was 2.4 times as large at n = 64,
-and the error of the pressure 19 times.
+(``study.fem.quadrature``). Because f_0 jumps at moving contact fronts, the rules on thirds are also cut along the
+fronts at the given time. This matters: without these cuts, ‖σ − σ^h‖_Q on one-diagonal meshes was 2.4 times as large at
+n = 64, and the error of the pressure 19 times.
 """
 
 from __future__ import annotations
@@ -26,16 +26,24 @@ from study.stresses.composite import alfeld_split, barycentric, bernstein, trian
 from study.stresses.stress_space import StressSpace
 
 DEGREE = 4
-"""Least degree of the quadrature rule for f_0 on a third; 2k is used if it is larger."""
+"""Least degree of the quadrature rule for f_0 on a third of a cell.
+
+For stresses of degree k, 2k is used if it is larger.
+"""
 EDGE_POINTS, EDGE_PARTS = 6, 4
-"""Gauss points on each part of an edge, and number of equal parts of an edge, so that a kink of f_2 affects one
-part."""
+"""The quadrature rule for f_2: number of Gauss points on each part of an edge, and number of equal parts of an edge.
+
+Edges are divided so that a kink of f_2 affects one part only.
+"""
 GRADED_POINTS = 28
-"""Gauss points on edges that are cut. The grading by the power 8 leaves degree 6, enough for products of cubics."""
+"""Number of Gauss points on edges that are cut and on which the points are graded towards the cut.
+
+The grading by the power 8 leaves the degree 6, which is enough for products of two cubics.
+"""
 TOGETHER = 512
-"""Number of thirds that are treated together, so that their data stay in the processor's cache."""
+"""Number of thirds of cells that are treated together, so that their data stay in the processor's cache."""
 PARALLEL = 1e-9
-"""Sine of the angle below which a line counts as parallel to a boundary part."""
+"""A line counts as parallel to a boundary part if the sine of the angle between them is below this number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +51,8 @@ class Loads:
     """Projected loads at one time, as Bernstein coefficients. Loads at several times have one more axis, the first.
 
     Attributes:
-        force: P f_0, (cells, 3 thirds, lower, 2).
-        surface: P f_2, zero outside Γ2, (edges, n, 2).
+        force: the projected body force P f_0, (cells, 3 thirds, lower, 2).
+        surface: the projected traction P f_2, zero outside Γ2, (edges, n, 2).
     """
 
     force: Array
@@ -58,7 +66,7 @@ class Loads:
 
 
 def together(loads: Sequence[Loads]) -> Loads:
-    """Return loads at several times, from loads at single times."""
+    """Join loads at single times to one object with loads at several times."""
     return Loads(np.array([each.force for each in loads]), np.array([each.surface for each in loads]))
 
 
@@ -66,12 +74,12 @@ def together(loads: Sequence[Loads]) -> Loads:
 class LeftOut:
     """Norms of the part of the loads that the projection P leaves out, at one time.
 
-    Let g = f_0 − P f_0, and let Π be the L² projection onto the polynomials of degree k on a cell T.
+    Let g = f_0 − P f_0, and let Π be the L² projection onto the polynomials of degree k on a whole cell T.
 
     Attributes:
-        low_order: ‖Π g‖_T, (cells,).
-        high_order: ‖g − Π g‖_T, (cells,).
-        on_edges: ‖f_2 − P f_2‖_e, (edges,), zero outside Γ2.
+        low_order: ‖Π g‖_T, the norm of the part of g that is such a polynomial, (cells,).
+        high_order: ‖g − Π g‖_T, the norm of the rest of g, (cells,).
+        on_edges: ‖f_2 − P f_2‖_e, zero outside Γ2, (edges,).
     """
 
     low_order: Array
@@ -81,7 +89,7 @@ class LeftOut:
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """The projected loads at one time, and the norms of the part that is left out."""
+    """The projected loads at one time, and norms of the part of the loads that the projection leaves out."""
 
     loads: Loads
     left_out: LeftOut
@@ -92,7 +100,7 @@ class ProjectedLoads:
 
     Args:
         data: the problem.
-        space: the composite stresses.
+        space: the composite stresses that balance the loads.
         raised: a number added to the degree of the quadrature rule for f_0.
     """
 
@@ -113,21 +121,22 @@ class ProjectedLoads:
     def _block(self, rule: CellRule) -> _Block:
         mesh, degree = self.space.mesh, self.space.degree
         local = barycentric(self._corners[:, :, rule.cells], rule.points)
-        # Each cell has three consecutive thirds.
+        # Three consecutive thirds belong to a cell, so the number of the cell is the number of a third divided by 3.
         cells = mesh.p[:, mesh.t[:, rule.cells // 3]]
         return _Block(rule, bernstein(degree - 1, local), lambda: bernstein(degree, barycentric(cells, rule.points)))
 
     @cached_property
     def _blocks(self) -> list[tuple[_Block, ForceInTime]]:
-        """All thirds in blocks, each with the function from a time to f_0 at its points, (2, thirds, q)."""
+        """All thirds of cells in blocks, each with a function from a time to f_0 at its points, (2, thirds, q)."""
         rules = cell_rules(self._thirds, self._degree, self._lines, self.data.points)
         blocks = [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
         return [(block, _force_at(self.data, block.rule.points)) for block in blocks]
 
     def _evaluated(self, time: float) -> Iterator[tuple[_Block, Vectors]]:
-        """Yield blocks of thirds with f_0 at their points: all thirds, then again those that fronts of this time cross.
+        """Yield blocks of thirds of cells with the body force f_0 at their quadrature points at a time.
 
-        The rules of the latter are cut along the fronts; their results replace the first ones.
+        First all thirds are yielded. Thirds that contact fronts cross at this time are then yielded again, with
+        quadrature rules that are cut along the fronts; their results replace the first ones.
         """
         for block, force in self._blocks:
             yield block, force(time)
@@ -146,7 +155,7 @@ class ProjectedLoads:
         return Loads(force.reshape(space.cells, 3, -1, 2), surface)
 
     def at(self, time: float) -> Snapshot:
-        """Return P f_0, P f_2 and the norms of f_0 − P f_0 and f_2 − P f_2 at a time."""
+        """Return the projected loads P f_0 and P f_2 at a time, and norms of the part f − P f that is left out."""
         space, thirds = self.space, 3 * self.space.cells
         lower, more = (degree * (degree + 1) // 2 for degree in (space.degree, space.degree + 1))
         force, squares, moments = np.empty((thirds, lower, 2)), np.empty(thirds), np.empty((thirds, more, 2))
@@ -166,13 +175,13 @@ class ProjectedLoads:
 
 
 class _Block:
-    """Several thirds with one quadrature rule.
+    """Several thirds of cells with one quadrature rule, on which f_0 is projected.
 
     Args:
         rule: the quadrature rule on the n thirds.
         shapes: the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q).
-        whole: a function that returns the Bernstein polynomials of degree k of their cells, (more, n, q); it is called
-            only if ``split`` is.
+        whole: a function that returns the Bernstein polynomials of degree k of the whole cells at the points,
+            (more, n, q). It is called only if ``split`` is called.
     """
 
     def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
@@ -183,15 +192,16 @@ class _Block:
 
     @cached_property
     def _whole(self) -> Array:
-        """The Bernstein polynomials of degree k of the cells, as matrices, (n, more, q)."""
+        """The Bernstein polynomials of degree k of the whole cells at the points, as a matrix for each third,
+        (n, more, q)."""
         return np.ascontiguousarray(np.moveaxis(self._make_whole(), 0, 1))
 
     def projected(self, force: Vectors) -> Array:
-        """Return P f_0 from f_0 at the points: (2, n, q) → (n, lower, 2)."""
+        """Return the projected force P f_0 from f_0 at the quadrature points: (2, n, q) → (n, lower, 2)."""
         return self.projection @ force.transpose(1, 2, 0)
 
     def split(self, force: Vectors) -> tuple[Array, Array, Array]:
-        """Split f_0, given at the points, (2, n, q), into P f_0 and g = f_0 − P f_0.
+        """Split the body force f_0, given at the quadrature points, (2, n, q), into P f_0 and g = f_0 − P f_0.
 
         Returns:
             P f_0, (n, lower, 2); the squares ‖g‖² on the thirds, (n,); and the integrals ∫ g B_α over the thirds with
@@ -205,7 +215,10 @@ class _Block:
 
 
 def _force_at(data: Data, x: Points) -> ForceInTime:
-    """Return the function from a time to f_0 at points (2, ...), as a sum of products (``Modes``) if one is known."""
+    """Return the function from a time to f_0 at points (2, ...).
+
+    If f_0 is known as a sum of products (``Modes``), the function uses this sum, which is faster.
+    """
     if data.force_modes is None:
         return data.body_force(x)
     modes = data.force_modes(x.reshape(len(x), -1))
@@ -217,7 +230,7 @@ def _force_at(data: Data, x: Points) -> ForceInTime:
 
 
 class _Edges:
-    """The edges of one part of Γ2, with a quadrature rule and the values of f_2 at its points."""
+    """The edges of one part of Γ2, with a quadrature rule and the traction f_2 at its points."""
 
     def __init__(self, data: Data, space: StressSpace, part: Part, edges: Array) -> None:
         crossings = _crossings(data, part)
@@ -230,11 +243,11 @@ class _Edges:
         self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), self.shapes, rule.weights)
 
     def projected(self, load: Vectors) -> Array:
-        """Return P f_2 from f_2 at the points: (2, n, q) → (n, k + 1, 2)."""
+        """Return the projected traction P f_2 from f_2 at the quadrature points: (2, n, q) → (n, k + 1, 2)."""
         return np.einsum("naq,dnq->nad", self.projection, load)
 
     def split(self, time: float) -> tuple[Array, Array]:
-        """Return P f_2, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e, (n,), at a time."""
+        """Return the projected traction P f_2 at a time, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e, (n,)."""
         values = self.load(time)
         coefficients = self.projected(values)
         rest = values - np.einsum("nad,anq->dnq", coefficients, self.shapes)
@@ -242,7 +255,7 @@ class _Edges:
 
 
 def _divided(rule: FacetRule) -> FacetRule:
-    """Return the rule that applies the given rule to each of ``EDGE_PARTS`` equal parts of every facet."""
+    """Repeat a quadrature rule on each of ``EDGE_PARTS`` equal parts of every facet."""
     first, s = rule.shapes[0], rule.s[0]
     slope = (s[:, 1] - s[:, 0]) / (first[:, 1] - first[:, 0])
     places = np.concatenate([(first + part) / EDGE_PARTS for part in range(EDGE_PARTS)], axis=1)
@@ -252,7 +265,7 @@ def _divided(rule: FacetRule) -> FacetRule:
 
 
 def _crossings(data: Data, part: Part) -> tuple[float, ...]:
-    """Return the sorted coordinates along a part at which the lines ``data.lines`` cross it."""
+    """Return the sorted coordinates along a boundary part at which lines cross it where the data are not smooth."""
     found = []
     for direction, offset in data.lines:
         slope, start = np.dot(direction, part.tangent), np.dot(direction, part.start)

@@ -1,4 +1,4 @@
-"""Data oscillation: a bound of the loads that the projection P leaves out, f_0 − P f_0 and f_2 − P f_2.
+"""Data oscillation: a bound of the work of the loads that the projection P leaves out, f_0 − P f_0 and f_2 − P f_2.
 
 **The inequality.** Let g ∈ L²(T)² be orthogonal to P_q(T)², the polynomials of degree q ≥ 1 on a triangle T, which
 include the rigid motions. By Korn's inequality there is a smallest constant C_{T,q} with
@@ -18,9 +18,9 @@ The same argument holds for a load on one side e of T that is orthogonal to P1(e
 the constant grows like the square root of the size:  C_e² ≤ λ_e + C_e²/2,  that is  C_e² ≤ 2 λ_e.
 
 **The eigenvalue.** λ is the smallest number with min ‖τ‖²_{A⁻¹} ≤ λ ‖load‖² for all loads. The loads are piecewise
-polynomials on the divided triangle that are orthogonal to the polynomials of the whole triangle. τ are composite
-stresses on the divided triangle with no other tractions on its boundary. λ is computed in floating point, without an
-interval enclosure. No constant from the literature is used.
+polynomials on the divided triangle that are orthogonal to the polynomials of the whole triangle. The stresses τ are
+composite stresses on the divided triangle with no other tractions on its boundary. λ is computed in floating point,
+without an interval enclosure. No constant from the literature is used.
 
 **The divided triangle.** The midpoints of its sides divide the reference triangle into four triangles, here called
 children: child i < 3 is x = (x̂ + v_i)/2, the middle child is x = (v_0 + v_1 + v_2 − x̂)/2. With F = ±1/2 the Piola
@@ -43,24 +43,25 @@ from study.stresses.loads import LeftOut
 from study.stresses.stress_space import StressSpace
 
 BLOCK = 256
-"""Number of cells whose constants are computed at a time."""
+"""Number of cells whose constants C_{T,q} are computed at a time, which limits the memory."""
 CHILDREN = np.stack([*((np.eye(3) + np.eye(3)[i]) / 2 for i in range(3)), (1 - np.eye(3)) / 2])
-"""Vertices of the children in barycentric coordinates of the triangle, (4, 3 vertices, 3)."""
+"""Vertices of the four children of a triangle, in barycentric coordinates of the triangle, (4, 3 vertices, 3)."""
 ROUNDING = 1e-9
-"""Relative singular values below which equations on the reference triangle count as dependent."""
+"""Equations count as dependent if a singular value is below this fraction of the largest one."""
 
 
 class DividedTriangle:
-    """The composite stresses of degree k on the four children of the reference triangle, as matrices.
+    """The composite stresses of degree k on the reference triangle, divided into four children, as matrices.
 
     The unknowns are the coefficients of the stresses of all children.
 
     Attributes:
-        inner: the matrix of the jumps of tractions across the sides of the middle child, (equations, unknowns).
-        outer: the matrix of |ê| σν on the halves of the sides, (3 sides, 2 halves, k + 1, 2, unknowns).
-        divergence: the matrix of the Bernstein coefficients of the divergence, of degree k − 1, on the three parts of
+        inner: the matrix from unknowns to the jumps of tractions across the sides of the middle child,
+            (equations, unknowns).
+        outer: the matrix to the tractions |ê| σν on the halves of the sides, (3 sides, 2 halves, k + 1, 2, unknowns).
+        divergence: the matrix to the Bernstein coefficients of the divergence, of degree k − 1, on the three parts of
             each child, (4 · 3 · coefficients · 2, unknowns).
-        values: the matrix of values in Mandel form at the points of a quadrature rule, (points, 3, unknowns).
+        values: the matrix to the values in Mandel form at the points of a quadrature rule, (points, 3, unknowns).
         weights: the weights of this rule, (points,).
     """
 
@@ -71,7 +72,8 @@ class DividedTriangle:
         of_child = element.tractions.reshape(3, degree + 1, 2, -1) @ space / 2
         jumps, outer = np.zeros((3, degree + 1, 2, 4, size)), np.zeros((3, 2, degree + 1, 2, 4, size))
         for side, traction in enumerate(of_child):
-            # Child ``side`` and the middle child share an edge, which they pass through in opposite directions.
+            # The second traction is reversed, because the two children run through their common side in opposite
+            # directions.
             jumps[side, :, :, side], jumps[side, :, :, 3] = traction, -traction[::-1]
             for half, child in enumerate(SIDES[side]):
                 outer[side, half, :, :, child] = traction
@@ -93,7 +95,8 @@ def restriction(degree: int, corners: Array) -> Array:
         corners: barycentric coordinates of the vertices of the smaller triangle, (3 vertices, 3).
 
     Returns:
-        The matrix from the coefficients on the triangle to those on the smaller one, (polynomials, polynomials).
+        The matrix from coefficients on the triangle to coefficients on the smaller triangle,
+        (polynomials, polynomials).
     """
     at = np.array(indices(degree)).T / degree
     inside = bernstein(degree, corners.T @ at)
@@ -102,12 +105,12 @@ def restriction(degree: int, corners: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class BalancingStresses:
-    """Stresses on the divided reference triangle that balance a space of loads with a basis of r loads.
+    """Stresses on the divided reference triangle that balance the loads of a space with a basis of r loads.
 
     Attributes:
         free: a basis of the stresses that balance the load 0, at quadrature points, (points, 3, p).
         lifts: for each load of the basis one stress that balances it, (points, 3, r).
-        weights: weights of the quadrature points, (points,).
+        weights: the weights of the quadrature points, (points,).
         loads: the integrals ∫ d_i d'_j of the components of any two loads d, d' of the basis, (r, r, 2, 2).
     """
 
@@ -118,11 +121,11 @@ class BalancingStresses:
 
     @classmethod
     def of(cls, divided: DividedTriangle, zero: Array, balanced: Array, loads: Array, gram: Array) -> BalancingStresses:
-        """Return the balancing stresses for loads, all of which must be balanced by some stress.
+        """Compute the stresses that balance given loads; every load must be balanced by some stress.
 
         Args:
             divided: the stresses on the divided triangle.
-            zero: the matrix of the conditions that the coefficients w of all stresses satisfy, zero·w = 0.
+            zero: the matrix of the conditions zero·w = 0 that the coefficients w of all stresses satisfy.
             balanced: the matrix from w to the load that the stress balances.
             loads: scalar loads as columns; each is used in both directions.
             gram: the integrals of products of two scalar loads.
@@ -135,7 +138,8 @@ class BalancingStresses:
         return cls(divided.values @ free, divided.values @ lifts, divided.weights, products)
 
     def constants(self, F: Array, compliance: Array, scale: Array) -> Array:
-        """Return √λ for triangles x = F x̂ + b, (cells,).
+        """Return √λ for triangles x = F x̂ + b: the largest ratio ‖τ‖_{A⁻¹}/‖load‖ of a load and its least stress τ,
+        (cells,).
 
         Args:
             F: the matrices F, (cells, 2, 2).
@@ -158,9 +162,9 @@ class BalancingStresses:
 
 @lru_cache
 def balancing_in_cell(q: int) -> BalancingStresses:
-    """Return the balancing stresses for loads in P_q on the children, orthogonal to P_q on the triangle.
+    """Return stresses that balance body forces and have no traction on the three sides of the divided triangle.
 
-    Tractions are 0 on the three sides.
+    The forces are polynomials of degree q on each child, orthogonal to the polynomials of degree q on the triangle.
     """
     divided = DividedTriangle(q + 1)
     third = np.concatenate([restriction(q, corners) for corners in np.moveaxis(thirds(np.eye(3)), 2, 0).swapaxes(1, 2)])
@@ -174,28 +178,32 @@ def balancing_in_cell(q: int) -> BalancingStresses:
 
 @lru_cache
 def balancing_on_side(side: int) -> BalancingStresses:
-    """Return the balancing stresses for linear loads on the halves of a side, orthogonal to linear loads on the side.
+    """Return stresses that balance tractions on one side of the divided triangle.
 
-    Div and the tractions on the other sides are 0.
+    The tractions are linear on each half of the side and orthogonal to linear tractions on the side. Div and the
+    tractions on the other sides are 0.
     """
     divided = DividedTriangle(2)
     unknowns = divided.inner.shape[1]
     others = np.delete(divided.outer, side, axis=0).reshape(-1, unknowns)
     zero = np.vstack([divided.inner, others, divided.divergence])
-    # A linear function with the end values c_0, c_1 has the Bernstein coefficients c_0, (c_0 + c_1)/2, c_1.
+    # This matrix converts end values to Bernstein coefficients of degree 2: a linear function with the end values c_0,
+    # c_1 has the coefficients c_0, (c_0 + c_1)/2, c_1.
     raised = np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]])
-    # Functions are given by end values on the halves; ``rest`` is orthogonal to linear functions on the side.
+    # Functions are given by their end values on the two halves. The columns of ``rest`` are orthogonal to the linear
+    # functions on the side.
     mass = np.kron(np.eye(2), (np.ones((2, 2)) + np.eye(2)) / 6 / 2)
     linear = np.array([[1.0, 0.0], [0.5, 0.5], [0.5, 0.5], [0.0, 1.0]])
     rest = null_space(linear.T @ mass, rcond=ROUNDING)
     loads = np.kron(np.eye(2), raised) @ rest
     balanced = divided.outer[side].reshape(-1, unknowns)
-    # |ê| t̂ on a half is the traction t̂ times the fraction 1/2 of the side, so t on the side is twice |ê| t̂.
+    # |ê| t̂ on a half is the traction t̂ times half of the length of the side, so the traction on the side is twice |ê|
+    # t̂, and squares are multiplied by 4.
     return BalancingStresses.of(divided, zero, balanced, loads, 4 * (rest.T @ mass @ rest))
 
 
 def cell_constants(F: Array, compliance: Array, q: int) -> Array:
-    """Return an upper bound of C_{T,q} for triangles x = F x̂ + b.
+    """Return an upper bound of the constant C_{T,q} of the module for triangles x = F x̂ + b, (cells,).
 
     The constant is computed once for cells that differ only by size, by a half turn, or by the order of their vertices.
 
@@ -203,9 +211,6 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
         F: the matrices F, (cells, 2, 2).
         compliance: A⁻¹ in Mandel form, (3, 3).
         q: the degree of the polynomials to which loads are orthogonal.
-
-    Returns:
-        (cells,).
     """
     size = np.sqrt(abs(np.linalg.det(F)))
     shapes = (by_length(F) / size[:, None, None]).reshape(-1, 4)
@@ -217,7 +222,8 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
 
 
 def by_length(F: Array) -> Array:
-    """Return the matrices F, (cells, 2, 2), with the vertices of each cell sorted by the lengths of opposite sides."""
+    """Sort the vertices of each cell by the lengths of the opposite sides: matrices F,
+    (cells, 2, 2) → (cells, 2, 2)."""
     corners = F @ CORNERS
     opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
     sorted_corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
@@ -225,16 +231,24 @@ def by_length(F: Array) -> Array:
 
 
 def side_constants(F: Array, compliance: Array, side: int) -> Array:
-    """Return an upper bound of C_e for side number ``side`` of triangles x = F x̂ + b: (cells, 2, 2) → (cells,)."""
+    """Return an upper bound of the constant C_e of the module for one side of triangles x = F x̂ + b, (cells,).
+
+    Args:
+        F: the matrices F, (cells, 2, 2).
+        compliance: A⁻¹ in Mandel form, (3, 3).
+        side: the number of the side.
+    """
     a, b = SIDES[side]
     length = np.linalg.norm(F @ (CORNERS[:, b] - CORNERS[:, a]), axis=1)
     return np.sqrt(2) * balancing_on_side(side).constants(F, compliance, 1 / length)
 
 
 def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Array, Array]]:
-    """Return, for each of the three side numbers, the cells with this side on Γ2, their edges there, and bounds of C_e.
+    """Return the loaded sides of all cells, and upper bounds of the constant C_e of the module for them.
 
-    The arrays of one side number have the shapes (n,), (n,) and (n,).
+    Returns:
+        For each of the three side numbers: the cells with this side on Γ2, (n,); the edges there, (n,); and the bounds,
+        (n,).
     """
     loaded = np.concatenate([np.empty(0, dtype=int), *(edges for _, edges in space.on(Kind.LOADED))])
     found = []
@@ -245,17 +259,17 @@ def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Arr
 
 
 class Oscillation:
-    """Computes the oscillation η_T of every cell, which bounds the work of the loads that P leaves out:
+    """Computes the oscillation η_T of every cell T, which bounds the work of loads that the projection P leaves out:
 
     (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T}, where e are the sides of T on Γ2.
 
-    η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e. Here k is the degree of the stresses,
+    It is η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e. Here k is the degree of the stresses,
     g = f_0 − P f_0 is orthogonal to P_{k−1}, and Π g is its projection onto P_k.
 
     Args:
         space: the stresses for which P is defined, of degree 2 or more.
-        compliance: A⁻¹ without its factor, in Mandel form, (3, 3).
-        low: the smallest value of the factor of A.
+        compliance: A⁻¹ without its material factor, in Mandel form, (3, 3).
+        low: the smallest value of the material factor of A.
     """
 
     def __init__(self, space: StressSpace, compliance: Array, low: float = 1.0) -> None:
@@ -264,7 +278,7 @@ class Oscillation:
         self._sides = [(cells, edges, constants / root) for cells, edges, constants in loaded_sides(space, compliance)]
 
     def __call__(self, left_out: LeftOut) -> Array:
-        """Return η_T of all cells, (cells,), from the norms of the part of the loads that is left out."""
+        """Return the oscillation η_T of every cell, (cells,), from norms of the loads that are left out."""
         low, high = self._cells
         total = low * left_out.low_order + high * left_out.high_order
         for cells, edges, constants in self._sides:

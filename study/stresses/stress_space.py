@@ -1,9 +1,9 @@
-"""The composite equilibrium stresses on the cells of a mesh, from which Σ^h is built.
+"""The composite equilibrium stresses on the cells of a mesh.
 
 On every cell, a stress is the sum of a stress with the required divergence (``lift``) and a stress with Div σ = 0
 (``combined``). A stress is stored in two ways: by its values at the points of a quadrature rule, which integrates
-products of two stresses exactly, and by the Bernstein coefficients of its tractions on the edges. On Γ3 the components
-of tractions are normal and tangential (ν, τ), elsewhere Cartesian.
+products of two stresses exactly, and by the Bernstein coefficients of its tractions on the edges. On Γ3 tractions have
+normal and tangential components (ν, τ), elsewhere Cartesian ones.
 """
 
 from __future__ import annotations
@@ -21,14 +21,20 @@ from study.fem.quadrature import simplex_rule
 from study.stresses.composite import SIDES, CompositeElement, bernstein, composite, thirds
 
 LEAST_DEGREE = 4
-"""Least degree of the quadrature rule on the thirds: errors of linear stresses are quadratic, their squares quartic."""
+"""Least degree of the quadrature rule on the thirds of a cell.
+
+Errors of linear stresses are quadratic, so their squares are of degree 4.
+"""
 FACETS = (1, 2, 0)
-"""Facet i of a cell in the mesh joins its vertices i and i + 1 modulo 3; side i is opposite to vertex i."""
+"""For each side i of a cell, which is opposite to vertex i, the number of the facet in the mesh.
+
+In the mesh, facet i of a cell joins its vertices i and i + 1 modulo 3.
+"""
 
 
 @dataclass(frozen=True, eq=False)
 class StressSpace(MeshedBody):
-    """Composite stresses of degree k on the cells x = F x̂ + b of a triangular mesh of a body.
+    """Composite stresses of degree k on the cells x = F x̂ + b of a triangular mesh, x̂ in the reference triangle.
 
     Letters in shapes: Q is the number of quadrature points in a cell (all thirds together), p the number of basis
     functions with Div σ = 0 in a cell, n = k + 1 the number of Bernstein polynomials on an edge.
@@ -50,23 +56,23 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def map(self) -> Array:
-        """The matrices F, (cells, 2, 2)."""
+        """The matrices F that map the reference triangle to the cells, (cells, 2, 2)."""
         corners = self.mesh.p[:, self.mesh.t]
         return np.moveaxis(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1), 2, 0)
 
     @cached_property
     def determinant(self) -> Array:
-        """The determinants of F, negative for a reflected cell, (cells,)."""
+        """The determinants of F, which are negative for reflected cells, (cells,)."""
         return np.linalg.det(self.map)
 
     @cached_property
     def edges(self) -> Array:
-        """The number of the edge on each side of every cell, (cells, 3)."""
+        """For each side of every cell, the number of the edge, (cells, 3)."""
         return self.mesh.t2f[list(FACETS)].T
 
     @cached_property
     def lengths(self) -> Array:
-        """The lengths |e| of the edges, (edges,)."""
+        """The lengths of the edges, (edges,)."""
         ends = self.mesh.p[:, self.mesh.facets]
         return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
 
@@ -79,7 +85,7 @@ class StressSpace(MeshedBody):
         return found
 
     def boundary_tractions(self, edges: Array, tractions: Array) -> Array:
-        """Return the tractions on given boundary edges, for the outward normal.
+        """Return the tractions on given boundary edges with respect to the outward normal.
 
         Args:
             edges: numbers of boundary edges, (e,).
@@ -98,19 +104,22 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _piola(self) -> Array:
-        """The Piola transformation σ̂ ↦ F σ̂ Fᵀ / det F in Mandel form, (cells, 3, 3)."""
+        """The Piola transformation σ̂ ↦ F σ̂ Fᵀ / det F from the reference triangle, in Mandel form, (cells, 3, 3)."""
         F, E = self.map, basis(2)
         pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / self.determinant[:, None, None, None]
         return np.einsum("Iil,cJil->cIJ", E, pushed)
 
     @cached_property
     def _rule(self) -> tuple[Array, Array]:
-        """The quadrature rule on a third: barycentric points (3, q) and weights (q,) with sum 1."""
+        """The quadrature rule on a third of a cell: barycentric points (3, q), and weights (q,) with sum 1."""
         return simplex_rule(2, max(LEAST_DEGREE, 2 * self.degree))
 
     @cached_property
     def _values(self) -> Array:
-        """The matrix from Bernstein coefficients to values at the points, (Q, 3 thirds, polynomials)."""
+        """The matrix from Bernstein coefficients of a function to its values at the quadrature points of a cell.
+
+        The shape is (Q, 3 thirds, polynomials).
+        """
         at = bernstein(self.degree, self._rule[0]).T
         return np.kron(np.eye(3), at).reshape(-1, 3, at.shape[1])
 
@@ -122,7 +131,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def barycentric(self) -> Array:
-        """The barycentric coordinates of the quadrature points with respect to their cell, (3, Q)."""
+        """The barycentric coordinates, with respect to the cell, of the quadrature points of a cell, (3, Q)."""
         return np.einsum("ivt,vq->itq", thirds(np.eye(3)), self._rule[0]).reshape(3, -1)
 
     @cached_property
@@ -132,17 +141,17 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _reference(self) -> Array:
-        """The basis of stresses with Div σ̂ = 0 at the points of the reference triangle, (3 · Q, p)."""
+        """The basis of stresses with Div σ̂ = 0 at the quadrature points of the reference triangle, (3 · Q, p)."""
         found = np.einsum("qta,taJp->Jqp", self._values, self.element.divergence_free)
         return found.reshape(-1, found.shape[-1])
 
     def gram(self, compliance: Array) -> Array:
-        """Return the integrals ∫_T C⁻¹σ·τ for all pairs of basis functions with Div σ = 0 of every cell, (cells, p, p).
+        """Return the inner products ∫_T C⁻¹σ·τ of any two basis functions with Div σ = 0 on every cell, (cells, p, p).
 
         Args:
             compliance: C⁻¹ in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3, 3).
         """
-        # All cells have the same basis up to the Piola transformation, so one product of two matrices suffices.
+        # All cells have the same basis up to the Piola transformation, so the product of two large matrices suffices.
         piola, reference = self._piola[:, None], self._reference.reshape(3, self.weights.shape[1], -1)
         pulled = self.weights[..., None, None] * (piola.swapaxes(2, 3) @ compliance @ piola)
         products = np.einsum("Iqa,Jqb->qIJab", reference, reference)
@@ -151,41 +160,44 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def shares(self) -> Array:
-        """The quadrature weights divided by the area of the cell, the same for all cells, (Q,)."""
+        """The quadrature weights of a cell divided by its area, which are the same for all cells, (Q,)."""
         return self.weights[0] / self.volumes[0]
 
     def tested(self, values: Tensors, C: Array | None = None) -> Array:
-        """Return the integrals ∫_T σ·ε, or ∫_T σ·Cε, for the basis of stresses σ with Div σ = 0 of every cell.
+        """Return the integrals of a strain ε, or of C ε, times each basis function σ with Div σ = 0 on every cell.
 
         Args:
             values: ε at the quadrature points, (3, ..., cells, Q).
             C: a constant tensor in Mandel form, (3, 3).
 
         Returns:
-            (..., cells, p).
+            The integrals ∫_T σ·ε or ∫_T σ·Cε, (..., cells, p).
         """
         back = self.volumes[:, None, None] * self._piola.swapaxes(1, 2)
         pulled = (back if C is None else back @ C) @ np.moveaxis(values, 0, -2)
         return pulled.reshape(*pulled.shape[:-2], -1) @ (np.tile(self.shares, 3)[:, None] * self._reference)
 
     def combined(self, coefficients: Array) -> Tensors:
-        """Return values of stresses with Div σ = 0 from their coefficients: (..., cells, p) → (3, ..., cells, Q)."""
+        """Return stresses with Div σ = 0 at the quadrature points, from their coefficients in the basis.
+
+        The shape is (..., cells, p) → (3, ..., cells, Q).
+        """
         return self._pushed(coefficients @ self._reference.T)
 
     def _pushed(self, reference: Array) -> Tensors:
-        """Apply the Piola transformation to reference values: (..., cells, 3 · Q) → (3, ..., cells, Q)."""
+        """Transform stresses from the reference triangle to the cells: (..., cells, 3 · Q) → (3, ..., cells, Q)."""
         return np.moveaxis(self._piola @ reference.reshape(*reference.shape[:-1], 3, -1), -2, 0)
 
     @cached_property
     def tractions(self) -> Array:
-        """The tractions of the basis of stresses with Div σ = 0 on the three sides, (cells, 3, n, 2, p)."""
+        """The tractions on the three sides of every basis function with Div σ = 0, (cells, 3, n, 2, p)."""
         reference = np.moveaxis(np.tensordot(self.element.tractions, self.element.divergence_free, axes=3), -1, 0)
         found = self._to_edges(np.broadcast_to(reference[:, None], (len(reference), self.cells, *reference.shape[1:])))
         return np.ascontiguousarray(np.moveaxis(found, 0, -1))
 
     @cached_property
     def _onto_edges(self) -> tuple[Array, Array]:
-        """How tractions on the sides of the reference triangle become tractions on the edges of the mesh.
+        """The transformation of tractions from the sides of the reference triangle to the edges of the mesh.
 
         Returns:
             The transposed matrices of |ê| σ̂ν̂ ↦ σν in the axes of the edges, (cells, 3, 2, 2); and whether the edge
@@ -193,19 +205,22 @@ class StressSpace(MeshedBody):
         """
         a, b = (self.mesh.t[[side[end] for side in SIDES]].T for end in (0, 1))
         turned = (self.mesh.facets[0, self.edges] == b) & (self.mesh.facets[1, self.edges] == a)
-        # The sides of a reflected cell have inward normals.
+        # Reflected cells have inward normals on their sides, so the sign of the determinant is included.
         length = self.lengths[self.edges] * np.sign(self.determinant)[:, None]
         return (self.frames[self.edges] @ self.map[:, None] / length[..., None, None]).swapaxes(2, 3), turned
 
     def _to_edges(self, reference: Array) -> Array:
-        """Return σν on the edges from |ê| σ̂ν̂ on the sides of the reference triangle, both (..., cells, 3, n, 2)."""
+        """Transform tractions |ê| σ̂ν̂ on the sides of the reference triangle to tractions σν on the edges.
+
+        Both have the shape (..., cells, 3, n, 2).
+        """
         onto, turned = self._onto_edges
         pushed: Array = reference @ onto
         pushed[..., turned, :, :] = pushed[..., turned, ::-1, :]
         return pushed
 
     def coefficients(self, values: Tensors) -> Array:
-        """Return the Bernstein coefficients of stresses of degree k from values at the points, (3, cells, Q).
+        """Return the Bernstein coefficients of stresses from their values at the quadrature points, (3, cells, Q).
 
         The shape is (3 components, thirds of all cells, polynomials).
         """
@@ -214,11 +229,11 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def force_shapes(self) -> Array:
-        """The Bernstein polynomials of degree k − 1 at the quadrature points of a third, (lower, q)."""
+        """The Bernstein polynomials of degree k − 1, for forces, at the quadrature points of a third, (lower, q)."""
         return bernstein(self.degree - 1, self._rule[0])
 
     def lift(self, coefficients: Array) -> tuple[Tensors, Array]:
-        """Return a stress with Div σ + P f_0 = 0 in every cell.
+        """Return a stress that balances the projected body force in every cell, Div σ + P f_0 = 0.
 
         Args:
             coefficients: Bernstein coefficients of P f_0, (..., cells, 3 thirds, lower, 2).
@@ -240,7 +255,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _lifting(self) -> tuple[Array, Array]:
-        """The stresses of ``element.lift`` on the reference triangle, for every coefficient of the divergence.
+        """The stresses on the reference triangle that have a given divergence, for every coefficient of the divergence.
 
         Returns:
             The values at the quadrature points, (3 thirds · lower · 2, 3 · Q), and the tractions on the sides,

@@ -14,7 +14,7 @@ from skfem import MeshTri
 from test_terms import discretised, terms_of
 
 from manufactured import Kind, polygon, t
-from study.bound.adaptive import table
+from study.bound.adaptive import Tolerance, table, text
 from study.bound.bounded import check_problem
 from study.bound.enclosing import Enclosure
 from study.bound.fields import _together
@@ -92,3 +92,23 @@ def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(mon
 def test_a_mesh_with_as_many_unknowns_as_the_one_before_has_no_order() -> None:
     rows = [{"dofs": 10, "bound": bound, "percent": 1.0, "in_time": 0.5} for bound in (2.0, 1.0)]
     assert pd.isna(table(rows)["order"]).all()
+
+
+def test_a_table_shows_the_order_of_each_mesh_except_the_first() -> None:
+    rows = [
+        {
+            "mesh": n,
+            "cells": n,
+            "dofs": 4**n,
+            "steps": 1,
+            "bound": 2.0**-n,
+            "percent": 1.0,
+            "in_time": 0.5,
+            "error": 1.0,
+        }
+        for n in (1, 2, 3)
+    ]
+    shown = text("x", table(rows), Tolerance(0.1), "", [])
+    heads, *lines = shown[shown.index("") + 1 :]
+    end = heads.index("order") + len("order")
+    assert [line[end - len("order") : end].strip() for line in lines[:3]] == ["", "0.50", "0.50"]

@@ -17,7 +17,7 @@ from manufactured.data.compiled_formulas import own_formula
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
 from study.bound.ranges import KNOWN, REWRITTEN, Boxes, RangeError, coefficients, require_known
-from study.bound.remainders import CUBIC, PARABOLA, Regions
+from study.bound.remainders import CUBIC, PARABOLA, Regions, lebesgue
 
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 HALF = Rational(1, 2)
@@ -246,3 +246,4 @@ def test_factors_of_interpolation_are_one_plus_lebesgue_constants(factor: float,
     x = np.linspace(0, 1, 10007)
     constant = sum(abs(BarycentricInterpolator(nodes, unit)(x)) for unit in np.eye(len(nodes))).max()
     assert 1 + constant <= factor <= 1 + 1.002 * constant
+    assert factor == 1 + lebesgue(np.array(nodes))

@@ -92,6 +92,15 @@ def test_one_tiny_datum_among_others_changes_nothing(changes: dict[str, float]) 
     assert bounded(problem(**changes)).highest == pytest.approx(bounded(problem(**tiny)).highest, rel=1e-9)
 
 
+def test_a_bound_whose_square_is_too_small_for_a_number_is_raised_to_the_least_bound() -> None:
+    """u_0 = 0 and f_0 ~ t³⁰⁰, so bounds at early times are far below 1e-50 although no datum is zero."""
+    law = KelvinVoigt(Linear(isotropic_matrix(1, 0.5)), Linear(isotropic_matrix(2, 3)), "late")
+    body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], KINDS)
+    found = bounded(Data.formulas(body, law, (0, t**300 * (1 + x1)), {}, (0, 0)))
+    assert found.highest > 1e-3
+    assert found.bound.min() == 1e-50
+
+
 def test_data_that_are_zero_have_the_bound_zero() -> None:
     found = bounded(problem(f0=0.0, f2=0.0, u0=0.0))
     assert found.highest == 0

@@ -212,7 +212,7 @@ def test_a_defect_that_shows_what_another_one_shows_is_the_same_mistake() -> Non
     assert [(one.defect, one.passes) for one in found] == [
         *((NO_DEFECT, True), ("first", True), ("again", False), ("elsewhere", True), ("other", True))
     ]
-    assert "NOT IN ORDER: full-contact, n = 8 16 32, again: the same mistake as first" in controls_text(found)
+    assert "ERROR in the controls: full-contact, n = 8 16 32, again: the same mistake as first" in controls_text(found)
 
 
 def run(monkeypatch, tmp_path, *controls: Control) -> int:

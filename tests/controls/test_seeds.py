@@ -116,7 +116,7 @@ def test_the_light_part_lacks_what_costs_most_and_nothing_else() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--minutes", "-1"], "--minutes must be 0, to make the table again from the record, or more, got -1"),
+        (["--minutes", "-1"], "--minutes must be 0 or more (0 makes the table again from the record), got -1"),
         (["--seed", "-1"], "--seed must be 0 or more"),
         (["--seeds", "0"], "--seeds must be 1 or more, got 0"),
     ],

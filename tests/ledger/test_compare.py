@@ -204,7 +204,7 @@ def test_claims_are_matched_by_their_keys_or_words_and_then_by_their_numbers(old
     write(new, "claims.csv", "quantity", 900, "another quantity in other words")
     for first, second, side in ((old, new, "NEW"), (new, old, "OLD")):
         claims = told(compared(first, second, 0), "claims.csv")
-        assert claims["rows renamed, found by their numbers"].differing == claims["quantity"].differing == 2
+        assert claims["rows with other names but the same numbers"].differing == claims["quantity"].differing == 2
         assert claims[f"columns that earlier data lack, in {side}"].differing == 4
         assert not any(difference.beyond for difference in claims.values())
     write(new, "claims.csv", "verdict", 3, "undecided")

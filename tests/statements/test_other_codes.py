@@ -10,7 +10,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.fem.mesh import Unstructured
+from manufactured.body import Kind
+from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve
 from study.ledger.codes import FROZEN, MARCH, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
@@ -68,6 +69,38 @@ def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name
         shapes = np.interp(fine, s[there], np.isin(there, free).astype(float))
         expected.append(np.trapezoid(task.solution.on(face, fine[None]).pressure(time) * shapes, fine))
     assert task.resultants(time) == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["corner", "hexagon", pytest.param("cube-two-faces", marks=pytest.mark.slow)])
+def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_the_normal(name: str) -> None:
+    """On several faces with different normals."""
+    family, level = {
+        "corner": (OneDiagonal(), 4),
+        "hexagon": (Unstructured(), 4),
+        "cube-two-faces": (OneDiagonal(), 3),
+    }[name]
+    task = Task(resolve(name), family, level)
+    mesh, time = task.space.mesh, 0.61 * task.solution.body.T
+    at_vertices = task.solution.at(mesh.p)
+    viscous, total = at_vertices.law.A(at_vertices.strain_rate(time)), at_vertices.stress(time)
+    for kind, listed, stress in (
+        (Kind.CONTACT, task.initial_tractions(time), viscous),
+        (Kind.LOADED, task.loads_on(time), total),
+    ):
+        for (part, facets), tractions in zip(task.space.on(kind), listed, strict=True):
+            for vertices, found in zip(mesh.facets[:, facets].T, tractions, strict=True):
+                expected = [matrix(stress[:, vertex]) @ part.normal for vertex in vertices]
+                np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9 * abs(stress).max())
+
+
+def matrix(mandel: np.ndarray) -> np.ndarray:
+    """The symmetric matrix whose diagonal, and whose other entries times √2, are in Mandel's vector."""
+    dim = 2 if len(mandel) == 3 else 3
+    places = {2: [(0, 1)], 3: [(1, 2), (0, 2), (0, 1)]}[dim]
+    found = np.diag(mandel[:dim])
+    for (i, j), value in zip(places, mandel[dim:], strict=True):
+        found[i, j] = found[j, i] = value / np.sqrt(2)
+    return found
 
 
 def test_errors_of_other_codes_are_ours() -> None:

@@ -13,6 +13,8 @@ from manufactured.law import KelvinVoigt, isotropic
 from study.fem.mesh import OneDiagonal, Shaken
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
+from study.statements.growing_errors import error_over_predicted, experiment, opening, share
+from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 from study.statements.solution_divergence import (
     SHORT,
@@ -75,6 +77,27 @@ def test_the_measured_rate_is_the_rate_of_the_midpoint_rule() -> None:
     assert z == 1 / SHORT
     expected = math.log((1 + z / 2) / (1 - z / 2)) / z
     assert growth_rate(SPACE, even_law(2, 10.0), 1.0) == pytest.approx(expected, rel=1e-12)
+
+
+def test_the_measured_rate_of_a_law_that_needs_a_contact_force_is_the_rate_of_the_midpoint_rule() -> None:
+    """For G = −ωA no force is needed to keep the softest mode on the foundation; here one is needed."""
+    law = LAWS[0]
+    c = softest_mode(SPACE, law)[0]
+    z = c / steps_for(law, 1.0)
+    assert growth_rate(SPACE, law, 1.0) == pytest.approx(math.log((1 + z / 2) / (1 - z / 2)) / z, rel=1e-9)
+
+
+@pytest.mark.parametrize("omega", [0.5, 2.0])
+def test_without_contact_errors_of_an_even_law_are_the_predicted_ones(omega: float) -> None:
+    """The gap is (1/10 + t/T)(1 + 4s(1 − s)). The midpoint rule makes e^{ωT} larger by ωT z²/12, z = ωk ≤ 1/16."""
+    solution = opening(even_law(2, omega), 2.0)
+    (face,) = solution.faces
+    for time in (0.0, 2.0):
+        gap = solution.on(face, np.array([[0.0, 0.25, 1.0]])).gap(time)
+        assert gap == pytest.approx((0.1 + time / 2) * np.array([1, 1.75, 1]))
+    free = experiment(solution, Setting("softening", "shaken", 4))
+    assert error_over_predicted(free, omega) == pytest.approx(1, abs=1.5e-3)
+    assert 0 < share(free) <= 1
 
 
 def test_a_monotone_law_has_no_rate_of_growth() -> None:

@@ -14,6 +14,7 @@ from measured_rows import invented, measured, verdicts
 from manufactured import named
 from study.fem.mesh import Shaken, Unstructured
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
+from study.solve.factorisation import Cholesky
 from study.solve.tableau import BACKWARD_EULER, SCHEMES
 from study.statements import norms_in_time
 from study.statements.admissibility import largest_violations
@@ -22,6 +23,7 @@ from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
 from study.statements.shared.base import Setting, grid
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import space_of
+from study.statements.shared.norms import dual_norm
 from study.statements.wellposed import fastest, perturbations, quotients
 
 SHAKEN, UNSTRUCTURED = Shaken(), Unstructured()
@@ -54,6 +56,14 @@ def test_growth_beyond_omega_exceeds_the_bound() -> None:
     damping = np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
     quotient = [quotients(problem, trajectory, other) * damping for other in perturbations(problem, found.space)]
     assert np.max(quotient) > 1.1
+
+
+def test_loads_are_changed_by_a_tenth_of_their_size_by_their_size_and_by_ten_times_their_size() -> None:
+    found = setup("advance-recede", 4, 1)
+    problem, riesz = found.problem, Cholesky(found.problem.M)
+    size = max(dual_norm(problem.load(float(t)), riesz) for t in np.linspace(0, problem.T, 9))
+    forces = [dual_norm(other.force, riesz) / size for other in perturbations(problem, found.space)]
+    assert forces == pytest.approx([*[0.1] * 4, 0, *[1.0] * 4, 0, *[10.0] * 4, 0])
 
 
 def test_perturbed_starts_lie_in_K() -> None:
@@ -136,12 +146,16 @@ def test_tables_on_coarse_meshes_agree_with_the_predictions_for_the_error_in_tim
 # (4.12).
 
 
-def test_the_norm_of_the_traction_is_that_at_the_time_when_it_is_largest(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("node", [1, 2, 4])
+def test_the_norm_of_the_traction_is_that_at_the_time_when_it_is_largest(
+    node: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """(1, 1) on the boundary of the unit square, five times as much at one of five times."""
     body = named("full-contact").solution.body
+    peak = node * body.T / 4
 
     def at(points: np.ndarray) -> SimpleNamespace:
-        return SimpleNamespace(surface_load=lambda part, time: np.ones(points.shape) * (5 if time == body.T / 2 else 1))
+        return SimpleNamespace(surface_load=lambda part, time: np.ones(points.shape) * (5 if time == peak else 1))
 
     solution = SimpleNamespace(body=body, at=at)
     monkeypatch.setattr(norms_in_time, "resolve", lambda name: SimpleNamespace(solution=solution))

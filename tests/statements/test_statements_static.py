@@ -21,6 +21,7 @@ from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNDECIDED
 from study.statements import constraint, green, interpolation, lipschitz, residual
 from study.statements.constitutive_law import ElasticityOperator, Viscosity
 from study.statements.green import Green
+from study.statements.hypercircle import Pair, frozen
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn, Norms
 from study.statements.lipschitz import Lipschitz
@@ -28,6 +29,7 @@ from study.statements.residual import Residual
 from study.statements.shared import eigen
 from study.statements.shared.base import Setting, grid
 from study.statements.shared.meshes import space_of
+from study.stresses.stress_space import StressSpace
 
 SQUARE = unit_square()
 H = 1 / np.array([8.0, 16.0, 32.0])
@@ -256,3 +258,18 @@ def test_the_distance_of_a_smooth_field_is_that_of_the_gauge() -> None:
     sample = v_norm.sample(0.5)
     found = interpolation.distance_in_V(solution, space, lambda x: solution.at(x).displacement(0.5))
     assert found == pytest.approx(v_norm.distance(sample, sample.interpolant), rel=1e-7)
+
+
+# The theorem of Prager and Synge.
+
+
+def test_the_contact_term_of_the_bound_is_the_gap_times_the_contact_force() -> None:
+    """For u^h_ν = −1 on Γ3 the term −∫ σ^h_ν u^h_ν of the bound is −∫ σ^h_ν, close to the exact contact force ∫ p."""
+    solution = frozen(resolve("full-contact").solution)
+    mesh = OneDiagonal()(solution.body, 8)
+    space, (face,) = Space(mesh, solution.body), solution.faces
+    apart = space.interpolate(-np.multiply.outer(face.part.normal, np.ones(mesh.p.shape[1])))
+    pair = Pair(solution, StressSpace(mesh, solution.body, 3), space, apart)
+    work = ((pair.bound - pair.oscillation) ** 2 - pair.oscillation**2 - pair.distance**2) / 2
+    s = np.linspace(0, face.part.measure, 1001)
+    assert work == pytest.approx(np.trapezoid(solution.on(face, s[None]).pressure(0.0), s), rel=1e-2)
