@@ -13,6 +13,7 @@ each code, method and mesh in build/certificates-of-codes.
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ from judge_codes import NAMES, PAGE, ROOT, export, run_codes, task
 from manufactured.data import Data
 from study.bound import fields
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose_several
+from study.bound.enclosing import Enclosure, enclose_several, order_interval
 from study.bound.given import given
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
@@ -41,7 +42,7 @@ sys.path.insert(0, str(ROOT / "examples" / "certificates"))
 from problems import wedge
 
 BUILD, TABLE = ROOT / "build" / "certificates-of-codes", ROOT / "results" / "codes" / "certified.csv"
-LEVELS, BETTER = (4,), Refined(1, 1)
+LEVELS, BETTER = (4, 8), Refined(1, 1)
 """The levels, which are also the numbers of time steps, and how ũ is computed."""
 MOVED = 1e-9
 """Distance up to which vertices in a file count as those of the certificate, whose coordinates are fractions."""
@@ -98,25 +99,27 @@ def rows_of(data: Data, level: int, names: list[str]) -> list[dict[str, Any]]:
         ends = (float(checker.decimal(end, above)) for end, above in ((proved.low, False), (proved.high, True)))
         numbers = dict(zip(("proved_low", "proved_high"), ends, strict=True))
         numbers |= {"lowest": round(bounded.lowest, 9), "highest": round(bounded.highest, 9)}
-        rows.append(
-            {"code": code, "version": version, "method": method, "level": level, "cells": proved.cells} | numbers
-        )
+        mesh_of = {"level": level, "h": bounded.h, "cells": proved.cells}
+        rows.append({"code": code, "version": version, "method": method} | mesh_of | numbers)
         print(f"{path.stem}: {interval(*list(numbers.values())[:2], SHOWN)}", flush=True)
     return rows
 
 
 def summary(found: pd.DataFrame) -> str:
-    """Return the table of the page: for each code and mesh the proved interval and the one in double precision."""
+    """Return the table of the page: for each code the intervals of its error on each mesh, and of the proved order."""
     levels, lines = sorted(found["level"].unique()), []
     for (code, method), part in found.groupby(["code", "method"], sort=False):
-        line = [f"{code} {part['version'].iloc[0]}", method]
-        for level in levels:
-            for low, high in (("proved_low", "proved_high"), ("lowest", "highest")):
-                here = part[part["level"] == level]
-                line.append(interval(here[low].iloc[0], here[high].iloc[0], SHOWN) if len(here) else "")
+        line, part = [f"{code} {part['version'].iloc[0]}", method], part.set_index("level")
+        for low, high in (("proved_low", "proved_high"), ("lowest", "highest")):
+            line += [interval(part[low][level], part[high][level], SHOWN) for level in levels]
+        proved = part[["proved_low", "proved_high"]].apply(tuple, axis=1)
+        if len(levels) == 2:
+            coarse, fine = levels
+            ratio = math.log(part["h"][coarse] / part["h"][fine])
+            line.append(interval(*order_interval(proved[coarse], proved[fine], ratio), 2))
         lines.append(line)
-    heads = [head for level in levels for head in (f"$n = {level}$, proved", f"$n = {level}$, in double precision")]
-    return markdown(["code", "method", *heads], lines)
+    heads = [f"$n = {level}$, {how}" for how in ("proved", "in double precision") for level in levels]
+    return markdown(["code", "method", *heads, *(["order, proved"] if len(levels) == 2 else [])], lines)
 
 
 def main() -> None:

@@ -1,4 +1,7 @@
-"""The list of all statements, in the order of the paper; statements that go beyond the paper come last."""
+"""The list of all statements that the study measures and judges, in the order of the paper.
+
+Statements that go beyond the paper come last.
+"""
 
 from __future__ import annotations
 
@@ -47,20 +50,20 @@ from study.statements.unmeasured import Misprints, Untested, WithoutRow
 from study.statements.wellposed import BoundedVelocity, Dependence
 
 STATEMENTS: tuple[Statement, ...] = (
-    # The problem, its data, and that it has one solution.
+    # The order is the order of the paper: first the problem, its data, existence and uniqueness.
     *(Green(), Korn(), Dependence(), SolutionDivergence(), Viscosity(), ElasticityOperator(), Projection(), Norms()),
     *(LoadInTime(), Admissibility(), BoundedVelocity(), OneTrajectory(), SameMesh(), StandsAlone(), OwnSpace()),
     *(OneStress(), Lipschitz(), Resolvent(), TractionInTime(), NaturalConditions(), Separation(), Hypercircle()),
-    # The discretisation, the error estimate and convergence.
+    # Then the discretisation, the error estimate and convergence.
     *(VertexConstraint(), Interpolant(), StepsOfTheEstimate(), ErrorBounds(), GrowingErrors(), InterpolationInV()),
     *(SizeOfInterpolation(), InterpolationOnContact(), ResidualBound(), Convergence(), NodalStart(), FirstOrder()),
     *(RegularityNeeded(), Turned(), Superclose(), Residual()),
-    # The contact force, and comparisons with other solvers and other codes.
+    # The paper does not compute contact forces; comparisons with other solvers and codes test the program.
     *(ContactForce(), Recomputed(), OtherCodes()),
-    # Beyond the paper.
+    # Theorems and experiments of this study, which the paper does not have.
     *(EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), BackwardEuler(), NoPotential(), FullyDiscrete()),
     *(Landings(), InitialGap(), BoundedError(), EnclosedError()),
-    # Rows and pictures without a claim.
+    # Misprints, untested claims and pictures, which have no tolerance window.
     *(Misprints(), Untested(), WithoutRow(), Pictures()),
 )
-"""All statements; the commands and the ledger read this list."""
+"""All statements. The commands measure them, and the ledger, the table of all checks, lists them in this order."""

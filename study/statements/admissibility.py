@@ -1,8 +1,9 @@
 """(3.9)–(3.11), (4.14), (4.15): the stress of a solution is admissible, and its work equals the work of the load.
 
-The paper states this for the exact solution; here it is tested for the solution of backward Euler. Its stress at t_n is
-σ_n = A ε(δu_n) + G ε(u_n), δu_n = (u_n − u_{n−1})/k. It is computed from the strains of the cells, without the residual
-that the contact solver reports. The violations must be round-off, because all statements hold exactly for this scheme.
+The paper states this for the exact solution. Here it is tested for the discrete solution of backward Euler, for which
+the statements hold exactly, so their violations must be round-off. The stress at time t_n is σ_n = A ε(δu_n) + G ε(u_n)
+with δu_n = (u_n − u_{n−1})/k. It is computed from the strains of the cells, not from the residual of the contact
+solver.
 """
 
 from __future__ import annotations
@@ -28,15 +29,20 @@ from study.statements.thm_4_2 import beyond
 
 STEPS = 12
 SAMPLES = 8
-"""Number of random v ∈ K^h, and of random τ ∈ Σ^h(t), at every time step."""
+"""Number of random admissible displacements, and of random admissible stresses, at every time step."""
 
 _BY_WHAT = f"rounding errors; for the law (3.3) also a fixed-point iteration that stops at {FIXED_POINT:g}"
 ROUND_OFF, ROUNDED = at_most(1e-10, _BY_WHAT), positive_at_most(1e-10, _BY_WHAT)
-"""Windows for inequalities, whose violation may be 0, and for equations between sums, whose round-off is not 0."""
+"""Tolerance windows for inequalities and for equations.
+
+The violation of an inequality may be exactly 0; the violation of an equation between sums has round-off."""
 
 
 class Admissibility(ListedNumbers):
-    """Measures how far σ_n ∈ Σ^h(t_n), (σ_n, ε(u_n)) = (f_n, u_n), (3.10) and (3.11) are violated."""
+    """Measures how far the discrete solution violates admissibility, the work equation and both inequalities.
+
+    These are σ_n ∈ Σ^h(t_n), (σ_n, ε(u_n)) = (f_n, u_n), and the variational inequalities (3.10) and (3.11).
+    """
 
     label = "(3.9)–(3.11), (4.14), (4.15)"
     claim = "σ(t) ∈ Σ(t) and (σ(t), ε(u(t)))_Q = (f(t), u(t))_V"
@@ -62,7 +68,7 @@ class Admissibility(ListedNumbers):
 
 
 def largest_violations(setup: Experiment) -> dict[str, float]:
-    """Return the largest violation of each statement over the time steps, relative to its largest term."""
+    """Return the largest violation of each condition over all time steps, relative to the largest term in it."""
     space, problem = setup.space, setup.problem
     cells, k, root = on_cells(space, setup.solution.law), problem.T / setup.steps, np.sqrt(space.volumes)
     rivals = Rivals(space, problem, cells.A, np.random.default_rng(SEED))
@@ -73,7 +79,7 @@ def largest_violations(setup: Experiment) -> dict[str, float]:
         load = problem.load(state.time)
         defect = load - space.functional(stress)
         work = float(np.linalg.norm(root * strain)) * float(np.linalg.norm(root * stress))
-        # (3.10) and (3.11), with signs such that positive values are violations.
+        # The inequalities (3.10) and (3.11) have such signs here that positive values are violations.
         against_v = [defect @ (v - state.u) for v in rivals.displacements(state.u)]
         against_tau = [float(np.sum(space.volumes * (stress - tau) * strain)) for tau in rivals.stresses(load)]
         now = [
@@ -89,27 +95,38 @@ def largest_violations(setup: Experiment) -> dict[str, float]:
 
 
 class Rivals:
-    """Makes random members of K^h and of Σ^h(t) without the contact solver. A is the viscosity on the cells."""
+    """Makes random admissible displacements and stresses without using the contact solver.
+
+    Args:
+        space: the P1 displacement space V^h.
+        problem: the semi-discrete problem.
+        A: the viscosity on the cells.
+        rng: the random generator.
+    """
 
     def __init__(self, space: Space, problem: SemiDiscrete, A: AtPoints, rng: np.random.Generator) -> None:
         self.space, self.problem, self.A, self.rng = space, problem, A, rng
         self.riesz = Cholesky(problem.M)
 
     def displacements(self, u: Array) -> Iterator[Array]:
-        """Yield SAMPLES members of K^h, the projections of random points at distances up to |u| from u."""
+        """Yield random displacements that satisfy the contact constraint.
+
+        They are projections onto K^h of random points at distances up to |u| from u.
+        """
         N, size = self.problem.N, float(np.linalg.norm(u))
         for _ in range(SAMPLES):
             direction = self.rng.standard_normal(len(u))
             v = u + self.rng.uniform() * size * direction / np.linalg.norm(direction)
-            # By Moreau's theorem v minus its projection on the cone {Nᵀλ : λ ≥ 0} is its projection on K^h.
+            # By Moreau's theorem, the projection of v onto K^h is v minus its projection onto the cone {Nᵀλ : λ ≥ 0}.
             touched = np.unique(N.indices)
             multipliers, _ = nnls(N[:, touched].T.toarray(), v[touched])
             yield v - N.T @ multipliers
 
     def stresses(self, load: Array) -> Iterator[Tensors]:
-        """Yield SAMPLES members A ε(w) + ρ of Σ^h(t).
+        """Yield random admissible stresses A ε(w) + ρ ∈ Σ^h(t) for the load vector F.
 
-        Here (w, v)_V = F·v − λ·Nv with a random λ ≥ 0, and ρ is random with (ρ, ε(v))_Q = 0 for v ∈ V^h.
+        The displacement w solves (w, v)_V = F·v − λ·Nv with random contact forces λ ≥ 0. The stress ρ is random with
+        (ρ, ε(v))_Q = 0 for all v ∈ V^h.
         """
         space, N = self.space, self.problem.N
         for _ in range(SAMPLES):

@@ -1,22 +1,25 @@
-"""Beyond the paper: convergence at a natural front of frictionless contact that advances, which violates (5.36).
+"""Beyond the paper: convergence where a contact zone grows and the solution is as singular as contact theory predicts.
+
+A *natural front* is the moving end of a frictionless contact zone, with a singularity that is not made smoother on
+purpose. If the front advances, the solution violates the regularity assumption (5.36).
 
 Near a front between contact and separation, elastic displacements of finite energy without forces behave like r^{1/2};
 if they neither penetrate the foundation nor need tension, they behave like r^{3/2}. In σ = Aε(u̇) + Gε(u) the velocity
 plays the role of the elastic displacement. Where the front c(t) moves, u ~ r^{3/2} gives u̇ ~ −ċ ∂_x u ~ r^{1/2} and
-p ~ ċ r^{−1/2}. This is pressure if ċ > 0, but tension if ċ < 0. So receding fronts are expected to have w ~ r^{5/2} and
-p ~ r^{1/2}, which satisfies (5.36). paper/fronts.tex proves part of it in the proposition on moving fronts: no front
-has both w ~ r^{3/2} and a pressure in H^{1/2}.
+p ~ ċ r^{−1/2} for the contact pressure p. This p is positive if ċ > 0, but a tension if ċ < 0. So receding fronts are
+expected to have gaps ~ r^{5/2} and p ~ r^{1/2}, which satisfies (5.36). paper/fronts.tex proves a part of this in the
+proposition on moving fronts: no front has both a gap ~ r^{3/2} and a pressure in H^{1/2}.
 
-**Measured** on ``manufactured.natural_motion``, an advancing front in closed form, with f_0 and f_2 as (3.4) requires.
-**Predicted**:
+The measured solution, ``manufactured.natural_motion``, is an advancing front in closed form; its forces f_0 and f_2
+satisfy (3.4). **Predicted** are three orders:
 
-* ‖u − u^h‖ ~ h, because u(t) ∈ H^{5/2−ε}. Theorem 4.1 and Proposition 5.3 apply, Proposition 5.4 does not; the order
-  1/2 is proved.
+* ‖u − u^h‖ ~ h, because u(t) ∈ H^{5/2−ε}. Theorem 4.1 and Proposition 5.3 apply. Proposition 5.4 does not apply; only
+  the order 1/2 is proved.
 * ‖u̇ − Π^h u̇‖_{L²(0,T;V)} ~ h^{1/2}. Observed orders are higher on coarse meshes, because smooth parts have order 1.
-* The *excess* ‖u^h − u^h_lin‖, where u^h_lin solves the linear problem with σ_ν as a traction, has an order between 1
-  and 3/2; the proof gives 1/2. The front passes a cell in a time ~ h, during which velocities have an error of h^{1/2}.
-  So an error of h^{3/2} remains in each of h^{−1} cells. If it is the same in all cells, the sum is smooth and of order
-  h^{3/2}; otherwise it is of order h.
+* The *excess* ‖u^h − u^h_lin‖ has an order between 1 and 3/2; the proof gives 1/2. Here u^h_lin solves the linear
+  problem in which the exact normal stress σ_ν is a given traction. The front passes a cell in a time ~ h, during which
+  velocities have an error of h^{1/2}. So an error of h^{3/2} remains in each of h^{−1} cells. If this error is the same
+  in all cells, the sum is smooth and of order h^{3/2}; otherwise the sum is of order h.
 
 The load is computed as (f_0, v) + (f_2, v)_{Γ2}, because f_0 is bounded, while the stress that ``ErrorNorm.load``
 integrates is not.
@@ -49,11 +52,13 @@ from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import Velocity, dual_norm, maximum, midpoints
 
 DEGREE, RAISED = 2, 6
-"""Degrees of the cell rule for f_0, and of the finer rule that shows its quadrature error."""
+"""Degree of the quadrature rule for f_0 on cells, and of a finer rule by which the quadrature error is estimated."""
 PER_CELL = 2
-"""Time steps for each cell along a side. The solution with twice as many steps stands for u^h."""
+"""Number of time steps for each cell along a side of the body.
+
+The solution with twice as many steps is used as the semi-discrete solution u^h."""
 INSTANTS, FEW = 32, 4
-"""Number of times at which errors and velocities are measured, and at which loads are compared with the finer rule."""
+"""Number of times at which errors and velocities are measured, and number at which two quadratures are compared."""
 INTERPOLATION = around(1, STEEPER, "the order of the interpolation error; only 1/2 is proved")
 SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it")
 TRAIL = between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not")
@@ -80,7 +85,10 @@ class AdvancingFront(ListedNumbers):
     full = grid((NAME,), ("one-diagonal", "unstructured"), (8, 16, 32, 64))
 
     def cost(self, setting: Setting) -> float:
-        """Return the expected time in µs; the number of time steps grows like the number of cells along a side."""
+        """Return the expected run time in µs.
+
+        It grows like n³, because there are n² cells and the number of time steps is proportional to n.
+        """
         return 100.0 * setting.level**3
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -88,7 +96,7 @@ class AdvancingFront(ListedNumbers):
         v_norm = ErrorNorm(solution, space)
         load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, DEGREE))
         problem = SemiDiscrete.of(space, solution.law, load, v_norm.sample(0.0).interpolant)
-        # The linear problem of the excess: no contact condition (no rows of N), and σ_ν as a traction in the load.
+        # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
         linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) + pressure_load(solution, space, time))
         coarse, fine = (path(problem, MIDPOINT, times * steps) for times in (1, 2))
         error = largest_error(v_norm, problem.T, fine)
@@ -104,16 +112,22 @@ class AdvancingFront(ListedNumbers):
 
 
 def largest_error(v_norm: ErrorNorm, T: float, states: Array) -> float:
-    """Return max ‖u − u^h‖_V over about INSTANTS nodes in time."""
+    """Return the largest error ‖u − u^h‖_V over about INSTANTS time nodes.
+
+    Args:
+        v_norm: computes the errors.
+        T: the final time.
+        states: the degrees of freedom of u^h at equidistant time nodes, (nodes, dofs).
+    """
     steps = len(states) - 1
     nodes = range(0, steps + 1, max(1, steps // INSTANTS))
     return maximum(v_norm.distance(v_norm.sample(n * T / steps), states[n]) for n in nodes)
 
 
 def effect_of_quadrature(solution: ExactSolution, space: Space, problem: SemiDiscrete) -> float:
-    """Return a bound of the change of u^h if finer rules integrate the load.
+    """Return a bound of the effect that a finer quadrature of the load would have on u^h.
 
-    The bound is T max ‖δf‖_V with the change δf of the load; it holds because G is monotone.
+    The bound is T max ‖δf‖_V, where δf is the change of the load. It holds because the elasticity G is monotone.
     """
     riesz, changes = Cholesky(problem.M), []
     for time in midpoints(problem.T, FEW):
@@ -123,7 +137,10 @@ def effect_of_quadrature(solution: ExactSolution, space: Space, problem: SemiDis
 
 
 def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:
-    """Return the functional v ↦ ∫_{Γ3} σ_ν v_ν at one time, by rules graded towards the front, (n_dofs,)."""
+    """Return the exact contact force at one time as a load vector, v ↦ ∫_{Γ3} σ_ν v_ν, (dofs,).
+
+    The quadrature points are graded towards the front, where σ_ν is singular.
+    """
     (face,), mesh = solution.faces, space.mesh
     assert isinstance(face, SingularFace)
     assert isinstance(face.field, TravellingField)

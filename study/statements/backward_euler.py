@@ -1,21 +1,26 @@
-"""Beyond the paper: ‖u^h − û^{hk}‖_V = O(k) for backward Euler, with a constant that does not depend on the mesh.
+"""Beyond the paper: backward Euler has an error in time of O(k), with a constant that does not depend on the mesh.
 
-Together with Proposition 5.4 this gives ‖u − û^{hk}‖_V = O(h + k) for the fully discrete scheme, without a condition
-on h and k. ``study.solve.gradient_flow`` states the theorem and its two bounds, one from the data and one from the
-computed values U_n; paper/time.tex proves them.
+This error is ‖u^h − û^{hk}‖_V. Here u^h is the semi-discrete solution, U_n are the values that backward Euler computes,
+and û^{hk} is their linear interpolant in time. Together with Proposition 5.4 this gives ‖u − û^{hk}‖_V = O(h + k) for
+the fully discrete scheme, without a condition on h and k. ``study.solve.gradient_flow`` states the theorem and its two
+bounds, one from the data and one from the computed values U_n; paper/time.tex proves them.
 
-**Predicted** for every mesh and every step, k ≫ h and k ≪ h: errors are below both bounds. The order in k is 1, because
-u̇^h jumps at landings, so that u^h is not smooth in time. The constant belongs to u^h, which converges, so it hardly
-changes with the mesh. The bound from the data is several times too large, because it counts the variation of the load
-twice, as if the load always acted against the solution. The bound from the U_n was expected to exceed the error by at
-most a factor of three; the observed factor is 3.3 to 30. It counts the variation of the load once, but where contact
-carries nearly all of the load, as in full contact, u^h hardly changes with the load.
+**Predicted** for every mesh and every time step, from k ≫ h to k ≪ h:
 
-**Between the nodes** the error of linear interpolation is compared with k/4 times the oscillation of u̇^h within a step.
-Predicted quotients: 1/2 where u̇^h changes steadily (2/3 if only four values of u̇^h are known in a step), 1 where u̇^h
-jumps in the middle of a step, less where it jumps near an end. So the largest quotient over the steps is between 1/5
-and 1. The midpoint rule is of higher order at the nodes where velocities are smooth, so interpolation makes most of its
-error between the nodes.
+* Errors are below both bounds.
+* The order in k is 1. It is not higher, because the velocity u̇^h jumps whenever a vertex comes into contact.
+* The constant hardly changes with the mesh, because it depends only on u^h, which converges.
+* The bound from the data is several times too large, because it counts the variation of the load twice, as if the load
+  always acted against the solution.
+* The bound from the values U_n was expected to exceed the error by at most a factor of three. The observed factor is
+  3.3 to 30. This bound counts the variation of the load, but where contact carries nearly all of the load, as in full
+  contact, u^h hardly changes with the load.
+
+**Between the time nodes** the error of linear interpolation is compared with k/4 times the oscillation of u̇^h within a
+step. Predicted quotients are 1/2 where u̇^h changes steadily (2/3 if only four values of u̇^h are known in a step), 1
+where u̇^h jumps in the middle of a step, and less where it jumps near an end of a step. So the largest quotient over
+the steps is between 1/5 and 1. For the midpoint rule interpolation causes most of the error between the nodes, because
+the rule is of higher order at the nodes where velocities are smooth.
 """
 
 from __future__ import annotations
@@ -41,7 +46,7 @@ from study.statements.shared.norms import maximum, minimum
 COUNTS = (4, 8, 16, 32, 64, 128, 256)
 """Numbers of time steps: six halvings of k, from k ≫ h to k ≪ h."""
 FINEST = 1024
-"""Number of steps of the midpoint rule whose solution stands for u^h."""
+"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
 PROVED = positive_at_most(1.0, "proved in the article for every h and k")
 UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
 BETWEEN = Window(
@@ -57,14 +62,17 @@ CHANGE = f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error"
 
 
 def columns(quantity: str) -> list[str]:
-    """Return the names of the columns of a quantity for all numbers of time steps."""
+    """Return the names of the columns that contain a quantity, one column for each number of time steps."""
     return [f"{count} {quantity}" for count in COUNTS]
 
 
 def order_in_k(key: str, quantity: str, window: Window, counts: Sequence[int], columns: Sequence[str]) -> Criterion:
-    """Return the criterion for the order of an error in k on all meshes; the ledger shows the order on the finest mesh.
+    """Return the criterion for the observed order of an error in the time step k.
+
+    The orders on all meshes must lie in the window; the order on the finest mesh is displayed.
 
     Args:
+        key, quantity, window: key, description and tolerance window of the check.
         counts: numbers of steps.
         columns: for each number of steps, the name of the column with the error.
     """
@@ -77,7 +85,7 @@ def order_in_k(key: str, quantity: str, window: Window, counts: Sequence[int], c
 
 
 class BackwardEuler(ListedNumbers):
-    """Measures errors in time divided by each of the two bounds, for many h and k."""
+    """Measures errors of backward Euler in time, divided by each of their two bounds, for many h and k."""
 
     label = "beyond: O(h + k)"
     effort = 60
@@ -106,8 +114,8 @@ class BackwardEuler(ListedNumbers):
 
 
 def errors_and_bounds(problem: SemiDiscrete) -> dict[str, float]:
-    """Return errors, and errors divided by their bounds, for all numbers of time steps."""
-    # The cache saves work: halving the steps keeps all times, so trajectories share most of their loads.
+    """Return errors in time, and errors divided by their bounds, for all numbers of time steps."""
+    # The loads are cached, because a trajectory with halved steps needs them again at all times of the first one.
     problem = replace(problem, load=lru_cache(maxsize=None)(problem.load))
     flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
     exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)

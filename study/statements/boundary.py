@@ -1,21 +1,21 @@
-"""(4.13): σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which the discrete solution satisfies only in the limit h → 0.
+"""(4.13): the tractions σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which discrete stresses satisfy only in the limit h → 0.
 
-The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13). They do for
-h → 0, in two senses. The orders are predicted for solutions with σ ∈ W^{1,∞}.
+The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13) exactly. The
+error of the tractions tends to 0 in two senses. Its orders are predicted for solutions with σ ∈ W^{1,∞}.
 
 * In L²(Γ), ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is at most h^{−1/2}
   times the error in the cells along Γ, and these cells may contain the whole error. Order 1 is predicted, because
   W^{1,∞} estimates for smooth solutions on quasi-uniform meshes say that the error is spread evenly. The cells along Γ
-  then contain h^{3/2} of it. More than order 1 is not possible for ‖σ^hν − σν‖, because σ^h is constant on a cell. For
-  σ_τ alone, which ‖σ^hν − σν‖ bounds, the term of first order depends on how the triangles lie along Γ3.
-* Against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V. The scheme satisfies
-  this equation for Π^h v, so
+  then contain an error of h^{3/2}. The order of ‖σ^hν − σν‖ cannot exceed 1, because σ^h is constant on a cell. For
+  σ^h_τ alone, which ‖σ^hν − σν‖ bounds, the first-order term depends on the arrangement of the triangles along Γ3.
+* Weakly, tested with smooth v that have v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V. The
+  scheme satisfies this equation for the interpolant Π^h v, so
 
       (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h).
 
-  This gives order 2, whatever error the time steps leave in σ^h − σ.
+  This gives order 2, also if σ^h − σ contains an error of the time steps.
 
-The second half of the file makes the smooth fields v; other statements use them as well.
+The second half of the file constructs the smooth fields v, which other statements use as well.
 """
 
 from __future__ import annotations
@@ -40,18 +40,21 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import CELLS
 
 INSTANTS = 8
-"""Nodes of the midpoint rule for the norms in time."""
+"""Number of nodes of the midpoint rule that approximates norms in time."""
 Field = Callable[[Points], Vectors]
-"""A smooth field of displacements, analytic in x."""
+"""A smooth displacement field, analytic in x."""
 FIELDS = 3
-"""Number of smooth fields for each of the two conditions."""
+"""Number of smooth test fields for each of the two traction conditions."""
 STRONG = around(1, 0.25, "if the stress error is spread evenly; ‖σ − σ^h‖_Q = O(h) alone gives 1/2")
 SUPERCLOSE = between(1, 2, 0.25, 0, "order 2 where the triangles along Γ3 are symmetric")
 WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v")
 
 
 class NaturalConditions(ListedNumbers):
-    """Measures how far the discrete stress violates both conditions at the midpoints of time steps."""
+    """Measures how far the discrete stress violates the traction conditions on Γ2 and Γ3.
+
+    Stresses are evaluated at the midpoints of time steps.
+    """
 
     label = "(4.13)"
     claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
@@ -73,14 +76,17 @@ class NaturalConditions(ListedNumbers):
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        # Each instant is then the midpoint of a step, because there is an odd number of steps for each instant.
+        # The number of steps for each instant is odd, so that each instant is the midpoint of a step.
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
         setup = Experiment.at(setting, MIDPOINT, steps)
         return with_h(setup.space.h, tractions(setup))
 
 
 def tractions(setup: Experiment) -> dict[str, float]:
-    """Return the norms of the violations, relative to ‖σν‖ on Γ2 ∪ Γ3; the smooth fields have ‖v‖_V = 1."""
+    """Return norms of the violations of the traction conditions, relative to the norm of σν on Γ2 ∪ Γ3.
+
+    The smooth test fields are scaled to ‖v‖_V = 1.
+    """
     body = setup.space.body
     loaded, contact = ([Side(setup, part) for part in body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT))
     against_load, against_contact = (weighted_strains(setup, fields) for fields in smooth_fields(body))
@@ -103,7 +109,10 @@ def tractions(setup: Experiment) -> dict[str, float]:
 
 
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
-    """Yield the instants t and σ^h(t) = A ε(δu_n) + G ε((u_n + u_{n−1})/2); each t is the midpoint of a step."""
+    """Yield the midpoints t of chosen time steps with the discrete stress σ^h(t).
+
+    For the step from t_{n−1} to t_n, σ^h = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
+    """
     space, cells, k = setup.space, on_cells(setup.space, setup.solution.law), setup.problem.T / setup.steps
     each = setup.steps // INSTANTS
     for n, (before, after) in enumerate(pairwise(setup.scheme.march(setup.problem, setup.steps))):
@@ -122,7 +131,10 @@ class Side:
         self.exact = setup.solution.at(part.point(self.rule.s))
 
     def squares(self, stress: Tensors, time: float) -> tuple[float, float, float]:
-        """Return the integrals of |σ^h_τ|², |σ^hν − σν|² and |σν|² over the part, for the stress σ^h at one time."""
+        """Return three integrals over the part at one time, for the discrete stress σ^h.
+
+        The integrands are |σ^h_τ|² (tangential traction), |σ^hν − σν|² (error of the traction) and |σν|².
+        """
         weights, normal = self.rule.weights, self.part.normal
         forces, exact = traction(stress[:, self.cells], normal), self.exact.surface_load(self.part, time)
         tangential = forces - np.multiply.outer(normal, normal @ forces)
@@ -134,12 +146,14 @@ class Side:
 
 
 WeightedStrains = list[tuple[Array, Fields, Array]]
-"""For each cell rule: its cells, the exact solution at its points, and w ε(v)/‖v‖_V for several fields v with the
-quadrature weights w, (fields, D, cells, points)."""
+"""Scaled strains of several smooth fields v, in one triple for each quadrature rule on cells.
+
+A triple has the cells of the rule, the exact solution at its points, and w ε(v)/‖v‖_V with the quadrature weights w,
+(fields, D, cells, points)."""
 
 
 def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
-    """Return the strains of smooth fields v, scaled to ‖v‖_V = 1, at the points of the cell rules."""
+    """Return the weighted strains of smooth fields v, scaled to ‖v‖_V = 1, at the quadrature points in the cells."""
     found, squares = [], np.zeros(len(fields))
     for rule in rules(setup.solution, setup.space.mesh, DEGREE):
         exact, strains = setup.solution.at(rule.points), np.array([strain(v, rule.points) for v in fields])
@@ -149,20 +163,21 @@ def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
 
 
 def weak_defect(strains: WeightedStrains, stress: Tensors, time: float) -> float:
-    """Return the sum of ((σ^h, ε(v))_Q − (f, v)_V)² over smooth fields v at one time.
+    """Return the sum of the squared defects of equilibrium, ((σ^h, ε(v))_Q − (f, v)_V)², over smooth test fields v.
 
-    (f, v)_V is computed as (σ, ε(v))_Q, which is equal by Green's formula (2.14) with (2.2), (2.4) and (2.5).
+    The work (f, v)_V is computed as (σ, ε(v))_Q with the exact stress σ. Both are equal by Green's formula (2.14) with
+    (2.2), (2.4) and (2.5).
     """
     works = [np.einsum("Icq,vIcq->v", stress[:, c, None] - exact.stress(time), e) for c, exact, e in strains]
     return float(np.sum(np.sum(works, axis=0) ** 2))
 
 
 def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
-    """Return random smooth fields that show each of both conditions.
+    """Return random smooth fields that test the traction condition on Γ2, and fields that test the condition on Γ3.
 
     Returns:
-        Fields that vanish on Γ1 and Γ3, and fields that vanish on Γ1, are tangential on one plane of Γ3 and vanish on
-        its other planes.
+        Fields that vanish on Γ1 and Γ3; and fields that vanish on Γ1, are tangential on one plane of Γ3 and vanish on
+        the other planes of Γ3.
     """
     clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
     rng = np.random.default_rng(SEED)
@@ -180,11 +195,11 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
     return on_loaded, on_contact
 
 
-# Smooth fields.
+# Smooth fields are defined here and not in ``study.fem``, because only statements use them.
 
 
 def planes(body: Body, kind: Kind) -> list[Part]:
-    """Return one part of the given kind for each line or plane in which such parts lie."""
+    """Return one boundary part of the given kind for each line (in 3D: plane) that contains such parts."""
 
     found: list[Part] = []
     for part in body.of(kind):
@@ -198,7 +213,7 @@ def planes(body: Body, kind: Kind) -> list[Part]:
 
 
 def distances(x: Points, parts: list[Part]) -> Array:
-    """Return the product of the distances of the points to the planes of the given parts, (...)."""
+    """Return the product of the distances of points from the planes that contain the given boundary parts, (...)."""
     product: Array = np.ones(x.shape[1:])
     for part in parts:
         product = product * part.coordinates(x)[1]
@@ -206,7 +221,7 @@ def distances(x: Points, parts: list[Part]) -> Array:
 
 
 def vanishing(field: Field, parts: list[Part]) -> Field:
-    """Return the field times the distances to the planes of the given parts; it vanishes on these parts."""
+    """Return a field multiplied by the distances from the planes of the given parts, so that it vanishes on them."""
     return lambda x: field(x) * distances(x, parts)
 
 
@@ -220,6 +235,6 @@ def waves(body: Body, rng: np.random.Generator) -> Field:
 
 
 def strain(field: Field, x: Points, tiny: float = 1e-30) -> Tensors:
-    """Return ε(v) at points x (d, ...), by the complex step, (D, ...)."""
+    """Return the strain ε(v) of a field at points x (d, ...), by complex-step differentiation, (D, ...)."""
     steps = [1j * tiny * unit.reshape((-1,) + (1,) * (x.ndim - 1)) for unit in np.eye(len(x))]
     return mandel(np.stack([field(x + step).imag / tiny for step in steps], axis=1))

@@ -1,13 +1,13 @@
-"""The hypotheses on the law: (3.1) on A, (3.2) on G, and (3.3), G(ε) = β (ε − P_K ε), as an example of (3.2).
+"""The hypotheses on the material law: (3.1) on the viscosity A, (3.2) on the elasticity G, and the example (3.3).
 
-The paper requires them almost everywhere in Ω. Each law of the catalogue is tested at the vertices and the centres of
-the cells of a mesh.
+The law (3.3), G(ε) = β (ε − P_K ε), satisfies (3.2). The paper requires the hypotheses almost everywhere in Ω. Each law
+of the catalogue is tested at the vertices and at the centres of the cells of a mesh.
 
-* (3.1): a law computes m_A and ‖A‖ from the eigenvalues of its matrix. The test uses only values Aτ: the quotients
-  Aτ·τ/|τ|² must lie between both constants, and the power method for A and for 2‖A‖ − A must come near them. A is
-  symmetric by construction, because a law refuses other matrices.
+* (3.1): a law computes its constants m_A and ‖A‖ from the eigenvalues of its matrix. The test uses only values Aτ: the
+  quotients Aτ·τ/|τ|² must lie between both constants, and the power method for A and for 2‖A‖ − A must come near them.
+  A is symmetric by construction, because a law refuses other matrices.
 * (3.2): the quotients |G(a) − G(b)|/|a − b| must be at most L_G. Some of the pairs a, b differ along eigenvectors of
-  the derivative of G with extreme eigenvalues (``AtPoints.derivative``); they show whether L_G is the best constant.
+  the derivative of G with extreme eigenvalues (``AtPoints.derivative``). They show whether L_G is the best constant.
 """
 
 from __future__ import annotations
@@ -28,14 +28,16 @@ from study.statements.shared.meshes import LAWS, named, place, space_of
 from study.statements.shared.scope import REGULAR
 
 SCALES = (-3.0, 3.0)
-"""Smallest and largest log10 of the norms of random tensors; they lie on both sides of any yield point."""
+"""Smallest and largest decimal logarithm of the norms of random tensors.
+
+The norms lie on both sides of the yield point of every law."""
 SKEW = "|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)"
 ZERO = at_most(1e-12, "0 up to rounding")
 MONOTONE = at_most(ROUNDING, "never positive, up to rounding", low=-math.inf)
 
 
 def points(space: Space) -> Points:
-    """Return the vertices and the centres of the cells, (d, n)."""
+    """Return the points at which laws are tested: the vertices and the centres of the cells, (d, n)."""
     return np.hstack([space.mesh.p, space.mesh.p[:, space.mesh.t].mean(axis=1)])
 
 
@@ -46,21 +48,24 @@ def tensors(rng: np.random.Generator, dim: int, count: int) -> Tensors:
 
 
 def derivative(operator: AtPoints, strain: Tensors) -> Array:
-    """Return the matrices of the derivative of an operator at n tensors (D, n), (n, D, D)."""
+    """Return the derivative of an operator at n strain tensors (D, n), as matrices (n, D, D)."""
     units = np.eye(len(strain))
     columns = [operator.derivative(strain, np.broadcast_to(unit[:, None], strain.shape)) for unit in units]
     return np.moveaxis(np.stack(columns, axis=1), 2, 0)
 
 
 class OfLaws(ListedNumbers):
-    """Base class of the statements that are tested for every law of the catalogue, each on one mesh."""
+    """Base class of statements about material laws; every law of the catalogue is tested on one mesh."""
 
     def places(self, full: bool) -> list[Setting]:
         return place(named(*LAWS), REGULAR, (16,) if full else (8,), (4,) if full else (2,))
 
 
 class Viscosity(OfLaws):
-    """Measures the extremes of Aτ·τ/|τ|² for random tensors and by the power method, and |Aσ·τ − σ·Aτ|."""
+    """Measures whether the viscosity A is symmetric and elliptic with the constants that the law states.
+
+    The extreme values of Aτ·τ/|τ|² are searched with random tensors τ and by the power method.
+    """
 
     label = "(3.1)"
     claim = "A is symmetric, bounded and elliptic with the constant m_A"
@@ -74,17 +79,19 @@ class Viscosity(OfLaws):
         space, A = space_of(setting), resolve(setting.case).solution.law.A
         x = points(space)
         found = extreme_quotients(A.at(x), space.dim, x.shape[1])
-        # If the smallest quotient is not positive, A is not elliptic, so the ratio must count as a violation.
+        # A negative ratio would pass as small, although A is not elliptic if its smallest quotient is not positive.
         found["ellipticity"] = A.ellipticity / found["smallest"] if found["smallest"] > 0 else math.inf
         return with_h(space.h, {**found, "bound": found["largest"] / A.lipschitz})
 
 
 POWER = 100
-"""Steps of the power method. They separate eigenvalues of 2‖A‖ − A that differ by 5 % up to 0.95^{2·100} = 4e-5."""
+"""Number of steps of the power method.
+
+If eigenvalues of 2‖A‖ − A differ by 5 %, the smaller one contributes at most 0.95^{2·100} = 4e-5 after these steps."""
 
 
 def extreme_quotients(A: AtPoints, dim: int, count: int) -> dict[str, float]:
-    """Return the smallest and the largest Aτ·τ/|τ|², and the asymmetry of A.
+    """Return the smallest and the largest quotient Aτ·τ/|τ|² of the viscosity A, and its asymmetry.
 
     The asymmetry is the largest |Aσ·τ − σ·Aτ| for |σ| = |τ| = 1, divided by the largest Aτ·τ/|τ|².
     """
@@ -95,7 +102,7 @@ def extreme_quotients(A: AtPoints, dim: int, count: int) -> dict[str, float]:
         return tensor / np.linalg.norm(tensor, axis=0)
 
     def power_method(operator: Callable[[Tensors], Tensors]) -> list[Array]:
-        """Return the quotients Aτ·τ/|τ|² in all steps of the power method for another operator."""
+        """Return the quotients Aτ·τ/|τ|² at the iterates τ of the power method for the given operator."""
         tensor, found = random_units(), []
         for _ in range(POWER):
             found.append(np.sum(A(tensor) * tensor, axis=0))
@@ -112,11 +119,13 @@ def extreme_quotients(A: AtPoints, dim: int, count: int) -> dict[str, float]:
 
 
 NEAR = 1e-4
-"""Relative distance |a − b|/|a| of near pairs; their quotients approximate the derivative of G."""
+"""Relative distance |a − b|/|a| of the pairs of tensors whose difference quotients approximate the derivative of G."""
 
 
 class ElasticityOperator(OfLaws):
-    """Measures |G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for random tensors, and G(·, 0).
+    """Measures whether the elasticity G has the Lipschitz and monotonicity constants that the law states.
+
+    The quotients |G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² are computed for random tensors a and b.
 
     (3.2) requires G(·, 0) ∈ Q. This holds if G(·, 0) equals the stress at zero strain that the law states.
     """
@@ -140,7 +149,7 @@ class ElasticityOperator(OfLaws):
         a, distant = random(), random()
         matrices = derivative(operator, a)
         _, vectors = np.linalg.eigh((matrices + matrices.swapaxes(1, 2)) / 2)
-        # Near pairs in a random direction and along eigenvectors of the extreme eigenvalues of G'.
+        # The quotients of near pairs are extreme along eigenvectors of the extreme eigenvalues of the derivative.
         directions = random(), vectors[:, :, -1].T, vectors[:, :, 0].T
         steps = [NEAR * np.linalg.norm(a, axis=0) * d / np.linalg.norm(d, axis=0) for d in directions]
         for b in (distant, *(a + step for step in steps)):
@@ -154,7 +163,10 @@ class ElasticityOperator(OfLaws):
 
 
 class Projection(OfLaws):
-    """Measures whether P_K ε = ε − G(ε)/β is a projection: in K, the nearest point of K, and not expansive."""
+    """Measures whether P_K ε = ε − G(ε)/β is the projection on the convex set K.
+
+    The result must lie in K and be the point of K nearest to ε, and P_K must not increase distances.
+    """
 
     label = "(3.3)"
     claim = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
@@ -175,11 +187,16 @@ class Projection(OfLaws):
 
 
 def projection(G: Yield, count: int) -> dict[str, float]:
-    """Return the largest violation of each property of a projection, over random tensors."""
+    """Return for each property of a projection its largest violation over random tensors.
+
+    Args:
+        G: the elasticity operator of the law (3.3).
+        count: number of random tensors of each kind.
+    """
     rng = np.random.default_rng(SEED)
     a = np.hstack([tensors(rng, G.dim, count), G.convex.radius * tensors(rng, G.dim, count)])
     b, k = rng.permutation(a, axis=1), rng.permutation(a, axis=1)
-    # Tensors in K: random tensors are scaled down so that many of them lie on the boundary of K.
+    # Random tensors k are scaled into K so that many of them lie on its boundary, where equality may hold.
     k = k / np.maximum(gauge(G, k), 1.0) * np.minimum(rng.uniform(0, 2, k.shape[1]), 1.0)
     nearest_a, nearest_b, nearest_k = (strain - G(strain) / G.beta for strain in (a, b, k))
     distance, outward, along = np.linalg.norm(a - b, axis=0), a - nearest_a, k - nearest_a
@@ -193,5 +210,8 @@ def projection(G: Yield, count: int) -> dict[str, float]:
 
 
 def gauge(G: Yield, strain: Tensors) -> Array:
-    """Return |Pτ|/r with the projector P and the radius r of K, which is at most 1 for τ ∈ K, (n,)."""
+    """Return the gauge function |Pτ|/r of the set K, which is at most 1 exactly for τ ∈ K, (n,).
+
+    Here K = {τ : |Pτ| ≤ r} with a linear projector P and a radius r.
+    """
     return np.linalg.norm(G.convex.projector @ strain, axis=0) / G.convex.radius

@@ -1,9 +1,12 @@
-"""K^h and Π^h (near (5.23)): v ∈ V^h lies in K if v_ν ≤ 0 at the vertices of Γ3, and Π^h v ∈ K^h for continuous v ∈ K.
+"""The discrete contact constraint: a P1 function does not penetrate if it does not penetrate at the vertices of Γ3.
+
+That is, v ∈ V^h lies in K if v_ν ≤ 0 at the vertices of Γ3. So Π^h v ∈ K^h for continuous v ∈ K (near (5.23)).
 
 The solvers represent K^h = V^h ∩ K by {v : Nv ≤ 0}, where Nv are normal displacements at vertices. The test checks the
-definition of K, v_ν ≤ 0 on all of Γ3 and v = 0 on Γ1, at points between the vertices. Normals and facets come from the
-geometry of the body. N is used only to make functions in K^h (Nv ≤ 0, including extreme rays of the cone) and functions
-outside K^h (one (Nv)_i > 0). No violation is allowed, because linear functions attain their maximum at vertices.
+definition of K, v_ν ≤ 0 on all of Γ3 and v = 0 on Γ1, at points between the vertices. It takes normals and facets from
+the geometry of the body. The matrix N only serves to make functions in K^h (Nv ≤ 0, including extreme rays of the cone)
+and functions outside K^h (one (Nv)_i > 0). Linear functions attain their maximum at vertices, so no violation is
+allowed.
 """
 
 from __future__ import annotations
@@ -27,21 +30,27 @@ from study.statements.shared.meshes import BODIES, EVERY, IRREGULAR, named, plac
 from study.statements.shared.norms import maximum, minimum
 
 SAMPLES = 40
-"""Number of functions of each kind: random functions in K^h, extreme rays, functions outside K^h, smooth fields."""
+"""Number of test functions of each kind.
+
+The kinds are random functions in K^h, extreme rays of K^h, functions outside K^h, and smooth fields."""
 INSTANTS = 33
 """Number of times at which the exact solution is interpolated."""
 INSIDE, CORNER = 24, 0.95
-"""Number of random points on each facet, and the barycentric coordinate of one more point near each of its vertices."""
+"""Number of random test points on each facet, and position of one more test point near each vertex of the facet.
+
+The position is the barycentric coordinate with respect to the vertex."""
 TOLERANCE = 1e-8
-"""A vertex lies on a part of the boundary if its distance from the part is below this number."""
+"""A vertex belongs to a part of the boundary if its distance from the part is below this number."""
 NEVER = at_most(1e-12, "never positive, up to rounding", low=-math.inf)
 SEEN = Window(0.5, 1.0, "of the value at the vertex")
-"""If v_ν = 1 at one vertex and v_ν ≥ −1 at the others, v_ν ≥ 2 · 0.95 − 1 = 0.9 at the point near this vertex."""
+"""Window of the largest v_ν for functions outside K^h, with v_ν = 1 at one vertex and v_ν ≥ −1 at all others.
+
+At the test point near this vertex v_ν ≥ 2 · 0.95 − 1 = 0.9."""
 CLAMPED = at_most(1e-12, "0 up to rounding")
 
 
 class VertexConstraint(ListedNumbers):
-    """Measures the largest v_ν on Γ3 for functions inside and outside K^h, on each body."""
+    """Measures the largest normal displacement v_ν on Γ3, for P1 functions inside and outside the set K^h."""
 
     label = "K^h"
     claim = "v ∈ V^h lies in K if and only if v_ν ≤ 0 at the vertices of Γ3"
@@ -63,7 +72,10 @@ class VertexConstraint(ListedNumbers):
 
 
 class Interpolant(ListedNumbers):
-    """Measures the largest normal component of Π^h v on Γ3, for v = u(t) at many times and random smooth v ∈ K."""
+    """Measures whether nodal interpolants Π^h v penetrate the foundation.
+
+    The functions v are exact solutions at many times and random smooth functions v ∈ K, which do not penetrate.
+    """
 
     label = "Π^h"
     claim = "Π^h v ∈ K^h for v ∈ K ∩ C(Ω̄)"
@@ -87,7 +99,7 @@ class Interpolant(ListedNumbers):
 
 
 class NormalTrace:
-    """Evaluates v_ν on Γ3 for v ∈ V^h, at points between the vertices."""
+    """Evaluates the normal displacement v_ν of P1 functions at points of Γ3 between the vertices."""
 
     def __init__(self, space: Space) -> None:
         self.space = space
@@ -102,20 +114,25 @@ class NormalTrace:
         ]
 
     def highest(self, v: Array) -> float:
-        """Return the largest v_ν over the points."""
+        """Return the largest normal displacement v_ν over the test points on Γ3."""
         nodal = self.space.nodal(v)
         values = [np.tensordot(normal, nodal[:, facets], axes=1).T @ self.barycentric for normal, facets in self.facets]
         return maximum(value.max() for value in values)
 
 
 def with_trace(space: Space, v: Array, values: Array) -> Array:
-    """Return the function with normal displacements ``values`` on Γ3 whose nodal values are nearest to those in v."""
+    """Return the P1 function nearest to v that has given normal displacements at the vertices of Γ3.
+
+    Args:
+        v: degrees of freedom, (dofs,).
+        values: the normal displacements, (m,).
+    """
     N = space.N
     return v + N.T @ np.linalg.solve((N @ N.T).toarray(), values - N @ v)
 
 
 def members(space: Space, rng: np.random.Generator) -> Iterator[Array]:
-    """Yield random functions with Nv ≤ 0 and many zeros in Nv, and extreme rays of the cone {Nv ≤ 0}."""
+    """Yield functions in K^h: random functions with many contact vertices, and extreme rays of the cone {Nv ≤ 0}."""
     count = space.N.shape[0]
     for _ in range(SAMPLES):
         yield with_trace(space, rng.standard_normal(space.dofs), np.minimum(rng.standard_normal(count), 0.0))
@@ -124,7 +141,7 @@ def members(space: Space, rng: np.random.Generator) -> Iterator[Array]:
 
 
 def nonmembers(space: Space, rng: np.random.Generator) -> Iterator[Array]:
-    """Yield functions with (Nv)_i = 1 for one i and −1 ≤ (Nv)_j ≤ 0 for all others."""
+    """Yield functions outside K^h, with v_ν = 1 at one vertex of Γ3 and −1 ≤ v_ν ≤ 0 at all others."""
     count = space.N.shape[0]
     for i in rng.permutation(count)[:SAMPLES]:
         values = -rng.uniform(size=count)
@@ -133,12 +150,16 @@ def nonmembers(space: Space, rng: np.random.Generator) -> Iterator[Array]:
 
 
 def violation(trace: NormalTrace, v: Array) -> float:
-    """Return the larger of max v_ν on Γ3 and max_i (Nv)_i."""
+    """Return the largest normal displacement of a P1 function on Γ3, at the test points and at the vertices."""
     return maximum((trace.highest(v), (trace.space.N @ v).max()))
 
 
 def over_time(trace: NormalTrace, solution: ExactSolution) -> dict[str, float]:
-    """Return the largest violation of Π^h u(t) ∈ K^h and the largest |u(t)| on Γ1 over the times, relative to |u|."""
+    """Return how far the exact solution u violates the contact constraint and the clamping, over many times.
+
+    Measured are the penetration of the interpolant Π^h u(t) on Γ3, and |u(t)| on the clamped boundary Γ1, both relative
+    to the largest |u|.
+    """
     space, fields = trace.space, solution.at(trace.space.mesh.p)
     fixed = np.unique(np.concatenate([space.vertices(part) for part in space.body.of(Kind.CLAMPED)]))
     values = [fields.displacement(float(time)) for time in np.linspace(0, solution.body.T, INSTANTS)]
@@ -150,9 +171,10 @@ def over_time(trace: NormalTrace, solution: ExactSolution) -> dict[str, float]:
 
 
 def admissible(body: Body, rng: np.random.Generator) -> list[Field]:
-    """Return random smooth functions v ∈ K.
+    """Return random smooth functions v ∈ K, which vanish on Γ1 and do not penetrate the foundation.
 
-    Let δ_1, δ_3 and δ_i be the squared distances to Γ1, to Γ3 and to Γ3 without Γ3,i. With random waves w, w_i and b_i,
+    Let δ_1, δ_3 and δ_i be products of squared distances from the planes of Γ1, of Γ3, and of Γ3 without its face Γ3,i.
+    With random waves w, w_i and b_i,
 
         v = δ_1 (δ_3 w + Σ_i δ_i (w_i − (w_i)_ν ν − b_i² ν)),   so that v_ν = −δ_1 δ_i b_i² on Γ3,i.
     """

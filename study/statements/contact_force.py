@@ -1,23 +1,24 @@
-"""The contact force −σ^h_ν converges to the contact pressure p, and u^h_ν ≤ 0 holds between the vertices of Γ3.
+"""The computed contact force converges to the exact contact pressure p, and there is no penetration between vertices.
 
 The paper claims nothing about the contact force. It is judged separately, because the order of the error in V hardly
-depends on it. Where all of Γ3 is in contact, contact forces that are wrong by a fifth do not change u^h. Penalty
+shows mistakes in it. Where all of Γ3 is in contact, contact forces that are wrong by a fifth do not change u^h. Penalty
 methods have the right order in V on coarse meshes, although their error stagnates later.
 
-**Measured** for every case of Proposition 5.4 with contact. With the nodal contact forces λ_n at t_{n−1/2}, which are
-the multipliers of the midpoint rule, Problem 5.1 reads
+The error is **measured** for every case of Proposition 5.4 with contact. The multipliers λ_n of the midpoint rule are
+the nodal contact forces at the time t_{n−1/2}. With them Problem 5.1 reads
 
     (σ^h, ε(v))_Q + λ_n·Nv = (f, v)_V,   v ∈ V^h,    and exactly   (σ, ε(v))_Q + ∫_{Γ3} p v_ν = (f, v)_V.
 
-So ⟨p − p^h, v_ν⟩ = ∫_{Γ3} p v_ν − λ_n·Nv is measured without the load and without a matrix of the problem, because p
-comes from the exact stress at points of the faces.
+So ⟨p − p^h, v_ν⟩ = ∫_{Γ3} p v_ν − λ_n·Nv is the error of the contact force. It is measured without the load and without
+a matrix of the problem, because p comes from the exact stress at points of the faces.
 
-**Predicted orders** in L²(0,T), with k ~ h. For an exact load, ⟨p − p^h, v_ν⟩ = (σ^h − σ, ε(v))_Q for every v ∈ V^h.
+**Predicted** orders are for norms in L²(0,T), with k ~ h. If the load is integrated exactly,
+⟨p − p^h, v_ν⟩ = (σ^h − σ, ε(v))_Q for every v ∈ V^h.
 
-* **dual norm**: the supremum over v ∈ V^h of the right side, which depends only on the part of
-  σ^h − σ = Aε(u̇^h − u̇) + Gε(u^h − u) that is not orthogonal to V^h. It has the order of ‖Π^h u − u^h‖_V, by the same
-  cancellation: 3/2 to 2 on one-diagonal meshes, from 1 to 2 on others. No higher order is possible, because p^h is
-  piecewise linear and a front cuts cells.
+* **dual norm**, the supremum of the right side over v ∈ V^h with ‖v‖_V = 1: the same order as ‖Π^h u − u^h‖_V, that
+  is, 3/2 to 2 on one-diagonal meshes and 1 to 2 on others. The right side depends only on the part of
+  σ^h − σ = Aε(u̇^h − u̇) + Gε(u^h − u) that is not orthogonal to strains of V^h, and the same errors cancel. No higher
+  order is possible, because p^h is piecewise linear and a front cuts cells.
 * **L²(Γ3)**: order 1 to 3/2. Take v with a given trace on Γ3 that vanishes at all vertices off Γ3. It is non-zero only
   in the cells along Γ3. These contain O(h^{3/2}) of ‖σ − σ^h‖_Q for ε(u) ∈ W^{1,∞}, and ‖v‖_V ≤ c h^{−1/2} ‖v_ν‖. This
   gives order 1 without cancellation. With cancellation, the inverse inequality gives half an order less than the order
@@ -30,11 +31,11 @@ comes from the exact stress at points of the faces.
 
 On random meshes ‖p − p^h‖_{L²(Γ3)} is dominated by the few edges that happen to be long where p is strongly curved. In
 a pilot study on ten meshes its logarithm had a standard deviation of 0.2 on every level, n = 8, 16, 32, and its order
-was 1.16 ± 0.18. Therefore this order is only reported there. The order of the dual norm, a sum over cells, was
-1.51 ± 0.09, and is judged.
+was 1.16 ± 0.18. Therefore this order is only reported on random meshes. The order of the dual norm, which is a sum over
+cells, was 1.51 ± 0.09; it is judged.
 
-**Sign conditions**: u^h_ν is linear between vertices and u^h ∈ K^h, so u^h_ν ≤ 0 at every point of straight faces up to
-round-off, and λ ≥ 0.
+**Sign conditions** are judged as well: u^h_ν is linear between vertices and u^h ∈ K^h, so u^h_ν ≤ 0 at every point of
+straight faces up to round-off, and λ ≥ 0.
 
 If the whole face comes into contact with a non-zero velocity, p jumps in time. In the step with the jump every scheme
 returns a mean of the values before and after the jump. So the error in L²(0,T) is of order 1/2 in k, times a factor
@@ -78,28 +79,30 @@ COLUMNS = ("case", "family", "level", "h", "steps", *ERRORS, *SHARES, "penetrati
 
 Norms in L²(0,T) are computed from the midpoints of the time steps, relative to the same norm of the exact quantity.
 
-    pressure: ‖p − p^h‖_{L²(Γ3)}; p^h is P1 on each piece Γ3,i and has the moments λ_n against P1.
-    dual: sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over v ∈ V^h.
-    resultant: ⟨p − p^h, 1⟩ on each piece, in the Euclidean norm over the pieces.
-    …_time_share: |error − error with half as many steps| / error.
-    penetration: max over the nodes in time and points of Γ3 of (u^h_ν)_+, over max |u^h|.
-    pulling: max_n (λ_n)_− / max_n |λ_n|.
-    clamped: the number of pieces of Γ3 that meet Γ1.
+    pressure: ‖p − p^h‖_{L²(Γ3)}. The pressure p^h is P1 on each face Γ3,i, and its moments with hat functions are λ_n.
+    dual: the dual norm of the error, sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over v ∈ V^h.
+    resultant: error of the total force ⟨p − p^h, 1⟩ on each face, in the Euclidean norm over the faces.
+    …_time_share: the error in time, |error − error with half as many steps| / error.
+    penetration: the largest (u^h_ν)_+ over time nodes and points of Γ3, divided by the largest |u^h|.
+    pulling: the largest tensile force, max_n (λ_n)_− / max_n |λ_n|.
+    clamped: the number of faces of Γ3 that meet the clamped boundary Γ1.
 """
 CONTACT = CsvFile("contact.csv", ("case", "family", "level"), COLUMNS)
 POINTS, SOLID_POINTS = 20, 6
-"""Gauss points on a facet in 2D, and in each direction of a facet in 3D. Many are needed: p has kinks inside facets."""
+"""Number of Gauss points on a facet in 2D, and in each direction of a facet in 3D.
+
+Many are needed, because the pressure has kinks inside facets."""
 
 
 class PressedFace:
-    """One piece of Γ3 with quadrature points, the exact pressure at them, and the P1 functions of its vertices.
+    """One contact face with quadrature points, the exact pressure there, and the hat functions of its vertices.
 
     Attributes:
         weights: the quadrature weights, (points,).
-        normal: ν.
-        every: the values of the P1 functions of all vertices of the mesh at the points, (points, vertices).
-        functions: the values of the P1 functions φ_i of the vertices that have a row in N, (points, m).
-        mass: ∫ φ_i φ_j, (m, m).
+        normal: the outer unit normal ν.
+        every: the values of the hat functions of all vertices of the mesh at the points, (points, vertices).
+        functions: the values of the hat functions φ_i of the m unclamped vertices of the face, (points, m).
+        mass: the mass matrix ∫ φ_i φ_j, (m, m).
     """
 
     def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
@@ -115,11 +118,11 @@ class PressedFace:
         self._exact = solution.on(face, rule.s)
 
     def pressure(self, times: Array) -> Array:
-        """Return the exact pressure p at the points, at n times, (points, n)."""
+        """Return the exact contact pressure at the quadrature points and n times, (points, n)."""
         return self._exact.pressure(times).reshape(-1, len(times))
 
     def moments(self, pressure: Array) -> Array:
-        """Return ∫ p φ_i, (m, n), for n pressures at the points, (points, n)."""
+        """Return the moments ∫ p φ_i with the hat functions, (m, n), of n pressures at the points, (points, n)."""
         return self.functions.T @ (self.weights[:, None] * pressure)
 
 
@@ -127,11 +130,11 @@ class Forces:
     """Measures errors of nodal contact forces and the penetration between the vertices.
 
     Attributes:
-        space: V^h.
-        faces: the pieces of Γ3.
-        rows: the rows of N that belong to each piece.
-        clamped: the number of pieces that have a vertex on Γ1.
-        W: the matrix N M⁻¹ Nᵀ, which gives the dual norm sup y·Nv/‖v‖_V = (y·Wy)^½, (m, m).
+        space: the P1 displacement space V^h.
+        faces: the contact faces.
+        rows: for each face, its rows in the matrix N of normal displacements.
+        clamped: the number of faces that have a vertex on the clamped boundary Γ1.
+        W: the matrix N M⁻¹ Nᵀ, which gives the dual norm sup_v y·Nv/‖v‖_V = (y·Wy)^½ of nodal forces y, (m, m).
     """
 
     def __init__(self, setup: Experiment) -> None:
@@ -142,21 +145,24 @@ class Forces:
             for face, (_, vertices) in zip(setup.solution.faces, space.contact, strict=True)
         ]
         self.rows = [slice(*pair) for pair in pairwise(ends)]
-        # N has no rows for vertices on Γ1.
+        # The matrix N has no rows for vertices on Γ1, so a face that meets Γ1 has fewer rows than vertices.
         corners = (np.unique(space.mesh.facets[:, space.facets(part)]) for part, _ in space.contact)
         self.clamped = sum(len(mine) > len(free) for mine, (_, free) in zip(corners, space.contact, strict=True))
         self.W = Signorini(setup.problem.M, space.N, space.free_points).W
 
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
-        """Return the squared ERRORS and the squared exact norms, summed over n times, (3,) each.
+        """Return sums over time of the squared errors of the contact force and of the squared exact norms, (3,) each.
+
+        The three norms are the norms of ``ERRORS``.
 
         Args:
+            times: the times, (n,).
             multipliers: the nodal contact forces λ at the times, (n, m).
         """
         exact, errors, sizes = [], 0.0, 0.0
         for face, rows in zip(self.faces, self.rows, strict=True):
             p = face.pressure(times)
-            # p^h is the P1 function with the moments λ.
+            # Nodal forces λ are moments of a pressure, so the P1 pressure p^h follows from the mass matrix.
             p_h = face.functions @ np.linalg.solve(face.mass, multipliers.T[rows])
             errors += float((face.weights @ (p - p_h) ** 2).sum())
             sizes += float((face.weights @ p**2).sum())
@@ -168,26 +174,34 @@ class Forces:
         return np.array(found), np.array([sizes, np.vdot(y, self.W @ y), np.vdot(total, total)])
 
     def penetration(self, u: Array) -> float:
-        """Return max (u_ν)_+ over the points of Γ3 for u ∈ V^h."""
+        """Return the largest penetration (u_ν)_+ of a P1 displacement over the quadrature points on Γ3."""
         nodal = self.space.nodal(u)
         return float(np.max([0.0, *((face.every @ (face.normal @ nodal)).max() for face in self.faces)]))
 
 
 def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array, float, float]:
-    """March with the midpoint rule and return the relative ERRORS in L²(0,T), (3,), penetration and pulling."""
+    """Solve by the midpoint rule, and return the errors of the contact force and violations of both sign conditions.
+
+    Returns:
+        The relative errors in the norms of ``ERRORS`` over (0, T), (3,); the largest relative penetration; and the
+        largest relative tensile force.
+    """
     k, multipliers, extremes = setup.problem.T / steps, [], []
     for state in setup.scheme.march(setup.problem, steps):
         pulling = -state.multipliers.min(initial=0.0)
         extremes.append([forces.penetration(state.u), abs(state.u).max(), pulling, abs(state.multipliers).max()])
         multipliers.append(state.multipliers)
-    # NumPy's maximum is NaN if one value is NaN; Python's max could hide it.
+    # NumPy's maximum is used, because Python's max could hide a NaN.
     inside, moved, pulled, pressed = np.max(extremes, axis=0)
     squares, sizes = forces.squares((np.arange(steps) + 0.5) * k, np.array(multipliers[1:]))
     return np.sqrt(squares / sizes), float(inside / moved), float(pulled / pressed)
 
 
 def measure_contact(setup: Experiment) -> dict[str, Any]:
-    """Return the columns of ``contact.csv`` from ``h`` on; the number of steps must be even."""
+    """Return the measured columns of a row of ``contact.csv``, which follow the column ``level``.
+
+    The number of time steps must be even.
+    """
     forces = Forces(setup)
     errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
     coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
@@ -204,12 +218,13 @@ def measure_contact(setup: Experiment) -> dict[str, Any]:
 
 
 LANDS = "lift-and-land"
-"""The case whose pressure jumps in time, so that no order of the force is claimed."""
+"""The case whose pressure jumps in time, for which no order of the contact force is claimed."""
 NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
 JUMP = around(0.5, 0.2, "k^{1/2}")
 NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of the resultant"
-"""The order of the resultant follows from the dual norm with v_ν = 1. But v = 0 on Γ1, so if a face meets Γ1, no v ∈ V
-has v_ν = 1 on the whole face."""
+"""Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
+
+The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
 STRIP = between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2")
 PRESSURE = order("order-pressure", "order of ‖p − p^h‖_{L²(Γ3)}", STRIP, "pressure")
 OF_CHANCE = replace(PRESSURE, key="order-pressure-random", quantity=f"{PRESSURE.quantity}, random meshes")
@@ -221,16 +236,18 @@ DUAL_ORDERS = {
     True: order("order-dual-superclose", f"{DUAL}, superclose", SUPERCLOSE, "dual"),
     False: order("order-dual-other", f"{DUAL}, other families", OTHERS, "dual"),
 }
-"""On one-diagonal meshes (True) and on others."""
+"""The criteria for the order of the dual norm, on one-diagonal meshes (True) and on all others (False)."""
 RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
-"""No upper end: the error of the resultant has a sign, parts of it may cancel, and its order may exceed 2."""
+"""Window of the order of the contact resultant.
+
+It has no upper end: parts of the error of the resultant may cancel, so its order may exceed 2."""
 SIZE = at_most(0.05, "of the exact resultant, on the finest level")
 TIME = at_most(0.5, "of each error; half as many steps show the error in time")
 NORMS = (
     order("order-resultant", "order of the error of the contact resultant on each face", RESULTANT, "resultant"),
     finest("resultant", "error of the contact resultant on each face", SIZE, "resultant"),
-    # The time share of the resultant is not judged: time steps can only lower its order, which has no upper end, and on
-    # symmetric meshes its discretisation error in space may vanish.
+    # The error in time of the resultant is not judged: it can only lower the order, whose window has no upper end, and
+    # on symmetric meshes the error in space may vanish, so that no error in time is small against it.
     largest("time-share", "error in time / error, for both norms of p − p^h", TIME, *SHARES[:2]),
 )
 ROUND_OFF = at_most(1e-10, "only rounding, because faces are straight and elements linear")
@@ -241,7 +258,7 @@ EXACT = (
 
 
 def rules_of(case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
-    """Yield the criteria for a case, and the mesh families that each of them judges."""
+    """Yield the criteria for a case, each with the measurements on the mesh families that it judges."""
     norms, clamped = [], any(table["clamped"].any() for table in groups.values())
     for rule in NORMS:
         if clamped and rule.key == "order-resultant":
@@ -266,7 +283,7 @@ def rules_of(case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
 
 
 def touches(solution: ExactSolution) -> bool:
-    """Return whether there is contact at some time, according to the formulas of the faces."""
+    """Return whether an exact solution has contact at some time, according to the formulas of its contact faces."""
     return any(
         (face.pressure_jet is None or face.pressure_jet.expression != 0) and not sp.sympify(face.level).is_negative
         for face in solution.faces
@@ -274,7 +291,7 @@ def touches(solution: ExactSolution) -> bool:
 
 
 class ContactForce(Statement):
-    """Measures errors of the contact force and violations of both sign conditions, by the midpoint rule with k ~ h."""
+    """Measures errors of the contact force, penetration and tensile forces, by the midpoint rule with k ~ h."""
 
     label = "contact force"
     claim = "−σ^h_ν → p on Γ3, and u^h_ν ≤ 0 between vertices, for the solutions of Proposition 5.4"
@@ -282,11 +299,11 @@ class ContactForce(Statement):
     of_own_cases = True
 
     def settings(self, scope: Scope) -> list[Setting]:
-        """Return settings for the cases of Proposition 5.4 with contact.
+        """Return the settings for the cases of Proposition 5.4 with contact.
 
-        Cases of the catalogue are measured on the three finest levels that the study has on all their mesh families;
-        the quick study takes only a selection of them. Cases of users are all measured, on all levels, so that finer
-        levels can be added to a run.
+        Cases of the catalogue are measured on the three finest levels that the study has on all their mesh families.
+        The quick study selects some of these cases. Cases of users are measured on all levels, so that finer levels can
+        be added to a run.
         """
         return [
             Setting(reference, family.name, level)

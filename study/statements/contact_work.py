@@ -1,24 +1,26 @@
 """Beyond the paper: the work of contact for solutions with contact patches of every size.
 
-The contact term of the estimate (5.21), which a linear problem does not have, is ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)},
-the root of the *work of contact*. It is of order 1 for u ∈ W^{1,1}(0,T;H²), for any trace (``edge_work``); for a fixed
-u it is even o(h). In the cases of the catalogue, which have a few smooth fronts, it is 1e-6 to 1e-3 of the error (0.03
-in natural-front, 0.1 in rough-trace). That is too small to be observed. Here it is measured for the cases of
-``manufactured.multiscale``, whose contact zones have details of the size of h on every mesh.
+The error estimate (5.21) has a contact term, which a linear problem does not have: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}.
+It is the root of the *work of contact*, the work of the exact contact force on the interpolation error. The term is of
+order 1 for u ∈ W^{1,1}(0,T;H²), for any trace (``edge_work``); for a fixed u it is even o(h). In the cases of the
+catalogue, which have a few smooth fronts, it is 1e-6 to 1e-3 of the error (0.03 in natural-front, 0.1 in rough-trace).
+That is too small to be observed. Here it is measured for the cases of ``manufactured.multiscale``, whose contact zones
+have details of the size of h on every mesh.
 
-**Measured**, with integrals on a refined mesh. In it, cells are at most a third of the depth ℓ over which the contact
-data are continued into the body:
+Three quantities are **measured**. Their integrals are computed on a refined mesh, whose cells are at most a third of
+the depth ℓ over which the contact data are continued into the body:
 
-* ``work``: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}, where R = ∫_{Γ3} p Π^h w, because p w = 0;
+* ``work``: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}, where R = ∫_{Γ3} p Π^h w with the gap w, because p w = 0;
 * ``error``: max_t ‖u − u^h‖_V;
-* ``excess``: max_t ‖u^h − u^h_lin‖_V, where u^h_lin solves the linear problem with p as a given traction. It is the
-  part of the error that is due to contact.
+* ``excess``: max_t ‖u^h − u^h_lin‖_V, where u^h_lin solves the linear problem with p as a given traction. The
+  excess is the part of the error that is due to contact.
 
-**Predicted.** Gap and pressure consist of trains of waves of width ℓ; from one train to the next ℓ is halved.
+**Predictions** follow from the form of gap and pressure. They consist of trains of waves of width ℓ, and ℓ is halved
+from one train to the next.
 
-* *On grids* all edges are equal and cut every train at the same places, so R/h² is a sum over the trains of one
-  function of ℓ/h. The sum is constant, and the root of R has order 1, as long as there are trains of all widths h/2 to
-  4h. This holds for 32 ≤ n ≤ 128; the window is ± 0.15. On coarser meshes the order is lower.
+* *On grids* all edges are equal and cut every train at the same places. So R/h² is a sum over the trains, and the term
+  of a train is a function of ℓ/h. The sum is constant, and the root of R has order 1, as long as there are trains of
+  all widths h/2 to 4h. This holds for 32 ≤ n ≤ 128; the window is ± 0.15. On coarser meshes the order is lower.
 * *With random vertices* each edge cuts the waves at another place. Only four to sixteen edges lie on the train that
   contributes most, and the contributions R_E of single edges vary by 100 %. So single orders may be off by 0.5; they
   are reported. If this explanation is right, the mean of R over random vertices has the order 1, and its relative
@@ -65,17 +67,17 @@ from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import midpoints, norm
 
 PARTS = 3
-"""Number of cells of the refined mesh across the depth of a lifting."""
+"""Number of cells of the refined mesh across the depth over which contact data are continued into the body."""
 
 
 class Resolved:
-    """V^h on a mesh, with integrals on another mesh that is refined where the exact solution has details.
+    """The P1 space on a mesh, with a finer mesh for integrals of exact solutions that have details smaller than a cell.
 
     Attributes:
         solution: the exact solution.
-        space: V^h on the mesh.
-        v_norm: the error norm on the refined mesh.
-        inclusion: the matrix from the degrees of freedom of V^h to the degrees of freedom on the refined mesh.
+        space: the P1 displacement space V^h on the mesh.
+        v_norm: the error norm, which is integrated on the refined mesh.
+        inclusion: the matrix that maps degrees of freedom of V^h to degrees of freedom on the refined mesh.
     """
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
@@ -87,7 +89,9 @@ class Resolved:
 
 
 def least_depth(solution: ExactSolution, corners: Points) -> Array:
-    """Return for each cell the least depth of the liftings that are non-zero in it, (cells,).
+    """Return for each cell the smallest depth over which contact data are continued into it, (cells,).
+
+    The depth is infinite for cells that no continuation reaches.
 
     Args:
         corners: the corners of the cells, (2, 3, cells).
@@ -103,7 +107,7 @@ def least_depth(solution: ExactSolution, corners: Points) -> Array:
 
 
 def pressing_on(at: Resolved) -> Callable[[float], Array]:
-    """Return the function of t whose values are the functionals v ↦ ∫_{Γ3} p v_ν on V^h, (dofs,)."""
+    """Return the exact contact pressure as a load: a function of time with values v ↦ ∫_{Γ3} p v_ν on V^h, (dofs,)."""
     space, rules = at.v_norm.space, []
     mesh = space.mesh
     for face in at.solution.faces:
@@ -122,9 +126,12 @@ def pressing_on(at: Resolved) -> Callable[[float], Array]:
 
 
 def error_and_excess(at: Resolved, steps: int) -> dict[str, float]:
-    """Return the largest error and the largest excess over the linear problem at the time nodes."""
+    """Return the largest error ‖u − u^h‖_V and the largest excess ‖u^h − u^h_lin‖_V over the time nodes.
+
+    The displacement u^h_lin solves the linear problem in which the exact pressure is a given traction.
+    """
     solution, space, v_norm, inclusion = at.solution, at.space, at.v_norm, at.inclusion
-    # Cached, because both problems need the load at the same times.
+    # Loads are cached, because both problems need them at the same times.
     load = lru_cache(maxsize=None)(lambda time: np.asarray(inclusion.T @ v_norm.load(time)))
     press = pressing_on(at)
     start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
@@ -140,24 +147,25 @@ def error_and_excess(at: Resolved, steps: int) -> dict[str, float]:
 
 
 FACE_RULE = composite_gauss(512, 4)
-"""Quadrature rule on a piece of Γ3, with at least 8 intervals on the width ℓ, which is at least 1/64 of the piece."""
+"""Quadrature rule on a contact face. Waves are at least 1/64 of the face wide, so each has at least 8 intervals."""
 TIME_NODES = 8
-"""Nodes of the midpoint rule in time."""
+"""Number of nodes of the midpoint rule that integrates over time."""
 DRAWS = 400
-"""Number of random sets of vertices on Γ3 from which mean and standard deviation are computed."""
+"""Number of random sets of vertices on Γ3 over which mean and standard deviation of the work are computed."""
 
 
 class TotalWork:
-    """Computes ∫_0^T R(t; Π^h u − u) dt with R = ∫_{Γ3} p Π^h w from the vertices on every piece of Γ3.
+    """Computes the work of the contact force on the interpolation error, integrated over time.
 
-    Time is integrated by the midpoint rule. Many sets of vertices are evaluated together: the contribution of an edge
-    is a difference of cumulative sums over the quadrature points.
+    This is ∫_0^T R(t; Π^h u − u) dt with R = ∫_{Γ3} p Π^h w for the pressure p and the gap w. It depends on the mesh
+    only through the vertices on Γ3. Time is integrated by the midpoint rule. Many sets of vertices are evaluated
+    together: the contribution of an edge is a difference of cumulative sums over the quadrature points.
     """
 
     def __init__(self, solution: ExactSolution) -> None:
         self.times = midpoints(solution.body.T, TIME_NODES)
-        # For each piece: the face, the quadrature points, and the cumulative weighted sums of p and of p s over the
-        # points, (2, points + 1, TIME_NODES).
+        # Cumulative sums make the integral over any edge a difference of two values. Each piece has its face, its
+        # quadrature points, and the cumulative weighted sums of p and of p s, (2, points + 1, TIME_NODES).
         self.pieces = []
         for face in solution.faces:
             place, weights = (face.part.measure * values for values in FACE_RULE)
@@ -167,9 +175,12 @@ class TotalWork:
             self.pieces.append((face, place, np.concatenate([np.zeros((2, 1, TIME_NODES)), sums], axis=1)))
 
     def __call__(self, vertices: Sequence[Array]) -> Array:
-        """Return the work, (...), for the increasing coordinates of the vertices on each piece, (..., vertices).
+        """Return the work of the pressure p on the interpolated gap Π^h w, (...), for given vertices.
 
-        On the edge that begins at s_i, p Π^h w = p w(s_i) + p (s − s_i) w' with the derivative w' of Π^h w.
+        On the edge that begins at s_i, p Π^h w = p w(s_i) + p (s − s_i) w', where w' is the derivative of Π^h w.
+
+        Args:
+            vertices: the increasing coordinates of the vertices on each contact face, (..., vertices).
         """
         total = np.zeros(np.shape(vertices[0])[:-1])
         for (face, place, moments), s in zip(self.pieces, vertices, strict=True):
@@ -182,13 +193,18 @@ class TotalWork:
 
 
 def vertices_on(space: Space) -> list[Array]:
-    """Return the coordinates of the vertices along every piece of Γ3."""
+    """Return the increasing coordinates of the vertices along every contact face."""
     parts = space.body.of(Kind.CONTACT)
     return [np.sort(part.coordinates(space.mesh.p[:, space.vertices(part)])[0][0]) for part in parts]
 
 
 def shaken(vertices: Sequence[Array], rng: np.random.Generator) -> list[Array]:
-    """Return equidistant vertices after random shifts by up to a fifth of an edge, as on shaken meshes; ends stay."""
+    """Return vertices moved at random as on shaken meshes: by up to a fifth of an edge, except the end points.
+
+    Args:
+        vertices: equidistant coordinates of vertices on each contact face.
+        rng: the random generator.
+    """
     moved = []
     for s in vertices:
         shift = rng.uniform(-1, 1, s.size) * Shaken().amplitude * (s[1] - s[0])
@@ -199,11 +215,11 @@ def shaken(vertices: Sequence[Array], rng: np.random.Generator) -> list[Array]:
 
 GRID = "one-diagonal"
 COARSE = 32
-"""The coarsest level with trains of all widths from h/2 to 4h."""
+"""The coarsest level on which there are wave trains of all widths from h/2 to 4h."""
 
 
 def from_32(key: str, quantity: str, column: str, window: Window) -> Criterion:
-    """Return the criterion for the orders of a column from level to level, for n ≥ 32."""
+    """Return the criterion for the observed orders of a column from level to level, without levels below n = 32."""
     found = consecutive(key, f"{quantity}, level by level from n = 32", window, column)
     return replace(found, measure=lambda group: found.measure(group[group["level"] >= COARSE]), levels=ENOUGH)
 
@@ -216,7 +232,13 @@ SHARE = at_least(0.02, "cases with a few smooth fronts have only 1e-6 to 1e-3")
 
 
 def extreme_share(key: str, quantity: str, window: Window, column: str, extreme: Callable[[Array], float]) -> Criterion:
-    """Return the criterion for the smallest or the largest quotient of a column and the error."""
+    """Return the criterion for an extreme value over all levels of the quotient column / error.
+
+    Args:
+        key, quantity, window: key, description and tolerance window of the check.
+        column: the name of the column.
+        extreme: the function that selects the smallest or the largest quotient.
+    """
 
     def measure(group: pd.DataFrame) -> Measured:
         return exactly(extreme((group[column] / group["error"]).to_numpy()))
@@ -244,13 +266,13 @@ ON_ALL_MESHES = (
 
 
 class WorkOfContact(ListedNumbers):
-    """Measures the root of the work of contact, the error, and the excess over the linear problem."""
+    """Measures the square root of the work of contact, the error ‖u − u^h‖_V, and the excess ‖u^h − u^h_lin‖_V."""
 
     label = "beyond: work of contact"
     claim = "‖R(·; Π^h u − u)‖^{1/2} = O(h) with contact at every scale, u_ν not bounded in H²(Γ3)"
     outside_catalogue = True
     effort = 5
-    # Only in the full study: the claimed orders begin at n = 32, which takes long.
+    # The quick study leaves this statement out, because the claimed orders begin at n = 32, which takes long.
     full = (
         *grid(("trains", "breathing-trains"), (GRID, "shaken"), (16, 32, 64, 128)),
         *grid(("trains",), ("unstructured",), (16, 32, 64, 128)),

@@ -1,24 +1,25 @@
-"""Beyond the paper: a bound of the work of contact on every edge, which makes Prop. 5.4 hold for traces not in H²(Γ3).
+"""Beyond the paper: a bound of the work of contact on every edge, so that Prop. 5.4 needs no trace in H²(Γ3).
 
-On an edge E of length h let N = {u_ν ≠ 0}, C = {u_ν = 0}, R_E = ∫_E σ_ν (Π^h u_ν − u_ν). Since σ_ν = 0 almost
-everywhere on N, for all 0 < ϱ < 1 (the proof is in paper/trace.tex)
+On an edge E of length h let N = {u_ν ≠ 0} be the part with a gap and C = {u_ν = 0} the part in contact, and let
+R_E = ∫_E σ_ν (Π^h u_ν − u_ν) be the work of contact on E. Since σ_ν = 0 almost everywhere on N, for all 0 < ϱ < 1
+(proof in paper/trace.tex)
 
     |R_E| ≤ β h^{1+2ϱ} |σ_ν|_{ϱ,E} |u_ν'|_{ϱ,E},
     β = min{(2π)^{−1} (h/|N|)^{1/2}, 8^{−1/2} (h/|C|)^{1/2}} ≤ C_0 < 0.388.
 
-The sum over edges gives |R| ≤ C_0 h^{2s} Σ_i |σ_ν|_{ϱ,Γ3,i} |u_ν'|_{ϱ,Γ3,i}, ϱ = s − 1/2. **Measured** are
+The sum over edges gives |R| ≤ C_0 h^{2s} Σ_i |σ_ν|_{ϱ,Γ3,i} |u_ν'|_{ϱ,Γ3,i} with ϱ = s − 1/2. **Measured** are
 
-* the quotient of |R_E| and its bound with ϱ = 1/2 for exact solutions, at several times, on every edge on which neither
-  N nor C is empty;
+* the quotient |R_E| / bound with ϱ = 1/2 for exact solutions, at several times, on every edge on which neither N nor C
+  is empty;
 * the supremum of |∫_E λ Π w| divided by its bound over **all** λ that vanish on N and all piecewise quadratic w that
-  vanish on C. The sets N and C are those of the same edges, resolved by 64 panels. The functional depends on w only
+  vanish on C. The sets N and C belong to the same edges and are resolved by 64 panels. The functional depends on w only
   through its values at both ends, so it has rank two, and the supremum is the root of the largest eigenvalue of a 2 × 2
   matrix.
 
-**Predicted.** Both are at most 1, because the bound is proved. Exact solutions stay far below 1, because they are not
-extremal functions. The first expression in β is the smaller one if |N| > 2h/(2 + π²). Edges on which it is smaller and
-edges on which it is larger must both occur, otherwise only one of them is tested. The negative control adds a constant
-to the pressure. This does not change its seminorm, but the pressure no longer vanishes on N, and the bound must fail.
+**Predicted**: both quotients are at most 1, because the bound is proved. For exact solutions they are far below 1,
+because these are not extremal functions. The first expression in β is the smaller one if |N| > 2h/(2 + π²). Both kinds
+of edges must occur, otherwise only one expression is tested. A deliberate defect adds a constant to the pressure. The
+constant does not change the seminorm, but the pressure no longer vanishes on N, and the bound must fail.
 """
 
 from __future__ import annotations
@@ -44,20 +45,23 @@ from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
 EQUAL = 2 / (2 + math.pi**2)
-"""|N|/h at which both expressions in β are equal."""
+"""The fraction |N|/h of an edge with a gap at which both expressions for the constant β of the bound are equal."""
 C_0 = math.sqrt((2 + math.pi**2) / (8 * math.pi**2))
 TIMES = 0.23, 0.5, 0.81
-"""Fractions of T at which the edges are examined."""
+"""Times at which edges are examined, as fractions of the final time T."""
 CHANGES = 16
-"""Edges with more changes between contact and gap are left out, because 64 panels do not resolve them."""
+"""Largest number of changes between contact and gap on an edge; 64 panels do not resolve more."""
 EXPONENTS = 0.05, 0.25, 0.5
-"""The exponents ϱ for which suprema are computed: s = 0.55, 0.75, 1."""
+"""The exponents ϱ = s − 1/2 for which suprema are computed, that is, s = 0.55, 0.75, 1."""
 WORK, OF_ALL, OVERALL = "R_E / bound", "supremum / bound", "R_E / (h² |σ_ν| |u_ν'|)"
 BRANCHES = "edges by |N|", "edges by |C|"
 
 
 class EdgeWork(ListedNumbers):
-    """Measures |R_E| of exact solutions, and its supremum over all pressures and gaps, divided by the bound."""
+    """Measures the work of contact |R_E| on edges, divided by its bound.
+
+    It is measured for exact solutions, and as a supremum over all pressures and gaps with the same contact zone.
+    """
 
     label = "beyond: work on edges"
     claim = "|R_E| ≤ C_0 h^{2s} |σ_ν|_{s−1/2,E} |u_ν'|_{s−1/2,E} on every edge of Γ3, C_0 < 0.388"
@@ -78,7 +82,10 @@ class EdgeWork(ListedNumbers):
     )
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
-        """Return all settings if the whole catalogue is studied, because the cases with trains are not in it."""
+        """Return the settings of a study.
+
+        Cases with wave trains are not in the catalogue. They are included if the study has the whole catalogue.
+        """
         return self.places(scope.full) if scope.whole else super().settings(scope)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -100,7 +107,10 @@ class EdgeWork(ListedNumbers):
 
 
 def rarer_kind(group: pd.DataFrame) -> Measured:
-    """Return the number of edges, over all levels, on which β equals the one of its two expressions that is rarer."""
+    """Return how many edges use the expression for β that is used less often, over all levels.
+
+    The constant β in the bound is the smaller of two expressions, one with |N| and one with |C|.
+    """
     return exactly(group[list(BRANCHES)].to_numpy().sum(axis=0).min())
 
 
@@ -114,12 +124,15 @@ BOTH_KINDS = Criterion(
 
 
 def mixed_edges(solution: ExactSolution, space: Space) -> Iterator[tuple[Array, Array, Array]]:
-    """Yield, for every piece of Γ3 and every time, numbers about the edges on which there are both contact and a gap.
+    """Find the edges of Γ3 that have both contact and a gap, and return the work of contact on them.
+
+    The work is computed on the interval (0, 1). Scaling the interval to an edge multiplies R_E by h and leaves the
+    seminorm |·|_{1/2} unchanged.
 
     Yields:
-        For n edges: whether there is contact at the points of ``FIRST``, (n, points); |N|/h, (n,); and the quotients
-        |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,). The quotients are computed on the interval (0, 1). Scaling it
-        to an edge multiplies R_E by h and leaves the seminorm |·|_{1/2} unchanged.
+        For every contact face and every time, numbers of the n edges found: whether there is contact at the points of
+        ``FIRST``, (n, points); the fraction |N|/h with a gap, (n,); and the work over its bound without the factor β,
+        |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
     """
     for face, part in product(solution.faces, TIMES):
         time = part * solution.body.T
@@ -143,21 +156,22 @@ def mixed_edges(solution: ExactSolution, space: Space) -> Iterator[tuple[Array, 
 
 
 def beta(open_part: Array) -> Array:
-    """Return β, given |N|/h in (0, 1)."""
+    """Return the constant β of the bound, given the fraction |N|/h of an edge with a gap, which is in (0, 1)."""
     return np.minimum(1 / np.sqrt(open_part) / (2 * np.pi), 1 / np.sqrt(8 * (1 - open_part)))
 
 
 def supremum(touching: Array, rho: float) -> float:
-    """Return sup |∫ λ Π w| / (|λ|_ϱ |w'|_ϱ) divided by its bound β on (0, 1).
+    """Return the supremum of the work of contact on an edge over all pressures λ and gaps w, divided by its bound.
 
-    λ and w' are piecewise linear on the panels, with λ = 0 on the panels of N and w' = 0 on the panels of C. The result
-    is 0 if λ or w' must vanish. The values of w at both ends follow from w' on the panels of N there, because w = 0 on
-    the next panel of C. Between panels of C, w' is not forced to have the integral 0, so the result is then only an
-    upper bound of the supremum.
+    On the interval (0, 1) this is sup |∫ λ Π w| / (|λ|_ϱ |w'|_ϱ) divided by β. λ and w' are piecewise linear on the
+    panels, with λ = 0 on the part N with a gap and w' = 0 on the part C in contact. The result is 0 if λ or w' must
+    vanish. The values of w at both ends follow from w' on the panels of N there, because w = 0 on the next panel of C.
+    Between panels of C, w' is not forced to have the integral 0, so the result is then only an upper bound of the
+    supremum.
 
     Args:
         touching: whether there is contact at the points of ``FIRST``, (points,).
-        rho: ϱ.
+        rho: the exponent ϱ of the seminorm.
     """
     contact = touching.reshape(PANELS, -1).mean(axis=1) >= 0.5
     if contact.all() or not contact.any():
@@ -173,9 +187,14 @@ def supremum(touching: Array, rho: float) -> float:
 
 
 def dual_products(A: Array, panels: Array, functionals: Array) -> Array:
-    """Return f_i A⁻¹ f_j for two functionals f_1, f_2, (2, 2).
+    """Return the matrix of products f_i · A⁻¹ f_j for two linear functionals f_1 and f_2, (2, 2).
 
-    A is restricted to the free nodes, that is, the nodes whose neighbouring panels are all in ``panels``.
+    A is restricted to the free nodes, that is, the nodes whose neighbouring panels are all marked.
+
+    Args:
+        A: a symmetric matrix, (nodes, nodes).
+        panels: whether each panel is marked, (panels,).
+        functionals: the functionals, (2, nodes).
     """
     padded = np.concatenate([[True], panels, [True]])
     free = padded[:-1] & padded[1:]

@@ -1,13 +1,14 @@
 """Beyond the paper: bounds of the error of the fully discrete scheme, without the exact solution.
 
-**Measured** by ``study.bound``: the error of a displacement u_h that a time scheme computed, bounded from u_h itself
-("bound"), and enclosed from both sides by a better trajectory ũ ("enclosure"), at many times. A row of ``bounds.csv``
-is one computed displacement; ``enclosures.csv`` has its bounds over time.
+Let u_h be a displacement that a time scheme computed. ``study.bound`` computes an upper bound of its error from u_h
+itself (kind "bound"), or bounds from both sides by means of a more accurate displacement ũ (kind "enclosure"). A row of
+``bounds.csv`` is one computed displacement; ``enclosures.csv`` has its bounds at many times.
 
-**Judged.** Every error must lie between its bounds. This is a theorem (``paper/bound.tex``), but the program may be
-wrong: a row fails if one sampled error lies outside, for one mesh, scheme or time. The distance of the bounds is a
-matter of efficiency. It is judged only for CHECKED, the case for which the documentation promises a tight enclosure,
-and reported otherwise. Enclosures on two levels enclose an observed order, even if the exact solution is unknown.
+**Judged** is whether every error lies between its bounds. This is a theorem (``paper/bound.tex``), but the program may
+be wrong: the check fails if one sampled error lies outside, for one mesh, scheme or time. The distance between the
+bounds shows their efficiency. It is judged only for CHECKED, the case for which the documentation promises a tight
+enclosure, and reported otherwise. Enclosures of the errors on two levels also enclose the observed order, even if the
+exact solution is unknown.
 """
 
 from __future__ import annotations
@@ -46,35 +47,38 @@ COMPUTED = "case", "family", "scheme", "trajectory", "level", "h", "steps", "exp
 BOUNDED = "error", "lowest", "highest", "above", "below", "upper", "lower"
 PARTS = "residual", "contact", "oscillation", "bending"
 COLUMNS = (*COMPUTED, *BOUNDED, *PARTS)
-"""The columns of ``bounds.csv``, with d = ‖ũ(t) − u_h(t)‖_V and the bound y of ‖u(t) − ũ(t)‖_V.
+"""The columns of ``bounds.csv``.
+
+Here ũ is the displacement from which the bounds are computed, d = ‖ũ(t) − u_h(t)‖_V, and y is a bound of its own error
+‖u(t) − ũ(t)‖_V.
 
     case, family, scheme, level, h, steps: identify the computed P1 displacement u_h.
     expected_order: the predicted order, NaN where none is predicted.
-    trajectory: "bound" for ũ = u_h, "enclosure" for a better ũ.
-    error: max_t ‖u(t) − u_h(t)‖_V over the sampled times.
-    lowest, highest: the ends of the enclosure of this error; the upper end is the maximum over all times.
-    above: max_t error/(d + y); the error is below the bound iff this is ≤ 1.
-    below: max_t (d − y)_+/error; the error is above the lower bound iff this is ≤ 1.
+    trajectory: "bound" for ũ = u_h, "enclosure" for a more accurate ũ.
+    error: the largest error ‖u(t) − u_h(t)‖_V over the sampled times.
+    lowest, highest: the ends of the interval that contains this error; the upper end is valid for all times.
+    above: max_t error/(d + y), which is at most 1 if the error never exceeds the upper bound.
+    below: max_t (d − y)_+/error, which is at most 1 if the error is never below the lower bound.
     upper, lower: effectivities max (d + y)/error and min (d − y)_+/error over the times in [T/2, T].
-    residual, contact, oscillation, bending: the parts of y, integrals over [0, T].
+    residual, contact, oscillation, bending: the parts of y, each integrated over [0, T].
 """
 KEY = ("trajectory", "case", "family", "scheme", "level")
 BOUNDS = CsvFile("bounds.csv", KEY, COLUMNS)
 ENCLOSURES = CsvFile("enclosures.csv", KEY, (*KEY, "time", "error", "distance", "bound"))
 TIMES = 96
-"""Times of one computation in ``enclosures.csv``."""
+"""Number of times for which ``enclosures.csv`` has the bounds of one computed displacement."""
 
 
-# Cases, schemes and meshes.
+# Cases, schemes and meshes: chosen so that every scheme meets every mesh family at moderate cost.
 @dataclass(frozen=True)
 class BoundSetting(Setting):
-    """The setting of one row of ``bounds.csv``.
+    """A case, a mesh, a time scheme and a kind of bound: the setting of one row of ``bounds.csv``.
 
-    ``case`` may also be the name of a problem whose solution is unknown.
+    The case may also be a problem whose solution is unknown.
 
     Attributes:
-        scheme: the name of the time scheme of u_h.
-        by: how ũ is computed.
+        scheme: the name of the time scheme that computes u_h.
+        by: how the displacement ũ is computed, from which the bounds follow.
     """
 
     scheme: str
@@ -82,12 +86,12 @@ class BoundSetting(Setting):
 
     @property
     def trajectory(self) -> str:
-        """The kind of ũ, "bound" or "enclosure", which is also the label of the statement."""
+        """The kind of bound, "bound" or "enclosure", which is also the label of the statement."""
         return self.by.name
 
     @property
     def refinements(self) -> int:
-        """The number of refinements from the mesh of u_h to the mesh of ũ."""
+        """How many times the mesh of u_h is refined to obtain the mesh of ũ."""
         return self.by.refinements if isinstance(self.by, Refined) else 0
 
 
@@ -96,10 +100,9 @@ QUICK = (
     ("yield-on-a-part", "criss-cross", "bdf2"),
     ("hexagon", "unstructured", "midpoint"),
 )
-"""Triples (case, mesh family, scheme) for the quick study; the laws include memory terms and the law (3.3)."""
+"""Triples (case, mesh family, scheme) for the quick study. Linear laws and the nonlinear law (3.3) occur."""
 ROTATION = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
-"""In the full study the first scheme of a case is measured on the first of these mesh families, and so on
-cyclically."""
+"""Mesh families that are assigned in turn to the time schemes of a case in the full study."""
 ROTATION_STARTS = {
     "rotated": "shaken",
     "natural-front": "criss-cross",
@@ -108,26 +111,28 @@ ROTATION_STARTS = {
     "softening": "criss-cross",
     "double-well": "shaken",
 }
-"""The first mesh family of the rotation, for cases that do not start with the first family that they name."""
+"""Mesh families of the first time scheme, for some cases. Other cases start with the first family that they name."""
 CHECKED, CHECKED_LEVEL = "advance-recede", 32
 """The case and the level for which the documentation promises a tight enclosure."""
 
 
 def eligible(case: Case) -> bool:
-    """Return whether the bound applies: a plane body, f_0 ∈ L²(Ω)², and A and G smooth in every cell."""
+    """Return whether the error bounds apply to a case.
+
+    They require a plane body, a body force f_0 ∈ L²(Ω)², and operators A and G that are smooth in every cell.
+    """
     return case.solution.body.dim == 2 and case.regularity.force_in_L2 and not case.regularity.kink
 
 
 def by_midpoint(case: str, family: str, levels: Sequence[int], by: Trajectory) -> list[BoundSetting]:
-    """Return the settings of a case on the given levels, with the midpoint rule."""
+    """Return the settings of a case on the given levels, all with the midpoint rule."""
     return [BoundSetting(case, family, level, "midpoint", by) for level in levels]
 
 
 def quick_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
-    """Yield the settings of the quick study.
+    """Yield the settings of the quick study: upper bounds for the cases in QUICK, and enclosures on two levels.
 
-    They are one bound for each case in QUICK, and enclosures on two levels for one case with a known solution and one
-    problem with an unknown solution.
+    Enclosures are computed for one case with a known solution and for one problem whose solution is unknown.
     """
     studied = {case.name for case in cases}
     for name, family, scheme in QUICK:
@@ -139,10 +144,9 @@ def quick_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
 
 
 def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
-    """Yield the settings of the full study.
+    """Yield the settings of the full study: upper bounds and enclosures for every case, and for unknown solutions.
 
-    They are bounds for every case and every scheme, on mesh families in rotation, enclosures on two levels, and
-    problems whose solution is unknown.
+    Every scheme is measured for every case, on mesh families in rotation; enclosures are computed on two levels.
     """
     for case in filter(eligible, cases):
         serving = [family for family in ROTATION if family in families(case)]
@@ -157,15 +161,17 @@ def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
         yield from by_midpoint("bracket", "graded", (4, 8, 16), Refined(1, 2))
 
 
-# Measurement.
+# Measurements are made for problems and not for cases, because problems with unknown solutions are measured as well.
 @dataclass(frozen=True)
 class ResolvedProblem:
     """The problem that a computed displacement approximates, with a known or an unknown exact solution.
 
     Attributes:
-        order: the predicted order, or NaN.
-        pace: determines the number of time steps, as for a case.
-        case: the case with the exact solution, or None.
+        name: the name of the case or of the problem.
+        data: the data of the problem.
+        order: the predicted order of the error, or NaN if no order is predicted.
+        pace: the number from which the number of time steps at a level follows, as for a case.
+        case: the case with the exact solution; None if the exact solution is unknown.
     """
 
     name: str
@@ -177,7 +183,10 @@ class ResolvedProblem:
 
 @lru_cache
 def resolve_problem(reference: str) -> ResolvedProblem:
-    """Return the problem with an unknown solution that has the given name, or the problem of the given case."""
+    """Return the problem with the given name.
+
+    It is a problem of the study whose solution is unknown, or the problem of a case.
+    """
     if problem := problems_without_solution().get(reference):
         order = math.nan if problem.order is None else problem.order
         return ResolvedProblem(problem.name, problem.data, order, PACE, None)
@@ -187,17 +196,22 @@ def resolve_problem(reference: str) -> ResolvedProblem:
 
 @lru_cache
 def problems_without_solution() -> dict[str, OpenProblem]:
-    """Return the problems of the study with unknown solutions, by name; cached, because compiling formulas is slow."""
+    """Return the problems of the study whose solutions are unknown, by name.
+
+    The result is cached, because compiling formulas is slow.
+    """
     return {problem.name: problem for problem in problems()}
 
 
 def measure(
     problem: ResolvedProblem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
 ) -> tuple[dict[str, Any], Enclosure]:
-    """Return the row of ``bounds.csv`` and the bounds over time; values that need an unknown error are NaN.
+    """Compute a displacement and bounds of its error, and return a row of ``bounds.csv`` and the bounds over time.
+
+    If the exact solution is unknown, numbers that depend on the error are NaN.
 
     Raises:
-        BoundError: f_0 ∉ L²(Ω)².
+        BoundError: the body force is not square integrable, f_0 ∉ L²(Ω)².
     """
     check_force(problem.case)
     discretisation = Discretisation(problem.data, family(problem.data.body, level))
@@ -226,17 +240,21 @@ def measure(
 
 
 class Bounds(Statement):
-    """Base class of the statements "bound" and "enclosure", which have the same measurement."""
+    """Base class of the statements about upper bounds and about enclosures, which share one measurement."""
 
     file = BOUNDS
 
     def settings(self, scope: Scope) -> list[BoundSetting]:
-        """Return the settings for the cases of the study and for problems with an unknown solution."""
+        """Return the settings for the cases of the study and for problems whose solution is unknown."""
         found = (full_bounds if scope.full else quick_bounds)(scope.resolved())
         return [setting for setting in found if setting.trajectory == self.label]
 
     def measure(self, setting: BoundSetting) -> dict[str, Any]:
-        """Return a row of ``bounds.csv`` under the key "row", and columns of ``enclosures.csv`` under "times"."""
+        """Compute a displacement and bounds of its error on one mesh.
+
+        Returns:
+            The row of ``bounds.csv`` under the key "row", and columns of ``enclosures.csv`` under the key "times".
+        """
         problem, family = resolve_problem(setting.case), family_named(setting.family)
         scheme = choose("scheme", setting.scheme, SCHEMES)
         row, found = measure(problem, family, setting.level, scheme, self.steps(setting), setting.by)
@@ -254,7 +272,10 @@ class Bounds(Statement):
             yield ENCLOSURES, {**common, **dict(zip(found["times"], values, strict=True))}
 
     def cost(self, setting: BoundSetting) -> float:
-        """Return the expected time in µs, proportional to the cells of the mesh of ũ and its time steps."""
+        """Return the expected run time in µs.
+
+        It is proportional to the number of cells times the number of time steps with which ũ is computed.
+        """
         shorter = setting.by.shorter if isinstance(setting.by, Refined) else 1
         return 220.0 * setting.level**2 * 4**setting.refinements * self.steps(setting) * shorter
 
@@ -266,8 +287,8 @@ class Bounds(Statement):
         return rate_steps(problem.data.body.T, setting.level, problem.pace)
 
 
-# Criteria. The quotient with the error must be positive; the quotient with the lower bound may be zero on coarse
-# meshes.
+# The quotient error / upper bound must be positive. The quotient lower bound / error may be 0, because the lower bound
+# may be 0 on coarse meshes.
 ABOVE = largest("above", "largest error / upper bound", positive_at_most(1.0, "at every sampled time"), "above")
 BELOW = largest("below", "largest lower bound / error", at_most(1.0, "at every sampled time"), "below")
 REACH = Observation(
@@ -280,7 +301,7 @@ TIGHT = (
     every("tight-below", f"lower bound / error {HERE}", Window(0.85, 1.0, "over [T/2, T]"), "lower"),
 )
 ROOM = 0.15
-"""Tolerance around a predicted order, the same as for orders between levels in other statements."""
+"""Tolerance around a predicted order. Other statements use the same tolerance for orders between levels."""
 LAST = "no claim: two meshes give a wider interval for the order than all meshes"
 KNOWN = "no claim: this interval contains the observed order whenever the errors lie between their bounds"
 UNPREDICTED = "no claim: neither the solution nor its order is known"
@@ -302,7 +323,7 @@ class BoundedError(Bounds):
 
 
 class EnclosedError(Bounds):
-    """Judges the enclosure of the error by means of a better trajectory ũ, and the enclosure of the order."""
+    """Judges the enclosure of the error by means of a more accurate displacement ũ, and the enclosure of the order."""
 
     label = "enclosure"
     claim = "d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t), without the exact solution"
@@ -324,11 +345,16 @@ class EnclosedError(Bounds):
         return found
 
     def judge_order(self, case: str, family: str, levels: pd.DataFrame, known: bool) -> Verdict:
-        """Return the row of the ledger for the interval that contains the order between coarsest and finest level.
+        """Return the verdict on the interval that contains the observed order from the coarsest to the finest level.
 
-        Without an exact solution the whole interval must lie in the window of the predicted order; the row fails if
-        interval and window have no common point. With an exact solution the interval is only reported, because it
-        follows from the enclosures of the errors that it contains their order.
+        If the exact solution is unknown, the whole interval must lie in the window of the predicted order; the check
+        fails if interval and window have no common point. If the exact solution is known, the interval is only
+        reported, because it contains the observed order whenever the enclosures contain the errors.
+
+        Args:
+            case, family: the names of the case and of the mesh family.
+            levels: rows of ``bounds.csv``, from coarse to fine.
+            known: whether the exact solution is known.
         """
         coarse, fine = levels.iloc[0], levels.iloc[-1]
         ratio = math.log(coarse["h"] / fine["h"])
@@ -347,7 +373,10 @@ class EnclosedError(Bounds):
 
 
 def judge_interval(span: Span, window: Window) -> str:
-    """Return the verdict: holds if the interval lies in the window, fails if they are disjoint, otherwise undecided."""
+    """Return the verdict on an interval that contains the measured quantity.
+
+    It holds if the interval lies in the window, fails if both are disjoint, and is undecided otherwise.
+    """
     if window.contains(*span):
         return HOLDS
     return FAILS if span[1] < window.low or span[0] > window.high else UNDECIDED

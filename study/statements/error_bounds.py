@@ -1,45 +1,49 @@
-"""(5.20)–(5.21) and (5.42): the error of Problem 5.1 against its bounds, with v^h = Π^h u and u_0^h = Π^h u_0.
+"""(5.20)–(5.21) and (5.42): the error of the semi-discrete problem (Problem 5.1), compared with its bounds.
 
-With e = u − u^h and η = u − Π^h u the right sides without their constants are
+The bounds are taken for v^h = Π^h u and u_0^h = Π^h u_0. With the error e = u − u^h and the interpolation error
+η = u − Π^h u, their right sides without constants are
 
     (5.21):  ‖η_0‖_V + ‖η̇‖_{L²(0,T;V)} + ‖R(·; −η)‖_{L¹(0,T)}^{1/2} + ‖e_0‖_V,
-    (5.42):  the same with (‖σ_ν‖_{L^∞(0,T;L²(Γ3))} ‖η_ν‖_{L¹(0,T;L²(Γ3))})^{1/2} for the third term.
+    (5.42):  the same sum, but the third term is (‖σ_ν‖_{L^∞(0,T;L²(Γ3))} ‖η_ν‖_{L¹(0,T;L²(Γ3))})^{1/2}.
 
 R(t; v) = ∫_{Γ3} σ_ν v_ν by (5.40), which ``residual`` compares with the definition of R. The paper includes ‖σ_ν‖ in
-the constant c. Here ‖σ_ν‖ is part of the bound, so the second bound is larger than the first by (5.41). Measured are
-the ratios of each right side and the error, under refinement and with the following constant c.
+the constant c. Here ‖σ_ν‖ is part of the bound, so the second bound is larger than the first by (5.41). Two numbers
+are measured for each bound: right side / error under refinement, and error / (c · right side) with a constant c that is
+proved as follows.
 
-**The constant.** With χ = Π^h u − u^h = e − η and the operator B of (4.2), (5.12) says
+**The constant.** Let χ = Π^h u − u^h = e − η, and B the operator of (4.2). Then (5.12) says
 
     ½ d/dt ‖χ‖_V² ≤ −(η̇, χ)_V − (Bu − BΠ^h u, χ)_V − (BΠ^h u − Bu^h, χ)_V + |R(·; −η)|.
 
-By (4.3) the second product is at most L‖η‖_V ‖χ‖_V, L = L_G/m_A. The third is at most ω‖χ‖_V², ω = max(−m, 0)/m_A ≤ L,
-where m is the constant of monotonicity of G: 0 for monotone G. Gronwall's inequality in the form of Brézis, φ²/2 ≤
-a²/2 + ∫ gφ ⇒ φ ≤ a + ∫ g, gives
+By (4.3) the second product is at most L‖η‖_V ‖χ‖_V with L = L_G/m_A. The third is at most ω‖χ‖_V² with
+ω = max(−m, 0)/m_A ≤ L, where m is the constant of monotonicity of G, which is 0 for monotone G. Gronwall's inequality
+in the form of Brézis, φ²/2 ≤ a²/2 + ∫ gφ ⇒ φ ≤ a + ∫ g, gives
 
     ‖χ(t)‖_V ≤ e^{ωT} ((‖χ_0‖_V² + 2‖R‖_{L¹})^{1/2} + ∫_0^T (‖η̇‖_V + L‖η‖_V)),
 
-and with e = η + χ, ‖χ_0‖_V ≤ ‖e_0‖_V + ‖η_0‖_V and ‖η(s)‖_V ≤ ‖η_0‖_V + ∫_0^s ‖η̇‖_V, (5.17),
+From e = η + χ, ‖χ_0‖_V ≤ ‖e_0‖_V + ‖η_0‖_V and ‖η(s)‖_V ≤ ‖η_0‖_V + ∫_0^s ‖η̇‖_V, (5.17), it follows that
 
     ‖e‖_V ≤ e^{ωT} ((2 + LT) ‖η_0‖_V + ∫_0^T (2 + L(T − s)) ‖η̇(s)‖_V ds + ‖e_0‖_V + (2‖R‖_{L¹})^{1/2})
           ≤ c · (right side),   c = e^{ωT} max(2 + LT, ‖2 + L(T − ·)‖_{L²(0,T)}).
 
-This avoids (5.15) and (5.16), whose 2‖e‖_V ‖η‖_V would make c twice as large. The remaining slack comes from one
-constant for a sum of terms, and from L, which combines the largest slope of G with the smallest eigenvalue of A.
+This proof avoids (5.15) and (5.16), whose term 2‖e‖_V ‖η‖_V would make c twice as large. The bound still overestimates,
+because one constant serves several terms, and because L combines the largest slope of G with the smallest eigenvalue of
+A.
 
 **The ratio under refinement.** The error has the order min(1, s). The right side has the order of its term of lowest
 order (``manufactured.regularity``): min(1, s') from η̇ in both bounds, and in (5.42) min(1, τ/2) from ‖η_ν‖^{1/2}. Only
 the cell of the front contributes to ∫ σ_ν η_ν, which is of order λ and more. Let γ be the order of the error minus the
 order of the term:
 
-* γ = 0: the ratio changes by no power of h.
+* γ = 0: the ratio does not change like a power of h.
 * γ > 0: the bound is of lower order than the error, and the ratio is **not** bounded. The term over the error grows
-  like h^{−γ} (1/8 for ``rough-trace`` in (5.42), 1/4 for ``moving-rough`` in both). This exponent is judged against 0
-  and 2γ. Smoother parts, of a relative size h^{1/2}, change γ on coarse meshes, and the place of a fixed front within
-  its cell changes the term by a tenth. So the meshes are fine and structured, and the front, at 2/5 of the side, lies
-  at 2/5 of a cell on all of them; a moving front passes all places.
+  like h^{−γ} (1/8 for ``rough-trace`` in (5.42), 1/4 for ``moving-rough`` in both). This exponent is judged: it must
+  be nearer to γ than to 0 or 2γ. Smoother parts, of a relative size h^{1/2}, change γ on coarse meshes, and the place
+  of a fixed front within its cell changes the term by a tenth. So the meshes are fine and structured, and a fixed
+  front, which is at 2/5 of the side, lies at 2/5 of a cell on all of them. A moving front passes all positions in
+  cells.
 * τ = 2, where ‖η_ν‖ ~ h² |log h|^{1/2} (``natural-front``): the term grows like |log h|^{1/4}, no power of h. A few
-  meshes cannot tell it from a constant: the change is reported and no bound is claimed.
+  meshes cannot distinguish it from a constant, so the change is reported and no bound is claimed.
 """
 
 from __future__ import annotations
@@ -81,20 +85,20 @@ from study.statements.shared.norms import Velocity, maximum, midpoints
 
 ROUGH = "fixed-front-off-vertex", "rough-1.75", "rough-2", "rough-2.25"
 INSTANTS = 64
-"""Nodes of the midpoint rule for the norms in time."""
+"""Number of nodes of the midpoint rule that approximates norms in time."""
 ROUND_OFF = 1e-11
-"""Pressures count as zero if they are smaller than this number times the size of the stresses."""
+"""Relative tolerance for round-off: smaller contact pressures, compared with the size of the stresses, count as 0."""
 STEADY = Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4")
 PROVED = positive_at_most(1.0, "with the constant c of the proof")
 BOUNDS = "(5.21)", "(5.42)"
 RATE, TRACE = "‖η̇‖_{L²(0,T;V)}", "(‖σ_ν‖ ‖η_ν‖)^{1/2}"
-"""Terms of the bounds that may be of lower order than the error."""
+"""The terms of the bounds that may be of lower order than the error, as names of columns."""
 LOGARITHM = "τ = 2"
-"""Name of the column that tells whether a logarithm appears in (5.42)."""
+"""Name of the column that tells whether the bound (5.42) has a logarithmic factor, which is so for τ = 2."""
 
 
 class ErrorBounds(ListedNumbers):
-    """Measures the right sides of (5.21) and (5.42) divided by the error, and the error over c · (right side)."""
+    """Measures how far the bounds (5.21) and (5.42) exceed the error, with and without their constant c."""
 
     label = "(5.20)–(5.21), (5.42)"
     claim = "‖u − u^h‖_{L∞(0,T;V)} ≤ c (‖u_0 − v_0^h‖_V + ‖u̇ − v̇^h‖_{L²(0,T;V)} + ‖R‖^{1/2}) + c ‖u_0 − u_0^h‖_V"
@@ -117,7 +121,10 @@ class ErrorBounds(ListedNumbers):
 
 
 def predicted(case: Case) -> dict[str, float]:
-    """Return the predicted γ of both bounds, and whether a logarithm appears in (5.42)."""
+    """Return predictions for a case as columns: how fast each bound grows relative to the error, as h^{−γ}.
+
+    One more column tells whether the bound (5.42) has a logarithmic factor.
+    """
     found = case.regularity
     proved = {"(5.21)": found.rate_smoothness, "(5.42)": found.proved_order}
     growth = {exponent(bound): max(case.order - proved[bound], 0.0) for bound in BOUNDS}
@@ -125,19 +132,25 @@ def predicted(case: Case) -> dict[str, float]:
 
 
 def exponent(bound: str) -> str:
-    """Return the name of the column with the γ of a bound."""
+    """Return the name of the column with the exponent γ of a bound: bound / error is predicted to grow like h^{−γ}."""
     return f"γ of {bound}"
 
 
 def rules_for(groups: Groups) -> Iterator[Rule]:
-    """Yield two criteria for each bound; they depend on the γ of the case."""
+    """Yield two criteria for each of the bounds (5.21) and (5.42).
+
+    They depend on the predicted exponent γ of the case, where bound / error grows like h^{−γ}.
+
+    Args:
+        groups: the measurements of a case by mesh family.
+    """
     (table, *_) = groups.values()
     names = *map(exponent, BOUNDS), LOGARITHM
     known = {name: float(table[name].iloc[0]) if name in table else math.nan for name in names}
     for bound in BOUNDS:
         number, gamma = bound.strip("()"), known[exponent(bound)]
         quantity = f"right-hand side of {bound} / error: change under refinement"
-        # The column of γ is required, so that the row is undecided if there is no prediction.
+        # The column with the prediction γ is required, so that the check is undecided if there is no prediction.
         steady = replace(change(f"steady-{number}", quantity, STEADY, bound), columns=(bound, exponent(bound)))
         if gamma > 0:
             yield growing(f"growth-{number}", bound, gamma, RATE if gamma == known[exponent("(5.21)")] else TRACE)
@@ -150,7 +163,14 @@ def rules_for(groups: Groups) -> Iterator[Rule]:
 
 
 def growing(key: str, bound: str, gamma: float, term: str) -> Criterion:
-    """Return the criterion for the exponent γ with which (term of lowest order) / error grows like h^{−γ}."""
+    """Return the criterion for a bound that is of lower order than the error, so that bound / error grows like h^{−γ}.
+
+    Args:
+        key: the key of the check.
+        bound: the number of the bound in the paper.
+        gamma: the predicted exponent γ.
+        term: the column with (term of the lowest order in the bound) / error.
+    """
     window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
     falling = order("", "", window, term)
 
@@ -163,14 +183,14 @@ def growing(key: str, bound: str, gamma: float, term: str) -> Criterion:
 
 
 def constant(law: KelvinVoigt, T: float) -> float:
-    """Return the constant c of the estimate in the module docstring."""
+    """Return the constant c of the error estimate that the module docstring proves, for a law and the final time T."""
     L, omega = law.kappa, law.growth
     on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)
     return math.exp(omega * T) * max(2 + L * T, on_rate)
 
 
 def sides(setup: Experiment) -> dict[str, float]:
-    """Return, for both bounds, (right side) / error and error / (c · right side)."""
+    """Return the quotients (right side) / error and error / (c · right side) for the bounds (5.21) and (5.42)."""
     v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
     states = setup.scheme.march(problem, setup.steps)
     error = maximum(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)
@@ -189,7 +209,10 @@ def sides(setup: Experiment) -> dict[str, float]:
 
 
 def contact_terms(setup: Experiment, face: Face, times: Array) -> Array:
-    """Return ∫ σ_ν (Π^hu_ν − u_ν), ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² on one piece of Γ3 at n times, (3, n)."""
+    """Return three integrals over one contact face at n times, (3, n).
+
+    They are the work of contact ∫ σ_ν (Π^hu_ν − u_ν), and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|².
+    """
     mesh, facets = setup.space.mesh, setup.space.facets(face.part)
     rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
     exact, nodes = setup.solution.on(face, rule.s), setup.solution.at(mesh.p[:, mesh.facets[:, facets]])

@@ -1,9 +1,11 @@
-"""Three statements that are judged from the rows of ``rates.csv``, which ``prop_5_3`` and ``prop_5_4`` measure.
+"""Three statements that need no measurement: they are judged from the errors in ``rates.csv``.
 
-* (5.23): the size of the interpolation error, for the cases of Proposition 5.4. The error must agree with its leading
-  term, which is computed from second derivatives of u by other code.
-* (5.36): whether Proposition 5.4 needs this regularity. For the cases of Proposition 5.3, which miss it, the observed
-  order on uniform meshes is reported next to the order that the proof gives for their regularity.
+The modules ``prop_5_3`` and ``prop_5_4`` measure these errors. The statements are:
+
+* (5.23), the interpolation error, for the cases of Proposition 5.4: it must agree with its leading term, which other
+  code computes from second derivatives of u.
+* (5.36), the regularity that Proposition 5.4 assumes: for cases without it, the observed order on uniform meshes is
+  compared with the order that the proof gives for their regularity.
 * Axes: a rotated body must have the same errors on rotated meshes.
 """
 
@@ -23,7 +25,7 @@ NEAR = around(1, 0.05, "on the finest level")
 
 
 class SizeOfInterpolation(Statement):
-    """Judges the quotient of ‖u − Π^h u‖_V and its leading term, for the cases of Proposition 5.4."""
+    """Judges the interpolation error ‖u − Π^h u‖_V divided by its leading term, for the cases of Proposition 5.4."""
 
     label = "(5.23)"
     claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
@@ -35,7 +37,10 @@ class SizeOfInterpolation(Statement):
 
 
 class RegularityNeeded(Statement):
-    """Reports observed orders next to the orders that the proof of Prop. 5.4 gives for solutions without (5.36)."""
+    """Compares observed orders with proved orders, for solutions without the regularity (5.36).
+
+    The result is reported and not judged, because the paper claims no order for these solutions.
+    """
 
     label = "(5.36)"
     claim = "does Prop. 5.4 need the regularity (5.36) that it assumes?"
@@ -52,7 +57,7 @@ class RegularityNeeded(Statement):
 
 
 WITH_AXES = (GRADED, "unstructured")
-"""Mesh families for which the mesh of the rotated body is not the rotated mesh."""
+"""Mesh families that depend on the axes: their mesh of a rotated body is not the rotated mesh of the body."""
 SAME_MESH = ["family", "scheme", "level"]
 DIFFERENCE = "relative difference of"
 SAME = at_most(1e-10)
@@ -61,11 +66,13 @@ CHANGES = (
     largest("errors", f"{DIFFERENCE} ‖u − u^h‖_V, ‖u − Π^h u‖_V", SAME, "error", "interpolation_error"),
     largest("discrete-error", f"{DIFFERENCE} ‖Π^h u − u^h‖_V", ROUND_OFF, "discrete_error"),
 )
-"""The windows have no lower ends, because on most meshes all twelve digits in ``rates.csv`` agree for both bodies."""
+"""Criteria for the relative differences between the errors of both bodies.
+
+Differences may be exactly 0, because on most meshes all twelve digits in ``rates.csv`` agree for both bodies."""
 
 
 class Turned(Statement):
-    """Judges the largest relative difference between the errors of a case and of the same case with a rotated body."""
+    """Judges whether the errors of a case change if its body is rotated."""
 
     label = "axes"
     claim = "the results do not depend on the axes: a rotated body has the same errors"
@@ -78,7 +85,7 @@ class Turned(Statement):
         for case, mine in turned.groupby("case", sort=False):
             twin = rows[rows["case"] == mine["twin"].iloc[0]][[*SAME_MESH, *names]]
             pairs = mine[~mine["family"].isin(WITH_AXES)].merge(twin, on=SAME_MESH, suffixes=("", "_twin"))
-            # Without a common mesh there are no columns, so that the rows are undecided.
+            # Without a common mesh the columns are left out, so that the checks are undecided.
             compared = names if len(pairs) else []
             changes = pd.DataFrame({name: abs(pairs[name] / pairs[f"{name}_twin"] - 1) for name in compared})
             found += [rule.verdict(self, str(case), {"": changes}) for rule in self.rules]

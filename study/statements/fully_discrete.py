@@ -1,19 +1,19 @@
-"""Beyond the paper: the error of fully discrete schemes in h and k; the paper calls estimates of it an open problem.
+"""Beyond the paper: how the error of fully discrete schemes depends on the mesh size h and the time step k.
 
-Let u_n^{hk} be the solution of a time scheme and u^h the solution of Problem 5.1. For many (h, k) two errors are
-measured,
+The paper calls estimates of this error an open problem. Let u_n^{hk} be the solution of a time scheme and u^h the
+semi-discrete solution (Problem 5.1). Two errors are measured for many (h, k),
 
     e(h, k) = max_n ‖u(t_n) − u_n^{hk}‖_V,     d(h, k) = max_n ‖u^h(t_n) − u_n^{hk}‖_V
 
-at the nodes t_n that belong to the time grids of all k, so that all maxima are over the same times. Predicted before
-measuring, and reported without a verdict, because the paper claims nothing:
+at the nodes t_n that belong to the time grids of all k, so that all maxima are over the same times. The predictions
+were made before the measurement. Results are reported without a verdict, because the paper claims nothing:
 
 * e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q. The reason is that the error in space is
   mainly interpolation error, which is nearly orthogonal in V to V^h, while the error in time lies in V^h;
-* d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so Problem 5.1 is not stiff and d does not depend on
-  h;
-* q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, 3/2 where u̇^h jumps because vertices change contact.
-  For 3/2 there is no theory: ``landings`` shows that only 1 may remain.
+* d = C k^q h^s with s = 0, so that d does not depend on h: the operator B^h is bounded uniformly in h, (5.5), so
+  Problem 5.1 is not stiff;
+* q = 1 for backward Euler, and q = 2 for BDF2 and the midpoint rule, but q = 3/2 where u̇^h jumps because vertices come
+  into contact or leave it. No theory proves 3/2; ``landings`` shows that only order 1 may remain.
 """
 
 from __future__ import annotations
@@ -40,13 +40,15 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import maximum
 
 COUNTS = (4, 8, 16, 32, 64, 128)
-"""Numbers of time steps, so small that the error in time is not hidden by the error in space."""
+"""Numbers of time steps. They are small, so that the error in space does not hide the error in time."""
 FINEST = 1024
-"""Number of steps of the midpoint rule whose solution stands for u^h."""
+"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
 ASYMPTOTIC = COUNTS[2:]
-"""Numbers of steps from which the order of d is computed."""
+"""Numbers of time steps from which the order in k of the error in time, d, is computed."""
 VISIBLE = 0.5
-"""An order in k is computed from e only if d/e is at least this number for two numbers of steps."""
+"""Smallest fraction of the error in time in the total error, d/e, at which an order in k is computed from e.
+
+It must be reached for two numbers of steps."""
 SECOND = between(1.5, 2, 0.1, 0.1, "3/2 where vertices come into contact or leave it")
 ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND, "midpoint": SECOND}
 CONFIDENCE = 0.95
@@ -54,22 +56,22 @@ CONFIDENCE = 0.95
 IN_H = around(1, 0.15)
 OPEN = "the paper leaves the fully discrete error open"
 KEYS = "time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit", "sum-in-h", "sum-in-k"
-"""The fitted quantities of each scheme."""
+"""The keys of the fitted quantities of each scheme, in the order in which ``observations`` yields them."""
 
 
 class FullyDiscrete(ListedNumbers):
-    """Measures e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
+    """Measures the total error and the error in time of backward Euler, BDF2 and the midpoint rule."""
 
     label = "beyond: fully discrete"
     effort = 30
     claim = "the fully discrete error is of order p in h and q in k, which the paper leaves open"
-    # Only in the full study: nothing is judged here, and every mesh needs a solution with 1024 time steps.
+    # The quick study leaves this statement out: nothing is judged, and every mesh needs a solution with 1024 steps.
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
         v_norm, M, T, common = setup.v_norm, setup.problem.M, setup.problem.T, min(COUNTS)
-        # Cached, because schemes and numbers of steps have most of their times in common.
+        # Loads are cached, because all schemes and numbers of steps have most of their times in common.
         load = lru_cache(maxsize=None)(setup.problem.load)
         problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
         reference = path(problem, MIDPOINT, FINEST)[:: FINEST // common]
@@ -88,12 +90,17 @@ class FullyDiscrete(ListedNumbers):
 
 
 def columns(scheme: Scheme, which: str) -> list[str]:
-    """Return the names of the columns with e or d ("which") of a scheme."""
+    """Return the names of the columns with an error of a scheme, one for each number of steps.
+
+    Args:
+        scheme: the time scheme.
+        which: "e" for the total error, "d" for the error in time.
+    """
     return [f"{scheme.name} {count} {which}" for count in COUNTS]
 
 
 def observations(scheme: Scheme) -> Iterator[Observation]:
-    """Yield the reported quantities of a scheme."""
+    """Yield the quantities that are reported for a scheme: observed orders in h and k, and a misfit."""
     order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e") + columns(scheme, "d"))
     in_time, error, fitted = "‖u^h − u^{hk}‖", "‖u − u^{hk}‖", "C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖"
     table = (
@@ -116,17 +123,18 @@ def observations(scheme: Scheme) -> Iterator[Observation]:
 
 
 def fitted_orders(h: Array, e: Array, d: Array) -> dict[str, Measured | None]:
-    """Return the orders in h and k of both errors of one scheme on one mesh family, by least squares.
+    """Fit the orders in h and k of the error in time and of the total error of one scheme, by least squares.
 
-    d = C k^q h^s is fitted to the smaller steps. e^r = (C_h h^p)^r + (C_k k^q)^r is fitted for r = 2 and r = 1. The
-    order in k is None if d is nearly everywhere hidden behind the error in space.
+    The error in time is fitted by d = C k^q h^s for the smaller steps. The total error is fitted by
+    e^r = (C_h h^p)^r + (C_k k^q)^r for r = 2 and r = 1. Its order in k is None if the error in space hides the error in
+    time for nearly all steps.
 
     Args:
         h: the mesh sizes, from coarse to fine, (levels,).
-        e, d: both errors, (levels, numbers of steps).
+        e, d: the total error and the error in time, (levels, numbers of steps).
 
     Returns:
-        The parameters by the keys of ``observations``; all None if an error is not positive.
+        The fitted quantities by the keys in ``KEYS``; all None if an error is not positive.
     """
     if not all(np.isfinite(errors).all() and (errors > 0).all() for errors in (e, d)):
         return dict.fromkeys(KEYS)
@@ -136,7 +144,13 @@ def fitted_orders(h: Array, e: Array, d: Array) -> dict[str, Measured | None]:
     (C, q, s), _ = fit(lambda x: (x[0] + x[1] * last_k + x[2] * log_h - last_d).ravel(), start)
 
     def sum_of_powers(power: float) -> tuple[list[Measured], float]:
-        """Fit log C_h, p, log C_k and q to e, starting from the fit of d."""
+        """Fit e^r = (C_h h^p)^r + (C_k k^q)^r with r = power to the total error e.
+
+        Start values are taken from the fit of the error in time.
+
+        Returns:
+            The parameters log C_h, p, log C_k, q, and the root mean square of the residuals.
+        """
 
         def residuals(x: Array) -> Array:
             parts = np.logaddexp(power * (x[0] + x[1] * log_h), power * (x[2] + x[3] * log_k))
@@ -152,7 +166,11 @@ def fitted_orders(h: Array, e: Array, d: Array) -> dict[str, Measured | None]:
 
 
 def fit(residuals: Callable[[Array], Array], start: Array) -> tuple[list[Measured], float]:
-    """Return the least-squares fit for residuals r(x).
+    """Return the parameters x that minimise a sum of squared residuals, with confidence intervals.
+
+    Args:
+        residuals: the function that returns the residuals for parameters x.
+        start: the start values of the parameters.
 
     Returns:
         The parameters with Student intervals at 95 %, from the Jacobian at the minimum, and the root mean square

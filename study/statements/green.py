@@ -1,28 +1,28 @@
-"""Green's formula (2.14) for the exact stress against all v ∈ V^h.
+"""Green's formula (2.14) for the exact stress, tested with all P1 displacements v ∈ V^h.
 
 With (2.2), (2.4), σ_τ = 0 on Γ3 and v = 0 on Γ1, Green's formula says that two functionals on V^h are equal:
 
     (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν = (f_0, v)_H + (f_2, v)_{L²(Γ2)}.
 
 The left side is ``ErrorNorm.load``, which needs no derivative of σ. The right side is computed from the forces, term by
-term. The defect is the distance of both sides in the dual norm of V^h, ‖F‖² = FᵀM⁻¹F, divided by the **smallest**
+term. The *defect* is the distance of both sides in the dual norm of V^h, ‖F‖² = FᵀM⁻¹F, divided by the **smallest**
 non-zero term of the four. So the defect is at least 1 if a term is missing, and at least 2 if its sign is wrong,
 however large the other terms are.
 
-Only the quadrature error may remain. It is at round-off level if f_0 is smooth except on known straight lines, along
-which cells are cut. Otherwise f_0 jumps inside cells: on the curve where the material begins to yield, on the cylinder
-below a front in 3D, or where a front turned. A rule on cells of size η then has an error of about η^d in each cell that
-the jump crosses. Two criteria are used for such cases, with a **composite** rule: degree 4 on cells halved several
-times.
+The defect may only consist of quadrature error. It is at round-off level if f_0 is smooth except on known straight
+lines, along which cells are cut. Otherwise f_0 jumps inside cells: on the curve where the material begins to yield, on
+the cylinder below a front in 3D, or where a front turned. A rule on cells of size η then has an error of about η^d in
+each cell that the jump crosses. Two criteria are used for such cases, with a **composite** rule: degree 4 on cells
+halved several times.
 
 * After all halvings the defect is at most a tenth of the smallest term, so no term can be missing.
-* At fixed V^h the defect falls with the halvings. After k halvings the support of a basis function contains 2^{k(d−1)}
-  crossed cells, with errors of size 2^{−kd}. The sum falls like 2^{−k} if all errors have one sign, and like
-  2^{−k(d+1)/2} if signs are random. The window is for all halvings together, with a factor of two for scatter. With a
-  coefficient that is wrong by a few per cent the defect would stop falling.
+* For a fixed space V^h the defect falls when cells are halved. After k halvings the support of a basis function
+  contains 2^{k(d−1)} crossed cells, with errors of size 2^{−kd}. The sum falls like 2^{−k} if all errors have one sign,
+  and like 2^{−k(d+1)/2} if signs are random. The window is for all halvings together, with a factor of two for scatter.
+  With a coefficient that is wrong by a few per cent the defect would stop falling.
 
-V^h lies in the space on halved cells. A functional on that space is restricted to V^h by the values of the functions of
-V^h at the new vertices.
+Functions of V^h are also P1 functions on the halved cells. So a functional on the finer space is restricted to V^h by
+means of the values of these functions at the new vertices.
 """
 
 from __future__ import annotations
@@ -56,17 +56,19 @@ from study.statements.shared.norms import dual_norm, maximum, minimum
 from study.statements.shared.scope import REGULAR
 
 TIMES = (0.23, 0.61, 0.79)
-"""Fractions of T at which both sides are compared: before, between and after the events of all cases, such as landings.
-At these times the work of contact is 0 or at least 1/300 of the largest term."""
+"""Times at which both sides of Green's formula are compared, as fractions of the final time T.
+
+They lie before, between and after all events of the cases, such as the beginning of contact. At these times the work of
+contact is 0 or at least 1/300 of the largest term."""
 FINE, COARSE = {2: 16, 3: 8}, 4
-"""Degrees of the rules on the cells themselves, by dimension, and on halved cells."""
+"""Degrees of quadrature rules: on whole cells, by dimension, and on halved cells."""
 HALVINGS = {2: 3, 3: 2}
-"""Number of halvings of the cells, by dimension."""
+"""How many times cells are halved for the composite rule, by dimension."""
 SMOOTH = positive_at_most(1e-10, "with the fine quadrature rule: f_0 is smooth away from straight lines")
 KINKED = positive_at_most(0.1, "quadrature error, as f_0 jumps along curves; a missing term would give 1")
 SHRINKING = positive_at_most(2.0, "1 if the errors of all cells have one sign, up to 2 if their signs vary")
 ROUND_OFF = 1e-12
-"""Smaller defects and terms are rounding."""
+"""Relative size below which defects and terms count as rounding."""
 
 DEFECT = "defect of Green's formula on V^h / smallest term"
 FOR_SMOOTH_FORCES = (finest("fine-rule", DEFECT, SMOOTH, "fine rule"),)
@@ -77,7 +79,7 @@ FOR_FORCES_WITH_JUMPS = (
 
 
 class Green(ListedNumbers):
-    """Measures the distance of both sides of Green's formula as functionals on V^h, for the cases with Div σ ∈ H."""
+    """Measures the defect of Green's formula on V^h, for the cases whose Div σ is square integrable."""
 
     label = "(2.14)"
     effort = 15
@@ -95,7 +97,7 @@ class Green(ListedNumbers):
             return with_h(space.h, {"fine rule": defect(case.solution, space, FINE[space.dim]), "smooth": 1.0})
         halvings = HALVINGS[space.dim]
         whole, halved = (defect(case.solution, space, COARSE, k) for k in (0, halvings))
-        # ROUND_OFF replaces smaller defects, because round-off does not shrink with the halvings.
+        # Defects below ROUND_OFF are replaced by it, because round-off does not fall when cells are halved.
         shrunk = 2**halvings * (max(halved, ROUND_OFF) / max(whole, ROUND_OFF))
         return with_h(space.h, {"whole cells": whole, "halved cells": halved, "shrunk": shrunk, "smooth": 0.0})
 
@@ -105,17 +107,24 @@ class Green(ListedNumbers):
 
 
 def by_smoothness(rows: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Return the rows of the cases for which ``smooth_off_lines`` is true, and the rows of all other cases."""
+    """Split measured rows into those of cases with a smooth body force and those of all other cases.
+
+    A body force is smooth in this sense if ``smooth_off_lines`` is true for the case.
+    """
     smooth = rows["case"].isin(rows.loc[(rows["quantity"] == "smooth") & (rows["value"] == 1), "case"])
     return rows[smooth], rows[~smooth]
 
 
 def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0) -> float:
-    """Return the largest distance of both sides over the times, in the dual norm, relative to the smallest term.
+    """Return the largest defect of Green's formula over the times.
+
+    The defect is the distance of both sides in the dual norm of V^h, divided by the smallest non-zero term.
 
     Args:
-        degree: the degree of the cell rules.
-        halvings: the number of halvings of the cells on which the rules are used.
+        solution: the exact solution.
+        space: the P1 space V^h.
+        degree: the degree of the quadrature rules on cells.
+        halvings: how many times cells are halved before the rules are used.
     """
     riesz = Cholesky(unloaded(space, solution.law).M)
     fine, prolong = refined(space, halvings)
@@ -136,11 +145,11 @@ def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0
 
 
 def refined(space: Space, halvings: int) -> tuple[Space, sps.csr_array]:
-    """Return the space on cells that are halved several times, and the prolongation to it.
+    """Return the P1 space on a mesh whose cells are halved several times, and the prolongation to it.
 
     Returns:
-        The space on the halved cells, and the prolongation of P1 functions by their vertex values,
-        (vertices there, vertices of V^h).
+        The space on the halved cells, and the matrix that maps vertex values on the given mesh to vertex values on the
+        halved cells, (fine vertices, vertices).
     """
     mesh, prolong = space.mesh, sps.csr_array(sps.eye_array(space.mesh.p.shape[1]))
     for _ in range(halvings):
@@ -150,21 +159,24 @@ def refined(space: Space, halvings: int) -> tuple[Space, sps.csr_array]:
 
 
 def smallest_positive(sizes: Sequence[float]) -> float:
-    """Return the smallest of the given norms that is not zero up to round-off."""
+    """Return the smallest of the given norms, without those that are zero up to round-off."""
     negligible = ROUND_OFF * maximum(sizes)
     return minimum(size for size in sizes if not size <= negligible)
 
 
 def square_integrable(case: Case) -> bool:
-    """Return whether Div σ(t) ∈ H, which follows from ε(u̇(t)) ∈ H¹."""
+    """Return whether the divergence of the exact stress is square integrable, Div σ(t) ∈ H.
+
+    This follows from ε(u̇(t)) ∈ H¹.
+    """
     return case.regularity.rate_smoothness > 1
 
 
 def smooth_off_lines(case: Case) -> bool:
-    """Return whether f_0 is smooth except on known straight lines, at all times.
+    """Return whether the body force of a case is smooth at all times, except on known straight lines.
 
-    This is false for moving fronts, which leave kinks where they turned, and for a nonlinear G, which has kinks where
-    the material begins to yield.
+    This is false for moving contact fronts, which leave kinks where they turned, and for a nonlinear elasticity G,
+    which has kinks where the material begins to yield.
     """
     law, faces = case.solution.law, case.solution.faces
     homogeneous = law.A.factor is UNIFORM and isinstance(law.G, Linear) and law.G.factor is UNIFORM
@@ -172,10 +184,10 @@ def smooth_off_lines(case: Case) -> bool:
 
 
 def cut_at_fronts(solution: ExactSolution, time: float) -> ExactSolution:
-    """Return the solution with quadrature rules that also cut cells along the fronts at one time.
+    """Return the exact solution with quadrature rules that also cut cells along the contact fronts at one time.
 
-    Rules can cut a cell along one line only, so solutions in 3D, with several faces or with other cuts are returned
-    unchanged.
+    Rules can cut a cell along one line only. So the solution is returned unchanged if it is in 3D, has several contact
+    faces, or has other cuts already.
     """
     face, *others = solution.faces
     if solution.body.dim > 2 or others or solution.rough or not isinstance(face, ContactFace):

@@ -1,20 +1,21 @@
-"""(5.21) and the theorem on backward Euler for large and small T and ω = L_G/m_A: errors grow like e^{ωT}, not faster.
+"""(5.21) and the theorem on backward Euler for long times and soft materials: errors grow like e^{ωT} and not faster.
 
-T and ω are varied over two decades, by scaling time and G. The laws are the law of the case (columns "own") and
-G = −ωA (columns "even"). ``solution_divergence`` measures the distance of two solutions of Problem 5.1 for the same T
-and ω. Predicted before measuring:
+Here T is the final time and ω = L_G/m_A. Both are varied over two decades, by scaling time and the elasticity G. Two
+laws are used: the law of the case (columns "own"), and G = −ωA (columns "even"). ``solution_divergence`` measures the
+distance of two solutions of Problem 5.1 for the same T and ω. Predicted before measuring:
 
-* *No contact, G = −ωA, u = (1/10 + t/T) U.* Let P_h be the projection onto V^h in (·,·)_V. Here B = −ωI in (4.2), and
-  V^h replaces K^h. Then P_h u − u^h = e^{ωt} (P_h u_0 − Π^h u_0), which is orthogonal to u − P_h u. So at T
+* *No contact, G = −ωA, u = (1/10 + t/T) U with a fixed field U.* Let P_h be the projection onto V^h in (·,·)_V. Here
+  B = −ωI in (4.2), and V^h replaces K^h. Then P_h u − u^h = e^{ωt} (P_h u_0 − Π^h u_0), which is orthogonal to
+  u − P_h u. So at T
 
       ‖u − u^h‖_V² = ‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V².
 
   The midpoint rule is exact for functions linear in t, and makes e^{ωT} larger by ωT z²/12, at most 3.3e-3 for
-  z = ωk ≤ 1/16. So the exponential is attained. For ωT = 10 it is 2e4, while the estimates in the proof overestimate
-  the error by only 1e2 to 1e3. So errors would be above c · (right side of (5.21)) if c did not contain e^{ωT}. (The
-  first prediction was for K^h; there the quotient is 0.92 for ωT = 10, because the error of u^h becomes larger than the
-  gap and u^h comes into contact. The other rows use K^h.)
-* *Moving contact, both laws*: errors are below c · (right side of (5.21)), for all ω and T. The constant c contains
+  z = ωk ≤ 1/16. So the factor e^{ωT} really occurs. For ωT = 10 it is 2e4, while the estimates in the proof
+  overestimate the error by only 1e2 to 1e3. So errors would exceed c · (right side of (5.21)) if c did not contain
+  e^{ωT}. (The first prediction was made for K^h. There the quotient is 0.92 for ωT = 10, because the error of u^h
+  becomes larger than the gap, so that u^h comes into contact. The other checks use K^h.)
+* *Moving contact, both laws:* errors are below c · (right side of (5.21)), for all ω and T. The constant c contains
   e^{ωT}, because the exponent max(−m, 0)/m_A in ``error_bounds`` is ω for both laws.
 * *Monotone laws, G = ωA:* the bound of ``backward_euler`` has no exponential, and holds for all ω and T.
 """
@@ -48,9 +49,9 @@ from study.statements.shared.norms import maximum, norm
 from study.statements.solution_divergence import SWEEP, column, columns, even_law, scaled, steps_for
 
 FEWEST = 64
-"""Least number of steps of the midpoint rule; more are used for large ωT."""
+"""Smallest number of steps of the midpoint rule; for large ωT more steps are used."""
 COUNTS, FINEST = (8, 32), 256
-"""Numbers of steps of backward Euler, and of the midpoint rule whose solution stands for u^h."""
+"""Numbers of steps of backward Euler, and of the midpoint rule whose solution is used as the semi-discrete u^h."""
 LONGEST = tuple((omega, T) for omega, T in SWEEP if omega * T == max(a * b for a, b in SWEEP))
 """The pairs (ω, T) with the largest e^{ωT}."""
 KNOWN = around(1, 5e-3, "the midpoint rule changes the quotient by at most 3.3e-3")
@@ -59,7 +60,7 @@ NEEDED = at_least(1.0, "so a bound without the factor e^{ωT} = 2e4 would be wro
 
 
 class GrowingErrors(ListedNumbers):
-    """Measures errors divided by their bounds, and by their predicted values if these are known."""
+    """Measures errors divided by their bounds, and divided by their predicted values where these are known exactly."""
 
     label = "(5.21), T and L_G/m_A"
     effort = 500
@@ -99,15 +100,15 @@ class GrowingErrors(ListedNumbers):
 
 
 def experiment(solution: ExactSolution, setting: Setting) -> Experiment:
-    """Return the experiment for a solution on the mesh of a setting, with time steps much shorter than 1/ω and T."""
+    """Return the discretisation of a solution on the mesh of a setting, with time steps much shorter than 1/ω and T."""
     steps = max(FEWEST, steps_for(solution.law, solution.body.T))
     return Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
 
 
 def opening(law: KelvinVoigt, T: float) -> ExactSolution:
-    """Return a solution that is linear in t and never in contact, with the gap w = (1/10 + t/T)(1 + 4x(1 − x)).
+    """Return an exact solution without contact that is linear in time.
 
-    The normal strain ε_nn is 0 on Γ3.
+    Its gap is (1/10 + t/T)(1 + 4x(1 − x)), and its normal strain is 0 on Γ3.
     """
     body, time = unit_square(T), t / Rational(T).limit_denominator(1000)
     (part,) = body.of(Kind.CONTACT)
@@ -117,14 +118,14 @@ def opening(law: KelvinVoigt, T: float) -> ExactSolution:
 
 
 def share(setup: Experiment) -> float:
-    """Return the quotient of the error and c · (right side of (5.21))."""
+    """Return the error divided by its bound (5.21), with the constant c of the bound."""
     return sides(setup)["(5.21), c"]
 
 
 def error_over_predicted(setup: Experiment, omega: float) -> float:
-    """Return the error at T of the discrete solution in V^h, without the contact condition, over its predicted value.
+    """Return the error at the final time divided by its predicted value, for a solution without contact condition.
 
-    The prediction is (‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2}.
+    The predicted value is (‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2}.
     """
     v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
     end = path(replace(problem, N=problem.N[:0]), setup.scheme, setup.steps)[-1]
@@ -134,14 +135,17 @@ def error_over_predicted(setup: Experiment, omega: float) -> float:
 
 
 def projection(setup: Experiment, time: float) -> np.ndarray:
-    """Return P_h u(t), for a homogeneous A, (n_dofs,)."""
+    """Return the projection P_h u(t) of the exact solution onto V^h in the product of V, (dofs,).
+
+    The viscosity A must be homogeneous.
+    """
     stress = setup.solution.law.A.matrix @ setup.v_norm.means(time)
     found: np.ndarray = Cholesky(setup.problem.M)(setup.space.functional(stress))
     return found
 
 
 def in_time(setup: Experiment, law: KelvinVoigt) -> float:
-    """Return the largest quotient of the error of backward Euler and its bound, for the load of ``setup`` and a law."""
+    """Return the largest quotient error / bound of backward Euler, for the load of an experiment and another law."""
     problem = replace(
         SemiDiscrete.of(setup.space, law, setup.problem.load, setup.problem.u0),
         T=setup.problem.T,

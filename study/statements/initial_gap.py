@@ -1,20 +1,21 @@
 """Beyond the paper: an initial gap g(s) ≥ 0 between the undeformed body and the foundation.
 
-**Claimed.** In the paper the undeformed body touches the foundation: K = {v : v_ν ≤ 0 on Γ3}. Here
+**The claim.** In the paper the undeformed body touches the foundation: K = {v : v_ν ≤ 0 on Γ3}. Here
 K = {v : v_ν ≤ g on Γ3} with a smooth g that does not depend on time, and Problem 5.1 is solved in
-K^h = {v ∈ V^h : v_ν ≤ g at the vertices of Γ3}. The paper claims nothing about it. This study claims
-‖u − u^h‖_{L∞(0,T;V)} = O(h) for solutions with (5.36), and convergence for others.
+K^h = {v ∈ V^h : v_ν ≤ g at the vertices of Γ3}. The paper claims nothing about this problem. This study claims
+‖u − u^h‖_{L∞(0,T;V)} = O(h) for solutions with the regularity (5.36), and convergence for others.
 
-The reason: let d ∈ V be smooth with d_ν = g on Γ3. Then w = u − d satisfies w_ν ≤ 0, the condition of the paper, and so
-does w^h = u^h − Π^h d at the vertices. w solves the variational inequality of u with an additional load, the load of
-−d. Π^h d − d = O(h) by (5.23). So the proof of Proposition 5.4 holds for w. The window of the order was set before
-anything was measured.
+**The reason.** Let d ∈ V be smooth with d_ν = g on Γ3. Then w = u − d satisfies w_ν ≤ 0 on Γ3, the condition of the
+paper, and w^h = u^h − Π^h d satisfies it at the vertices. The function w solves the variational inequality of u with an
+additional load, which belongs to −d. Moreover Π^h d − d = O(h) by (5.23). So the proof of Proposition 5.4 holds for w.
+The window of the order was set before anything was measured.
 
-**Measured** as for Proposition 5.4 (``prop_5_4.measure``), on all cases with an initial gap and all mesh families that
-can mesh their bodies. The exact solution is the lifting of w − g, and the contact solver gets g at the vertices.
+**The measurement** is the same as for Proposition 5.4 (``prop_5_4.measure``), on all cases with an initial gap and all
+mesh families that can mesh their bodies. The contact solver gets the values of g at the vertices.
 
-**Judged** by the criteria of Proposition 5.4 and (5.23) if the solution satisfies (5.36), otherwise by the criteria of
-Proposition 5.3. If g is forgotten or has the wrong sign, the error does not fall with h (``study.controls``).
+**The judgement** uses the criteria of Proposition 5.4 and (5.23) if the solution satisfies (5.36), otherwise the
+criteria of Proposition 5.3. If g is forgotten or has the wrong sign, the error does not fall with h
+(``study.controls``).
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from study.statements.prop_5_4 import Rates
 
 
 class InitialGap(Rates):
-    """Measures and judges errors for the cases with an initial gap."""
+    """Measures and judges the errors ‖u − u^h‖_V for the cases with an initial gap."""
 
     label = INITIAL_GAP
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h) for K = {v : v_ν ≤ g on Γ3}; the paper has g = 0"

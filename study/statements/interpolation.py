@@ -1,13 +1,13 @@
-"""Interpolation in V, (5.23), and on the pieces of Γ3, (5.24).
+"""Interpolation errors of P1 elements, in V (5.23) and on the contact faces (5.24).
 
-The paper states, for v ∈ V,
+The paper states for v ∈ V that
 
     ‖v − Π^h v‖_V = O(h)  for v ∈ H²(Ω)^d,      ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} = O(h²)  for v_ν ∈ H²(Γ3,i).
 
 The orders are measured for v = u(t) at fixed times, and for a smooth field v that vanishes on Γ1. Both orders are sharp
-for piecewise linear functions, so the windows have two ends. (5.24) is printed with h instead of h². The proof of
-Prop. 5.4 takes the root of this error in (5.42), so it needs h². Traces with w ~ s_+^α at a front lie in H^τ for
-τ < α + 1/2, and their predicted order is min(2, α + 1/2).
+for piecewise linear functions, so the windows have two ends. (5.24) is printed with h instead of h². The proof of Prop.
+5.4 takes the root of this error in (5.42), so it needs h². If a gap behaves like s_+^α at a front, the trace lies in
+H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
 """
 
 from __future__ import annotations
@@ -43,45 +43,52 @@ from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.meshes import BODIES_WITH_LAWS, CELLS, EVERY, named, place, space_of, split_random
 
 TIMES = (0.23, 0.61)
-"""Fractions of T at which u is interpolated; no event such as a landing happens in any case at these times."""
+"""Times at which exact solutions are interpolated, as fractions of the final time T.
+
+In no case does contact begin or end at these times."""
 RAISED = 2
-"""Increase of the degree of cell rules and of the points on facets, because kinks cross cells and facets."""
+"""How much the degree of quadrature rules on cells and the number of points on facets are raised.
+
+More accurate rules are needed, because kinks of the solution cross cells and facets."""
 ROUND_OFF = 1e-10
-"""Smaller relative errors count as round-off, because a trace that is zero or linear has no interpolation error."""
+"""Relative errors below this number count as round-off.
+
+They occur if a trace is zero or linear, so that it has no interpolation error."""
 TRACES = (
     *("full-contact", "fixed-front-on-vertex", "advance-recede", "rotated", "corner", "contact-at-clamp", "hexagon"),
     *("cube-disc", "cube-two-faces", "natural-front", "rough-trace", "moving-rough", "cube-rough", "rough-1.75"),
     *("rough-2", "rough-2.25", "re-entrant", "junction", "softening"),
 )
-"""One case for every pair of a body and a regularity of the trace on Γ3."""
+"""One case for every pair of a body and a regularity of the normal trace on Γ3."""
 ROOM = 0.15
-"""Tolerance for orders. It is needed because fronts cut cells at different places on each level, and because the meshes
-of different levels are not nested."""
+"""Tolerance for observed orders.
+
+They scatter, because fronts cut cells at different places on each level and the meshes are not nested."""
 
 SMOOTH = "a smooth field"
 INSTANTS = {f"u({fraction:g} T)": fraction for fraction in TIMES}
-"""Fraction of T for each v = u(t), by the name of v."""
+"""The times t of the interpolated functions u(t), as fractions of T, by the names of these functions in columns."""
 FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": v for v, fraction in INSTANTS.items()}}
-"""Name of the function v that is interpolated, by the key of the row."""
+"""Names of the interpolated functions in columns, by the keys of the checks."""
 REGULARITY = "τ"
-"""Name of the column with the τ for which v_ν ∈ H^s(Γ3,i) for s < τ; it follows from the exponents of the case."""
+"""Name of the column with the regularity τ of the trace: v_ν ∈ H^s(Γ3,i) for all s < τ."""
 SIZE, TRACE = "size of Γ3,{}", "{} on Γ3,{}"
-"""Names of the columns with the mesh size on Γ3,i and with the interpolation error of v_ν on Γ3,i."""
+"""Names of the columns for one contact face: its mesh size, and the interpolation error of a trace on it."""
 
 
 def smooth(body: Body) -> Field:
-    """Return a smooth random field that vanishes on Γ1."""
+    """Return a smooth random displacement field that vanishes on the clamped boundary Γ1."""
     return vanishing(waves(body, np.random.default_rng(SEED)), planes(body, Kind.CLAMPED))
 
 
-# (5.23).
+# (5.23): interpolation in V.
 
 
 class InterpolationInV(ListedNumbers):
-    """Measures ‖v − Π^h v‖_V for the cases with u(t) ∈ H² on each cell, and judges its order.
+    """Measures the interpolation error ‖v − Π^h v‖_V for solutions in H² on each cell, and judges its order.
 
     On random meshes the order from two coarse levels depends on the random size of the cells where v is strongly
-    curved. Therefore the order from all levels is judged there, with the numbers of cells as weights.
+    curved. Therefore on random meshes the order is fitted to all levels, with the numbers of cells as weights.
     """
 
     label = "(5.23)"
@@ -91,7 +98,7 @@ class InterpolationInV(ListedNumbers):
         if not full:
             return place(named("no-contact", "advance-recede"), EVERY, (8, 16, 32))
         cases = [case for case in named(*BODIES_WITH_LAWS) if case.regularity.smoothness > 1]
-        # No graded meshes, because their cells at singular points are much smaller than h, and the order in h changes.
+        # Graded meshes are left out: their cells at singular points are much smaller than h, which changes the order.
         return [s for s in place(cases, EVERY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -118,7 +125,13 @@ class InterpolationInV(ListedNumbers):
 
 
 def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
-    """Return ‖v − Π^h v‖_V for a field v that is analytic in x."""
+    """Return the interpolation error ‖v − Π^h v‖_V of a smooth field v.
+
+    Args:
+        solution: the exact solution, whose viscosity defines the norm.
+        space: the P1 space.
+        field: the field, analytic in x.
+    """
     interpolant, total = space.strain(space.interpolate(field(space.mesh.p))), 0.0
     for rule in rules(solution, space.mesh, DEGREE + RAISED):
         difference = strain(field, rule.points) - interpolant[:, rule.cells, None]
@@ -127,18 +140,21 @@ def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
     return float(np.sqrt(total))
 
 
-# (5.24).
+# (5.24): interpolation of normal traces on contact faces.
 
 
 class InterpolationOnContact(ListedNumbers):
-    """Measures ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} for traces that are not linear, and judges its order."""
+    """Measures the interpolation error of normal traces v_ν in L² on each contact face, and judges its order.
+
+    Linear traces are left out, because they have no interpolation error.
+    """
 
     label = "(5.24)"
     claim = "‖v_ν − Π^h v_ν‖_{L²(Γ3,i)} ≤ c h² |v_ν|_{H²(Γ3,i)}, printed with h"
 
     def places(self, full: bool) -> list[Setting]:
-        # No shaken meshes: a few edges contribute most of the squared error Σ_e |e|⁵ |w''|²/120, so with random lengths
-        # of edges the order varies by 0.3 from seed to seed.
+        # Shaken meshes are left out: a few edges contribute most of the squared error Σ_e |e|⁵ |w''|²/120, so with
+        # random lengths of edges the order varies by 0.3 from seed to seed.
         cases = named(*(TRACES if full else ("advance-recede", "rough-2")))
         without = Graded().name, Shaken().name
         return [s for s in place(cases, EVERY, (16, 32, 64), (8, 16, 24)) if s.family not in without]
@@ -166,16 +182,22 @@ class InterpolationOnContact(ListedNumbers):
 
 
 def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
-    """Return the criterion for the order of the interpolation error of v_ν on Γ3,i, in the mesh size on Γ3,i.
+    """Return the criterion for the order of the interpolation error of a normal trace on one contact face.
 
-    The paper claims order 2 for τ > 2; otherwise min(2, τ) is predicted.
+    For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is predicted. The order is in the mesh size on the face.
+
+    Args:
+        key: the key of the check, to which the number of the face is added.
+        v: the name of the interpolated function.
+        face: the number of the contact face.
+        tau: the regularity τ of the trace.
     """
     key, column, size = f"{key}-face-{face}", TRACE.format(v, face), SIZE.format(face)
     quantity, claimed = f"order of ‖v_ν − Π^h v_ν‖, v = {column}", around(2.0, ROOM)
     if tau >= 2.5:
         in_h = consecutive(key, f"{quantity}, level by level", claimed, column)
     elif tau > 2:
-        # Over two refinements, because the error in the cell of the front depends on where the front cuts the cell.
+        # Two refinements are judged together: the error in the cell of the front depends on where the front cuts it.
         in_h = between_levels(key, f"{quantity}, over two refinements", claimed, column, 2, ENOUGH)
     else:
         in_h = order(key, f"{quantity}, fitted", around(tau, 0.3), column)
@@ -188,16 +210,20 @@ def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
 
 
 def induced_size(space: Space, part: Part) -> float:
-    """Return the mesh size on a part, ((d − 1)! |Γ3,i| / number of facets)^{1/(d−1)}.
+    """Return the mesh size on a boundary part Γ3,i, which follows from its measure and its number of facets.
 
-    On unstructured meshes this size is not exactly proportional to h, because a part has a whole number of facets.
+    The mesh size is ((d − 1)! |Γ3,i| / number of facets)^{1/(d−1)}. On unstructured meshes this size is not exactly
+    proportional to h, because a part has a whole number of facets.
     """
     along = space.dim - 1
     return float((math.factorial(along) * part.measure / len(space.facets(part))) ** (1 / along))
 
 
 def on_face(solution: ExactSolution, space: Space, face: Face) -> dict[str, float]:
-    """Return ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} for each v whose trace is not linear."""
+    """Return interpolation errors in L² of normal traces on one contact face, by the names of the functions.
+
+    Functions with a linear trace are left out.
+    """
     mesh, facets = space.mesh, space.facets(face.part)
     rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS + RAISED)
     x, vertices = face.part.point(rule.s), mesh.p[:, mesh.facets[:, facets]]

@@ -1,6 +1,7 @@
 """Korn's inequality (2.17), and the equivalence (3.6) of the norms ‖·‖_V and ‖·‖_{H_1} that follows from it.
 
-Both are tested on V^h ⊂ V. The minimum over V^h is an upper bound of the square of the constant C_K in (2.17):
+Both are tested on the P1 space V^h ⊂ V. The minimum over V^h is an upper bound of the square of the constant C_K in
+(2.17):
 
     C_K² = inf_{v ∈ V} ‖ε(v)‖_Q² / ‖v‖_{H_1}² ≤ min_{v ∈ V^h} ‖ε(v)‖_Q² / ‖v‖_{H_1}².
 
@@ -9,7 +10,7 @@ refinement; for nested spaces it cannot rise. By (2.17) its limit for h → 0 is
 
     m_A C_K² ‖v‖_{H_1}² ≤ ‖v‖_V² ≤ ‖A‖ ‖v‖_{H_1}²
 
-on V^h, where C_K is the constant of V^h, bounded below uniformly in h.
+on V^h. Here C_K is the constant of V^h, which is bounded below uniformly in h.
 """
 
 from __future__ import annotations
@@ -30,22 +31,30 @@ from study.statements.shared.scope import REGULAR
 VALUE = "smallest eigenvalue"
 FALLING = at_most(1 + ROUNDING, "on every level")
 LIMIT = Window(0.7, 1.0, "of the value on the finest level")
-"""Eigenvalues that tend to zero leave the window. Values like h^p extrapolate to 0. Values like 1/(c + |log h|), the
-slowest (Γ1 is a point), extrapolate to m/(2m − 2) < 0.7 of the last value if that is 1/m times the unit of log 2."""
+"""Window of (limit of the eigenvalue for h → 0) / (value on the finest level).
+
+Eigenvalues that tend to zero leave the window. Values like h^p extrapolate to 0. The slowest decay is 1/(c + |log h|),
+which occurs if Γ1 is a point; it extrapolates to less than 0.7 of the last value."""
 OVER = "eigenvalue, finest level / next coarser level"
 SETTLED = Window(0.75, 1.25)
-"""From one level to the next a power h^{1/2} would change by the factor 0.71 or 1.41."""
+"""Window of the quotient of eigenvalues on neighbouring levels.
+
+It excludes powers of h: even h^{1/2} would change by the factor 0.71 or 1.41."""
 
 
 def extrapolated(table: pd.DataFrame) -> Measured:
-    """Return Aitken's extrapolation of the last three values over the last value; −∞ if differences do not shrink."""
+    """Return the extrapolated limit of the eigenvalue for h → 0, divided by its value on the finest level.
+
+    The limit is computed by Aitken's extrapolation of the last three values. It is −∞ if their differences do not
+    shrink.
+    """
     first, second, last = table[VALUE].to_numpy()[-3:]
     before, drop = first - second, second - last
     return exactly((last - drop**2 / (before - drop)) / last if before > drop else -math.inf)
 
 
 class Korn(ListedNumbers):
-    """Measures min ‖ε(v)‖_Q² / ‖v‖_{H_1}² over V^h, as an eigenvalue, for each body."""
+    """Measures the square of Korn's constant on V^h, min ‖ε(v)‖_Q² / ‖v‖_{H_1}², for each body."""
 
     label = "(2.17)"
     claim = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
@@ -64,7 +73,7 @@ class Korn(ListedNumbers):
 
 
 class Norms(ListedNumbers):
-    """Measures the extremes of ‖v‖_V² / ‖v‖_{H_1}² over V^h, as eigenvalues, for each body and viscosity."""
+    """Measures the smallest and the largest ‖v‖_V² / ‖v‖_{H_1}² over V^h, for each body and viscosity."""
 
     label = "(3.6)"
     claim = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h, by (2.17) and (3.1)"

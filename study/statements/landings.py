@@ -1,4 +1,4 @@
-"""Beyond the paper: time schemes of second order have only order 1 if a landing vertex makes its neighbour lift off.
+"""Beyond the paper: second-order time schemes have only order 1 if a vertex that comes into contact lifts a neighbour.
 
 A vertex of Γ3 *lands* when it comes into contact. At a landing the velocity u̇^h jumps. There is no inertia, so the
 neighbours of the vertex react at once. If the landing unloads a neighbour that is in contact, this neighbour lifts off
@@ -13,18 +13,19 @@ a gap at the neighbour, not both. This causes an error proportional to k, which 
 The first unknown u_1 is in contact until the second unknown lands at t = 2/5. Then u_1 increases with the velocity
 3/40. Let the landing be at the time (n + θ)k. If θ ≥ 3/20, a step of backward Euler or of the midpoint rule leaves
 u_1 = 0, while the exact value is (1 − θ)·3k/40. The error √2·(1 − θ)·3k/40 in ‖·‖_S remains. For k = 2^{−j} the values
-of θ are cyclically 4/5, 3/5, 1/5 and 2/5. So errors at the nodes are between √2·3/200 and √2·6/100 times k, and both
-bounds are attained. The order is at most 1, although two successive values of k need not show it. For BDF2 the error
-at the end is at least √2·17k/600 for every θ. paper/time.tex has the proofs. The errors of backward Euler and the
-midpoint rule are judged.
+of θ are cyclically 4/5, 3/5, 1/5 and 2/5. So errors at the time nodes are between √2·3/200 and √2·6/100 times k, and
+both bounds are attained. The order is at most 1, although two successive values of k need not show it. For BDF2 the
+error at the end is at least √2·17k/600 for every θ. paper/time.tex has the proofs. The errors of backward Euler and of
+the midpoint rule are judged.
 
 **Linear finite elements.** A load moves along Γ3 in such a way that the pressure does not vanish at the front. Landings
-then cause an error C_1 k, and the times between them an error C_2 k². C_2 hardly depends on the mesh. C_1 depends on
-the jumps of velocities at landings, which may be smaller on finer meshes. The order 1 shows only for k below C_1/C_2.
-So an order that is fitted to a fixed range of k may tend to 2 on finer meshes: over all six halvings of k the midpoint
-rule has the order 1.1 for n = 8 and 1.4 for n = 16. (The first prediction was 1 to 3/2, without a theory.) Therefore
-the order over the last three halvings is reported on every level. Expected is 1 ± 0.4, because the positions θ of the
-landings matter; 3/2 and 2 lie outside. This range was set after the data had been seen, so it is no claim.
+then cause an error C_1 k, and the times between landings cause an error C_2 k². C_2 hardly depends on the mesh. C_1
+depends on the jumps of velocities at landings, which may be smaller on finer meshes. The order 1 shows only for k below
+C_1/C_2. So an order that is fitted to a fixed range of k may tend to 2 on finer meshes: over all six halvings of k the
+midpoint rule has the order 1.1 for n = 8 and 1.4 for n = 16. (The first prediction was 1 to 3/2, without a theory.)
+Therefore the order over the last three halvings is reported on every level. The expected order is 1 ± 0.4, which
+excludes 3/2 and 2; the range is wide, because the positions θ of the landings matter. It was set after the data had
+been seen, so nothing is claimed.
 
 Under the load of the case itself, gap and pressure vanish to high order at the fronts. Landings then hardly change
 velocities, and the order is 2 over all halvings.
@@ -52,36 +53,39 @@ from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 
 COUNTS = (16, 32, 64, 128, 256, 512, 1024)
-"""Numbers of time steps: six halvings of k."""
+"""Numbers of time steps, so that the step k is halved six times."""
 FINEST = 8192
-"""Number of steps of the midpoint rule whose solution is used for u^h."""
+"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
 LANDING, RISE = 0.4, 0.075
-"""The problem with two unknowns: the time of the landing, and the velocity of u_1 after it."""
+"""Data of the problem with two unknowns: the time at which u_2 comes into contact, and the velocity of u_1 after it."""
 PROVED = Window(
     math.sqrt(2) * 0.2 * RISE * (1 - 1e-9), math.sqrt(2) * 0.8 * RISE * (1 + 1e-9), "proved, both ends attained"
 )
 LAST = COUNTS[3:]
-"""Numbers of steps of the last three halvings."""
+"""Numbers of time steps in the last three halvings, where the order 1 is expected."""
 LEFT = around(1, 0.4, "excludes 3/2 and 2")
 LOADS = {"own": "load of the case", "rolling": "load that moves along Γ3"}
-"""The loads in words, by their names in the columns."""
+"""Descriptions of the two loads, by their names in columns."""
 NO_THEORY = "no theory gives this order for P1 elements"
 
 
 def two_unknowns() -> SemiDiscrete:
-    """Return the problem with two unknowns on [0, 1]."""
+    """Return the problem with two unknowns of the module docstring, on the time interval [0, 1]."""
     S, none = sps.csc_array([[2.0, -1.0], [-1.0, 2.0]]), sps.csc_array((2, 2))
     force, start = np.array([0.15, -2.0]), np.array([0.0, LANDING])
     return SemiDiscrete(S, none, None, sps.csr_array(-np.eye(2)), lambda t: force, start, 1.0)
 
 
 def solution_of_two_unknowns(t: Array) -> Array:
-    """Return the exact solution of the problem with two unknowns, (times, 2)."""
+    """Return the exact solution of the problem with two unknowns at given times, (times, 2)."""
     return np.stack([RISE * np.maximum(t - LANDING, 0), np.maximum(LANDING - t, 0)], axis=1)
 
 
 def rolling(space: Space) -> Callable[[float], Array]:
-    """Return the load t ↦ F(t) of the traction (1 − 5 sin 2π(2s − 4t))ν on the first piece of Γ3, 0 ≤ s ≤ 1."""
+    """Return a load that moves along the first contact face, as a function of time with values (dofs,).
+
+    It is the normal traction (1 − 5 sin 2π(2s − 4t))ν with the coordinate 0 ≤ s ≤ 1 on the face.
+    """
     part, vertices = space.contact[0]
     along = space.mesh.p[:, vertices] - part.corners[:, :1]
     s = np.linalg.norm(along, axis=0) / part.measure
@@ -91,7 +95,16 @@ def rolling(space: Space) -> Callable[[float], Array]:
 
 
 def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -> Observation:
-    """Return the criterion for the order of a scheme in k under a load, on every level; the ledger shows the worst."""
+    """Return the criterion for the order of a time scheme in the step k under a load.
+
+    The orders on all levels must lie in the window; the order farthest from its middle is displayed.
+
+    Args:
+        scheme: the time scheme.
+        load: the name of the load.
+        counts: the numbers of time steps to which the order is fitted.
+        window: the predicted order with its tolerance.
+    """
     columns = tuple(f"{load} {scheme.name} {count}" for count in counts)
 
     def measure(group: pd.DataFrame) -> Measured:
@@ -104,7 +117,10 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
 
 
 def rules() -> Iterator[Rule]:
-    """Yield the criteria: errors of the two unknowns are judged, orders in P1 are reported."""
+    """Yield the criteria for a problem with two unknowns, and for linear finite elements.
+
+    Errors for the problem with two unknowns are judged. Orders for finite elements are only reported.
+    """
     for scheme in (BACKWARD_EULER, MIDPOINT):
         quantity = f"{scheme.name}: error / k for a problem with two unknowns"
         yield every(f"{scheme.name}-two", quantity, PROVED, *(f"two {scheme.name} {count}" for count in COUNTS))
@@ -114,7 +130,7 @@ def rules() -> Iterator[Rule]:
 
 
 class Landings(ListedNumbers):
-    """Measures errors of second-order schemes for problems in which many vertices land."""
+    """Measures errors of time schemes for problems in which many vertices come into contact."""
 
     label = "beyond: landings"
     effort = 300

@@ -1,14 +1,15 @@
-"""(4.3) and (5.5): the operator B, (Bu, v)_V = (G ε(u), ε(v))_Q, is Lipschitz with the constant L_G/m_A on every V^h.
+"""(4.3) and (5.5): the elasticity operator B is Lipschitz with the constant L_G/m_A, on V and on every P1 space V^h.
 
-**Measured** are the largest quotients ‖B^h u − B^h v‖_V / ‖u − v‖_V. On V^h, B^h = M⁻¹G with the matrix M of (·,·)_V.
-For linear G the largest quotient is the largest absolute eigenvalue of G with respect to M. The most negative
-eigenvalue −c is used for (4.4): B^h + ω I is monotone only for ω ≥ c. For nonlinear G large quotients are searched:
-from u along a direction d, the next direction is B^h(u + d) − B^h(u), scaled. For a linear G this is the power method.
+B is defined by (Bu, v)_V = (G ε(u), ε(v))_Q, and B^h is its discrete form on V^h. **Measured** are the largest
+quotients ‖B^h u − B^h v‖_V / ‖u − v‖_V. In matrices B^h = M⁻¹G, where M is the matrix of (·,·)_V. For linear G the
+largest quotient is the largest absolute eigenvalue of G with respect to M. The most negative eigenvalue −c is used for
+(4.4): B^h + ω I is monotone only for ω ≥ c. For nonlinear G large quotients are searched iteratively: after a step from
+u in the direction d, the next direction is B^h(u + d) − B^h(u), scaled. For a linear G this search is the power method.
 
-**Judged.** L_G/m_A need not be the best constant, so the window of this quotient has no lower end. Pointwise
-|G ε·ε| ≤ κ A ε·ε, where κ is the largest absolute eigenvalue of A⁻¹G (with the derivative of G at zero strain or at
-large strains). So ‖B‖ ≤ κ ≤ L_G/m_A. There is also a lower bound of ‖B‖: a field v = a cos(n k·x) φ that oscillates
-fast inside Ω has strains close to multiples of sym(a ⊗ k), a tensor of rank at most two, so
+**Judged** are three quotients. L_G/m_A need not be the best constant, so the window of the quotient with it has no
+lower end. Pointwise |G ε·ε| ≤ κ A ε·ε, where κ is the largest absolute eigenvalue of A⁻¹G (with the derivative of G at
+zero strain or at large strains). So ‖B‖ ≤ κ ≤ L_G/m_A. There is also a lower bound of ‖B‖: a field v = a cos(n k·x) φ
+that oscillates fast inside Ω has strains close to multiples of sym(a ⊗ k), a tensor of rank at most two, so
 
     ‖B‖ ≥ κ_1 = max {|G τ·τ| / (A τ·τ) : τ = sym(a ⊗ k)}.
 
@@ -41,21 +42,28 @@ from study.statements.shared.norms import maximum
 from study.statements.shared.scope import REGULAR
 
 STRAINS = (1e-2, 1.0, 1e2, 1e4)
-"""Sizes of the strains of random functions, on both sides of any yield point."""
+"""Sizes of the strains of random functions, on both sides of the yield point of every law."""
 PAIRS, CLIMBS = 10, 30
-"""Number of random pairs for each size of strains, and number of steps of the search for large quotients."""
+"""Number of random pairs of functions for each size of strains, and number of steps in each search."""
 LARGE = 1e6
-"""A size of strains beyond any yield point."""
+"""A size of strains beyond the yield point of every law."""
 DIRECTIONS = 4000
-"""Number of random tensors sym(a ⊗ k) from which κ_1 is computed."""
+"""Number of random tensors sym(a ⊗ k) over which the lower bound κ_1 of the norm of B is maximised."""
 POINTWISE = at_most(1 + 1e-5, low=-math.inf)
-"""The window has a tolerance, because κ is computed at sample points and for sample strains."""
+"""Window of (largest Lipschitz quotient of B^h) / (its pointwise upper bound κ).
+
+It ends a little above 1, because κ is computed from sample points and strains."""
 NOT_VACUOUS = at_least(0.97, "on the finest level")
-"""At n = 16, V^h resolves fields that oscillate over a few cells up to three per cent."""
+"""Window of (largest Lipschitz quotient of B^h) / (the lower bound κ_1 of the norm of B) on the finest level.
+
+It begins at 0.97, because P1 functions at n = 16 resolve oscillating fields up to three per cent."""
 
 
 class Lipschitz(ListedNumbers):
-    """Measures the largest quotients of B^h, for each pair of a law and a body."""
+    """Measures the Lipschitz constant of the discrete elasticity operator B^h, for pairs of a material law and a body.
+
+    It is the largest quotient ‖B^h u − B^h v‖_V / ‖u − v‖_V that is found.
+    """
 
     label = "(4.3), (5.5)"
     claim = "‖B u − B v‖_V ≤ L_G/m_A ‖u − v‖_V, on V^h with the same constant"
@@ -97,20 +105,32 @@ class Lipschitz(ListedNumbers):
 
 
 class Operator:
-    """Computes quotients of B^h in ‖·‖_V."""
+    """The discrete elasticity operator B^h, with difference quotients in the norm of V."""
 
     def __init__(self, problem: SemiDiscrete) -> None:
         self.problem, self.riesz = problem, Cholesky(problem.M)
 
     def compare(self, base: Array, step: Array) -> tuple[float, float, Array]:
-        """Return ‖B(u + d) − B(u)‖_V / ‖d‖_V, (B(u + d) − B(u), d)_V / ‖d‖_V² and B(u + d) − B(u)."""
+        """Compare the values of the elasticity operator B^h at u and at u + d.
+
+        Args:
+            base: u, (dofs,).
+            step: d, (dofs,).
+
+        Returns:
+            The Lipschitz quotient ‖c‖_V / ‖d‖_V, the monotonicity quotient (c, d)_V / ‖d‖_V², and the change
+            c = B^h(u + d) − B^h(u), (dofs,).
+        """
         change = self.problem.elastic(base + step) - self.problem.elastic(base)
         image, square = self.riesz(change), step @ (self.problem.M @ step)
         return float(np.sqrt(max(change @ image, 0.0) / square)), float(change @ step / square), image
 
 
 def quotients(space: Space, operator: Operator) -> Iterator[tuple[float, float]]:
-    """Yield pairs of a Lipschitz and a monotonicity quotient, for random pairs and in the search for large values."""
+    """Yield Lipschitz and monotonicity quotients of the discrete elasticity operator B^h.
+
+    They come from random pairs of functions and from an iterative search for large quotients.
+    """
     rng = np.random.default_rng(SEED)
 
     def function(strain: float) -> Array:
@@ -131,7 +151,10 @@ def quotients(space: Space, operator: Operator) -> Iterator[tuple[float, float]]
 
 
 def pointwise(space: Space, law: KelvinVoigt) -> tuple[float, float]:
-    """Return (κ, κ_1), computed from the law at the points of a mesh."""
+    """Return the upper bound κ and the lower bound κ_1 of the norm of the elasticity operator B.
+
+    Both are computed from the law at the vertices and cell centres of a mesh; the module docstring defines them.
+    """
     x, D, rng = points(space), size(space.dim), np.random.default_rng(SEED)
     large = tensors(rng, space.dim, x.shape[1])
     large *= LARGE / np.linalg.norm(large, axis=0)

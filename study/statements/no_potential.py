@@ -1,39 +1,41 @@
-"""Beyond the paper: the error of backward Euler is O(h + k) under (3.2) alone, that is, even if G has no potential.
+"""Beyond the paper: backward Euler has an error of O(h + k) even if the elasticity G has no potential.
 
 The last paragraph of the paper leaves error estimates for fully discrete schemes open. ``backward_euler`` has an
 estimate for an elasticity G with a convex potential. The theorem tested here assumes only (3.2), that G is Lipschitz.
-With κ = L_G/m_A and steps of any size below 1/κ, max_t ‖u^h − û^{hk}‖_V ≤ c k, where c does not depend on the mesh. So
-by Prop. 5.4 the fully discrete error is O(h + k). ``study.solve.euler_bounds`` has two bounds with all constants, one
-from the data and one from the computed solution; paper/time.tex has the proof. The solver factorises the
-symmetric part of G; the fixed-point iteration for nonlinear laws treats the skew part.
+With κ = L_G/m_A and steps of any size below 1/κ it says max_t ‖u^h − û^{hk}‖_V ≤ c k, where c does not depend on the
+mesh. Here û^{hk} interpolates the values of backward Euler linearly in time. So by Prop. 5.4 the fully discrete error
+is O(h + k). ``study.solve.euler_bounds`` has two bounds with all constants, one from the data and one from the computed
+solution; paper/time.tex has the proof. The solver factorises the symmetric part of G. The skew part is treated by the
+fixed-point iteration that also serves nonlinear laws.
 
 Predicted before measuring, for levels 4, 8, 16, up to 256 steps, and an elasticity with κ = 1.78, γ = 1, T = 1:
 
-* *Bounds.* Errors are below both bounds for every mesh and every step, equal steps or steps that alternate between k
-  and k/3. For a smooth load the bounds overestimate: with the factors e^{γT}, (1/√2 + κT/2) and (2 + κT/2) the bound
-  from the data should be 10 to 100 times the error, and the bound from the solution 3 to 30 times.
-* *Order 1 in k*, 1 ± 0.1 by least squares on every mesh: u̇^h jumps where vertices land, and (1 − γk)^{−T/k} is larger
-  than e^{γT} by the factor 1.16 for four steps, which raises the order over all halvings by a few hundredths.
+* *Bounds.* Errors are below both bounds for every mesh and every step. Steps are equal or alternate between k and k/3.
+  For a smooth load the bounds overestimate: with the factors e^{γT}, (1/√2 + κT/2) and (2 + κT/2) the bound from the
+  data should be 10 to 100 times the error, and the bound from the solution 3 to 30 times.
+* *The order in k is 1*, 1 ± 0.1 by least squares on every mesh, because u̇^h jumps when vertices come into contact.
+  Moreover (1 − γk)^{−T/k} is larger than e^{γT} by the factor 1.16 for four steps, which raises the order over all
+  halvings by a few hundredths.
 * *The constant does not depend on the mesh*: the error with the shortest steps changes by less than ten per cent from
-  the coarsest to the finest mesh, because the constant belongs to u^h, which converges.
-* *The constant κT/2 is the best possible*: consider u̇ + Bu = 0 in the plane, where B is κ times the rotation by a right
-  angle. The solution rotates, and the solution of backward Euler becomes shorter. Its error is ‖u_0‖ (1 − e^{−κ²kT/2})
-  up to higher orders, and the initial velocity has the norm κ‖u_0‖. So for k → 0 the error over the bound from the data
-  is (κT/2)/(κT/2 + 1/√2). For κ = 10, T = 1 and 1000 steps the quotient is 0.876 · 0.975 = 0.855; the window is 0.8 to
-  1.
+  the coarsest to the finest mesh, because the constant depends only on u^h, which converges.
+* *The constant κT/2 is the best possible*: consider u̇ + Bu = 0 in the plane, where B is κ times the rotation by a
+  right angle. The solution rotates, and the solution of backward Euler becomes shorter. Its error is
+  ‖u_0‖ (1 − e^{−κ²kT/2}) up to higher orders, and the initial velocity has the norm κ‖u_0‖. So for k → 0 the error over
+  the bound from the data is (κT/2)/(κT/2 + 1/√2). For κ = 10, T = 1 and 1000 steps the quotient is 0.876 · 0.975 =
+  0.855; the window is 0.8 to 1.
 
 Changes after the first measurement:
 
 * The bound from the solution is less than 2.2 times the error, much better than predicted.
 * The error with the shortest steps grows by 17 per cent from n = 4 to n = 16, since four cells do not resolve the gap;
   from n = 6 to n = 12 it grows by 5 per cent. Levels start at 6 since then; the window was not changed.
-* No row noticed that the skew part of G was left out of the solver: it changed u^h by 8 per cent only. The skew part
-  was made larger and turned, which changes u^h by 18 per cent (κ = 2.03 since then). The row on the error against the
-  exact solution for k = T/(4n) was added; its window 1 ± 0.15 was set when errors for n ≤ 12 on shaken meshes were
+* No check noticed that the skew part of G was left out of the solver: it changed u^h by 8 per cent only. The skew part
+  was made larger and turned, which changes u^h by 18 per cent (κ = 2.03 since then). The check of the error against
+  the exact solution for k = T/(4n) was added; its window 1 ± 0.15 was set when errors for n ≤ 12 on shaken meshes were
   known.
-* 64 steps are enough for all rows.
-* Shaken meshes are no longer used, although all rows held on them: rows on random meshes must be judged on fresh seeds,
-  which would take hours.
+* 64 steps are enough for all checks.
+* Shaken meshes are no longer used, although all checks held on them: checks on random meshes must be repeated with
+  fresh seeds, which would take hours.
 """
 
 from __future__ import annotations
@@ -59,15 +61,15 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import maximum, minimum
 
 COUNTS = (4, 8, 16, 32, 64)
-"""Numbers of steps: four halvings of k, from k ≫ h to k ≪ h."""
+"""Numbers of time steps: four halvings of k, from k ≫ h to k ≪ h."""
 FINEST = 256
-"""Number of steps of the midpoint rule whose solution stands for u^h."""
+"""Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
 PER_CELL = 4
-"""Number of steps for each cell along a side, k = T/(4n), where errors against the exact solution are measured."""
+"""Number of time steps for each cell along a side, k = T/(4n), in the comparison with the exact solution."""
 UNEQUAL = 3
-"""Quotient of the lengths of neighbouring steps, where steps alternate."""
+"""Quotient of the lengths of a long and a short step in time grids with alternating steps."""
 ROTATION, TURNS = 10.0, 1000
-"""κ and the number of steps of the rotation in the plane."""
+"""The test problem of a rotation in the plane: its angular velocity κ, and its number of time steps."""
 PROVED = positive_at_most(1.0, "proved for every h and k")
 IN_K = around(1, 0.1, "least squares over four halvings, every mesh")
 UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
@@ -77,7 +79,12 @@ KINDS = "equal", "unequal"
 
 
 def partition(kind: str, count: int) -> Array:
-    """Return the times between ``count`` equal or unequal steps, as indices of the finest time grid, (count + 1,)."""
+    """Return a time grid with equal or alternating steps, as indices of nodes of the finest time grid, (count + 1,).
+
+    Args:
+        kind: "equal" or "unequal".
+        count: the number of steps.
+    """
     if kind == "equal":
         return np.arange(0, FINEST + 1, FINEST // count)
     pair = 2 * FINEST // count
@@ -86,7 +93,7 @@ def partition(kind: str, count: int) -> Array:
 
 
 class NoPotential(ListedNumbers):
-    """Measures errors of backward Euler, also divided by both bounds, for an elasticity without a potential."""
+    """Measures errors of backward Euler, and their quotients with two bounds, for an elasticity without a potential."""
 
     label = "beyond: O(h + k), no potential"
     effort = 150
@@ -135,7 +142,7 @@ class NoPotential(ListedNumbers):
         setup = Experiment.at(setting, MIDPOINT, FINEST)
         law = setup.solution.law
         found = errors_and_shares(setup.problem, law.kappa, law.growth)
-        # The error against the exact solution, for k ~ h.
+        # Errors in time cannot show a wrong solver, so the error against the exact solution is measured for k ~ h.
         steps = PER_CELL * setting.level
         times = (setup.problem.T * np.arange(steps + 1) / steps).tolist()
         states = zip(times, backward_euler(setup.problem, times), strict=True)
@@ -144,8 +151,16 @@ class NoPotential(ListedNumbers):
 
 
 def errors_and_shares(problem: SemiDiscrete, kappa: float, growth: float) -> dict[str, float]:
-    """Return errors, and errors divided by both bounds, for all numbers of equal and unequal steps."""
-    # Cached, because all time grids are parts of one grid, so that trajectories need the load at the same times.
+    """Return the errors of backward Euler in time, and these errors divided by each of two bounds.
+
+    They are measured for time grids with equal and with alternating steps, and for several numbers of steps.
+
+    Args:
+        problem: the semi-discrete problem.
+        kappa: the Lipschitz constant κ = L_G/m_A.
+        growth: the rate γ at which the distance of two solutions may grow.
+    """
+    # Loads are cached, because all time grids are parts of one grid and need the loads at the same times.
     problem = replace(problem, load=lru_cache(maxsize=None)(problem.load))
     times = problem.T * np.arange(FINEST + 1) / FINEST
     flow = GradientFlow(problem, np.array([problem.load(t) for t in times.tolist()]))
@@ -166,7 +181,12 @@ def errors_and_shares(problem: SemiDiscrete, kappa: float, growth: float) -> dic
 
 
 def between(states: Array, nodes: Array) -> Array:
-    """Return the linear interpolant in time, at all nodes of the finest grid, of states at some of its nodes."""
+    """Return states at all nodes of the finest time grid, by linear interpolation between some of its nodes.
+
+    Args:
+        states: the states at the given nodes, (nodes, dofs).
+        nodes: indices in the finest time grid, (nodes,).
+    """
     after = np.clip(np.searchsorted(nodes, np.arange(FINEST + 1)), 1, len(nodes) - 1)
     begin, end = nodes[after - 1], nodes[after]
     part = ((np.arange(FINEST + 1) - begin) / (end - begin))[:, None]
@@ -174,7 +194,10 @@ def between(states: Array, nodes: Array) -> Array:
 
 
 def rotating() -> float:
-    """Return error / bound of backward Euler for u̇ + Bu = 0 in the plane; B is κ times a rotation by a right angle."""
+    """Return the error of backward Euler divided by its bound, for a rotation in the plane.
+
+    The problem is u̇ + Bu = 0, where B is κ times the rotation by a right angle.
+    """
     turn = ROTATION * np.array([[0.0, 1.0], [-1.0, 0.0]])
     none, start = sps.csc_array((2, 2)), np.array([1.0, 0.0])
     M = sps.csc_array(np.eye(2))

@@ -1,15 +1,16 @@
 """The remark after (5.35) is false in the plane: for u_0 ∈ V ∩ C(Ω̄), Π^h u_0 need not converge to u_0 in V.
 
-The source says that (5.25), ‖u_0 − u_0^h‖_V → 0, holds for u_0^h = Π^h u_0 if u_0 is continuous. A counterexample on
-the unit square, for grids with n = 8, 16, 32, … cells along a side (proof in paper/false_remark.tex): u_0 = v e_2 with
+The paper says that (5.25), ‖u_0 − u_0^h‖_V → 0, holds for the nodal interpolant u_0^h = Π^h u_0 if u_0 is continuous.
+The following function is a counterexample on the unit square, for grids with n = 8, 16, 32, … cells along a side (proof
+in paper/false_remark.tex): u_0 = v e_2 with
 
     v = Σ_{j≥3} a_j Σ_{c ∈ A_j} λ_j(|x − c|),   a_j = 2^{−j/2},   A_j = {2^{−j}(p, q) : p, q odd} ∩ Ω,
 
-and the spikes λ_j(r) = min{1, log(R_j/r)/4^j} for r < R_j = 4^{−j}, 0 beyond. The sum converges uniformly and in H¹,
-and u_0 = 0 on the boundary, so that u_0 ∈ K ∩ C(Ω̄). On the grid with n = 2^i every point of A_j, j ≤ i, is a vertex,
-so the interpolant has the value a_j there, although the spike is much narrower than a cell. ‖u_0‖_V has a bound in
-closed form and Π^h u_0 is known exactly, so ‖Π^h u_0‖_V − ‖u_0‖_V is a lower bound of ‖u_0 − Π^h u_0‖_V without
-quadrature.
+and the spikes λ_j(r) = min{1, log(R_j/r)/4^j} for r < R_j = 4^{−j}, λ_j(r) = 0 for larger r. The sum converges
+uniformly and in H¹, and u_0 = 0 on the boundary, so that u_0 ∈ K ∩ C(Ω̄). On the grid with n = 2^i every point of A_j,
+j ≤ i, is a vertex, so the interpolant has the value a_j there, although the spike is much narrower than a cell. ‖u_0‖_V
+has a bound in closed form and Π^h u_0 is known exactly, so ‖Π^h u_0‖_V − ‖u_0‖_V is a lower bound of ‖u_0 − Π^h u_0‖_V
+without quadrature.
 
 Predicted before measuring, with the Lamé constants μ, λ of A:
 
@@ -38,9 +39,9 @@ from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import space_of
 
 FIRST = 3
-"""The smallest j; from there on the radius 4^{−j} of the spikes is small compared with their distance 2^{−j}."""
+"""The smallest level j of the spikes: the radius 4^{−j} is small compared with the distance 2^{−j} for j ≥ 3."""
 DIRECTION = np.array([0.0, 1.0])
-"""e_2."""
+"""The direction e_2 of the initial displacement."""
 PREDICTED = around(1, 0.05, "spikes of u_0 interpolate to hat functions of known norm")
 PROVED = positive_at_most(1.0, "proved")
 GROWS = Window(-1.5, -0.5, "the error grows at least like h^{−1/2}; every consecutive order")
@@ -48,7 +49,7 @@ WORSE = at_least(3.0, "Π^h u_0 is a worse start than u_0^h = 0; finest grid")
 
 
 class NodalStart(ListedNumbers):
-    """Measures ‖Π^h u_0‖_V and a lower bound of ‖u_0 − Π^h u_0‖_V for the counterexample u_0."""
+    """Measures the norm of the interpolant Π^h u_0, and a lower bound of its error, for the counterexample u_0."""
 
     label = "beyond: nodal start"
     claim = "the remark after (5.35) is false: ‖u_0 − Π^h u_0‖_V grows like h^{−1/2} for a u_0 ∈ K ∩ C(Ω̄)"
@@ -63,7 +64,7 @@ class NodalStart(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, A = space_of(setting), resolve(setting.case).solution.law.A
-        # The grid has 2^i cells along a side, and Π^h u_0 sees the spikes with j ≤ i only.
+        # The grid has 2^i cells along a side. Spikes with j > i vanish at its vertices and do not change Π^h u_0.
         start = space.interpolate(np.multiply.outer(DIRECTION, spikes(space.mesh.p, setting.level.bit_length() - 1)))
         energy = start @ (unloaded(space, resolve(setting.case).solution.law).M @ start)
         size, bound = math.sqrt(energy), norm_of_start(A)
@@ -80,11 +81,19 @@ class NodalStart(ListedNumbers):
 
 
 def spikes(x: Points, last: int) -> Array:
-    """Return v at points of the grid with 2^i cells along a side, (...); spikes with j > i = ``last`` vanish there."""
+    """Return the values at the vertices of a grid of the function v, a sum of spikes, (...).
+
+    The module docstring defines v. Spikes of levels j > last vanish at all vertices, because their radius is
+    smaller than the distance of their centres from the vertices.
+
+    Args:
+        x: the vertices, (2, ...).
+        last: the level of the grid, which has 2^last cells along a side.
+    """
     total = np.zeros(x.shape[1:])
     for j in range(FIRST, last + 1):
         spacing = 2.0**-j
-        # The ball around a point of A_j lies in a square with sides 2^{1−j}.
+        # The ball around a spike lies in a square with sides 2^{1−j}, so only the nearest spike is non-zero at x.
         centres = spacing * (2 * np.floor(x / (2 * spacing)) + 1)
         r = np.linalg.norm(x - centres, axis=0)
         with np.errstate(divide="ignore"):
@@ -93,14 +102,17 @@ def spikes(x: Points, last: int) -> Array:
 
 
 def mean_energy(A: Linear) -> float:
-    """Return ∫ A ε(v e_2)·ε(v e_2) for a radial v with ∫ |∇v|² = 1.
+    """Return the energy ∫ A ε(v e_2)·ε(v e_2) of a field v e_2 with a radial function v and ∫ |∇v|² = 1.
 
-    It is ½ Σ_i A d_i·d_i with d_i = sym(e_i ⊗ e_2), which is (3μ + λ)/2 for an isotropic A.
+    The energy is ½ Σ_i A d_i·d_i with d_i = sym(e_i ⊗ e_2), which is (3μ + λ)/2 for an isotropic A.
     """
     directions = np.array([dyad(axis, DIRECTION) for axis in np.eye(2)])
     return float(np.einsum("iI,IJ,iJ->", directions, A.matrix, directions)) / 2
 
 
 def norm_of_start(A: Linear) -> float:
-    """Return an upper bound of ‖u_0‖_V, the geometric series Σ_j a_j (4^{j−1} · 2π/4^j · ``mean_energy``)^{1/2}."""
+    """Return an upper bound of the norm ‖u_0‖_V of the counterexample.
+
+    It is the geometric series Σ_j a_j (4^{j−1} · 2π/4^j · ``mean_energy``)^{1/2} over the levels of the spikes.
+    """
     return math.sqrt(math.pi / 2 * mean_energy(A)) * 2 ** (-FIRST / 2) / (1 - math.sqrt(0.5))

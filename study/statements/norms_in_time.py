@@ -1,7 +1,7 @@
-"""(3.8), (5.9): the load satisfies f ∈ W^{1,1}(0,T;V); (4.12): the traction satisfies σν ∈ L^∞(0,T;L²(Γ)).
+"""Norms in time that must be finite: of the load, (3.8) and (5.9), and of the traction, (4.12).
 
-Both statements say that a norm in time is finite. They are tested by computing the norm on finer and finer grids: a
-finite norm converges, an infinite one grows.
+The statements are f ∈ W^{1,1}(0,T;V) for the load f, and σν ∈ L^∞(0,T;L²(Γ)) for the traction on the whole boundary.
+They are tested by computing the norm on finer and finer grids: a finite norm converges, an infinite norm grows.
 
 **(3.8).** By (5.9) f^h(t) = M⁻¹F(t) is the projection of the load f(t) onto V^h. Its *variation* on a time grid is
 Σ_i ‖f^h(t_i) − f^h(t_{i−1})‖_V. The variation grows if the grid is refined, by the triangle inequality. Predicted:
@@ -17,7 +17,7 @@ finite norm converges, an infinite one grows.
 
 (3.8) does not hold for ``moving-rough``. There ε(u̇) ~ (s − c)^{1/4} near the front c, which moves. So u̇ has
 increments of the size k^{3/4} in V, whose sum is not bounded, and so has f, which contains u̇. The case was judged at
-first: its variation grew by 0.8, 1 and 1.3 % at n = 8, 16 and 32. It is only reported now. Theorem 4.1 does not apply
+first: its variation grew by 0.8, 1 and 1.3 % at n = 8, 16 and 32. Now it is only reported. Theorem 4.1 does not apply
 to this load; u ∈ W^{1,∞}(0,T;V) is known because u was constructed.
 
 **(4.12).** The norm of the exact traction on Γ is computed on finer and finer meshes, by quadrature rules that are not
@@ -51,11 +51,11 @@ from study.statements.shared.meshes import named, place, space_of
 from study.statements.shared.norms import dual_norm, maximum
 from study.statements.shared.scope import REGULAR
 
-# f ∈ W^{1,1}(0,T;V).
+# The load, f ∈ W^{1,1}(0,T;V).
 
 INTERVALS = 512
 COARSER = 16
-"""Increments of the load are compared with increments over intervals that are longer by this factor."""
+"""Quotient of the lengths of long and short time intervals, over which increments of the load are compared."""
 SETTLES = Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2")
 CONTINUOUS = Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump")
 UNIFORM = around(1, 0.05, "f^h tends to f")
@@ -64,7 +64,7 @@ WITHOUT = "ε(ü) ~ (s − c)^{α−4} with α = 13/4 is not square integrable a
 
 
 class LoadInTime(ListedNumbers):
-    """Measures the variation, the largest increment and the norm of f^h."""
+    """Measures the variation in time, the largest increment and the norm of the discrete load f^h."""
 
     label = "(3.8), (5.9)"
     claim = "f ∈ W^{1,1}(0,T;V), and f^h ∈ W^{1,1}(0,T;V^h) uniformly in h"
@@ -97,7 +97,7 @@ class LoadInTime(ListedNumbers):
         v_norm, riesz = ErrorNorm(solution, space), Cholesky(unloaded(space, solution.law).M)
         times = np.linspace(0, solution.body.T, INTERVALS + 1)
         loads = np.array([v_norm.load(float(t)) for t in times])
-        # ‖f^h(t_i) − f^h(t_{i−1})‖_V on three time grids.
+        # A finite norm shows in increments ‖f^h(t_i) − f^h(t_{i−1})‖_V that do not grow from grid to grid.
         fine, half, coarse = (
             np.array([dual_norm(after - before, riesz) for before, after in pairwise(loads[::step])])
             for step in (1, 2, COARSER)
@@ -107,16 +107,19 @@ class LoadInTime(ListedNumbers):
         return with_h(space.h, {**found, "norm": size + fine.sum()})
 
 
-# σν ∈ L^∞(0,T;L²(Γ)).
+# The traction, σν ∈ L^∞(0,T;L²(Γ)).
 
 BOUNDED = around(1, 0.02, "the maximum has converged in space and time, which are refined together")
 LOGARITHM = around(1, 0.1, "logarithmic growth: the increments of the square do not fall")
 UNBOUNDED = "junction"
-"""The case with σν ∉ L²(Γ)."""
+"""The case whose traction σν is not square integrable on the boundary."""
 
 
 def growth_of_square(group: pd.DataFrame) -> Measured:
-    """Return the increment of the squared norm in the last refinement over the increment in the refinement before."""
+    """Return how the squared norm of the traction grows under refinement: its last increment / previous increment.
+
+    The quotient is 1 if the squared norm grows like log 1/h.
+    """
     *_, first, second, third = group["norm"].to_numpy() ** 2
     return exactly((third - second) / (second - first))
 
@@ -133,7 +136,10 @@ GROWING = Criterion(
 
 
 class TractionInTime(ListedNumbers):
-    """Measures max_t ‖σν‖_{L²(Γ)} for the cases of Proposition 5.4, and for one case in which it must grow."""
+    """Measures the largest norm of the traction, max_t ‖σν‖_{L²(Γ)}.
+
+    It must converge for the cases of Proposition 5.4, and must grow for one case with an unbounded traction.
+    """
 
     label = "(4.12)"
     claim = "σν ∈ L^∞(0,T;L²(Γ)^d) for the solutions of Prop. 5.4"
@@ -152,7 +158,10 @@ class TractionInTime(ListedNumbers):
 
 
 def largest_traction(space: Space, setting: Setting) -> float:
-    """Return max_t ‖σν‖_{L²(Γ)} over the ends of 2n equal intervals in time, for level n."""
+    """Return the largest norm of the exact traction in L²(Γ) over time.
+
+    The times are the ends of 2n equal intervals, where n is the level of the setting.
+    """
     solution, squares, sides = resolve(setting.case).solution, [], []
     for part in space.body.parts:
         rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)

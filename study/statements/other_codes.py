@@ -1,20 +1,22 @@
 """Beyond the paper: errors of other people's contact codes on the same problems must agree with errors of this study.
 
-A program may contain the same mistake as its author's test. Therefore contact codes of other people solved frozen
-problems of these cases, which are plain data (``shared.tasks``) with mesh, loads and exact solution. They used their
-own assembly and contact algorithms (FreeFEM a loop in its scripting language, as in its documentation). ``make codes``
-wrote their errors in V, computed by a script that imports only NumPy. Here the errors of the same problems are measured
-again, with the quadrature and the solver of this study, and both are compared. In two cases, trajectories by the
-midpoint rule are compared as well, in which each step of a code starts from the result of its previous step.
+A program may contain the same mistake as its author's test. Therefore contact codes of other people solved static
+("frozen") problems of these cases. The problems are plain data (``shared.tasks``) with mesh, loads and exact solution.
+The codes used their own assembly and contact algorithms; for FreeFEM this is a loop in its scripting language, as in
+its documentation. ``make codes`` wrote their errors in V, which a script computes that imports only NumPy. Here the
+errors of the same problems are measured with the quadrature and the solver of this study, and both are compared. In two
+cases, solutions in time by the midpoint rule are compared as well; each step of a code starts from the result of its
+previous step.
 
-**Predicted.** Numbers of a task are rounded to 13 digits. This changes a strain by about 1e-13 ‖u‖/h, which is at most
-1e-11 of the error on these meshes. A code that imposes the contact condition at vertices by multipliers ends at the
-solution in K^h up to rounding of its linear solver, whose condition is like h^−2: less than 1e-11. So errors agree to
-1e-10, also for trajectories, whose steps do not amplify perturbations. Kratos imposes contact in the deformed
-configuration. Therefore its loads are multiplied by 1e-5: points then move by about 1e-5, and displacements change by
-about 1e-5 of their size. The first window for its errors was 1e-5; 5e-10 was measured, and the window was narrowed.
+**Predictions.** Numbers of a task are rounded to 13 digits. This changes a strain by about 1e-13 ‖u‖/h, which is at
+most 1e-11 of the error on these meshes. A code that imposes the contact condition at vertices by multipliers finds the
+solution in K^h up to rounding of its linear solver. With a condition number like h^−2 this rounding is less than 1e-11.
+So errors agree to 1e-10. The same holds for solutions in time, because time steps do not amplify perturbations. Kratos
+imposes contact in the deformed configuration. Therefore its loads are multiplied by 1e-5: points then move by about
+1e-5, and displacements change by about 1e-5 of their size. The first window for its errors was 1e-5; 5e-10 was
+measured, and the window was narrowed.
 
-**No copies.** A further row tests that no column of errors was copied from another code. Linear solvers of different
+**No copies.** A further check tests that no column of errors was copied from another code. Linear solvers of different
 codes round differently. A task contains the solution in K^h with 14 digits. The distance of a code from it consists of
 the missing digits, which are the same for all codes, and of the round-off of the code, about a thousandth of the
 distance. So two codes agree by chance in the nine reported digits on one mesh in a million; copied columns agree on all
@@ -46,10 +48,15 @@ OWN = at_most(0.1, "equal to nine digits; 1 if one code copies the solutions of 
 
 @dataclass(frozen=True)
 class Peer:
-    """A code with its parameters, as named in ``errors.csv``, and the window for its errors over our errors.
+    """A contact code of other people, its parameters, and the tolerance for the relative difference of its errors.
 
-    Only codes are compared that solve the problem in K^h according to their documentation. scikit-fem is not compared,
-    because this study uses it for assembly.
+    Only codes are compared that, according to their documentation, impose the contact condition at vertices.
+    scikit-fem is not compared, because this study uses it for assembly.
+
+    Attributes:
+        key: the key of the check.
+        code, variant: the name and the parameters of the code, as in ``errors.csv``.
+        window: the window of |error of the code / error of this study − 1|.
     """
 
     key: str
@@ -70,15 +77,15 @@ PLANE = (
     *("layered", "anisotropic", "full-contact", "lift-and-land"),
 )
 MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
-"""The settings in which trajectories are compared as well."""
+"""The settings in which solutions in time are compared as well."""
 COLUMNS = ("label", "case", "family", "level", "mode", "code", "version", "variant", "class", "error", "distance")
 MODE, CODE, VERSION, VARIANT, CLASS, ERROR, DISTANCE = (name + OF_FILE for name in COLUMNS[4:])
 PROBLEM = ["case", "family", "level", "quantity"]
-"""The columns that identify a problem; the quantity is the mode, frozen or march."""
+"""The columns that identify a problem. The column "quantity" is the mode, static ("frozen") or in time ("march")."""
 
 
 class OtherCodes(ListedNumbers):
-    """Measures errors of frozen problems and of trajectories, and compares them with the errors of other codes."""
+    """Measures errors of static problems and of solutions in time, and compares them with the errors of other codes."""
 
     label = LABEL
     claim = "other codes have the same errors as this study, in static problems and in time stepping"
@@ -105,7 +112,10 @@ class OtherCodes(ListedNumbers):
         return [*(self.agreement(rows, peer) for peer in PEERS), self.own_digits(rows)]
 
     def agreement(self, rows: pd.DataFrame, peer: Peer) -> Verdict:
-        """Return the row for the errors of a code; it is undecided if a problem is missing without a reason."""
+        """Return the check that compares the errors of one code with the errors of this study.
+
+        It is undecided if the code lacks a problem without a documented reason.
+        """
         mine = rows_of(rows, peer.code, peer.variant)
         run = mine[mine[CLASS] != NOT_EXPRESSED]
         missing = len(rows[PROBLEM].drop_duplicates()) - len(mine)
@@ -120,7 +130,10 @@ class OtherCodes(ListedNumbers):
         return row(self, peer.key, quantity, peer.window, judged, ALL, expected=f"{peer.window.text}{short}")
 
     def own_digits(self, rows: pd.DataFrame) -> Verdict:
-        """Return the row for the largest share, over pairs of codes, of problems with equal distances from K^h."""
+        """Return the check that no code copied the results of another.
+
+        It judges the largest fraction of problems in which two codes have the same distance from the discrete solution.
+        """
         names = [OURS, *((peer.code, peer.variant) for peer in PEERS)]
         columns = [rows_of(rows, *name).set_index(PROBLEM)[DISTANCE].dropna() for name in names]
         both = [pd.concat(pair, axis=1, join="inner").to_numpy() for pair in combinations(columns, 2)]
@@ -133,10 +146,16 @@ class OtherCodes(ListedNumbers):
         return row(self, "own-digits", quantity, OWN, judged, ALL)
 
     def cost(self, setting: Setting) -> float:
-        """Return the expected time in µs; a trajectory has as many time steps as there are cells along a side."""
+        """Return the expected run time in µs.
+
+        For a solution in time it is higher, because the code solves as many time steps as there are cells along a side.
+        """
         return super().cost(setting) * (setting.level if setting in MARCHED else 1)
 
 
 def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:
-    """Return the rows of one variant of a code that measure the quantity which its mode defines."""
+    """Return the rows with the errors of one code and variant.
+
+    The mode of the code, static or in time, must agree with the quantity of the row.
+    """
     return rows[(rows[MODE] == rows["quantity"]) & (rows[CODE] == code) & (rows[VARIANT] == variant)]

@@ -1,8 +1,8 @@
-"""Verdicts on a user's own case: a row *fails* only where the data contradict the statement.
+"""Verdicts on the case of a user: a check *fails* only if the data contradict the statement.
 
 The cases of the catalogue were designed as tests. A user's case may not be suitable: its meshes are too coarse, its
-time steps too long, or its largest error is at t = 0, where the error is only an interpolation error. Then a row that
-misses its window is *undecided, because …*, with a remedy. A row still fails if
+time steps too long, or its largest error is at t = 0, where the error is only an interpolation error. Then a check that
+misses its window is *undecided*, and its text names the reason and a remedy. A check still fails if
 
 * the last two orders lie outside the window on the same side, and the distance of the second one from the predicted
   order p is more than NEARER = 0.8 times the distance of the first. If e = C h^p (1 + c h^q) this distance shrinks by
@@ -10,9 +10,9 @@ misses its window is *undecided, because …*, with a remedy. A row still fails 
 * errors do not fall on the finest meshes, or fall ever more slowly although the limit must be 0;
 * a value is NaN, or an identity is violated: residuals, u^h on Γ1, the parallelogram law.
 
-Some rows, such as the order of ‖Π^h u − u^h‖_V, only show that the observed order belongs to u^h and not to the
-interpolation error. The paper does not claim these orders, so if such a row misses its window it is undecided. The
-paper claims nothing about the contact force either. If the error of its resultant exceeds its window on the finest
+Some checks, such as the check of the order of ‖Π^h u − u^h‖_V, only show that the observed order belongs to u^h and not
+to the interpolation error. The paper does not claim these orders, so such a check is undecided if it misses its window.
+The paper claims nothing about the contact force either. If the error of its resultant exceeds its window on the finest
 meshes, these meshes do not resolve contact, and the orders of the force are undecided, whether they lie in their
 windows or not.
 """
@@ -36,11 +36,13 @@ from study.statements.prop_5_3 import LEVELS as ROUGH_LEVELS
 
 LABELS = "Prop. 5.3", "Prop. 5.4", "(5.23)", INITIAL_GAP
 NEARER = 0.8
-"""A value approaches its target if its distance from the target shrinks at least by this factor in each refinement."""
+"""The factor by which the distance of a value from its predicted limit must shrink in a refinement.
+
+If it shrinks less, the value does not approach the limit."""
 NOT_YET = "not asymptotic yet"
 TRY = "try --levels"
 OF_ERRORS = {"order", "order-extrapolated", "order-finest", "falling", "limit", "size"}
-"""Keys of rows that are undecided if time steps or quadrature disturb the errors."""
+"""Keys of the checks that are undecided if time steps or quadrature disturb the errors."""
 NO_RATE = "Prop. 5.3 claims no rate, and the order predicted from the regularity is not observed: {remedy}"
 SHARE = "contact disturbs the error on these meshes more than a good test allows: {remedy}"
 PACE = "the time steps are too long: raise `pace` of the case, or give a shorter --step"
@@ -53,7 +55,7 @@ REASONS = {
     "discrete-time-share": PACE,
     "quadrature": "the formulas vary too much within a cell: flatten them, or {remedy}",
 }
-"""For rows that cannot contradict the statement: the reason why such a row is undecided, by its key."""
+"""Reasons why a check is undecided, by the key of the check. These checks cannot contradict the statement."""
 UNRESOLVED = "these meshes do not resolve contact: the force on a face is wrong by {wrong:.0%} on the finest: {remedy}"
 FORCE = (
     "the contact force has not converged on these meshes, or it jumps in time, or contact is slightly wrong: {remedy}"
@@ -61,7 +63,9 @@ FORCE = (
 
 
 def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
-    """Return the verdicts on a user's case.
+    """Return the verdicts on the case of a user.
+
+    A check that misses its window because the case is not suitable as a test is undecided and does not fail.
 
     Args:
         verdicts: the verdicts that a case of the catalogue would get.
@@ -83,10 +87,10 @@ def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
 
 
 def unclaimed(verdict: Verdict) -> Verdict:
-    """Return the verdict, changed to *reported* if only the superclose order of the contact force is missed.
+    """Return a verdict, changed to *reported* if it fails only because the contact force is not superclose.
 
-    The paper does not claim this additional half order. If the distance of fronts is a few cells, it appears only on
-    finer meshes.
+    On one-diagonal meshes the order of the contact force is higher by one half. The paper does not claim this half, and
+    it appears only on fine meshes if contact fronts are a few cells apart.
     """
     superclose, other = DUAL_ORDERS[True], DUAL_ORDERS[False]
     missed = (verdict.label, verdict.key, verdict.verdict) == (ContactForce.label, superclose.key, FAILS)
@@ -98,10 +102,10 @@ def unclaimed(verdict: Verdict) -> Verdict:
 
 
 def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
-    """Return the reason why a row that does not hold is undecided; "" if the data contradict the statement.
+    """Return why a check that does not hold is undecided, or "" if the data contradict the statement.
 
     Args:
-        verdict: the row.
+        verdict: the verdict on the check.
         groups: the measurements of the case by mesh family, from coarse to fine.
         expected: the predicted order.
     """
@@ -120,7 +124,7 @@ def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
         last = [group["error"].dropna().to_numpy()[-2:] for group in groups.values()]
         return f"errors fall on the finest meshes only: {remedy}" if all(e[-1] < e[0] for e in last) else ""
     if key == "limit":
-        # Over two refinements, because single orders alternate with the position of the front in its cell.
+        # Orders over two refinements, because single orders alternate with the position of the front in its cell.
         over_two = [orders[1:] + orders[:-1] for orders in orders_of(groups, "error")]
         slower = any(len(found) < 2 or found[-1] < found[0] for found in over_two)
         return "" if slower else f"errors fall more slowly than h^s, and do not slow down: {remedy}"
@@ -135,11 +139,11 @@ def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
 
 
 def reason_of_force(verdict: Verdict, verdicts: Sequence[Verdict], remedy: str) -> str:
-    """Return the reason why a row of the contact force is undecided; "" if it is decided or violates an identity.
+    """Return why a check of the contact force is undecided, or "" if it is decided or violates an identity.
 
     Args:
-        verdict: the row.
-        verdicts: all rows of the case.
+        verdict: the verdict on the check.
+        verdicts: the verdicts on all checks of the case.
         remedy: the finer levels to try, as text.
     """
     exact = verdict.key in {rule.key for rule in EXACT}
@@ -154,23 +158,29 @@ def reason_of_force(verdict: Verdict, verdicts: Sequence[Verdict], remedy: str) 
 
 
 def remedy_of(groups: Groups) -> str:
-    """Return as text which finer levels to try next, given the measurements of a case by mesh family."""
+    """Return advice which finer levels to try next, from the measurements of a case by mesh family."""
     levels = sorted({int(level) for group in groups.values() for level in group["level"]})
     dim = max(int(group["dim"].iloc[0]) for group in groups.values())
     return f"{TRY} {' '.join(map(str, finer(levels, dim)))}"
 
 
 def orders_of(groups: Groups, column: str) -> list[Array]:
-    """Return the orders of a column from level to level, without NaN, for every mesh family."""
+    """Return for every mesh family the observed orders of a column from level to level, without NaN."""
     found = [since_before(group["h"].to_numpy(), group[column].to_numpy()) for group in groups.values()]
     return [orders[~np.isnan(orders)] for orders in found]
 
 
 def why_missed(series: Sequence[Array], target: float, room: float, remedy: str) -> str:
-    """Return the reason why values miss a target; "" if this cannot be excused.
+    """Return why observed values differ from their predicted limit, or "" if coarse meshes do not explain it.
 
-    The reason is that values scatter or are not asymptotic yet. There is no excuse if the last two values of a series
-    differ from the target by more than ``room`` on the same side, and the last one is hardly nearer to the target.
+    The reason is that values scatter or are not asymptotic yet. Coarse meshes are no explanation if the last two values
+    of a series miss the limit by more than the tolerance on the same side, and the last one is hardly nearer to it.
+
+    Args:
+        series: for every mesh family, the values from coarse to fine.
+        target: the predicted limit.
+        room: the tolerance.
+        remedy: the advice to add to the reason.
     """
     ends = [values[-2:] - target for values in series]
     for end in ends:
@@ -181,15 +191,19 @@ def why_missed(series: Sequence[Array], target: float, room: float, remedy: str)
 
 
 def finer(levels: Sequence[int], dim: int) -> list[int]:
-    """Return the levels to try next: 16 32 64 after 8 16 32; if there are too few levels, 8 16 32 after 8."""
+    """Return the levels to try after the given ones, such as 16, 32, 64 after 8, 16, 32.
+
+    If there are too few levels to judge an order, levels are added: 8, 16, 32 after 8.
+    """
     needed = len(levels) + 1 if len(levels) >= ENOUGH else ENOUGH
     return enough(levels, needed, dim)[-max(len(levels), ENOUGH) :]
 
 
 def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
-    """Return the levels with as many finer ones as are necessary for ``needed`` levels.
+    """Return the given levels together with finer levels, so that there are at least ``needed`` levels.
 
-    In the plane 32 follows 8, 16, and 15 follows 9, 12. In 3D 12 follows 8, because 16 would cost 2⁵ times more.
+    In the plane 32 is appended to 8, 16, and 15 to 9, 12. In 3D 12 is appended to 8, because 16 would cost 2⁵ times
+    more.
     """
     found = list(levels)
     while len(found) < needed:
@@ -202,5 +216,5 @@ def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
 
 
 def least_levels(proposition: str) -> int:
-    """Return the number of levels that are necessary to judge an order."""
+    """Return how many levels are necessary to judge an order, for a case of the given proposition."""
     return ROUGH_LEVELS if proposition == "Prop. 5.3" else ENOUGH

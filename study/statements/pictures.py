@@ -25,29 +25,30 @@ from study.statements.shared.scope import Scope
 FAMILY, LEVEL, STEPS = Unstructured(), 20, 64
 SOLID_FAMILY, SOLID_LEVEL, SOLID_STEPS = OneDiagonal(), 9, 32
 INTERVALS = 16
-"""Number of time intervals; the data are written at their ends."""
+"""Number of time intervals in the pictures of a case. The data are written at the ends of the intervals."""
 SHAPES = (0.25, 0.5, 1.0)
-"""Fractions of T at which the deformed mesh is shown."""
+"""Times at which the deformed mesh is shown, as fractions of the final time T."""
 POINTS, LINE = 400, 80
-"""Number of intervals along a plane face, for the exact contact zone and for the curves of exact gap and pressure."""
+"""Number of intervals along a contact face in 2D, for the exact contact zone and for curves of gap and pressure."""
 HALVINGS = 10
-"""Number of bisections of a time interval in which the number of connected parts of the exact zone changes."""
+"""Number of bisections that locate the time at which connected parts of the exact contact zone appear or merge."""
 
 
 def picture(case: Case) -> dict[str, Any]:
-    """Return contact gap and pressure, displacement and stress over time, and the deformed mesh at three times.
+    """Compute the data for the pictures of a case: contact gap, pressure, displacement and stress over time.
 
     The computed pressure at a vertex is its contact force divided by the integral of its shape function.
 
     Returns:
-        ``cells`` are the triangles of the mesh, in 3D the triangles of its surface, and ``vertices`` their corners.
-        ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed. ``shapes`` are the times at
-        which the deformed mesh is shown.
+        A dictionary. ``cells`` are the triangles of the mesh, in 3D the triangles of its surface, and ``vertices``
+        their corners. ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are compressed. ``shapes``
+        are the times at which the deformed mesh is shown.
 
         Each of ``faces`` has gap, pressure and their exact values at the contact vertices. In 2D these are written as
         numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line`` has exact values at evenly spaced
-        points, packed. In 3D all values are packed, ``nodes`` are the indices of the contact vertices in ``vertices``,
-        and ``level_exact`` is ψ at these vertices and at the midpoints between them; the exact zone is {ψ ≥ 0}.
+        points, compressed. In 3D all values are compressed, ``nodes`` are the indices of the contact vertices in
+        ``vertices``, and ``level_exact`` is the level function ψ at these vertices and at the midpoints between them;
+        the exact zone is {ψ ≥ 0}.
 
     Raises:
         MeshError: no mesh of a moderate level fits the body.
@@ -70,7 +71,13 @@ def mesh_for(body: Body) -> tuple[MeshFamily, int]:
 
 
 def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
-    """Return the data of ``picture`` for a computed motion, at every ``every``-th time step."""
+    """Return the data for the pictures of a computed solution, as ``picture`` describes them.
+
+    Args:
+        name: the name of the case.
+        motion: the computed solution.
+        every: the data are taken from every ``every``-th time step.
+    """
     solution, space, shown = motion.solution, motion.space, motion.frames[::every]
     skin = Skin.of(space.mesh)
     times = np.array([frame.time for frame in shown])
@@ -94,9 +101,9 @@ def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
 
 
 def contact_weights(space: Space) -> Array:
-    """Return the integral over Γ3 of the shape function of each contact vertex, (m,).
+    """Return the integral over Γ3 of the hat function of each contact vertex, (m,).
 
-    A vertex between two pieces of Γ3 with different normals has one integral for each.
+    A vertex between two contact faces with different normals has one integral for each face.
     """
     weights = []
     for part, vertices in space.contact:
@@ -111,7 +118,7 @@ def contact_weights(space: Space) -> Array:
 def faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
 ) -> Iterator[dict[str, Any]]:
-    """Yield the records of the contact faces, whose contents ``picture`` describes."""
+    """Yield the data of the contact faces for the pictures; ``picture`` describes their contents."""
     plane, start = space.dim == 2, 0
     write: Callable[[Array], Any] = short if plane else packed
     for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
@@ -138,7 +145,7 @@ def faces(
 
 
 def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
-    """Return the exact contact zone of a plane face over time, and the curves of exact gap and pressure.
+    """Return the exact contact zone of a contact face in 2D over time, and the curves of exact gap and pressure.
 
     The zone is given at evenly spaced times and at times near which its connected parts appear, merge or vanish. The
     curves end at the first and the last contact vertex, because the pressure may be unbounded where Γ3 meets Γ1.
@@ -160,12 +167,19 @@ def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: A
 
 
 def packed(values: Array) -> dict[str, Any]:
-    """Return values at points over time in the packed format with many digits."""
+    """Return values at points over time in the compressed format of the pictures, with many digits."""
     return Packed.of(values, FINE).record()
 
 
 def intervals(s: Array, level: Array) -> list[list[float]]:
-    """Return the intervals [begin, end] of s in which ψ ≥ 0, by linear interpolation between the points."""
+    """Return the parts of a contact face in contact, as intervals [begin, end] of the coordinate s.
+
+    The face is in contact where the level function ψ ≥ 0. It is interpolated linearly between the points.
+
+    Args:
+        s: the coordinates of the points, (points,).
+        level: the values of ψ at the points, (points,).
+    """
     inside = level >= 0
     if not inside.any():
         return []
@@ -177,7 +191,7 @@ def intervals(s: Array, level: Array) -> list[list[float]]:
 
 
 class Pictures(Statement):
-    """Writes the data for figures and report page of every case; nothing is claimed."""
+    """Writes the data for the figures and the report page of every case; nothing is claimed or judged."""
 
     label = "pictures"
     claim = "what the figures show of a case"
@@ -186,7 +200,7 @@ class Pictures(Statement):
     initial_gap = True
 
     def settings(self, scope: Scope) -> list[Setting]:
-        """Return every case on one mesh."""
+        """Return one setting for every case, with the mesh that its pictures show."""
         meshes = [mesh_for(resolve(reference).solution.body) for reference in scope.cases]
         return [Setting(case, family.name, level) for case, (family, level) in zip(scope.cases, meshes, strict=True)]
 
@@ -194,5 +208,5 @@ class Pictures(Statement):
         return picture(resolve(setting.case))
 
     def cost(self, setting: Setting) -> float:
-        """Return the expected time in µs, half a second."""
+        """Return the expected run time in µs, which is half a second for every case."""
         return 500_000.0

@@ -1,12 +1,14 @@
 """Proposition 5.3: ‖u − u^h‖_{L∞(0,T;V)} → 0 for every solution, without an assumption on its regularity.
 
-**Measured** as for Proposition 5.4 (``prop_5_4.measure``), on exact solutions that violate its assumption (5.36):
-singular corners, fronts, interfaces that do not lie on the mesh, loads that are hardly continuous in time.
+**The measurement** is the same as for Proposition 5.4 (``prop_5_4.measure``). The exact solutions violate the
+regularity assumption (5.36) of that proposition: they have singular corners or fronts, interfaces that do not lie on
+the mesh, or loads that are hardly continuous in time.
 
-**Judged.** The paper claims no order. Errors must fall from level to level, and in a fit e = e∞ + C h^s the limit e∞
-must be small. The observed order is compared with the order that the regularity predicts, over two refinements, because
-the position of a resting front within its cell alternates between levels. On random meshes the limit varies from seed
-to seed by up to a quarter of its window, so it is not judged there. On meshes graded towards a corner the order is 1.
+**The judgement.** The paper claims no order. Errors must fall from level to level, and in a fit e = e∞ + C h^s the
+limit e∞ must be small. The observed order is compared with the order that the regularity predicts. It is computed over
+two refinements, because the position of a resting front within its cell alternates between levels. On random meshes the
+limit e∞ varies from seed to seed by up to a quarter of its window, so it is not judged there. On meshes graded towards
+a corner the order must be 1.
 """
 
 from __future__ import annotations
@@ -36,7 +38,7 @@ from study.statements.prop_5_4 import EVIDENCE, SIZES, Rates
 from study.statements.shared.meshes import split_random
 
 LEVELS = ENOUGH + 1
-"""The number of levels needed for orders over two refinements from two pairs of levels."""
+"""Smallest number of levels that gives two observed orders over two refinements each."""
 LIMIT = at_most(0.1, "of the two finest errors, if s is the predicted order", low=-math.inf)
 """Window of the limit e∞, relative to the two finest errors.
 
@@ -46,7 +48,7 @@ front within its cell differs from level to level."""
 
 
 class Convergence(Rates):
-    """Judges Proposition 5.3 on the exact solutions that do not satisfy (5.36)."""
+    """Judges Proposition 5.3 on exact solutions that violate the regularity assumption (5.36) of Proposition 5.4."""
 
     label = "Prop. 5.3"
     claim = "‖u − u^h‖_{L∞(0,T;V)} → 0"
@@ -56,7 +58,12 @@ class Convergence(Rates):
 
 
 def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
-    """Yield the criteria for a case with a predicted order, each with the mesh families on which it is judged."""
+    """Yield the criteria for a case, each with the measurements on the mesh families that it judges.
+
+    Args:
+        groups: the measurements of the case by mesh family.
+        expected: the predicted order.
+    """
     uniform = {name: group for name, group in groups.items() if name != GRADED}
     graded = {name: group for name, group in groups.items() if name == GRADED}
     falling = at_most(0.999, "on every level")
@@ -76,9 +83,10 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
 
 
 def _limit(key: str, window: Window, expected: float) -> Criterion:
-    """Return the criterion for the limit e∞, computed from the last four levels with the expected order s.
+    """Return the criterion for the limit e∞ of the error for h → 0, which must be small.
 
-    The errors of these levels cannot determine both the limit and the order, so the order is judged by another row.
+    The limit is computed from the last four levels with the predicted order s. These levels cannot determine both the
+    limit and the order, so another check judges the order.
     """
 
     def measure(group: pd.DataFrame) -> Measured:

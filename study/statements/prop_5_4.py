@@ -1,24 +1,26 @@
-"""Proposition 5.4: ‖u − u^h‖_{L∞(0,T;V)} = O(h).
+"""Proposition 5.4: the error of the semi-discrete solution is of first order, ‖u − u^h‖_{L∞(0,T;V)} = O(h).
 
 **Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on every mesh family that can mesh
 its body, on finer and finer meshes. A row of ``rates.csv`` is one mesh. It holds the maxima over time of the error
 ‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the discrete error ‖Π^h u − u^h‖_V. Diagnostics show that
-time steps, quadrature, the contact solver and the condition on Γ1 do not disturb the error: the shares of time steps
-and quadrature, the residual of the contact solves, u^h on Γ1.
+other errors are negligible: the error of time steps, the quadrature error, the residual of the contact solver, and u^h
+on Γ1.
 
-The proposition is about the semi-discrete solution u^h. Two trajectories with time steps k and k/2 advance together;
-the finer one stands for u^h, and its error is measured at all its nodes, which are the nodes and the midpoints of the
-k-grid. The time share max_n ‖u^h_k − u^h_{k/2}‖_V / error at common nodes bounds the contribution of the time
-discretisation from above.
+The proposition is about the semi-discrete solution u^h. Two discrete solutions are computed, with time steps k and k/2.
+The finer one is used as u^h, and its error is measured at all its time nodes. The *time share*
+max_n ‖u^h_k − u^h_{k/2}‖_V / error, over the common time nodes, is an upper bound of the contribution of the time
+discretisation.
 
-**Judged.** Orders must be 1 from both sides, because (5.37) is sharp for piecewise linear functions. Sizes are judged
-by three relations, of which the first shares no code with the errors:
+**Judged.** Orders must be 1 from both sides, because (5.37) is sharp for piecewise linear functions. The size of the
+error is judged by three relations; the first one shares no code with the computation of the errors:
 
-* ‖u − Π^h u‖_V against its leading term, computed from second derivatives of u (``from_rates``, (5.23));
+* ‖u − Π^h u‖_V agrees with its leading term, which is computed from second derivatives of u (``from_rates``, (5.23));
 * (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ = 1 within 10 %. If u^h were the best approximation of u in V^h,
-  this would be Pythagoras' theorem; contact and memory disturb it little. It ties the error to the interpolation error;
-* the parallelogram law of u − u^h and u − Π^h u at every time. It ties the error to u^h. An interpolation error that is
-  reported as the error by mistake would satisfy the other relations, because both errors are nearly equal.
+  this would be Pythagoras' theorem; contact and memory change it little. This relates the error to the interpolation
+  error;
+* the parallelogram law of u − u^h and u − Π^h u holds at every time. This relates the error to u^h. If the
+  interpolation error were reported as the error by mistake, the other relations would hold, because both errors are
+  nearly equal.
 
 **Why ‖Π^h u − u^h‖_V is reported as well.** For piecewise linear functions the error is nearly all interpolation
 error, and its maximum may be at t = 0, before anything is solved. The discrete error shows the work of the solver;
@@ -73,7 +75,7 @@ from study.statements.shared.meshes import LEADING, in_leading_term, split_irreg
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
-# Data file. The README explains the columns.
+# docs/reference/files.md explains the columns, because users read them.
 COLUMNS = (
     *("case", "family", "scheme", "dim", "level", "h", "dofs", "steps", "k"),
     *("error", "at", "interpolation_error", "discrete_error", "time_share", "interpolation_at"),
@@ -85,20 +87,20 @@ RATES = CsvFile("rates.csv", ("case", "family", "scheme", "level"), ("claim", *C
 
 @dataclass(frozen=True, order=True)
 class RateSetting(Setting):
-    """The setting of one row of ``rates.csv``: a setting with the name of the time scheme and the number of steps."""
+    """The setting of one row of ``rates.csv``: a case, a mesh, a time scheme and a number of time steps."""
 
     scheme: str
     steps: int
 
 
 class Rates(Statement):
-    """Base class of the statements for Propositions 5.3 and 5.4: measures errors of Problem 5.1 for its cases."""
+    """Base class of the statements about Propositions 5.3 and 5.4, which measure the error ‖u − u^h‖_V."""
 
     file = RATES
     of_every_case = True
 
     def settings(self, scope: Scope) -> list[RateSetting]:
-        """Return the settings of all cases of the proposition, on all their mesh families and levels."""
+        """Return the settings for all cases of the proposition, on all their mesh families and levels."""
         return [
             RateSetting(reference, family.name, n, scope.scheme, scope.steps(case, n))
             for reference, case in zip(scope.cases, scope.resolved(), strict=True)
@@ -112,9 +114,9 @@ class Rates(Statement):
         return measure_case(case, family_named(setting.family), setting.level, scheme, setting.steps)
 
     def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """Yield the row with the label of the proposition.
+        """Yield the measured row of ``rates.csv``, with the label of the proposition as a further column.
 
-        The label is not a part of the measurement, so a case may move between propositions without being measured
+        The label is not a part of the measurement, so that a case may move between propositions without being measured
         again.
         """
         yield self.file, {"claim": self.label, **found}
@@ -126,11 +128,20 @@ class Rates(Statement):
         return found
 
     def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
-        """Return the verdicts on one case from its rows of ``rates.csv`` and the expected order."""
+        """Return the verdicts on one case.
+
+        Args:
+            case: the name of the case.
+            rows: the rows of the case in ``rates.csv``.
+            expected: the predicted order.
+        """
         raise NotImplementedError
 
     def cost(self, setting: RateSetting) -> float:
-        """Return the expected time in µs; a cell in 3D costs more, because of more components and a denser factor."""
+        """Return the expected run time in µs.
+
+        A cell in 3D costs more, because of more components and a denser matrix factor.
+        """
         cells = setting.level**setting.dim * estimates.cells(setting.family)
         return float(cells * setting.steps) * (7 if setting.dim == 2 else 150)
 
@@ -141,22 +152,28 @@ class Rates(Statement):
         return setting.steps
 
 
-# Measurement.
+# Measurement, with few steps where a few suffice, because it takes most of the run time of a study.
 RESPONSE, MORE = 12, 4
-"""Number of time steps in which the response to a change of the load is first computed, and the factor by which this
-number is increased. The quadrature error changes from step to step and averages out over many steps, so a small number
-of steps overestimates the effect."""
+"""Number of time steps with which the effect of the load's quadrature error on u^h is first estimated.
+
+The second number is the factor by which the number of steps is increased.
+
+The quadrature error changes from step to step and averages out over many steps, so a small number of steps
+overestimates its effect."""
 NEGLIGIBLE = 0.01
-"""If the relative change is below this number, it is not computed again with more steps."""
+"""Relative effect of quadrature below which it is not computed again with more steps."""
 
 
 def measure_case(case: Case, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> dict[str, Any]:
-    """Return the row of ``rates.csv`` for a case on one mesh, with time steps of size T/steps."""
+    """Return the row of ``rates.csv`` for a case on one mesh, with time steps of length T/steps."""
     return measure(Experiment.of(case.solution, family, level, scheme, steps)).row(case.name, family.name, level)
 
 
 def measure(experiment: Experiment) -> Measurement:
-    """Return the errors of the trajectory with time step k/2 at all its nodes, and the distance from the one with k."""
+    """Solve a problem with the time steps k and k/2, and return the errors of the second solution over time.
+
+    The distance of both solutions is measured as well.
+    """
     v_norm, problem, M = experiment.v_norm, experiment.problem, experiment.problem.M
     coarse = experiment.scheme.march(problem, experiment.steps)
     history: list[tuple[float, ...]] = []
@@ -179,14 +196,14 @@ def measure(experiment: Experiment) -> Measurement:
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """Errors of one experiment over time.
+    """Errors of a discrete solution over time.
 
     Attributes:
         experiment: the experiment.
-        history: (5, nodes): t, ‖u − u^h‖_V, ‖u − Π^h u‖_V, ‖Π^h u − u^h‖_V, ‖u − (u^h + Π^h u)/2‖_V.
-        drift: max_n ‖u^h_k − u^h_{k/2}‖_V.
-        residual: largest relative residual of a contact solve.
-        worst: the state at which the error is largest.
+        history: t, ‖u − u^h‖_V, ‖u − Π^h u‖_V, ‖Π^h u − u^h‖_V and ‖u − (u^h + Π^h u)/2‖_V at time nodes, (5, nodes).
+        drift: the effect of the time step, max_n ‖u^h_k − u^h_{k/2}‖_V.
+        residual: the largest relative residual of a contact problem.
+        worst: the discrete solution at the time of the largest error.
     """
 
     experiment: Experiment
@@ -196,7 +213,7 @@ class Measurement:
     worst: State
 
     def row(self, case: str, family: str, level: int) -> dict[str, Any]:
-        """Return the row of ``rates.csv``."""
+        """Return the errors and diagnostics as a row of ``rates.csv``."""
         experiment, space, drift = self.experiment, self.experiment.space, self.drift
         times, error, interpolation, discrete, _ = self.history
         first, second, third = (int(np.argmax(values)) for values in (error, interpolation, discrete))
@@ -227,31 +244,35 @@ class Measurement:
         }
 
     def clamped(self) -> float:
-        """Return max |u^h| on Γ1 over max |u^h|, which must be 0; Γ1 is taken from the body and not from V^h."""
+        """Return the largest |u^h| on the clamped boundary Γ1 divided by the largest |u^h|; the result must be 0.
+
+        Γ1 is taken from the body, because V^h might have a wrong Γ1.
+        """
         space = self.experiment.space
         size = np.linalg.norm(space.nodal(self.worst.u), axis=0)
         on = [part.contains(space.mesh.p, 1e-9 * space.h) for part in space.body.of(Kind.CLAMPED)]
         return float(size[np.any(on, axis=0)].max() / max(size.max(), np.finfo(float).tiny))
 
     def parallelogram(self) -> float:
-        """Return max_n |2e² + 2i² − (2m)² − d²| over max_n d², which must be 0 by the parallelogram law.
+        """Return how far the measured errors violate the parallelogram law; the result must be 0.
 
-        e, i, d and m are the rows of ``history`` after t. d is computed with the matrix M, the others by ``ErrorNorm``
-        with another quadrature rule for A. If the interpolation error is measured by mistake in place of e and m, the
-        result is 1, because e = m = i leaves d². If it is measured in place of e alone, the defect is 2 |i² − e²|,
-        which is 2d² if u^h is the best approximation.
+        It is max_n |2e² + 2i² − (2m)² − d²| / max_n d², where e, i, d and m are the four errors in ``history``. The
+        discrete error d is computed with the matrix M, the others by ``ErrorNorm`` with another quadrature rule for A.
+        If the interpolation error replaced e and m by mistake, the result would be 1, because e = m = i leaves d². If
+        it replaced only e, the defect would be 2 |i² − e²|, which is 2d² if u^h is the best approximation.
         """
         _, error, interpolation, discrete, halfway = self.history
         missed = 2 * error**2 + 2 * interpolation**2 - (2 * halfway) ** 2 - discrete**2
         return float(abs(missed).max() / (discrete**2).max())
 
     def quadrature_change(self) -> float:
-        """Return the relative change of the largest error if quadrature rules are finer.
+        """Return the relative change of the largest error under finer quadrature.
 
-        The degree of every cell rule is raised by two, and points are not moved along rough lines. Two changes are
-        added. The first is the change of the error norm. The second is the change of u^h with the load, estimated by
-        the linear problem without contact whose load is the change of the load. This problem is solved with RESPONSE
-        steps. As long as the change is above NEGLIGIBLE, the number of steps is increased, up to the steps of u^h.
+        The degree of every rule on cells is raised by two, and points are not moved along lines of low regularity. Two
+        changes are added. The first is the change of the error norm. The second is the change of u^h, which is
+        estimated by the linear problem without contact whose load is the change of the load. This problem is solved
+        with RESPONSE steps. As long as the change is above NEGLIGIBLE, the number of steps is increased, up to the
+        steps of u^h.
         """
         experiment, problem, time = self.experiment, self.experiment.problem, self.worst.time
         finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
@@ -276,12 +297,12 @@ class Measurement:
         return found
 
 
-# Criteria for Propositions 5.3 and 5.4, by which every row of ``rates.csv`` is judged: the size of the error is right,
-# it is the error of u^h, and the influence of time steps, quadrature and solver is small. Every diagnostic must be
-# positive, except u^h on Γ1, which is zero by construction: two numbers of steps, two quadratures or two ways to a norm
-# differ at least by rounding, and a time share of 0 means that a trajectory was compared with itself.
+# Criteria for both propositions: the error has the right size, it is the error of u^h, and the influence of time steps,
+# quadrature and solver is small. Every diagnostic must be positive, except u^h on Γ1, which is zero by construction.
+# Two numbers of steps, two quadratures or two ways to compute a norm differ at least by rounding, so a time share of
+# exactly 0 means that a solution was compared with itself.
 def over(key: str, quantity: str, window: Window, above: str, below: str) -> Criterion:
-    """Return the criterion for the quotient of the columns ``above`` and ``below`` on the finest level."""
+    """Return the criterion for the quotient of two columns, ``above`` / ``below``, on the finest level."""
 
     def measure(group: pd.DataFrame) -> Measured:
         return exactly(group[above].iloc[-1] / group[below].iloc[-1])
@@ -290,13 +311,16 @@ def over(key: str, quantity: str, window: Window, above: str, below: str) -> Cri
 
 
 def size_of_error(group: pd.DataFrame) -> Measured:
-    """Return (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ on the finest level."""
+    """Return a quotient on the finest level that is 1 if the errors are orthogonal (Pythagoras).
+
+    It is (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖.
+    """
     last = group.iloc[-1]
     return exactly(np.hypot(last["error"], last["discrete_error"]) / last["interpolation_error"])
 
 
 def residual_share(group: pd.DataFrame) -> Measured:
-    """Return the largest residual of contact solves, relative to the solver's tolerance for the number of unknowns."""
+    """Return the largest residual of the contact solver, divided by its tolerance for the number of unknowns."""
     allowed = [solver_choice.residual(dim, dofs) for dim, dofs in zip(group["dim"], group["dofs"], strict=True)]
     return greatest(group["residual"].to_numpy() / np.array(allowed))
 
@@ -325,20 +349,22 @@ EVIDENCE = (
     ),
 )
 
-# Criteria of Proposition 5.4.
+# Further criteria, which hold only with the regularity that Proposition 5.4 assumes.
 IRREGULAR = "; on irregular meshes the leading term replaces h"
-"""Text that explains a row: on irregular meshes the leading term of the interpolation error replaces h."""
+"""Suffix of the texts of checks of orders: irregular meshes need the leading term of the interpolation error, not h."""
 SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
 PAIR = "order of ‖u − Π^h u‖_V, finest pair"
 SOLIDS = (
     between_levels("order-finest", "order of the error, finest pair", SOLID, "error", 1, ENOUGH),
     between_levels("interpolation-order-finest", PAIR, SOLID, "interpolation_error", 1, ENOUGH),
 )
-"""Additional criteria in 3D: there are few levels, so the order from the two finest levels must be closer to 1."""
+"""Additional criteria in 3D: there are few levels, so the order on the two finest levels must be closer to 1."""
 OF_THE_TERM = around(1, 0.15, "least squares; on irregular meshes this term replaces h")
 TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes"
 LEADING_ORDER = order("leading-order", TERM, OF_THE_TERM, LEADING, ENOUGH + 1)
-"""A criterion for irregular meshes: the leading term, which replaces h there, must be of order h."""
+"""A criterion for irregular meshes: the leading term of the interpolation error must be of order h.
+
+This is necessary, because the leading term replaces h on these meshes."""
 SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
 DISCRETE = "order of ‖Π^h u − u^h‖_V"
@@ -346,9 +372,10 @@ DISCRETE_ORDERS = {
     True: order("discrete-order-superclose", f"{DISCRETE}, superclose", SUPERCLOSE, "discrete_error", ENOUGH),
     False: order("discrete-order-others", f"{DISCRETE}, other families", OTHERS, "discrete_error", ENOUGH),
 }
-"""Criteria for the order of the discrete error on one-diagonal meshes (True) and on others. On one-diagonal meshes
-neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because of the traction
-boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
+"""Criteria for the order of the discrete error on one-diagonal meshes (True) and on others (False).
+
+On one-diagonal meshes neighbouring triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (because
+of the traction boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
 SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
 TIME = positive_at_most(0.3, "of the discrete error")
 DISCRETE_SIZES = (
@@ -361,7 +388,7 @@ DISCRETE_SIZES = (
     ),
 )
 NOT_AT_START = 0.99
-"""The largest error counts as attained after t = 0 if the error at t = 0 is at most this number times the largest."""
+"""Upper bound of (error at t = 0) / (largest error) for which the largest error counts as attained after t = 0."""
 EXPECTED_AT_START = Window(0.8, 1 + ROUNDING, "by Pythagoras: a discrete share of 0.6 leaves 0.8 of it")
 AT_START = (
     "‖u − Π^h u‖_V is largest near t = 0, where nothing is solved; the checks of ‖Π^h u − u^h‖_V test the solution"
@@ -377,15 +404,22 @@ AFTER_START = Criterion(
 
 @dataclass(frozen=True)
 class StartShare:
-    """The criterion that the largest error is attained after t = 0.
+    """The criterion that the largest error occurs after t = 0.
 
-    At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. The solver is not
-    at fault if the interpolation error ‖u − Π^h u‖_V itself is largest at t = 0, or at least EXPECTED_AT_START
-    times its maximum. Then the row is reported; otherwise it fails.
+    At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. The solver may be
+    correct nevertheless, if the interpolation error ‖u − Π^h u‖_V itself is nearly largest at t = 0: at least
+    EXPECTED_AT_START times its maximum. Then the result is reported and not judged; otherwise the check fails.
     """
 
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
-        """Return the row of the ledger for a case."""
+        """Return the verdict on a case.
+
+        Args:
+            of: the statement.
+            case: the name of the case.
+            groups: the measurements of the case by mesh family.
+            family: the name of the mesh family, if the check is about one family.
+        """
         found = AFTER_START.verdict(of, case, groups, family)
         rows = pd.concat(groups.values())
         at_start = rows[~(rows["initial_error"] <= NOT_AT_START * rows["error"])]
@@ -396,7 +430,12 @@ class StartShare:
 
 
 def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups]]:
-    """Yield the criteria for the rows of one case, and the mesh families that each of them judges."""
+    """Yield the criteria for a case, each with the measurements on the mesh families that it judges.
+
+    Args:
+        rows: the rows of the case in ``rates.csv``.
+        expected: the predicted order.
+    """
     groups = by_family(rows)
     in_h, (irregular, _) = in_leading_term(groups), split_irregular(groups)
     by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
@@ -416,7 +455,7 @@ def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups
 
 
 class FirstOrder(Rates):
-    """Judges Proposition 5.4 on the exact solutions that satisfy (5.36)."""
+    """Judges Proposition 5.4 on exact solutions that satisfy its regularity assumption (5.36)."""
 
     label = "Prop. 5.4"
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"

@@ -1,21 +1,21 @@
-"""Errors in ``rates.csv`` and solutions of Problem 5.1 agree with the results of a second, independent solver.
+"""Errors and discrete solutions agree with the results of a second, independent solver.
 
 The criteria of Proposition 5.4 do not notice small mistakes: an error that is wrong by five per cent has the same
-order. Therefore the coarsest rows of ``rates.csv`` are computed again: ``recomputed_solver`` solves the same discrete
-problems with other quadrature, assembly and solvers. Its errors are compared with ``rates.csv``, and its trajectories
-with the trajectories of the study. A wrong load, modulus, initial value or time step changes a trajectory to first
-order, but an error only to second order.
+order. Therefore the rows of ``rates.csv`` on the coarsest meshes are computed again: ``recomputed_solver`` solves the
+same discrete problems with other quadrature, assembly and solvers. Its errors are compared with ``rates.csv``, and its
+trajectories, the discrete solutions over time, with the trajectories of the study. A wrong load, modulus, initial value
+or time step changes a trajectory to first order, but an error only to second order.
 
-**Predicted.** ``ErrorNorm`` integrates by rules of degree 4 with points moved along the face, the second solver by
-rules of degree 10. Rows of ``rates.csv`` bound the effect of quadrature by 2 %, by the triangle inequality; both
-rules cut the same cells, and their difference is much smaller. Predicted: errors agree within 0.5 %, and the
-discrete errors, a few times smaller, within 1 %. Trajectories differ only because of the load, whose relative
-quadrature error is a power of h smaller than the error of the solution, 2e-3; nodal forces are differences of large
-terms, 1 %. Π^h u_0 has no quadrature.
+**Predicted** are the following differences. ``ErrorNorm`` integrates by rules of degree 4 with points moved along the
+face, the second solver by rules of degree 10. By the triangle inequality, checks of ``rates.csv`` bound the effect of
+quadrature by 2 %. Both rules cut the same cells, so their difference is much smaller: errors agree within 0.5 %, and
+the discrete errors, which are a few times smaller, within 1 %. Trajectories differ only because of the load. Its
+relative quadrature error is smaller by a power of h than the error of the solution, so displacements agree within 2e-3.
+Nodal forces are differences of large terms and agree within 1 %. The initial value Π^h u_0 needs no quadrature.
 
 If the second solver uses the load of the study, both solve the same discrete problem with exact quadrature. Both
 solvers stop at 1e-12 of the solution, there are some tens of steps, and nodal forces are differences that lose a digit
-or two. So trajectories and forces agree to 1e-9. These rows notice relative defects of 1e-9 in a modulus, an initial
+or two. So trajectories and forces agree to 1e-9. These checks notice relative defects of 1e-9 in a modulus, an initial
 value or a force.
 """
 
@@ -43,25 +43,32 @@ from study.statements.shared.meshes import is_random
 from study.statements.shared.scope import Scope
 
 ERRORS = "error", "interpolation_error", "discrete_error"
-"""Maxima over the nodes in time of the norms in V of u − u^h, u − Π^h u and Π^h u − u^h, by the second solver."""
+"""Columns with the largest errors over the time nodes, by the second solver.
+
+They are the norms in V of the error u − u^h, the interpolation error u − Π^h u and the discrete error Π^h u − u^h."""
 GAPS = "start", "displacement", "multipliers"
-"""Relative differences of both solvers: ‖u_0 − ũ_0‖_V, max_n ‖u_n − ũ_n‖_V, and of all λ_n in the Euclidean norm."""
+"""Columns with relative differences between both solvers.
+
+They compare initial values, displacements at all times (both in the norm of V), and nodal contact forces."""
 SAME_LOAD = "displacement_same_load", "multipliers_same_load"
-"""The differences of displacements and multipliers if both solvers use the load of the study."""
+"""Columns with the differences of displacements and contact forces if both solvers use the load of the study."""
 RECOMPUTED = CsvFile("recomputed.csv", RATES.key, (*RATES.key, "h", *ERRORS, *GAPS, *SAME_LOAD))
 TINY = 1e-12
-"""An initial value counts as zero if its norm is at most this number times the largest ‖ũ_n‖_V."""
+"""An initial displacement counts as zero if its norm is at most this number times the largest norm over time."""
 
 
 def recompute(setup: Experiment) -> dict[str, float]:
-    """Return the columns of ``recomputed.csv`` from ERRORS on; the midpoint rule takes twice the steps of ``setup``."""
+    """Solve an experiment again by the second solver, and return the measured columns of ``recomputed.csv``.
+
+    The midpoint rule takes twice as many steps as the experiment, because the study measures errors with half steps.
+    """
     plain = PlainProblem(setup.solution, setup.space.mesh)
     own_load, same_load = plain.trajectories(2 * setup.steps, plain.load, setup.problem.load)
     return errors(plain, own_load) | gaps(setup, plain, own_load, same_load)
 
 
 def errors(plain: PlainProblem, trajectory: Trajectory) -> dict[str, float]:
-    """Return the ERRORS of a trajectory."""
+    """Return the three largest errors of a trajectory over time, named as in ``ERRORS``."""
     found = []
     for time, u, _ in trajectory:
         interpolant = plain.interpolant(time)
@@ -70,7 +77,9 @@ def errors(plain: PlainProblem, trajectory: Trajectory) -> dict[str, float]:
 
 
 def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> dict[str, float]:
-    """Return the relative differences GAPS and SAME_LOAD between the study and the second solver.
+    """Return the relative differences between the study and the second solver.
+
+    They are named as in ``GAPS`` and ``SAME_LOAD``.
 
     Args:
         setup: the experiment of the study.
@@ -87,19 +96,30 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
 
 
 def differences(plain: PlainProblem, states: Trajectory, trajectory: Trajectory) -> tuple[float, float, float]:
-    """Return ‖u_0 − ũ_0‖_V, max_n ‖u_n − ũ_n‖_V, and the difference of all λ_n in the Euclidean norm."""
+    """Return the differences between two trajectories, that is, two discrete solutions at all time nodes.
+
+    Returns:
+        The difference of the initial values in V, the largest difference of displacements in V, and the difference of
+        the contact forces at all times in the Euclidean norm.
+    """
     pairs = list(zip(states, trajectory, strict=True))
     missing = plain.norms(np.stack([ours - u for (_, ours, _), (_, u, _) in pairs], axis=1))
     return missing[0], missing.max(), euclidean_norm(ours - forces for (*_, ours), (*_, forces) in pairs)
 
 
 def euclidean_norm(vectors: Iterable[Array]) -> float:
-    """Return the Euclidean norm of the vector that consists of all given vectors."""
+    """Return the Euclidean norm of several vectors joined to one vector."""
     return math.sqrt(sum(float(np.sum(each**2)) for each in vectors))
 
 
 def ratio(column: str, norm: str, window: Window) -> Criterion:
-    """Return the criterion for the quotient of an error in ``rates.csv`` and its recomputed value, on every level."""
+    """Return the criterion for the quotient (error in ``rates.csv``) / (recomputed error), on every level.
+
+    Args:
+        column: the column with the error, which is also the key of the check.
+        norm: the formula of the error.
+        window: the tolerance window.
+    """
     reported = f"{column}{REPORTED}"
 
     def measure(group: pd.DataFrame) -> Measured:
@@ -126,11 +146,11 @@ TRAJECTORIES = (
     largest("multipliers-same-load", f"{FORCES}, {ALIKE}", STOPPED_FORCES, "multipliers_same_load"),
 )
 NARROW = ("travelling-patch",)
-"""Cases with a contact patch that is only two or three cells wide on the coarsest meshes."""
+"""Cases whose contact patch is only two or three cells wide on the coarsest meshes."""
 
 
 class Recomputed(Statement):
-    """Compares three errors and two trajectories with an independent computation by the midpoint rule in time."""
+    """Compares errors, displacements and contact forces of the study with an independent computation."""
 
     label = "computed again"
     claim = "the errors in rates.csv, computed again from Problem 5.1 with other quadrature, assembly and solvers"
@@ -144,10 +164,10 @@ class Recomputed(Statement):
     )
 
     def settings(self, scope: Scope) -> list[RateSetting]:
-        """Return the coarsest level of every case on all its mesh families in the study.
+        """Return the settings: every case on all its mesh families in the study, on the coarsest level.
 
-        On random meshes the cases of Proposition 5.3 and the cases with a narrow patch are left out: their quadrature
-        error depends on the random size of the cells at the singularity or below the patch.
+        On random meshes the cases of Proposition 5.3 and the cases with a narrow contact patch are left out: their
+        quadrature error depends on the random size of the cells at the singularity or below the patch.
         """
         return [
             RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
@@ -163,7 +183,7 @@ class Recomputed(Statement):
         return {"h": setup.space.h, **recompute(setup)}
 
     def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """Yield the row, with the key of the same setting in ``rates.csv``."""
+        """Yield the row of ``recomputed.csv``, with the same key as the row of this setting in ``rates.csv``."""
         case = resolve(setting.case).name
         yield self.file, {**{name: getattr(setting, name) for name in self.file.key}, "case": case, **found}
 

@@ -1,9 +1,9 @@
-"""A second, simple solver of Problem 5.1, with which ``recomputed`` checks ``study.fem`` and ``study.solve``.
+"""A second, simple solver of the semi-discrete contact problem (Problem 5.1), for tests of the first solver.
 
-Both solvers share only the exact solution, the mesh, and the lines along which cells are cut for quadrature. Here
-gradients come from inverse matrices of coordinates. Integrals are sums over the points of a finer quadrature rule,
-without the faster formulas of ``study.fem``. The law is evaluated at these points: in every iteration, or once for the
-matrix if it is linear. A step of the midpoint rule
+The module ``recomputed`` compares both. They share only the exact solution, the mesh, and the lines along which cells
+are cut for quadrature. Here gradients come from inverse matrices of coordinates. Integrals are sums over the points of
+a finer quadrature rule, without the faster formulas of ``study.fem``. The law is evaluated at these points: in every
+iteration, or once for the matrix if it is linear. A step of the midpoint rule
 
     M (u_n − u_{n−1})/k + (Gε((u_n + u_{n−1})/2), ε(·))_Q + Nᵀλ_n = F(t_{n−1/2})
 
@@ -31,25 +31,27 @@ from study.fem.error_norm import rules
 from study.fem.quadrature import facet_rule
 
 DEGREE, SOLID_DEGREE = 10, 6
-"""Degrees of the cell rule in 2D and in 3D; ``ErrorNorm`` uses the degrees 4 and 2."""
+"""Degrees of the quadrature rule on cells in 2D and in 3D. The first solver uses the degrees 4 and 2."""
 POINTS, SOLID_POINTS = 20, 6
-"""Gauss points on a facet of Γ3 in 2D, and in each direction of a facet in 3D."""
+"""Number of Gauss points on a contact facet in 2D, and in each direction of a facet in 3D."""
 SETTLED, ITERATIONS = 1e-12, 100
-"""Relative change at which the fixed-point iteration stops, and the largest number of iterations."""
+"""Relative change at which the fixed-point iteration of a time step stops, and its largest number of iterations."""
 ON = 1e-9
-"""A vertex lies on a part if its distance is below this number times the largest extent of the mesh."""
+"""Relative tolerance for vertices on a boundary part.
+
+A vertex lies on the part if its distance is below this number times the largest extent of the mesh."""
 Trajectory = Sequence[tuple[float, Array, Array]]
-"""(t_n, u_n, λ_n) for n = 0, 1, …"""
+"""A discrete solution over time: time t_n, displacement u_n and contact forces λ_n for n = 0, 1, …"""
 
 
 class PlainProblem:
-    """V^h and Problem 5.1 on one mesh.
+    """The semi-discrete contact problem (Problem 5.1) with P1 elements on one mesh.
 
     Attributes:
         free: the indices of the n unknowns among the values at all vertices, which are ordered vertex by vertex, (n,).
-        M: the matrix of (A ε(u), ε(v))_Q, (n, n).
-        N: the matrix of v ↦ v_ν at the vertices of each piece of Γ3 that are not on Γ1, one row for each vertex and
-            normal, (m, n).
+        M: the matrix of the viscous form (A ε(u), ε(v))_Q, (n, n).
+        N: the matrix that maps v to its normal displacements v_ν at the contact vertices that are not clamped, with one
+            row for each vertex and normal, (m, n).
     """
 
     def __init__(self, solution: ExactSolution, mesh: Mesh) -> None:
@@ -65,10 +67,10 @@ class PlainProblem:
         self._set_contact(on)
 
     def _set_points(self, on: list[Array]) -> None:
-        """Set the quadrature points in the cells and on Γ3, the law and the exact solution there.
+        """Set the quadrature points in the cells and on Γ3, with the law and the exact solution at these points.
 
-        ``faces`` has for each piece of Γ3 the indices of its points, and the matrix that maps σ at these points to
-        ∫ p v_ν, p = −σ_ν, (n, D · points).
+        The attribute ``faces`` has for each contact face the indices of its points, and the matrix that maps the stress
+        σ at these points to the load ∫ p v_ν of the pressure p = −σ_ν, (n, D · points).
         """
         found = rules(self.solution, self.mesh, DEGREE if self.dim == 2 else SOLID_DEGREE)
         self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in found])
@@ -96,9 +98,10 @@ class PlainProblem:
         self.exact = self.solution.at(np.concatenate(points, axis=1))
 
     def _set_forms(self) -> None:
-        """Set the strains of the local functions φ_i e_j, (cells, D, (d + 1) d), and the matrices of A and a linear G.
+        """Set the strains of the basis functions in each cell, and the viscous and elastic forms.
 
-        ``elastic`` is the function v ↦ (Gε(v), ε(·))_Q, applied to each column of v, (n, c) → (n, c).
+        The strains of the basis functions φ_i e_j have the shape (cells, D, (d + 1) d). The attribute ``elastic`` is
+        the function v ↦ (Gε(v), ε(·))_Q, applied to each column of v, (n, c) → (n, c).
         """
         corners = np.moveaxis(self.mesh.p[:, self.mesh.t], -1, 0).swapaxes(1, 2)
         gradients = np.linalg.inv(np.insert(corners, 0, 1.0, axis=2))[:, 1:]
@@ -113,7 +116,7 @@ class PlainProblem:
             self.elastic = lambda v: np.stack([self.work(self.law.G(self.strain(one))) for one in v.T], axis=1)
 
     def _form(self, law: Callable[[Tensors], Tensors]) -> sps.csc_array:
-        """Return the matrix of (Cε(u), ε(v))_Q for a linear law C, (n, n)."""
+        """Return the matrix of the form (Cε(u), ε(v))_Q for a linear law C, (n, n)."""
         columns = [self._tested(law(each[self.cell].T)) for each in np.moveaxis(self.strains, 2, 0)]
         local = np.stack(columns, axis=2)
         rows, cols = (np.broadcast_to(axis, local.shape) for axis in (self.local[..., None], self.local[:, None]))
@@ -122,12 +125,16 @@ class PlainProblem:
         return sps.csc_array(full[self.free][:, self.free])
 
     def _tested(self, stress: Tensors) -> Array:
-        """Return ∫_T σ·ε(φ) for the functions of each cell, from σ at the points, (cells, (d + 1) d)."""
+        """Return the integrals ∫_T σ·ε(φ) for the basis functions φ of each cell T, (cells, (d + 1) d).
+
+        Args:
+            stress: σ at the quadrature points.
+        """
         means = np.array([self.sums @ row for row in stress])
         return np.einsum("Ic,cIk->ck", means, self.strains)
 
     def _set_contact(self, on: list[Array]) -> None:
-        """Set N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q."""
+        """Set the matrices of the contact problem: N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q."""
         normals: list[Array] = []
         at: list[int] = []
         for face, vertices in zip(self.solution.faces, on, strict=True):
@@ -144,30 +151,46 @@ class PlainProblem:
         self._root = cholesky(self._normal)
 
     def work(self, stress: Tensors) -> Array:
-        """Return the functional v ↦ (σ, ε(v))_Q for σ at the points, (n,)."""
+        """Return the work of a stress on strains as a load vector, v ↦ (σ, ε(v))_Q, (n,).
+
+        Args:
+            stress: σ at the quadrature points in the cells, (D, points).
+        """
         return np.bincount(self.local.ravel(), self._tested(stress).ravel(), self.numbers.size)[self.free]
 
     def strain(self, v: Array) -> Tensors:
-        """Return ε(v) at the points in the cells, (D, points)."""
+        """Return the strain ε(v) at the quadrature points in the cells, (D, points)."""
         full = np.zeros(self.numbers.size)
         full[self.free] = v
         return np.take(np.einsum("cIk,ck->Ic", self.strains, full[self.local]), self.cell, axis=1)
 
     def load(self, time: float) -> Array:
-        """Return the load v ↦ (σ, ε(v))_Q + ∫_{Γ3} p v_ν, (n,)."""
+        """Return the load vector at one time, from the exact stress and pressure, (n,).
+
+        It is the functional v ↦ (σ, ε(v))_Q + ∫_{Γ3} p v_ν.
+        """
         stress = self.exact.stress(time)
         pressed = [forces @ stress[:, points].ravel() for points, forces in self.faces]
         return np.sum([self.work(stress[:, : self.cell.size]), *pressed], axis=0)
 
     def interpolant(self, time: float) -> Array:
-        """Return Π^h u(t), (n,)."""
+        """Return the nodal interpolant Π^h u(t) of the exact displacement, (n,)."""
         return self.at_vertices.displacement(time).T.ravel()[self.free]
 
     def contact(self, b: Array, k: float, last: Array) -> tuple[Array, Array]:
-        """Return the solution (u, λ) of M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0, for every column of b.
+        """Solve the contact problem of one time step for several right-hand sides.
 
-        With Q = NM⁻¹Nᵀ, λ solves a complementarity problem with Qλ ≥ NM⁻¹b. First it is assumed that the positive
-        multipliers are those in ``last``, (m, c); if this gives no solution, the method of Lawson and Hanson is used.
+        The problem is M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. With Q = NM⁻¹Nᵀ, λ solves a complementarity problem
+        with Qλ ≥ NM⁻¹b. First it is solved with the assumption that the same multipliers are positive as in ``last``.
+        If this gives no solution, the method of Lawson and Hanson is used.
+
+        Args:
+            b: the right-hand sides, (n, c).
+            k: the time step.
+            last: multipliers of an earlier solution, (m, c).
+
+        Returns:
+            The displacements u, (n, c), and the multipliers λ, (m, c).
         """
         free = self._solve(b)
         multipliers = np.zeros(last.shape)
@@ -178,7 +201,15 @@ class PlainProblem:
         return k * (free - self._response @ multipliers), multipliers
 
     def trajectories(self, steps: int, *loads: Callable[[float], Array]) -> list[Trajectory]:
-        """Return the trajectory of the midpoint rule from Π^h u_0 for each load t ↦ F, computed together; λ_0 = 0."""
+        """Solve by the midpoint rule from the initial value Π^h u_0, for several loads together.
+
+        Args:
+            steps: the number of time steps.
+            loads: functions t ↦ F(t), (n,).
+
+        Returns:
+            One trajectory for each load. The contact forces at t = 0 are set to 0.
+        """
         k, u = self.solution.body.T / steps, np.tile(self.interpolant(0.0)[:, None], len(loads))
         guess, multipliers = u, np.zeros((self.N.shape[0], len(loads)))
         states = [(0.0, u, multipliers)]
@@ -196,11 +227,11 @@ class PlainProblem:
         return [[(time, u[:, c], multipliers[:, c]) for time, u, multipliers in states] for c in range(len(loads))]
 
     def norms(self, functions: Array) -> Array:
-        """Return ‖v‖_V for every column v ∈ V^h, (n, c) → (c,)."""
+        """Return the norms ‖v‖_V of the columns of a matrix of P1 functions, (n, c) → (c,)."""
         return np.sqrt(np.einsum("nc,nc->c", functions, self.M @ functions))
 
     def distance(self, time: float, *functions: Array) -> list[float]:
-        """Return ‖u(t) − v‖_V for each v ∈ V^h, integrated at the points in the cells."""
+        """Return the distance ‖u(t) − v‖_V of the exact displacement from each of several P1 functions v."""
         exact = self.exact.strain(time)[:, : self.cell.size]
         missing = [exact - self.strain(v) for v in functions]
         return [float(np.sqrt(np.einsum("Ip,Ip->p", self.law.A(each), each) @ self.weights)) for each in missing]

@@ -1,24 +1,24 @@
-"""(5.13), (5.40), (5.41): the residual R from its definition, and as the integral over Γ3 that bounds it.
+"""(5.13), (5.40), (5.41): the residual R equals the work of the contact force, which has an explicit bound.
 
-By (5.13) with (3.12) and (3.7)
+The definition of R is, by (5.13) with (3.12) and (3.7),
 
     R(t; v) = (σ(t), ε(v))_Q − (f_0(t), v)_H − (f_2(t), v)_{L²(Γ2)},   v ∈ V,
 
 which does not contain σ_ν on Γ3. Prop. 5.4 uses R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), and the bound of this integral by the
-Cauchy–Schwarz inequality, (5.41). Here R is computed from its definition, so both can fail. They are measured at the
-times of ``green`` for
+Cauchy–Schwarz inequality, (5.41). Here R is computed from its definition, so both statements can fail. They are
+measured, at the same times as in ``green``, for two kinds of v:
 
-* smooth fields v that vanish on Γ1 and nowhere else: not in V^h, with v_ν of any sign on Γ3;
-* v = Π^h u − u, which (5.42) needs: all terms are small, and R is much smaller than each.
+* smooth fields v that vanish only on Γ1. They are not in V^h, and v_ν has any sign on Γ3;
+* v = Π^h u − u, which (5.42) needs. All terms are small, and R is much smaller than each of them.
 
 The defect |R(t; v) − ∫_{Γ3} σ_ν v_ν| is relative to the smallest non-zero term of both sides. For v = Π^h u − u it is
 relative to the smallest term of the definition, because σ_ν v_ν is nearly zero. So a missing term gives at least 1, and
-a wrong sign at least 2. Only the quadrature error of the fine rules remains, so the windows are the windows of
-``green``: round-off if f_0 is smooth except on lines along which cells are cut, a tenth if f_0 jumps along curves. For
-v = Π^h u − u round-off is larger by 1/h, because (σ, ε(v))_Q = O(h²) is a sum of terms O(h).
+a wrong sign at least 2. The remaining defect is the quadrature error of the fine rules, so the windows are the same
+as in ``green``: round-off if f_0 is smooth except on lines along which cells are cut, a tenth if f_0 jumps along
+curves. For v = Π^h u − u round-off is larger by 1/h, because (σ, ε(v))_Q = O(h²) is a sum of terms O(h).
 
 The quotient of |R| and its bound is 0/0 if σ_ν = 0, so only times with σ_ν ≠ 0 are used. A case without contact at any
-time has no row on (5.41), which is then 0 ≤ 0. The row is undecided if a case with contact has no contact at these
+time has no check of (5.41), which is then 0 ≤ 0. The check is undecided if a case with contact has no contact at these
 times.
 """
 
@@ -62,17 +62,22 @@ from study.statements.shared.norms import maximum, midpoints
 from study.statements.shared.scope import REGULAR
 
 FIELDS = 3
-"""Number of smooth fields v."""
+"""Number of smooth test fields v."""
 POINTS = 20
-"""Gauss points on a facet, exact to degree 39: p ~ (c − s)_+² on a facet graded to c has degree 31."""
+"""Number of Gauss points on a facet, exact up to degree 39.
+
+A pressure p ~ (c − s)_+² on a facet whose points are graded towards c gives a polynomial of degree 31."""
 INSTANTS = 64
-"""Number of times at which contact is looked for."""
+"""Number of times at which a solution is examined for contact."""
 CANCELLING = positive_at_most(1e-8, "with the fine quadrature rule: 1/h times 1e-10 for a smooth f_0")
 BOUND = positive_at_most(1 + 1e-9, "by the Cauchy–Schwarz inequality")
 
 
 class Residual(ListedNumbers):
-    """Compares R, computed by its definition, with the integral over Γ3 and with its bound; cases with f_0(t) ∈ H."""
+    """Compares the residual R from its definition with the work of the contact force and with its bound.
+
+    Only cases whose body force is square integrable, f_0(t) ∈ H, are measured.
+    """
 
     label = "(5.40), (5.41)"
     claim = "R(t; v) = ∫_{Γ3} σ_ν v_ν for v ∈ V; then |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ by the Cauchy–Schwarz inequality"
@@ -80,8 +85,8 @@ class Residual(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         if full:
             cases = [case for case in catalogue() if square_integrable(case)]
-            # In space the defect in cells that a front cuts depends on where it cuts them: by a factor of three on
-            # random meshes of twelve cells.
+            # In 3D regular meshes are used, because the defect depends on where a front cuts cells; on random meshes of
+            # twelve cells it varies by a factor of three.
             return place(cases, IRREGULAR, (8, 16)) + place(cases, REGULAR, (), (8, 15))
         return place(named("full-contact", "fixed-front-off-vertex", "yield-and-release"), IRREGULAR, (8,))
 
@@ -97,7 +102,7 @@ class Residual(ListedNumbers):
 
 
 def share(group: pd.DataFrame) -> Measured | None:
-    """Return the largest quotient of |R| and its bound; None if a level has no time with contact."""
+    """Return the largest quotient |R| / bound, or None if no time with contact was measured on some level."""
     return greatest(group["bound"].to_numpy()) if group["bound"].notna().all() else None
 
 
@@ -105,7 +110,12 @@ SHARE = Criterion("bound", "|R(t; v)| / (‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(
 
 
 def rules_for(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
-    """Return the criteria of a case, with the windows for smooth v and for v = Π^h u − u."""
+    """Return the criteria of a case.
+
+    Args:
+        window: the tolerance window for smooth v.
+        cancelling: the tolerance window for v = Π^h u − u, for which terms nearly cancel.
+    """
     return (
         finest("smooth", "|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term, smooth v", window, "smooth v"),
         finest("remainder", "|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term of R, v = Π^hu − u", cancelling, "Π^hu − u"),
@@ -114,7 +124,10 @@ def rules_for(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
 
 
 def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
-    """Return the largest defects over the times, and the largest |R| / bound, which is NaN without contact."""
+    """Return the largest defects of R(t; v) = ∫_{Γ3} σ_ν v_ν over the times, and the largest quotient |R| / bound.
+
+    The quotient is NaN if there is no contact at these times.
+    """
     found: dict[str, list[float]] = {"smooth v": [], "Π^hu − u": [], "bound": []}
     for time in (fraction * solution.body.T for fraction in TIMES):
         cut = cut_at_fronts(solution, time)
@@ -132,15 +145,16 @@ def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
 
 
 FunctionOfV = tuple[Callable[[CellRule], tuple[Vectors, Tensors]], Callable[[Part, FacetRule], Vectors]]
-"""A function v ∈ V at one time, as two functions.
+"""A test field v at one time, given by its values in cells and on facets.
 
-The first returns the values of v (d, cells, points) and the strains (D, cells, points) at the points of a cell rule.
-The second returns the values of v at the points of a facet rule on a part of the boundary, (d, facets, points).
+It is a pair of functions. The first returns the values of v (d, cells, points) and the strains (D, cells, points) at
+the points of a cell rule. The second returns the values of v at the points of a facet rule on a part of the boundary,
+(d, facets, points).
 """
 
 
 def smooth_fields(space: Space) -> list[FunctionOfV]:
-    """Return random waves that vanish on Γ1."""
+    """Return smooth test fields: random waves that vanish on the clamped boundary Γ1."""
     rng, clamped = np.random.default_rng(SEED), planes(space.body, Kind.CLAMPED)
 
     def wave() -> FunctionOfV:
@@ -151,7 +165,7 @@ def smooth_fields(space: Space) -> list[FunctionOfV]:
 
 
 def interpolation_error(solution: ExactSolution, space: Space, time: float) -> FunctionOfV:
-    """Return v = Π^h u(t) − u(t)."""
+    """Return the interpolation error of the exact solution as a test field, v = Π^h u(t) − u(t)."""
     mesh, nodal = space.mesh, solution.at(space.mesh.p).displacement(time)
     strains = space.strain(space.interpolate(nodal))
 
@@ -169,14 +183,14 @@ def interpolation_error(solution: ExactSolution, space: Space, time: float) -> F
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """The terms of R for several v, each of shape (v,).
+    """The terms of the residual R(t; v) at one time, each for several test fields v, (fields,).
 
     Attributes:
-        stress: (σ, ε(v))_Q.
-        body: (f_0, v)_H.
-        loaded: (f_2, v)_{L²(Γ2)}.
-        contact: ∫_{Γ3} σ_ν v_ν.
-        bound: ‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)}.
+        stress: the work of the stress, (σ, ε(v))_Q.
+        body: the work of the body force, (f_0, v)_H.
+        loaded: the work of the surface load, (f_2, v)_{L²(Γ2)}.
+        contact: the work of the contact force, ∫_{Γ3} σ_ν v_ν.
+        bound: the bound of this work, ‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)}.
     """
 
     stress: Array
@@ -187,18 +201,21 @@ class Terms:
 
     @property
     def residual(self) -> Array:
-        """R(t; v) by its definition."""
+        """The residual R(t; v) by its definition: the work of the stress minus the work of both loads."""
         return self.stress - self.body - self.loaded
 
     @property
     def shares(self) -> Array:
-        """Return |R| / bound for those v whose bound is not zero up to round-off; empty without contact."""
+        """Return the quotients |R| / bound for the test fields whose bound is not zero up to round-off.
+
+        The result is empty if there is no contact.
+        """
         given = ~(self.bound <= ROUND_OFF * np.linalg.norm(self.stress))
         return abs(self.residual[given]) / self.bound[given]
 
 
 def terms(solution: ExactSolution, space: Space, time: float, functions: Sequence[FunctionOfV]) -> Terms:
-    """Return the terms of R for several v, integrated by the fine rules."""
+    """Return the terms of the residual for several test fields at one time, by fine quadrature rules."""
     stress, body, loaded, contact, square, pressed = np.zeros((6, len(functions)))
     for rule in rules(solution, space.mesh, FINE[space.dim]):
         exact = solution.at(rule.points)
@@ -221,7 +238,7 @@ def terms(solution: ExactSolution, space: Space, time: float, functions: Sequenc
 
 
 def touches(solution: ExactSolution, space: Space) -> bool:
-    """Return whether σ_ν ≠ 0 anywhere on Γ3 at any of the instants."""
+    """Return whether an exact solution has contact, that is, σ_ν ≠ 0 at some point of Γ3 and some time."""
     for face in solution.faces:
         exact = solution.on(face, on_facets(space, face.part, face.rough).s)
         least = ROUND_OFF * exact.stress_scale()
@@ -231,5 +248,11 @@ def touches(solution: ExactSolution, space: Space) -> bool:
 
 
 def on_facets(space: Space, part: Part, rough: tuple[float, ...] = ()) -> FacetRule:
-    """Return the fine rule on a part of the boundary."""
+    """Return a fine quadrature rule on a part of the boundary.
+
+    Args:
+        space: the P1 space with the mesh.
+        part: the part of the boundary.
+        rough: coordinates on the part at which the integrand is not smooth.
+    """
     return facet_rule(space.mesh, space.facets(part), part, rough, POINTS)

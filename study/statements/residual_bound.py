@@ -1,17 +1,19 @@
-"""(5.27): |R(s; v)| ≤ (‖u̇‖_{L∞(V)} + L ‖u‖_{L∞(V)} + ‖G(·, 0)‖_Q/√m_A + ‖f‖_{L∞(V)}) ‖v‖_V, with L = L_G/m_A.
+"""(5.27): a bound of the residual R in V, with a term that is missing in the paper.
 
-This follows from (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The paper prints the
+The bound is |R(s; v)| ≤ (‖u̇‖_{L∞(V)} + L ‖u‖_{L∞(V)} + ‖G(·, 0)‖_Q/√m_A + ‖f‖_{L∞(V)}) ‖v‖_V with L = L_G/m_A. It
+follows from (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The paper prints the
 bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q. **Measured and judged** are two cases:
 
-* *For exact solutions,* R(s; ·) is the functional on V^h of its definition, ‖R(s)‖² = RᵀM⁻¹R, and its largest norm over
-  the times is compared with the bound. Predicted: a twentieth to a half, as the four norms are not attained together,
-  and R is the work of the contact force, as large as the load where contact carries the load. In ``advance-recede`` it
-  is less, 0.009, because nearly all of the load bends the body away from the foundation. So the window has no lower
-  end. ``double-well`` has a G(·, 0) that is not zero.
-* *With G(x, ε) − G(x, 0) + A ε(z) for G,* z = −M⁻¹Nᵀμ with random μ > 0, without load or initial displacement. Then
-  u^h ≡ 0 solves Problem 5.1 if R(s; v) = (A ε(z), ε(v))_Q ≥ 0 on K^h, that is, if −R lies in the cone {Nᵀλ : λ ≥ 0}.
-  R is not zero, while the printed bound is zero for every c, so it is wrong. With the term of G(·, 0) the bound holds:
-  ‖R‖ = ‖z‖_V over ‖A ε(z)‖_Q/√m_A lies between √(m_A/‖A‖), as ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V, and 1.
+* *Exact solutions.* R(s; ·) is computed from its definition as a functional on V^h, with ‖R(s)‖² = RᵀM⁻¹R. Its largest
+  norm over the times is divided by the bound. Predicted quotients are 1/20 to 1/2: the four norms are not attained
+  together, and R is the work of the contact force, which is as large as the load where contact carries the load. In
+  ``advance-recede`` the quotient is only 0.009, because nearly all of the load bends the body away from the foundation.
+  So the window has no lower end. ``double-well`` has a G(·, 0) that is not zero.
+* *A body at rest with a stress.* G is replaced by G(x, ε) − G(x, 0) + A ε(z) with z = −M⁻¹Nᵀμ and random μ > 0. There
+  is no load and no initial displacement. Then u^h ≡ 0 solves Problem 5.1 if R(s; v) = (A ε(z), ε(v))_Q ≥ 0 on K^h, that
+  is, if −R lies in the cone {Nᵀλ : λ ≥ 0}. R is not zero, but the printed bound is zero for every c, so it is wrong.
+  With the term of G(·, 0) the bound holds: the quotient of ‖R‖ = ‖z‖_V and ‖A ε(z)‖_Q/√m_A is at most 1. It is at least
+  √(m_A/‖A‖), because ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ from study.statements.shared.norms import Energies, dual_norm, midpoints
 from study.statements.thm_4_2 import beyond
 
 INSTANTS = 32
-"""Number of times at which the norms are computed."""
+"""Number of times over which maxima of norms are taken."""
 TERM_BY_TERM = positive_at_most(1.0, "proved")
 AT_REST = positive_at_most(1e-10, "0 up to rounding: u^h ≡ 0 is the solution, although the printed bound is 0")
 ATTAINED = Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)")
@@ -42,7 +44,10 @@ NEVER = at_most(1 + ROUNDING, "proved")
 
 
 class ResidualBound(ListedNumbers):
-    """Compares R with its bound, for exact solutions, and for G(·, 0) ≠ 0 at rest, where the printed bound is 0."""
+    """Compares the norm of the residual R with its bound.
+
+    This is done for exact solutions, and for a body at rest with G(·, 0) ≠ 0, for which the printed bound is 0.
+    """
 
     label = "(5.27)"
     claim = "|R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(0,T;V)} + ‖G(·, 0)‖_Q) ‖v‖_V, c and G(·, 0) explicit"
@@ -63,7 +68,10 @@ class ResidualBound(ListedNumbers):
 
 
 def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete, law: KelvinVoigt) -> float:
-    """Return max_s ‖R(s)‖ on V^h over the bound, for the exact solution."""
+    """Return the largest norm of the residual over time divided by its bound, for an exact solution.
+
+    The residual is a functional on V^h.
+    """
     riesz, exact, rows = Cholesky(problem.M), energies.exact, []
     for time in midpoints(v_norm.space.body.T, INSTANTS):
         strain, rate, load = exact.strain(time), exact.strain_rate(time), v_norm.load(time)
@@ -77,7 +85,12 @@ def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete,
 
 
 def at_rest(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> dict[str, float]:
-    """Return how far u^h ≡ 0 is from a solution for G(·, 0) = A ε(z), and ‖R‖ over its upper and its lower bound."""
+    """Return the measured numbers for a body at rest with the stress G(·, 0) = A ε(z).
+
+    Returns:
+        "rest": how far u^h ≡ 0 is from a solution. "prestress" and "attained": the norm ‖R‖ of the residual divided by
+        its upper bound, and by its lower bound.
+    """
     stress = prestress(space, problem, law)
     R = space.functional(stress)
     share = dual_norm(R, Cholesky(problem.M)) / np.sqrt(np.sum(space.volumes * stress**2) / law.A.ellipticity)
@@ -86,6 +99,6 @@ def at_rest(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> dict[str, 
 
 
 def prestress(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> Tensors:
-    """Return A ε(z) on the cells, z = −M⁻¹Nᵀμ for random μ > 0."""
+    """Return the stress A ε(z) of random contact forces on the cells: z = −M⁻¹Nᵀμ with random μ > 0."""
     multipliers = np.random.default_rng(SEED).uniform(size=problem.N.shape[0])
     return on_cells(space, law).A(space.strain(-Cholesky(problem.M)(problem.N.T @ multipliers)))

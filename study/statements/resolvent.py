@@ -1,7 +1,8 @@
 """(4.4), (4.5), (5.6): the operator ∂ψ_K + B + (L_G/m_A) I is maximal monotone, so Theorem 2.2 applies to it.
 
-The test is made on V^h, with L = L_G/m_A. The term L I is needed only if G is not monotone. Therefore each law of the
-catalogue is used with G and with −G, which satisfies (3.2) as well.
+Here ψ_K is the indicator function of K, and B the elasticity operator of (4.2). The test is made on the P1 space V^h,
+with L = L_G/m_A. The term L I is needed only if G is not monotone. Therefore each law of the catalogue is used with G
+and with −G, which satisfies (3.2) as well.
 
 * *Monotone.* For pairs of points (u, g) and (u', g') of the graph of ∂ψ_K
 
@@ -21,11 +22,11 @@ catalogue is used with G and with −G, which satisfies (3.2) as well.
   equation w ∈ u + λ(∂ψ_K(u) ± Bu) is solved by iterating u ↦ P(w ∓ λBu), where P is the projection onto K^h in ‖·‖_V.
   The map is a contraction with the factor 1/2. Nonnegative least squares then decides whether w − u ∓ λBu lies in
   ∂ψ_K(u). Predicted: yes, up to round-off.
-* *The resolvent* J = (I + λ(∂ψ_K ± B))⁻¹. If ∂ψ_K ± B + ωI is monotone, then
+* *Lipschitz resolvent.* Let J = (I + λ(∂ψ_K ± B))⁻¹ be the resolvent. If ∂ψ_K ± B + ωI is monotone, then
 
       ‖Jw − Jw'‖_V ≤ (1 − λω)⁻¹ ‖w − w'‖_V.
 
-  For −G ω = L, so the factor is 2. For G ω is the number that the law states, 0 for a monotone G. Large quotients are
+  For −G, ω = L, so the factor is 2. For G the law states the number ω, which is 0 for a monotone G. Large quotients are
   searched around a point w deep inside K^h, where J = (I ± λB)⁻¹, by a power iteration: the next step is
   J(w + d) − J(w). Predicted for the quotient over its bound:
 
@@ -58,11 +59,15 @@ from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
 PAIRS, CLIMBS = 8, 20
-"""Number of random pairs for each size of strains, and number of steps of the search for large quotients of J."""
+"""Number of random pairs of functions for each size of strains.
+
+The second number is how many steps the search for large difference quotients of the resolvent makes."""
 SETTLED, MOST = 1e-12, 80
-"""Relative distance at which the iteration for J stops, and its largest number of steps: 2⁻⁴⁰ = 1e-12."""
+"""Relative distance at which the iteration for the resolvent stops, and its largest number of steps.
+
+Each step halves the distance, and 2⁻⁴⁰ = 1e-12."""
 INSIDE = 1e3
-"""Distance from the boundary of K^h, over the size of a step, at which large quotients of J are searched."""
+"""Distance from the boundary of K^h at which large quotients of the resolvent are searched, in units of a step."""
 NEVER = at_most(1e-12, "never positive, up to rounding", low=-np.inf)
 USED = Window(0.02, 1 + ROUNDING, "G or −G; a value of 0 would mean that the term (L_G/m_A) I is not needed")
 ONTO = positive_at_most(1e-10, f"an iteration stops at {SETTLED:g}")
@@ -71,7 +76,10 @@ SHRINKING = Window(0.6, 1 + ROUNDING, "at least 2/3 of the bound is reached, bec
 
 
 class Resolvent(ListedNumbers):
-    """Tests the operator for G and −G, for each law of the catalogue."""
+    """Tests whether the operator of the evolution problem is maximal monotone, up to a multiple of the identity.
+
+    It is ∂ψ_K + B + (L_G/m_A) I, and is tested for each material law, with its elasticity G and with −G.
+    """
 
     label = "(4.4), (4.5), (5.6)"
     claim = "∂ψ_K + B + (L_G/m_A) I is a maximal monotone operator"
@@ -105,7 +113,7 @@ class Resolvent(ListedNumbers):
 
 
 def random_functions(space: Space, rng: np.random.Generator) -> Iterator[Array]:
-    """Yield random functions with strains on both sides of any yield point."""
+    """Yield random P1 functions with strains on both sides of the yield point of every law."""
     for strain in STRAINS:
         for _ in range(PAIRS):
             v = rng.standard_normal(space.dofs)
@@ -113,16 +121,18 @@ def random_functions(space: Space, rng: np.random.Generator) -> Iterator[Array]:
 
 
 def monotonicity(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, float]:
-    """Return the largest violations of monotonicity over random pairs of points of the graph.
+    """Return how far ∂ψ_K and ∂ψ_K ± B are from monotone, over random pairs of points of their graphs.
 
-    They are −(g − g', u − u')_V relative to the norms, and −(g − g' ± Bu ∓ Bu', u − u')_V / (L ‖u − u'‖_V²).
+    Let (u, g) and (u', g') be points of the graph of ∂ψ_K. For ∂ψ_K alone the violation is the largest
+    −(g − g', u − u')_V, relative to the norms. For ∂ψ_K ± B it is the largest quotient of
+    −(g − g' ± Bu ∓ Bu', u − u')_V and L ‖u − u'‖_V².
     """
     rng, normal, used = np.random.default_rng(SEED), [], []
     points = zip(random_functions(space, rng), random_functions(space, rng), strict=True)
     for one, other in points:
         (u, force), (v, reaction) = in_graph(space, one, rng), in_graph(space, other, rng)
         step, change = u - v, force - reaction
-        # Products in V are computed as values of functionals, so no representative in V^h is needed.
+        # Functionals are applied to functions here, which saves the computation of Riesz representatives in V^h.
         normal.append(-(change @ step) / (np.linalg.norm(change) * np.linalg.norm(step)))
         elastic = problem.elastic(u) - problem.elastic(v)
         square = L * (step @ (problem.M @ step))
@@ -131,18 +141,24 @@ def monotonicity(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, 
 
 
 def in_graph(space: Space, v: Array, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Return u ∈ K^h near v, and Nᵀμ of a g ∈ ∂ψ_K(u): μ ≥ 0 where v_ν would be positive, of the size of v."""
+    """Return a random point of the graph of ∂ψ_K: a displacement u ∈ K^h near v, and contact forces in ∂ψ_K(u).
+
+    The contact forces Nᵀμ have random μ ≥ 0 at the vertices where v would penetrate; u has u_ν = 0 there.
+
+    Returns:
+        u and Nᵀμ, (dofs,) each.
+    """
     normal = space.N @ v
     u = with_trace(space, v, np.minimum(normal, 0.0))
     return u, space.N.T @ np.where(normal > 0, rng.uniform(size=len(normal)) * abs(normal).max(), 0.0)
 
 
 class Inverse:
-    """Computes the resolvent J = (I + λ(∂ψ_K + B))⁻¹.
+    """The resolvent J = (I + λ(∂ψ_K + B))⁻¹, computed by a fixed-point iteration.
 
     Args:
-        problem: gives B, K^h and the inner product of V.
-        scale: λ; a negative value stands for −G.
+        problem: the semi-discrete problem, which defines B, K^h and the inner product of V.
+        scale: λ. If it is negative, the resolvent is computed for −G and |λ|.
     """
 
     def __init__(self, problem: SemiDiscrete, scale: float) -> None:
@@ -150,7 +166,10 @@ class Inverse:
         self._project = Signorini(problem.M, problem.N)
 
     def __call__(self, w: Array) -> Array:
-        """Return J w, by the fixed point of u ↦ P(w − λBu)."""
+        """Return Jw, the resolvent applied to w.
+
+        It is the fixed point of u ↦ P(w − λBu), where P is the projection onto K^h.
+        """
         problem, scale, given = self.problem, self.scale, self.problem.M @ w
         return fixed_point(
             lambda u: self._project(given - scale * problem.elastic(u))[0],
@@ -161,10 +180,10 @@ class Inverse:
         )[0]
 
     def defect(self, w: Array) -> float:
-        """Return the distance of w − u − λBu from ∂ψ_K(u) for u = Jw, relative to its terms.
+        """Return how far u = Jw is from a solution of w ∈ u + λ(∂ψ_K(u) + Bu), relative to the terms.
 
-        The result is the largest of the distance from the cone, the violation of u ∈ K^h, and the violation of
-        complementarity.
+        The residual w − u − λBu must be in ∂ψ_K(u). The result is the largest of three violations: the distance of the
+        residual from the cone of contact forces, the penetration of u, and the violation of complementarity.
         """
         problem, u = self.problem, self(w)
         terms = problem.M @ w, -problem.M @ u, -self.scale * problem.elastic(u)
@@ -174,7 +193,10 @@ class Inverse:
 
 
 def lipschitz_quotients(space: Space, J: Inverse) -> Iterator[float]:
-    """Yield ‖Jw − Jw'‖_V / ‖w − w'‖_V of random pairs, and of pairs inside K^h that are improved step by step."""
+    """Yield quotients ‖Jw − Jw'‖_V / ‖w − w'‖_V of the resolvent.
+
+    They come from random pairs, and from a power iteration inside K^h that searches large quotients.
+    """
     problem = J.problem
     functions = list(random_functions(space, np.random.default_rng(SEED)))
     for one, other in zip(functions[::2], functions[1::2], strict=True):

@@ -1,24 +1,24 @@
-"""(4.16)–(4.27): a step in the proof of Theorem 4.2, tested on V^h: a solution of Problem 3.2 cannot have u(t) ∉ K.
+"""(4.16)–(4.27), a step in the proof of Theorem 4.2: solutions of the stress problem (Problem 3.2) do not penetrate.
 
-The proof supposes that {u, σ} solves Problem 3.2 with u(t) ∉ K, and finds two stresses of Σ(t) that refute (3.15).
-Let P be the projection on K^h in ‖·‖_V, f(t) the load of a case,
+The proof supposes that {u, σ} solves Problem 3.2 with u(t) ∉ K, and finds two admissible stresses that contradict
+(3.15). The argument is tested on the P1 space V^h. Let P be the projection onto K^h in ‖·‖_V, f(t) the load of a case,
 
     τ̃ = A ε(Pu − u),   σ̃ = A ε(f(t)),   α = −‖Pu − u‖_V²/2,
 
-and σ any member of Σ^h(t). The steps are, for all v ∈ K^h:
+and σ any member of Σ^h(t), the set of admissible stresses. The steps are, for all v ∈ K^h:
 
 * (4.16), (4.23): (τ̃, ε(v))_Q ≥ 0, that is, −(τ̃, ε(·))_Q lies in the cone {Nᵀλ : λ ≥ 0};
 * (4.17)–(4.20): (τ̃, ε(u))_Q < α < 0. Since K^h is a cone, (Pu − u, Pu)_V = 0, so −(τ̃, ε(u))_Q = ‖Pu − u‖_V².
-  Predicted is the quotient 1 of both sides. If it were at most 1/2, α would not lie above (τ̃, ε(u))_Q; if it were
-  not 1, P would not be the projection;
+  So the quotient of both sides is predicted to be 1. If it were at most 1/2, α would not lie above (τ̃, ε(u))_Q. If it
+  were not 1, P would not be the projection;
 * (4.24), and before it (4.25) and (4.27): τ̃ + σ̃ and 2σ − σ̃ lie in Σ^h(t);
 * (4.25)–(4.27): for the two stresses τ = τ̃ + σ̃ and τ = 2σ − σ̃ the numbers (τ − σ, ε(u))_Q add up to (τ̃, ε(u))_Q.
-  So one of them is at most half of it, which is negative, and (3.15) fails for every σ, as u ∉ K^h. For σ = σ̃ + τ̃/2
-  both are half of it; for random σ one is much less. Predicted for the least of the numbers over half of (τ̃, ε(u))_Q
-  is 1, attained for σ = σ̃ + τ̃/2.
+  So one of them is at most half of this sum, which is negative, and (3.15) fails for every σ. For σ = σ̃ + τ̃/2 both
+  numbers are half of the sum; for random σ one is much less. Predicted is that the smallest number divided by half of
+  the sum is 1, attained for σ = σ̃ + τ̃/2.
 
-Only P uses the contact solver; nonnegative least squares decides whether a functional lies in the cone. This tests the
-argument on V^h. It does not test that there is no solution outside K, which Problem 3.2 itself decides (Thm 4.2).
+Only P uses the contact solver; nonnegative least squares decides whether a functional lies in the cone. This file tests
+the argument of the proof. The statements on Thm 4.2 test whether computed solutions of Problem 3.2 lie in K.
 """
 
 from __future__ import annotations
@@ -47,15 +47,15 @@ from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
 COUNT = 12
-"""Number of random u for which all constraints are random, and number of random u that violate one constraint."""
+"""Number of random displacements that violate many constraints, and of random displacements that violate just one."""
 INSTANT = 0.61
-"""Fraction of T at which f and Σ^h are taken."""
+"""Time at which the load and the admissible stresses are taken, as a fraction of the final time T."""
 CONE = positive_at_most(1e-10, "0 up to rounding")
 HALFWAY = around(1, 1e-9, "equality up to rounding")
 
 
 class Separation(ListedNumbers):
-    """Tests the four steps of the proof for random u ∉ K^h and random σ ∈ Σ^h(t), on each body."""
+    """Tests the steps of the proof for random penetrating displacements and random admissible stresses."""
 
     label = "(4.16)–(4.27)"
     claim = "τ̃ = A ε(P u − u) separates a u outside K from K, and then (3.15) fails for every σ ∈ Σ(t)"
@@ -87,20 +87,23 @@ class Separation(ListedNumbers):
 
 
 def refutation(space: Space, problem: SemiDiscrete, A: AtPoints, load: Array) -> dict[str, float]:
-    """Return the extreme values in the four steps over all u and σ.
+    """Return for each step of the proof its extreme value over random u ∉ K^h and random σ ∈ Σ^h(t).
+
+    The module docstring lists the steps and the quotients that are measured.
 
     Args:
-        problem: gives the inner product of V and K^h.
+        space: the P1 displacement space.
+        problem: the semi-discrete problem, which defines K^h and the inner product of V.
         A: the viscosity on the cells.
-        load: the functional (f(t), ·)_V.
+        load: the load vector of f(t), (dofs,).
     """
 
     def work(stress: Tensors, v: Array) -> float:
-        """Return (τ, ε(v))_Q."""
+        """Return the work (τ, ε(v))_Q of a stress on the strain of v."""
         return float(np.sum(space.volumes * stress * space.strain(v)))
 
     def distance(stress: Tensors) -> float:
-        """Return the distance of a stress from Σ^h(t), relative to its size."""
+        """Return how far a stress is from the set Σ^h(t) of admissible stresses, relative to its size."""
         functional = space.functional(stress)
         return beyond(load - functional, problem.N) / float(np.linalg.norm(functional))
 
@@ -131,15 +134,15 @@ def refutation(space: Space, problem: SemiDiscrete, A: AtPoints, load: Array) ->
 
 
 def projected(problem: SemiDiscrete, u: Array) -> Array:
-    """Return P u, the member of K^h nearest to u in ‖·‖_V."""
+    """Return the projection of u onto K^h: the nearest P1 function in ‖·‖_V that does not penetrate."""
     return Signorini(problem.M, problem.N)(problem.M @ u)[0]
 
 
 def separating(space: Space, A: AtPoints, v: Array) -> Tensors:
-    """Return A ε(v) on the cells."""
+    """Return the stress A ε(v) of a displacement on the cells, the form of both stresses τ̃ and σ̃ of the proof."""
     return A(space.strain(v))
 
 
 def reflected(sigma: Tensors, balanced: Tensors) -> Tensors:
-    """Return 2σ − σ̃."""
+    """Return 2σ − σ̃, the second of the two stresses that contradict (3.15)."""
     return 2 * sigma - balanced

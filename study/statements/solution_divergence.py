@@ -1,20 +1,21 @@
-"""(4.4) and Theorem 2.2 for G that is not monotone: two solutions diverge like e^{ct}, and not faster than e^{ωt}.
+"""(4.4) and Theorem 2.2 for softening materials: two solutions diverge like e^{ct}, and never faster than e^{ωt}.
 
 (4.4) says that B + ωI is monotone for ω = L_G/m_A. Then Theorem 2.2 says for two solutions of Problem 5.1
 
     ‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V).
 
-For a monotone G this holds even with ω = 0. Therefore the test uses the law of a case that softens, with G scaled such
-that L_G/m_A = ω, and an *even* law, A τ = 2τ and G τ = −2ω τ. T and ω vary over two decades. Predicted before
-measuring:
+For a monotone G this holds even with ω = 0. Therefore the test uses two laws with G that is not monotone: the law of a
+case that softens, with G scaled such that L_G/m_A = ω, and an *even* law, A τ = 2τ and G τ = −2ω τ. T and ω vary over
+two decades. Predicted before measuring:
 
 * *Even law.* B = −ωI. If u_0 − v_0 moves no vertex of Γ3 along ν, both solutions have the same contact forces, so
-  u − v = e^{ωt} (u_0 − v_0), whatever happens at contact. The bound is attained, so no smaller ω is possible.
-* *Law of the case.* Γ3 is pressed so hard that no vertex leaves it. The difference of two starts along an eigenvector
-  of G'(S) against M in {v : Nv = 0} grows like e^{ct} as long as the material softens, where −c is the least
-  eigenvalue. The rate c is found without time steps. c ≤ max(−m, 0)/m_A ≤ ω, m the constant of monotonicity.
-* *Other pairs of solutions*, with different loads or initial displacements, under the moving contact of the case: the
-  distance is never above the bound.
+  u − v = e^{ωt} (u_0 − v_0), wherever contact occurs. The bound is attained, so no smaller ω is possible.
+* *Law of the case.* A load presses Γ3 so hard that no vertex leaves the foundation. The difference of two starts along
+  an eigenvector of G'(S) against M in {v : Nv = 0} grows like e^{ct} as long as the material softens, where −c is the
+  least eigenvalue. The rate c is computed without time steps. It satisfies c ≤ max(−m, 0)/m_A ≤ ω, where m is the
+  constant of monotonicity of G.
+* *Other pairs of solutions*, with different loads or initial displacements and with the moving contact of the case:
+  their distance never exceeds the bound.
 
 *In time.* A step of the midpoint rule multiplies an eigenvector by (1 + z/2)/(1 − z/2), z = ck. So the measured rate is
 c (1 + z²/12 + …), too large by 3.3e-4 for z ≤ 1/16. A step of backward Euler is the resolvent of an operator that is
@@ -48,30 +49,33 @@ from study.statements.shared.norms import maximum, norm
 from study.statements.wellposed import Perturbation, along_the_contact, perturbations, quotients, smooth
 
 SWEEP = tuple((omega, T) for omega in (0.1, 1.0, 10.0) for T in (0.1, 1.0, 10.0) if omega * T <= 10)
-"""The pairs (ω, T); ωT is between 1/100 and 10, so e^{ωT} is up to 2e4."""
+"""The pairs (ω, T) of rates and final times. ωT is between 1/100 and 10, so e^{ωT} is at most 2e4."""
 SHORT = 16
-"""Least number of time steps in an interval of length 1/ω and in [0, T]."""
+"""Smallest number of time steps in an interval of length 1/ω and in [0, T]."""
 KINDS = 5
-"""Number of perturbations, one of each kind."""
+"""Number of perturbations of the data, one of each kind."""
 SMALL = 0.01
-"""Largest strain at T of the solution along an eigenvector; it is far inside K, where the law is linear."""
+"""Largest strain at the final time of the solution along an eigenvector. It is so small that the law is linear."""
 SEEN = around(1, 1e-3, "the midpoint rule changes the rate by at most 3.3e-4")
 NEVER = positive_at_most(1 + 1e-7, "proved; tolerance for fixed-point iterations")
 ATTAINED = Window(1 - 1e-7, 1 + 1e-7, "equality up to rounding, because B = −ωI")
 
 
 def column(law: str, what: str, omega: float, T: float) -> str:
-    """Return the name of the column for one pair (ω, T)."""
+    """Return the name of the column with a measured number of a law for one pair (ω, T)."""
     return f"{law} {what}, ω = {omega:g}, T = {T:g}"
 
 
 def columns(law: str, what: str) -> list[str]:
-    """Return the names of the columns of a law for all pairs (ω, T)."""
+    """Return the names of the columns with a measured number of a law, one for each pair (ω, T)."""
     return [column(law, what, omega, T) for omega, T in SWEEP]
 
 
 class SolutionDivergence(ListedNumbers):
-    """Measures rates of growth of differences over predicted rates, and differences over their bound."""
+    """Measures how fast two solutions diverge.
+
+    Rates of growth are divided by predicted rates, and distances of solutions by their bound.
+    """
 
     label = "Thm 2.2, (4.4)"
     effort = 150
@@ -92,7 +96,7 @@ class SolutionDivergence(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup, law = Experiment.at(setting, MIDPOINT, 1), resolve(setting.case).solution.law
-        # Cached, because the steps for all laws and all T need the load at the same few times.
+        # Loads are cached, because the steps for all laws and all T need them at the same few times.
         load = lru_cache(maxsize=None)(setup.problem.load)
         setup = replace(setup, problem=replace(setup.problem, load=lambda t: load(round(t, 9))))
         found: dict[str, float] = {}
@@ -104,12 +108,12 @@ class SolutionDivergence(ListedNumbers):
 
 
 def even_law(dim: int, omega: float) -> KelvinVoigt:
-    """Return the law with A τ = 2τ and G τ = −2ω τ."""
+    """Return the softening law with A τ = 2τ and G τ = −2ω τ, for which all differences grow at the rate ω."""
     return KelvinVoigt(isotropic(1, 0, dim), Indefinite(isotropic_matrix(-omega, 0, dim)), "even")
 
 
 def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
-    """Return the law with G scaled such that L_G/m_A = ω.
+    """Return a law with its elasticity G multiplied by a number such that L_G/m_A = ω.
 
     Raises:
         TypeError: G is neither linear nor combined.
@@ -126,11 +130,13 @@ def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
 
 
 def softest_mode(space: Space, law: KelvinVoigt) -> tuple[float, Array, Array]:
-    """Return the mode of {Nv = 0} that grows fastest for the law linearised at zero strain.
+    """Return the displacement that grows fastest while all contact vertices stay in contact (Nv = 0).
+
+    The law is linearised at zero strain.
 
     Returns:
-        c, v and the contact force that enforces Nv = 0, (m,): v is the eigenvector of G'(0) against M in {Nv = 0} with
-        the least eigenvalue −c, (dofs,).
+        The rate of growth c; the displacement v, (dofs,); and the contact force that enforces Nv = 0, (m,). Among the
+        displacements with Nv = 0, v is the eigenvector of G'(0) with respect to M with the smallest eigenvalue, −c.
     """
     slope = derivative(law.G.at(space.mesh.p[:, :1]), np.zeros((size(space.dim), 1)))[0]
     M, G, N = form(space, law.A).toarray(), space.form(slope).toarray(), space.N.toarray()
@@ -141,15 +147,16 @@ def softest_mode(space: Space, law: KelvinVoigt) -> tuple[float, Array, Array]:
 
 
 def steps_for(law: KelvinVoigt, T: float) -> int:
-    """Return a number of time steps such that the step is at most 1/SHORT of 1/ω and of T."""
+    """Return a number of time steps such that a step is at most the fraction 1/SHORT of 1/ω and of T."""
     return math.ceil(SHORT * max(law.kappa * T, 1.0))
 
 
 def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
-    """Return the measured rate over the predicted rate, log(‖v(T)‖/‖v(0)‖)/(cT), for v(0) along the softest mode.
+    """Return the measured rate of growth of a perturbation divided by the predicted rate c.
 
-    v is the difference of two solutions, one of which is 0 at all times. The load presses both onto the foundation with
-    twice the force that the mode needs, and balances the stress at zero strain.
+    The quotient is log(‖v(T)‖/‖v(0)‖)/(cT). The perturbation v is the difference of two solutions, one of which is 0 at
+    all times; v(0) is a multiple of the softest mode. The load presses both solutions onto the foundation with twice
+    the force that the mode needs, and balances the stress at zero strain.
     """
     c, v, force = softest_mode(space, law)
     strain = abs(space.strain(v)).max()
@@ -163,10 +170,10 @@ def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
 
 
 def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
-    """Return the largest quotient of ‖u_n − v_n‖_V and its bound, for backward Euler.
+    """Return the largest quotient (distance of two solutions) / bound, for backward Euler.
 
-    The bound is (1 − gk)^{−n} (‖u_0 − v_0‖_V + k Σ ‖f_j − g_j‖_V) with g = max(−m, 0)/m_A ≤ ω. u has the load of the
-    setup, with time scaled to T; v has another load or another initial value.
+    The bound of ‖u_n − v_n‖_V is (1 − gk)^{−n} (‖u_0 − v_0‖_V + k Σ ‖f_j − g_j‖_V) with g = max(−m, 0)/m_A ≤ ω. The
+    solution u has the load of the experiment, with time scaled to T; v has another load or another initial value.
     """
     space, steps, pace = setup.space, steps_for(law, T), setup.problem.T / T
     problem = replace(SemiDiscrete.of(space, law, lambda t: setup.problem.load(t * pace), setup.problem.u0), T=T)

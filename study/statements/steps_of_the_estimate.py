@@ -17,7 +17,7 @@ right side minus the left side of (5.12) is
 
     −λ·N v^h + ∫_{Γ3} σ_ν u^h_ν ≥ 0,
 
-with the contact forces λ of the step: (5.1) with v = u^h and (5.3) with v^h leave these terms. The row "slack" tests
+with the contact forces λ of the step: (5.1) with v = u^h and (5.3) with v^h leave these terms. The check "slack" tests
 this equation, which fails whether a side is too large or too small. (5.12) is claimed for every v^h ∈ K^h, so v^h = Π^h
 u, v^h = 0 and random members of K^h are used. Predicted: round-off, because the load of u^h is integrated with the
 stress at the same points as the terms. For law (3.3) the fixed-point iteration leaves 1e-11 of u in (5.3), while
@@ -60,15 +60,15 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import ContactWork, Energies, maximum
 
 NODES = 12
-"""Number of steps of backward Euler; (5.12) is tested at the end of each step."""
+"""Number of steps of backward Euler. The inequality (5.12) is tested at the end of each step."""
 MEMBERS = 2
-"""Number of random members of K^h at each node."""
+"""Number of random admissible displacements v^h ∈ K^h for which (5.12) is tested at each time."""
 STEPS = 96
-"""Number of steps of the midpoint rule."""
+"""Number of steps of the midpoint rule. The inequalities after (5.12) are tested along its solution."""
 INSTANTS = (3, 6, 12, 24, 48, 72, 96)
-"""Numbers of the steps at whose ends both sides are compared."""
+"""The time steps at whose ends both sides of the inequalities are compared, by their numbers."""
 POINTS = 2
-"""Number of Gauss points in each step."""
+"""Number of Gauss points in each time step for integrals over time."""
 
 _BY_WHAT = f"rounding errors; for the law (3.3) also a fixed-point iteration that stops at {FIXED_POINT:g} of u"
 NEVER, EQUAL = at_most(1e-8, _BY_WHAT, low=-np.inf), positive_at_most(1e-8, _BY_WHAT)
@@ -80,7 +80,7 @@ TOGETHER = Window(0.003, 1.0, "1 is proved; 0.01 to 0.1 if e behaves like η")
 
 
 class StepsOfTheEstimate(ListedNumbers):
-    """Measures the ratio of the left and the right side of each inequality, and the defects of the equations."""
+    """Measures the ratio left side / right side of each inequality in the proof, and the defects of its equations."""
 
     label = "(5.11)–(5.16), (5.18), (5.19)"
     claim = "the bounds (5.12), (5.14), (5.16) and (5.19) of ‖u(t) − u^h(t)‖_V² hold at every t, with their constants"
@@ -102,7 +102,10 @@ class StepsOfTheEstimate(ListedNumbers):
 
 
 def at_nodes(setup: Experiment) -> dict[str, float]:
-    """Return the largest violation of (5.12), and the largest defect of its slack, relative to the terms of (5.12)."""
+    """Return the largest violation of the inequality (5.12), and how far its two sides differ from the predicted slack.
+
+    Both are relative to the terms of (5.12). The predicted difference of the sides is the work of contact.
+    """
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
     exact, work, N = energies.exact, energies.work, setup.problem.N
     rng, k = np.random.default_rng(SEED), setup.problem.T / NODES
@@ -114,7 +117,7 @@ def at_nodes(setup: Experiment) -> dict[str, float]:
         left = -work(viscous, strain - discrete)
         for v in members(setup, energies.interpolant(time), rng):
             along = energies.strain(v) - strain
-            # The fourth term is R(·; v), since R(·; u) = 0 by (2.5).
+            # The fourth term is R(·; v) and not R(·; v − u), because R(·; u) = 0 by (2.5).
             right = work(viscous, along), work(elastic, along), work(elastic, strain - discrete), pressed(v, time)
             slack, size = sum(right) - left, abs(left) + sum(map(abs, right))
             contact = pressed(state.u, time) - float(state.multipliers @ (N @ v))
@@ -123,7 +126,7 @@ def at_nodes(setup: Experiment) -> dict[str, float]:
 
 
 def members(setup: Experiment, interpolant: Array, rng: np.random.Generator) -> Iterator[Array]:
-    """Yield Π^h u, 0 and random members of K^h of the size of Π^h u."""
+    """Yield admissible displacements v^h ∈ K^h: the interpolant Π^h u, 0, and random ones of the same size."""
     yield from (interpolant, 0 * interpolant)
     size = abs(interpolant).max()
     for _ in range(MEMBERS):
@@ -133,12 +136,14 @@ def members(setup: Experiment, interpolant: Array, rng: np.random.Generator) -> 
 
 @dataclass(frozen=True)
 class Course:
-    """The quantities of (5.14)–(5.19) at one time t.
+    """The terms of the inequalities (5.14)–(5.19) at one time t.
+
+    Here e = u − u^h is the error and η = u − Π^h u the interpolation error.
 
     Attributes:
-        time: t.
-        e, eta: ‖e(t)‖² and ‖η(t)‖².
-        both: the product (e(t), η(t))_V.
+        time: the time t.
+        e, eta: the squared norms ‖e(t)‖² and ‖η(t)‖² in V.
+        both: the inner product (e(t), η(t))_V.
         integrals: the integrals of (ė, η)_V, (e, η̇)_V, ‖e‖ ‖η‖, ‖e‖², ‖η‖², ‖η̇‖² and |R(·; −η)| over (0, t), (7,).
     """
 
@@ -150,7 +155,7 @@ class Course:
 
 
 def over_time(setup: Experiment) -> dict[str, float]:
-    """Return the largest ratio of the left to the right side over the instants, for each inequality."""
+    """Return for each inequality of the estimate the largest ratio left side / right side over the compared times."""
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
     k, courses, integrals = setup.problem.T / STEPS, [], np.zeros(7)
     for n, (before, state) in enumerate(pairwise(MIDPOINT.march(setup.problem, STEPS)), start=1):
@@ -166,14 +171,28 @@ def over_time(setup: Experiment) -> dict[str, float]:
 
 
 def course(energies: Energies, state: State, integrals: Array) -> Course:
-    """Return the quantities at a node."""
+    """Return the terms of the inequalities of the estimate at a time node.
+
+    Args:
+        energies: computes inner products.
+        state: the discrete solution at the node.
+        integrals: the integrals from 0 to the node, (7,).
+    """
     exact, product = energies.exact.strain(state.time), energies.product
     e, eta = exact - energies.strain(state.u), exact - energies.strain(energies.interpolant(state.time))
     return Course(state.time, product(e, e), product(eta, eta), product(e, eta), integrals)
 
 
 def integrands(energies: Energies, pressed: ContactWork, before: State, state: State, part: float) -> Array:
-    """Return the integrands at a fraction of a step, in which u^h is linear in time, (7,)."""
+    """Return the integrands of the seven integrals in ``Course`` at one time inside a step, (7,).
+
+    The discrete solution is linear in time inside a step.
+
+    Args:
+        energies, pressed: compute inner products and the work of contact.
+        before, state: the discrete solution at both ends of the step.
+        part: the position in the step, between 0 and 1.
+    """
     k = state.time - before.time
     time = before.time + part * k
     strain, rate = energies.exact.strain(time), energies.exact.strain_rate(time)
@@ -188,7 +207,14 @@ def integrands(energies: Energies, pressed: ContactWork, before: State, state: S
 
 
 def shares(start: Course, now: Course, L: float) -> tuple[float, float, float, float, float]:
-    """Return left/right of (5.14), the defect of (5.15) over its largest term, left/right of (5.16), (5.18), (5.19)."""
+    """Return how the formulas (5.14), (5.15), (5.16), (5.18) and (5.19) are satisfied at one time.
+
+    For the equation (5.15) it is the defect divided by the largest term, for the others left side / right side.
+
+    Args:
+        start, now: the terms at the times 0 and t.
+        L: the Lipschitz constant L_G/m_A.
+    """
     t, e0, eta0 = now.time, start.e, start.eta
     rate, parts, mixed, e, eta, eta_rate, R = now.integrals
     by_parts = now.both, -start.both, -parts
@@ -204,5 +230,8 @@ def shares(start: Course, now: Course, L: float) -> tuple[float, float, float, f
 
 
 def ratio(left: float, right: float) -> float:
-    """Return left/right, or infinity if the right side is not positive, which violates every inequality."""
+    """Return left / right, or infinity if the right side is not positive.
+
+    A right side that is not positive violates every inequality.
+    """
     return left / right if right > 0 else np.inf

@@ -1,11 +1,12 @@
-"""The discrete error ‖Π^h u − u^h‖_V is of order 3/2 to 2 on one-diagonal meshes; the paper claims nothing about it.
+"""The discrete error ‖Π^h u − u^h‖_V is superclose: of order 3/2 to 2 on one-diagonal meshes.
 
-The rows of Proposition 5.4 are measured with k ~ h^{2/3}, which is enough for errors of order h. The discrete error is
-smaller, so on fine meshes the error in time of these steps would dominate it. Therefore k ~ h here. If the midpoint
-rule is of order 2, its error is the same share of the discrete error on every mesh. Jumps of u̇ may reduce the order in
-k to 1 (``landings``). So the growth of the share is judged: an order 3/2 in k would double the share over two
-refinements. One case was judged at first and is only reported now, because its ü is not square integrable in time; its
-share is between 1 % and 40 %.
+The paper claims nothing about this error. Proposition 5.4 is measured with time steps k ~ h^{2/3}, which are short
+enough for errors of order h. The discrete error is smaller, so on fine meshes the error in time of these steps would
+dominate it. Therefore k ~ h is used here. Judged is the *time share*, the error in time divided by the discrete error.
+If the midpoint rule is of order 2, the time share is the same on every mesh. Jumps of u̇ may reduce the order in k to 1
+(``landings``). So the growth of the time share is judged: an order 3/2 in k would double it over two refinements. One
+case was judged at first and is now only reported, because its ü is not square integrable in time; its time share is
+between 1 % and 40 %.
 """
 
 from __future__ import annotations
@@ -28,15 +29,18 @@ TIME = positive_at_most(0.3, "of the discrete error, as in Prop. 5.4")
 FAMILY = "one-diagonal"
 ORDER = between(1.5, 2, 0.2, 0.2, "k ~ h, neighbouring triangles form parallelograms")
 STEADY = positive_at_most(2.0, "k^{3/2}/h² with k ~ h doubles over two refinements")
-"""With k ~ h^{2/3} the share of errors of order 2 in k would be 2.5 times as large."""
+"""Window of (time share on the finest level) / (time share on the coarsest level).
+
+With time steps k ~ h^{2/3}, errors of order 2 in k would make the quotient 2.5."""
 
 ROUGH_IN_TIME = "load-w11"
 BY_CHANCE = "ü ~ (t − t_0)^{−3/4}, so that the order in k is below 3/2 and depends on the position of t_0 in a step"
 
 
 class Superclose(ListedNumbers):
-    """Measures the discrete error for the plane cases of Proposition 5.4, and the share of it that is due to time
-    steps.
+    """Measures the discrete error ‖Π^h u − u^h‖_V for the plane cases of Proposition 5.4, and its time share.
+
+    The time share is the error of the time discretisation divided by the discrete error.
     """
 
     label = "superclose"
@@ -80,6 +84,6 @@ class Superclose(ListedNumbers):
         return 2.0 * setting.level**2 * self.steps(setting)
 
     def steps(self, setting: Setting) -> int:
-        """Return an even number of steps, k ~ h."""
+        """Return an even number of time steps with k ~ h."""
         case = resolve(setting.case)
         return stress_steps(case.solution.body.T, setting.level, case.pace)

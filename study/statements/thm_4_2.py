@@ -1,15 +1,16 @@
-"""Theorem 4.2, on the strains of V^h: Problem 3.1 (displacements) and Problem 3.2 (stresses) have the same solution.
+"""Theorem 4.2, on one mesh: the displacement problem (3.1) and the stress problem (3.2) have the same solution.
 
-**Measured.** Problem 3.1 is solved in displacements on K^h, Problem 3.2 in stresses on Σ^h(t) by an interior-point
-method, in which u_n is a multiplier that is not forced into K^h. Both share only the strain matrix, the load and the
-time steps of backward Euler. A row of ``equivalence.csv`` has the largest differences ("gaps") of both over time.
+**The measurement.** Problem 3.1 is solved in displacements on K^h. Problem 3.2 is solved in stresses on Σ^h(t), dual to
+the strains of V^h, by an interior-point method, in which u_n is a multiplier that is not forced into K^h. Both share
+only the strain matrix, the load and the time steps of backward Euler. A row of ``equivalence.csv`` has the *gaps*, the
+largest differences between both solutions over time.
 
-**Tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
+**The tolerance.** The gaps have a bound that can be computed without the exact solution. At step j the interior-point
 method stops with a duality gap g_j. Then ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are
-at most g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.interior_point``). Let ω =
-max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so a step is Lipschitz in ε_{j−1} with q = 1/(1 − kω)
-in the norm of A, which is the norm of V, and A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n} g_j^{1/2}
-for monotone G,
+at most g_j, where σ* and ε* solve the step exactly for the same ε_{j−1} (``study.solve.interior_point``). Let
+ω = max(−m, 0)/m_A, which is 0 for monotone G. Then C ≥ (1 − kω) A/k, so a step is Lipschitz in ε_{j−1} with q = 1/(1 −
+kω) in the norm of A, which is the norm of V, and A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n}
+g_j^{1/2} for monotone G,
 
     ‖u_n(3.2) − u_n(3.1)‖_V ≤ (q k)^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
 
@@ -18,17 +19,17 @@ up to the tolerances of both solvers. The second bound holds because A/k alone c
 G ε = G_0 ε + β(ε − P_K ε) with a linear G_0, where A/k + G_0 and β(ε − P_K ε) are treated separately.
 ``paper/proofs_study.tex`` has the proof.
 
-**Sensitivity.** Two solutions that agree prove nothing if one was computed from the other, or if the comparison is not
-sensitive. So Problem 3.1 alone is solved with a deliberate mistake, flipped normals, ũ ∈ −K^h, while Problem 3.2 is
-unchanged. The gap must show the whole mistake:
+**The sensitivity.** Two solutions that agree prove nothing if one was computed from the other, or if the comparison is
+not sensitive. So Problem 3.1 alone is solved with a deliberate mistake: normals are flipped, which gives ũ ∈ −K^h.
+Problem 3.2 is unchanged. The gap must show the whole mistake:
 
     ‖u(3.2) − ũ(3.1)‖_V / ‖u(3.1) − ũ(3.1)‖_V = 1.
 
 If Problem 3.2 took its solution from Problem 3.1, the ratio would be 0. It would also be 0 if the gap compared a
-solution with itself. A flipped normal matters wherever there is a gap or a pressure, so the ratio is never 0/0. A ratio
-of 1 shows that the comparison is sensitive. It does not show how stresses are computed: a Problem 3.2 that solves its
-own copy of Problem 3.1 has a ratio of 1, too. ``tests/controls/test_controls.py`` computes stresses in a process
-without a displacement solver.
+solution with itself. A flipped normal changes the solution wherever there is a gap or a pressure, so the ratio is never
+0/0. A ratio of 1 shows that the comparison is sensitive. It does not show how stresses are computed: a Problem 3.2 that
+solves its own copy of Problem 3.1 has a ratio of 1, too. ``tests/controls/test_controls.py`` computes stresses in a
+process without a displacement solver.
 
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """
@@ -65,17 +66,18 @@ from study.statements.shared.scope import Scope
 
 
 class Gaps(NamedTuple):
-    """Largest gaps over the steps 1, 2, …, each relative to the largest size of its quantity.
+    """Largest differences of the solutions of the displacement problem (3.1) and the stress problem (3.2), with bounds.
 
-    In ``equivalence.csv`` gaps and bounds are rounded (``magnitudes``).
+    Differences are the largest over all time steps. Each difference and each bound is relative to the largest size of
+    its quantity. In ``equivalence.csv`` differences and bounds are rounded (``magnitudes``).
 
     Attributes:
-        displacement_gap: ‖u_n(3.2) − u_n(3.1)‖_V / max_n ‖u_n(3.1)‖_V.
-        stress_gap: ‖σ_n(3.2) − σ_n(3.1)‖_Q / max_n ‖σ_n(3.1)‖_Q.
-        admissibility: sup of (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with |v| = 1 (nodal values)
-            for σ_n of Problem 3.2, / max_n |F(t_n)|.
-        energy_gap: |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| of Problem 3.2, (4.14), / max_n |(f(t_n), u_n)_V|.
-        membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2, / max_n |u_n|_∞.
+        displacement_gap: difference of the displacements, ‖u_n(3.2) − u_n(3.1)‖_V / max_n ‖u_n(3.1)‖_V.
+        stress_gap: difference of the stresses, ‖σ_n(3.2) − σ_n(3.1)‖_Q / max_n ‖σ_n(3.1)‖_Q.
+        admissibility: violation of σ_n ∈ Σ^h(t_n) by the stress of Problem 3.2. It is the supremum of
+            (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with nodal values |v| = 1, divided by max_n |F(t_n)|.
+        energy_gap: violation of (4.14) by Problem 3.2, |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| / max_n |(f(t_n), u_n)_V|.
+        membership: largest penetration of u_n of Problem 3.2 at a vertex of Γ3, divided by max_n |u_n|_∞.
         displacement_bound: bound of displacement_gap from the duality gaps, (q k)^{1/2} R.
         stress_bound: bound of stress_gap from the duality gaps, (L_A/k + L_G)^{1/2} R.
     """
@@ -91,15 +93,15 @@ class Gaps(NamedTuple):
 
 BOUNDS = ("displacement_bound", "stress_bound")
 COLUMNS = ("case", "form", "level", "h", "steps", *Gaps._fields, "family")
-"""``form`` names the space of strains that is dual to the stresses."""
+"""The columns of ``equivalence.csv``. The column ``form`` names the space of strains that is dual to the stresses."""
 EQUIVALENCE = CsvFile("equivalence.csv", ("case", "family", "level"), COLUMNS)
 
 
 def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[SemiDiscrete, StressProblem]:
-    """Return Problems 3.1 and 3.2 of an exact solution on one mesh.
+    """Return the displacement problem (3.1) and the stress problem (3.2) of an exact solution on one mesh.
 
     Raises:
-        StressError: there is an initial gap.
+        StressError: the exact solution has an initial gap, which Problem 3.2 does not allow.
     """
     if solution.has_initial_gap:
         raise StressError(
@@ -113,7 +115,12 @@ def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[S
 
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
-    """Return the largest differences, over all time steps, between the solutions of both problems.
+    """Solve both problems by backward Euler, and return the largest differences of their solutions over all steps.
+
+    Args:
+        displacements: the displacement problem (3.1).
+        stresses: the stress problem (3.2).
+        steps: the number of time steps.
 
     Raises:
         StepsError: the steps are so long that the problem of a step may have no or several solutions.
@@ -121,7 +128,7 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
     space, law, M = stresses.space, stresses.law, displacements.M
     cells, k, root, radius = on_cells(space, law), step_size(displacements.T, steps), np.sqrt(space.volumes), 0.0
     BACKWARD_EULER.require_unique(k, law.growth)
-    q = 1 / (1 - k * law.growth)  # The Lipschitz constant of a step in ‖·‖_V.
+    q = 1 / (1 - k * law.growth)  # Errors of earlier steps are multiplied at most by this factor in ‖·‖_V.
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
     pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
@@ -146,23 +153,26 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
 
 
 def beyond(defect: Array, N: sps.csr_array) -> float:
-    """Return sup {defect·v : Nv ≤ 0, |v| ≤ 1}, the distance of the defect from the cone {Nᵀλ : λ ≥ 0}."""
+    """Return the distance of a vector from the cone of contact forces {Nᵀλ : λ ≥ 0}.
+
+    The distance equals sup {defect·v : Nv ≤ 0, |v| ≤ 1}.
+    """
     touched = np.unique(N.indices)
     _, distance = nnls(N[:, touched].T.toarray(), defect[touched])
     return float(np.hypot(distance, np.linalg.norm(np.delete(defect, touched))))
 
 
 LEAST = 1e-9
-"""Smaller gaps are reported as this number, because they depend on the iteration at which a solver stops."""
+"""Smallest reported difference. Smaller ones depend on the iteration at which a solver stops."""
 
 
 def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
-    """Return gaps and bounds rounded up to powers of ten, as they depend on the tolerance of the interior-point method.
+    """Return differences of the solutions of both problems, and their bounds, rounded up to powers of ten.
 
-    Gaps and bounds follow from the duality gap at which the method happens to stop. With a tolerance of 0.1 to 2 times
-    1e-15, bounds changed by factors up to 14 and gaps by factors up to 100, so none of their digits means anything.
-    Rounding up is monotone, so a gap that is at most its bound stays so. A gap above its bound is not rounded, and
-    neither is its bound, so that the verdict stays.
+    Only their size is meaningful, because they depend on the duality gap at which the interior-point method happens to
+    stop. With tolerances of 0.1 to 2 times 1e-15, bounds changed by factors up to 14 and differences by factors up to
+    100. Rounding up is monotone, so a difference that is at most its bound remains so. A difference above its bound is
+    not rounded, and neither is its bound, so that rounding does not change the verdict.
 
     Args:
         found: the fields of ``Gaps`` by name.
@@ -176,7 +186,7 @@ def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
 
 
 def compare(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str, Any]:
-    """Return a row of ``equivalence.csv``."""
+    """Return a row of ``equivalence.csv``: the differences of the solutions of both problems for a case on one mesh."""
     displacements, stresses = problems(case.solution, family, level)
     found = gaps(displacements, stresses, steps)._asdict()
     where = {"case": case.name, "form": "strains of V^h", "level": level, "h": stresses.space.h, "steps": steps}
@@ -192,9 +202,10 @@ SHARP = positive_at_most(
 
 
 class SameMesh(Statement):
-    """Measures how much both discrete problems differ, over bounds, and what the solver of Problem 3.2 does not impose.
+    """Measures how far the solutions of the displacement problem (3.1) and of the stress problem (3.2) differ.
 
-    The time scheme is backward Euler with k ~ h/2. The membership is 0 for a displacement inside K^h.
+    Differences are divided by their bounds. Conditions that the solver of the stress problem does not impose, such as u
+    ∈ K^h, are measured as well. The time scheme is backward Euler with k ~ h/2.
     """
 
     label = "Thm 4.2"
@@ -224,7 +235,7 @@ class SameMesh(Statement):
     )
 
     def settings(self, scope: Scope) -> list[Setting]:
-        """Return the settings of every case on coarse levels, because the interior-point method is slow."""
+        """Return the settings: every case on coarse levels only, because the interior-point method is slow."""
         return [
             Setting(reference, family.name, n)
             for reference, case in zip(scope.cases, scope.resolved(), strict=True)
@@ -242,18 +253,19 @@ class SameMesh(Statement):
         return estimates.displacement(setting.dim, setting.level, setting.family)
 
     def steps(self, setting: Setting) -> int:
-        """Return two time steps for every cell along a side."""
+        """Return the number of time steps, two for every cell along a side."""
         return 2 * setting.level
 
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Both problems for one test of the sensitivity of the comparison.
+    """The displacement problem (3.1) and the stress problem (3.2) for a test of the sensitivity of their comparison.
 
     Attributes:
-        displacements: Problem 3.1.
-        stresses: returns the Problem 3.2 that is compared with a given Problem 3.1. The correct Problem 3.2 does not
-            depend on Problem 3.1; a negative control replaces it by a Problem 3.2 that does.
+        displacements: the displacement problem.
+        stresses: the function that returns the stress problem with which a given displacement problem is compared. The
+            correct stress problem does not depend on the displacement problem. A test with a deliberate defect replaces
+            it by one that does.
     """
 
     displacements: SemiDiscrete
@@ -268,17 +280,24 @@ class Sides:
 
 @dataclass(frozen=True, eq=False)
 class Derived(StressProblem):
-    """A wrong Problem 3.2, whose stresses are computed by the law from the ``displacements`` of a Problem 3.1."""
+    """A deliberately wrong stress problem (3.2): its stresses are computed from the solution of a displacement problem.
+
+    Attributes:
+        displacements: the displacement problem.
+    """
 
     displacements: SemiDiscrete
 
     @classmethod
     def compared(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Derived:
-        """Return the wrong problem that replaces ``stresses``."""
+        """Return the wrong stress problem: the data of a correct one, and the solution of a displacement problem."""
         return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
 
     def march(self, steps: int) -> Iterator[StressState]:
-        """Yield the states of backward Euler for displacements, with a duality gap as after a converged solve."""
+        """Yield the solutions of the displacement problem by backward Euler, as if they solved the stress problem.
+
+        Their duality gap is set to the value of a converged interior-point method.
+        """
         k, law, old = self.displacements.T / steps, on_cells(self.space, self.law), self.space.strain(self.u0)
         yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, np.full(self.N.shape[0], np.nan), 0.0)
         for _, state in pairwise(BACKWARD_EULER.march(self.displacements, steps)):
@@ -289,14 +308,16 @@ class Derived(StressProblem):
 
 
 def independence(sides: Sides, steps: int) -> dict[str, float]:
-    """Return the share of a mistake in Problem 3.1 that the gaps show: 1 if they show all of it, 0 if none.
+    """Return how much of a mistake in the displacement problem its comparison with the stress problem shows.
 
-    The mistake is that Problem 3.1 alone has flipped normals. The share is the gap between Problem 3.2 and the wrong
-    Problem 3.1, divided by the change of the solution of Problem 3.1. Both are measured by ``gaps``, so a comparison of
-    a solution with itself in ``gaps`` is noticed as well.
+    The result is a fraction. It is 1 if the comparison shows the full size of the mistake.
+
+    The mistake is that the displacement problem alone has flipped normals. The fraction is the difference between the
+    solutions of the stress problem and of the wrong displacement problem, divided by the change of the latter by the
+    mistake. The function ``gaps`` measures both, so it is noticed if ``gaps`` compares a solution with itself.
 
     Returns:
-        "displacement_shown" in ‖·‖_V and "stress_shown" in ‖·‖_Q.
+        The fractions for displacements in ‖·‖_V, "displacement_shown", and for stresses in ‖·‖_Q, "stress_shown".
     """
     wrong = replace(sides.displacements, N=-sides.displacements.N)
     stresses = sides.stresses(wrong)
@@ -309,12 +330,17 @@ def independence(sides: Sides, steps: int) -> dict[str, float]:
 
 CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 ALONE = around(1, 0.001, "its full size")
-"""The ratio differs from 1 by at most (distance of both correct solutions) / (mistake). Flipped normals change the
-solution by a tenth, so this row also notices a distance of 1e-4 of the solution."""
+"""Window of (shown difference) / (size of the mistake).
+
+The ratio differs from 1 by at most (difference of both correct solutions) / (size of the mistake). Flipped normals
+change the solution by a tenth, so this check also notices correct solutions that differ by 1e-4."""
 
 
 class StandsAlone(ListedNumbers):
-    """Tests that gaps show all of a mistake in Problem 3.1; without a mistake the ratio is 0/0 and the row fails."""
+    """Tests that a mistake in the displacement problem shows fully in its comparison with the stress problem.
+
+    If the mistake is missing, the ratio is 0/0 and the check fails.
+    """
 
     label = "Thm 4.2"
     claim = "the comparison shows the full size of a deliberate defect in Problem 3.1 alone"

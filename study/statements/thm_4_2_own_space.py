@@ -1,29 +1,35 @@
-"""Theorem 4.2, on a conforming stress space: solutions of Problem 3.2 without displacements converge to Problem 3.1.
+"""Theorem 4.2, on a conforming stress space: a solver of Problem 3.2 without displacements finds the exact stress.
 
-**Measured.** Problem 3.2 is solved by BDF2 on equilibrated composite stresses (``study.stresses.hybrid``) from f_0, f_2
-and ε(u_0) alone: no displacement, no V^h. A row of ``stresses.csv`` is one mesh, with k ~ h. σ^h is compared with the
-exact σ and with the stress of Problem 5.1 for the same time steps, its multipliers with displacements.
+**The measurement.** Problem 3.2 is solved by BDF2 in a space of equilibrated composite stresses
+(``study.stresses.hybrid``), from f_0, f_2 and ε(u_0) alone. No displacement and no V^h is used. A row of
+``stresses.csv`` is one mesh, with k ~ h. The stress σ^h is compared with the exact σ and with the stress of Problem 5.1
+for the same time steps. Its multipliers are compared with displacements.
 
-**Predicted orders** for u(t) ∈ H^{1+s}, u̇(t) ∈ H^{1+s'}, s' ≤ s (``manufactured.regularity``), in L²(0,T), k ~ h:
+**Predicted orders** are for norms in L²(0,T) with k ~ h, if u(t) ∈ H^{1+s} and u̇(t) ∈ H^{1+s'} with s' ≤ s
+(``manufactured.regularity``):
 
-* ‖σ − σ^h‖_Q. σ^h and the interpolant of σ balance the same projected loads, so their distance is an interpolation
-  error, plus a contact term that is no larger. σ contains ε(u̇): order r = min(2, s'). A moving front gives σ kinks
-  across a line: the few cells on it have order 3/2 with a small constant, all others order 2, and any order between is
-  observed. Corners r^λ have order λ on uniform meshes, min(2, eλ) on meshes graded with the exponent e.
-* The best polynomials on the thirds of cells have the same order, so the ratio of both errors must not grow. The ratio
-  is at least 1, because they are the best of a larger space. This holds by construction, so the ratio is reported.
-* −σ^h_ν against p in L²(Γ3). The cells at Γ3 form a strip of width h, so by the inverse inequality up to half an order
-  of the error in these cells may be lost. In these cells the order is r_Γ, which is r computed with λ = ∞ for corners
-  off Γ3. A corner off Γ3 contributes at most the global error of order r. This part is smooth near Γ3 and loses no
-  order. The interpolant has the best polynomials on edges. So the order is between min(r, r_Γ − 1/2) and 2. No order is
-  claimed if r_Γ − 1/2 ≤ 0.
-* ε_n against ε(u). The strain ε_n solves the law with the stress σ^h at every point. Its order is r, but at most the
-  order of BDF2 in k. That order is 2, or 3/2 if u̇ jumps where edges change between contact and release.
-* The multipliers against u. The error is a product of two stress errors, of order min(2, 2s), or the order of BDF2 if
-  that is less. The order is at most 3.
-* ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q. The second stress is constant on cells: order min(1, s'), and 1 on graded meshes.
-* The multipliers against u^h. In L² the displacement u^h is as close to u as the multipliers are (Aubin, Nitsche). So
-  the order is at least the order against u, and at most 2.
+* ‖σ − σ^h‖_Q, the error of the stress. σ^h and the interpolant of σ balance the same projected loads, so their distance
+  is an interpolation error, plus a contact term that is no larger. σ contains ε(u̇), so the order is r = min(2, s'). A
+  moving front gives σ kinks across a line. The few cells on it have order 3/2 with a small constant, all others order
+  2, and any order between is observed. Corners r^λ have order λ on uniform meshes, and min(2, eλ) on meshes graded with
+  the exponent e.
+* The error of the best polynomials on the thirds of cells has the same order, so the ratio of both errors must not
+  grow. The ratio is at least 1, because the best polynomials come from a larger space. This holds by construction, so
+  the ratio is reported.
+* ‖σ_ν − σ^h_ν‖_{L²(Γ3)}, the error of the pressure. The cells at Γ3 form a strip of width h, so by the inverse
+  inequality up to half an order of the error in these cells may be lost. In these cells the order is r_Γ, which is r
+  computed with λ = ∞ for corners off Γ3. A corner off Γ3 contributes at most the global error of order r. This part is
+  smooth near Γ3 and loses no order. The interpolant has the best polynomials on edges. So the order is between min(r,
+  r_Γ − 1/2) and 2. No order is claimed if r_Γ − 1/2 ≤ 0.
+* ‖ε(u) − ε_n‖_Q, the error of the strain. The strain ε_n solves the law with the stress σ^h at every point. Its order
+  is r, but at most the order of BDF2 in k. That order is 2, or 3/2 if u̇ jumps where edges change between contact and
+  release.
+* The difference between the multipliers and u. It is a product of two stress errors, of order min(2, 2s), or the order
+  of BDF2 if that is less. The order is at most 3.
+* ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q, the distance from the stress of Problem 5.1. This stress is constant on cells, so the
+  order is min(1, s'), and 1 on graded meshes.
+* The difference between the multipliers and u^h. In L² the displacement u^h is as close to u as the multipliers are
+  (Aubin, Nitsche). So the order is at least the order against u, and at most 2.
 """
 
 from __future__ import annotations
@@ -65,8 +71,8 @@ from study.stresses.composite import alfeld_split, barycentric, bernstein
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
 from study.stresses.stress_space import StressSpace
 
-# Cases and meshes. Plane cases with linear laws, f_0 ∈ L² and stresses that are continuous in time: where the face
-# lands with a velocity, BDF2 has an error in one step that does not fall with k. Cases without contact are left out,
+# The cases are plane, with linear laws, f_0 ∈ L² and stresses that are continuous in time: if a face comes into contact
+# with a velocity, BDF2 has an error in one step that does not fall with k. Cases without contact are left out,
 # because they have no pressure to compare; so is *junction*, whose pressure is not in L²(Γ3). The front of
 # *rough-trace* is like r^{5/4}, rougher than the front r^{3/2} of a natural contact problem. Its errors depend on the
 # position of the front in a cell, and multipliers have orders of 0.6 to 2.5 from level to level up to n = 64.
@@ -84,52 +90,56 @@ OTHER_MESHES = {
     "merging-patches": ("one-diagonal", "unstructured"),
     "layered": ("one-diagonal", "unstructured"),
 }
-"""The mesh families of cases that are not measured on MESHES.
+"""The mesh families of the cases that cannot be measured on the families in ``MESHES``.
 
-The pressure error at a natural front that rests is the error of one cell. If the position of the front in that cell is
+The pressure error at a resting natural front is the error of one cell. If the position of the front in that cell is
 random, orders scatter by 1 from seed to seed. Merging patches and layers are three or four cells wide on the coarsest
 meshes, and on such random meshes orders scatter most."""
 LEVELS, FINEST = (8, 16, 32), {"re-entrant": (64,)}
-"""Levels of the full study, and further levels of some cases."""
+"""Levels of the full study, and further, finer levels for some cases."""
 
 ERRORS = "stress", "stress_sup", "best", "strain", "pressure", "displacement", "primal_stress", "primal_displacement"
 COLUMNS = ("case", "family", "level", "h", "steps", "unknowns", *ERRORS, "admissibility", "time_share")
-"""``stresses.csv``: norms in L²(0,T), root mean squares over the steps 1, 2, …
+"""The columns of ``stresses.csv``.
 
-All are relative to the same norm of the exact quantity; stresses and the pressure are relative to σ.
+Errors are norms in L²(0,T), that is, root mean squares over the time steps. Errors of stresses and of the pressure are
+relative to the norm of σ, the others to the norm of the exact quantity.
 
-    unknowns: moments of the edges in one contact solve.
-    stress: ‖σ − σ^h‖_Q.
-    stress_sup: its maximum over the steps, relative to the maximum of ‖σ‖_Q.
-    best: ‖σ − τ‖_Q for the best τ that is linear on every third of a cell: no stress of this space can do better.
-    strain: ‖ε(u) − ε_n‖_Q, ε_n the strains that the law gives for the stresses.
-    pressure: ‖σ_ν − σ^h_ν‖_{L²(Γ3)}.
-    displacement: (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |u − m|²)^½ for the P1 functions m on the edges whose moments are the
-        multipliers, u projected onto such functions.
-    primal_stress: ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q, u^h of Problem 5.1 with the same time steps.
-    primal_displacement: as ``displacement`` with u^h instead of u.
-    admissibility: max_n of the strong violation of (2.4), (2.5) and continuity: |σ^hν − P f_2| on Γ2, |σ^h_τ| and
-        (σ^h_ν)_+ on Γ3, jumps of σ^hν, in Bernstein coefficients, relative to the largest |σ^hν|.
-    time_share: ‖σ^h_k − σ^h_{2k}‖_Q at common nodes / ‖σ − σ^h_k‖_Q, where σ^h_{2k} has f_0 by a finer rule: the
-        contribution of time steps and quadrature.
+    unknowns: number of edge moments in the contact problem of a time step.
+    stress: error of the stress, ‖σ − σ^h‖_Q.
+    stress_sup: the largest error of the stress over the steps, relative to the largest ‖σ‖_Q.
+    best: ‖σ − τ‖_Q for the best τ that is linear on every third of a cell, a lower bound of the error of the stress.
+    strain: error of the strain, ‖ε(u) − ε_n‖_Q, where the law gives the strain ε_n for the stress σ^h.
+    pressure: error of the contact pressure, ‖σ_ν − σ^h_ν‖_{L²(Γ3)}.
+    displacement: difference between multipliers and displacement, (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |u − m|²)^½. Here m are
+        the P1 functions on edges whose moments are the multipliers, and u is projected onto such functions.
+    primal_stress: ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q with u^h from Problem 5.1 with the same time steps.
+    primal_displacement: the same as ``displacement``, but with u^h instead of u.
+    admissibility: largest pointwise violation of (2.4), (2.5) and continuity over the steps, relative to the largest
+        |σ^hν|. These are |σ^hν − P f_2| on Γ2, |σ^h_τ| and (σ^h_ν)_+ on Γ3, and jumps of σ^hν, in Bernstein
+        coefficients.
+    time_share: contribution of time steps and quadrature, ‖σ^h_k − σ^h_{2k}‖_Q at common nodes / ‖σ − σ^h_k‖_Q. The
+        load f_0 of σ^h_{2k} is integrated by a finer rule.
 """
 STRESSES = CsvFile("stresses.csv", ("case", "family", "level"), COLUMNS)
 EDGE_POINTS = 4
-"""Gauss points on an edge for the moments of u."""
+"""Number of Gauss points on an edge for the moments of the exact displacement."""
 RAISED = 2
-"""Increase of the degree of the rule for f_0 in the computation with half as many steps."""
+"""How much the degree of the quadrature rule for f_0 is raised in the computation with half as many steps."""
 
 
 @dataclass(frozen=True, eq=False)
 class StressExperiment:
-    """Problem 3.2 of an exact solution on one mesh. Negative controls replace one attribute by a wrong value.
+    """The stress problem (Problem 3.2) of an exact solution on one mesh, with its time scheme.
+
+    Tests with deliberate defects replace one attribute by a wrong value.
 
     Attributes:
         solution: the exact solution, with which the stresses are compared.
-        data: f_0, f_2 and ε(u_0), the only data of Problem 3.2.
-        space: the stress space.
-        scheme, steps: BDF2 and the number of its steps.
-        solver: the contact solver, made from (S, N).
+        data: the loads f_0 and f_2 and the initial strain ε(u_0), which are the only data of Problem 3.2.
+        space: the conforming stress space.
+        scheme, steps: the time scheme, BDF2, and the number of its steps.
+        solver: the class of the contact solver; its constructor takes the matrices S and N.
     """
 
     solution: ExactSolution
@@ -141,32 +151,35 @@ class StressExperiment:
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int, steps: int) -> StressExperiment:
-        """Return the experiment for Problem 3.2."""
+        """Return the stress problem of an exact solution on the mesh of a level."""
         return cls(solution, Data.of(solution), StressSpace(family(solution.body, level), solution.body), BDF2, steps)
 
     @classmethod
     def at(cls, setting: Setting, steps: int) -> StressExperiment:
-        """Return the experiment for the case, the mesh family and the level of a setting."""
+        """Return the stress problem for the case and the mesh of a setting."""
         return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, steps)
 
     @cached_property
     def problem(self) -> StressEvolution:
-        """Problem 3.2."""
+        """The discrete stress problem, which a time scheme can solve."""
         return StressEvolution(self.data, self.space, self.solver)
 
     def march(self) -> Iterator[DualState]:
-        """Yield the states of Problem 3.2 at t_1, …, t_steps."""
+        """Yield the discrete stresses at the time nodes after t = 0."""
         return islice(self.scheme.march(self.problem, self.steps), 1, None)
 
     def companion(self) -> Iterator[DualState]:
-        """Yield the states with half as many steps and a finer rule for f_0."""
+        """Yield the discrete stresses that half as many time steps and a finer quadrature of f_0 give.
+
+        They show the error of time steps and quadrature.
+        """
         return islice(self.scheme.march(replace(self.problem, raised=RAISED), self.steps // 2), 1, None)
 
 
 class Exact:
-    """The exact solution at the quadrature points of a stress space, and norms of errors.
+    """Computes errors of discrete stresses, strains, pressures and multipliers against an exact solution.
 
-    Cells are cut where the solution is rough, as in ``study.fem.error_norm``.
+    Cells are cut along lines where the solution is not smooth, as in ``study.fem.error_norm``.
     """
 
     def __init__(self, solution: ExactSolution, space: StressSpace) -> None:
@@ -191,7 +204,14 @@ class Exact:
         self._share = np.bincount(space.edges.ravel(), np.repeat(space.volumes / 3, 3), len(space.lengths))
 
     def stress(self, time: float, values: Tensors) -> tuple[float, float, float]:
-        """Return ‖σ − σ^h‖, ‖σ − the best polynomials on the thirds of cells‖ and ‖σ‖ in Q."""
+        """Return three norms in Q at one time: of the error σ − σ^h, of the error of the best polynomials, and of σ.
+
+        The best polynomials are linear on each third of a cell.
+
+        Args:
+            time: the time.
+            values: σ^h at the quadrature points of the stress space.
+        """
         coefficients, squares = self.space.coefficients(values), np.zeros(3)
         for cells, weights, shapes, best, fields in self._blocks:
             exact = fields.stress(time)
@@ -202,15 +222,20 @@ class Exact:
         return float(error), float(least), float(size)
 
     def strain(self, time: float) -> Tensors:
-        """Return ε(u) at the points of the stress space."""
+        """Return the exact strain ε(u) at the quadrature points of the stress space."""
         return self._inside.strain(time)
 
     def norm(self, values: Tensors) -> float:
-        """Return ‖·‖_Q of values at the points of the stress space."""
+        """Return the L² norm ‖·‖_Q of a tensor field, given at the quadrature points of the stress space."""
         return float(np.sqrt(np.einsum("Icq,Icq,cq->", values, values, self.space.weights)))
 
     def pressure(self, time: float, tractions: Array) -> float:
-        """Return ‖σ_ν − σ^h_ν‖ in L²(Γ3)."""
+        """Return the error of the contact pressure at one time, ‖σ_ν − σ^h_ν‖ in L²(Γ3).
+
+        Args:
+            time: the time.
+            tractions: the tractions of σ^h on the edges.
+        """
         square = 0.0
         for edges, shapes, weights, fields in self._faces:
             exact = fields.pressure(time)
@@ -219,27 +244,40 @@ class Exact:
         return float(np.sqrt(square))
 
     def moments(self, time: float) -> Array:
-        """Return ∫_e u B_i in the axes of the edges, (edges, n, 2)."""
+        """Return the moments ∫_e u B_i of the exact displacement with Bernstein polynomials on edges, (edges, n, 2).
+
+        Components are in the axes of the edges.
+        """
         return self._tested(self._edges.displacement(time))
 
     def moments_of(self, nodal: Vectors) -> Array:
-        """Return ∫_e v B_i for the nodal values of a P1 displacement, (2, vertices) → (edges, n, 2)."""
+        """Return the moments ∫_e v B_i of a P1 displacement on edges, (edges, n, 2).
+
+        Args:
+            nodal: the nodal values, (2, vertices).
+        """
         return self._tested(np.einsum("den,eq->dnq", nodal[:, self.space.mesh.facets], self._along))
 
     def _tested(self, u: Vectors) -> Array:
-        """Return the moments of values at the Gauss points of the edges."""
+        """Return the moments on edges of a displacement that is given at the Gauss points of the edges."""
         turned = np.einsum("nij,jnq->inq", self.space.frames, u)
         return np.einsum("inq,aq,n->nai", turned, self._moments, self.space.lengths, optimize=True)
 
     def mean_square(self, moments: Array) -> float:
-        """Return (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |m|²)^½ for the functions m on the edges with these moments."""
+        """Return a discrete L² norm of functions m on edges, given by their moments.
+
+        The norm is (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |m|²)^½.
+        """
         means = moments / self.space.lengths[:, None, None]
         inverse = np.linalg.inv(self._moments @ self._shapes.T)
         return float(np.sqrt(np.einsum("nad,ab,nbd,n->", means, inverse, means, self._share)))
 
 
 class Primal:
-    """Iterates over the displacements and stresses of Problem 5.1 on the same mesh with the same time steps."""
+    """Iterates over the solution of the displacement problem (5.1), with which discrete stresses are compared.
+
+    Mesh and time steps are the same as in the stress problem.
+    """
 
     def __init__(self, solution: ExactSolution, space: StressSpace, steps: int) -> None:
         law, self.displacements = solution.law, Space(space.mesh, solution.body)
@@ -250,9 +288,10 @@ class Primal:
         self.states = islice(velocities(problem, BDF2, steps), 1, None)
 
     def __next__(self) -> tuple[Vectors, Tensors]:
-        """Return the next displacement at the vertices, and Aε(δu^h) + Gε(u^h) at the points of the stress space.
+        """Return the displacement and the stress at the next time node.
 
-        Their shapes are (2, vertices) and (3, cells, Q), or (3, cells, 1) if the material is homogeneous.
+        The displacement u^h is given at the vertices, the stress Aε(δu^h) + Gε(u^h) at the quadrature points of the
+        stress space. Their shapes are (2, vertices) and (3, cells, Q), or (3, cells, 1) if the material is homogeneous.
         """
         state, velocity = next(self.states)
         rate, strain = (self.displacements.strain(u)[..., None] for u in (velocity, state.u))
@@ -260,7 +299,7 @@ class Primal:
 
 
 def measure(experiment: StressExperiment) -> dict[str, float]:
-    """March Problems 3.2 and 5.1 together and return the columns of ``stresses.csv`` from ``h`` on."""
+    """Solve the stress and the displacement problem together, and return the measured columns of ``stresses.csv``."""
     space, exact = experiment.space, Exact(experiment.solution, experiment.space)
     clamped = sum(len(edges) for _, edges in space.on(Kind.CLAMPED))
     primal = Primal(experiment.solution, space, experiment.steps)
@@ -306,7 +345,10 @@ def measure(experiment: StressExperiment) -> dict[str, float]:
 
 
 def inadmissible(space: StressSpace, state: DualState) -> float:
-    """Return the largest violation of (2.4), (2.5) and continuity, over the largest traction."""
+    """Return how far a discrete stress is from admissible: its largest violation divided by its largest traction.
+
+    The conditions are the tractions (2.4) and (2.5) and the continuity of tractions between cells.
+    """
     tractions = state.stress.tractions
     total = np.zeros((len(space.lengths), *tractions.shape[2:]))
     np.add.at(total, space.edges, tractions)
@@ -320,25 +362,29 @@ def inadmissible(space: StressSpace, state: DualState) -> float:
 
 
 def measure_stresses(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str, Any]:
-    """Return the row of ``stresses.csv`` for a case on one mesh."""
+    """Solve the stress problem of a case on one mesh, and return the row of ``stresses.csv``."""
     experiment = StressExperiment.of(case.solution, family, level, steps)
     return {"case": case.name, "family": family.name, "level": level, **measure(experiment)}
 
 
-# Criteria.
+# Criteria, whose windows follow from the regularity of each solution.
 MARGIN, SMOOTH = 0.15, 0.3
-"""Tolerances below a predicted order: below the order of a singularity, and below order 2. On coarse meshes observed
-orders are less than 2 because of the boundary."""
-JUDGED, PAIR = 3, 2
-"""The largest and the smallest number of finest levels from which an order is computed."""
-IN_CELLS = ("stress", "strain", "primal_stress")
-"""Quantities whose errors are sums over all cells. The pressure error is a sum over the edges on Γ3, and multiplier
-errors are largest along a moving front: sums over as many cells as there are along a line."""
-CHANCE = 0.3
-"""Additional tolerance on random meshes for errors that come from cells along a line: three standard deviations.
+"""Tolerances below a predicted order: below the order of a singularity, and below the order 2 of smooth solutions.
 
-In a pilot study on shaken meshes with n = 8, 16, 32, which judged nothing, the standard deviation was 0.03 to 0.19.
-Orders of sums over all cells scattered by 0.03 and need no additional tolerance."""
+The second is larger, because on coarse meshes observed orders are less than 2 near the boundary."""
+JUDGED, PAIR = 3, 2
+"""Largest and smallest number of levels from which an order is computed; the finest levels are used."""
+IN_CELLS = ("stress", "strain", "primal_stress")
+"""The quantities whose errors are sums over all cells.
+
+The other errors are sums over as many cells as there are along a line: the pressure error is a sum over the edges on
+Γ3, and multiplier errors are largest along a moving front."""
+CHANCE = 0.3
+"""Additional tolerance on random meshes for orders of errors that come from cells along a line.
+
+It is three standard deviations. In a pilot study on shaken meshes with n = 8, 16, 32, which judged nothing, the
+standard deviation was 0.03 to 0.19. Orders of sums over all cells scattered by 0.03 and need no additional
+tolerance."""
 TIME = positive_at_most(0.5, "with the order 3/2 in k, time steps then contribute at most 0.27 of the error")
 BY_CHANCE = "the maximum depends on the position of a front within its cell, which is accidental on every level"
 ADMISSIBLE = "pointwise violation of: σ^hν continuous, equal to P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3"
@@ -355,18 +401,27 @@ QUANTITIES = {
 
 @dataclass(frozen=True)
 class Orders:
-    """The lowest and the highest order that the regularity of the solution and the time scheme predict."""
+    """The lowest and the highest order of an error that the regularity of the solution and the time scheme predict."""
 
     low: float
     high: float
 
     def window(self, chance: float = 0.0) -> Window:
-        """Return these orders with a tolerance, enlarged by ``chance``."""
+        """Return the tolerance window for the observed order.
+
+        Args:
+            chance: an additional tolerance on random meshes.
+        """
         return between(self.low, self.high, (SMOOTH if self.low == 2 else MARGIN) + chance, 0.2 + chance)
 
 
 def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
-    """Return the predicted orders on a mesh family of every quantity that is claimed to converge."""
+    """Return the predicted orders of all quantities that are claimed to converge, by their names.
+
+    Args:
+        regularity: the regularity of the solution.
+        family: the name of the mesh family.
+    """
     s, rate = smoothness(regularity, family)
     constant, r = min(1.0, rate), min(2.0, rate)
     _, at_contact = smoothness(replace(regularity, corner=math.inf), family)
@@ -384,7 +439,10 @@ def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
 
 
 def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
-    """Return (s, s') for u(t) ∈ H^{1+s}, u̇(t) ∈ H^{1+s'} on meshes of a family; graded ones have s = eλ at r^λ."""
+    """Return the exponents (s, s') of the regularity u(t) ∈ H^{1+s} and u̇(t) ∈ H^{1+s'}, as far as meshes show it.
+
+    At a corner singularity r^λ, meshes that are graded with the exponent e have the same orders as for s = eλ.
+    """
     if family != Graded().name:
         return regularity.smoothness, regularity.rate_smoothness
     away = replace(regularity, corner=math.inf, on_contact=math.inf)
@@ -393,13 +451,13 @@ def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
 
 
 def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
-    """Yield the criteria for a solution on a mesh family."""
+    """Yield the criteria for a solution with the given regularity on a mesh family."""
     random, orders_of = is_random(family), predicted(regularity, family)
     for name, orders in orders_of.items():
         parts = CELLS if name in IN_CELLS else ALONG
         window = orders.window(CHANCE if parts == ALONG and random else 0.0)
         yield weighted(f"order-{name}", f"order of {QUANTITIES[name]}", window, name, parts, JUDGED, PAIR)
-    # The ledger shows the ratio on the finest level.
+    # The ratio on the finest level is displayed, because it matters most.
     ratios = Criterion("ratio", RATIO, at_least(1), lambda of: among(of["ratio"].iloc[-1], of["ratio"]), ("ratio",))
     yield Observation(ratios, "the best polynomials come from a larger space")
     bounded = at_most(1.25, "bounded")
@@ -409,7 +467,7 @@ def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
     yield growth("growth", grown, bounded, "ratio", CELLS, PAIR)
     yield largest("admissible", ADMISSIBLE, positive_at_most(1e-9), "admissibility")
     yield largest("time-share", "error of time steps and quadrature / ‖σ − σ^h‖_Q", TIME, "time_share")
-    # Theory predicts the same order for the largest error in time as for the error in L²(0,T).
+    # On other meshes theory predicts the same order for the largest error in time as for the error in L²(0,T).
     if random or "stress" not in orders_of:
         window = Window()
     else:
@@ -419,7 +477,7 @@ def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
 
 
 class OwnSpace(Statement):
-    """Measures the errors of Problem 3.2 on its stress space, and judges the order of each quantity."""
+    """Measures errors of the stress problem (3.2) in a conforming stress space, and judges the order of each error."""
 
     label = "Thm 4.2, own space"
     claim = (
@@ -456,6 +514,6 @@ class OwnSpace(Statement):
         return estimates.stress(setting.level)
 
     def steps(self, setting: Setting) -> int:
-        """Return the number of time steps, with k ~ h and more steps for cases with a larger pace."""
+        """Return the number of time steps, with k ~ h and the factor that the case states as its pace."""
         case = resolve(setting.case)
         return stress_steps(case.solution.body.T, setting.level, case.pace)

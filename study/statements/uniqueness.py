@@ -1,6 +1,7 @@
-"""Theorems 4.1, 4.3 and 5.2 state that there is only one solution: different solvers must give the same one.
+"""Theorems 4.1, 4.3 and 5.2: there is only one solution, so different solvers must give the same result.
 
-Displacements solve Problem 3.1 on V^h. Stresses solve Problem 3.2 on a stress space, without displacements.
+For Theorems 4.1 and 5.2 displacements are compared that solve Problem 3.1 on V^h. For Theorem 4.3 stresses are compared
+that solve Problem 3.2 in a conforming stress space, without displacements.
 """
 
 from __future__ import annotations
@@ -30,18 +31,19 @@ from study.statements.thm_4_2_own_space import StressExperiment
 STEPS = 12
 _BY_WHAT = f"solvers are exact, or a fixed-point iteration stops at {FIXED_POINT:g} in every step"
 EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), positive_at_most(1e-9, _BY_WHAT)
-"""Windows for the same solver from another initial guess, which may give exactly the same digits, and for another
-solver, whose result differs at least by round-off."""
+"""Windows of relative differences: for the same solver with another initial guess, and for another solver.
+
+The same solver may give exactly the same digits. The result of another solver differs at least by round-off."""
 INTERIOR = positive_at_most(1e-7, "the method stops at a duality gap of 1e-15, whose root bounds the difference")
 
 
 class OneTrajectory(ListedNumbers):
-    """Measures max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for trajectories of different solvers.
+    """Measures relative differences between solutions in time that different solvers compute.
 
-    Every step of backward Euler minimises ½ vᵀSv − bᵀv over K^h, S = M/k + G. It is solved by the condensed active set
-    method, started from the last active set and from random ones, by two methods that share no code with it, and with
-    another splitting of G between both sides. Where G softens, S is positive definite for short steps only, and longer
-    ones are refused.
+    The difference is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V. Every step of backward Euler minimises ½ vᵀSv − bᵀv over K^h
+    with S = M/k + G. It is solved by the condensed active set method, started from the last active set and from random
+    ones; by two methods that share no code with it; and with all of G on the right-hand side. If G softens, S is
+    positive definite for short steps only, and longer steps are refused.
     """
 
     label = "Thm 4.1, 5.2"
@@ -78,7 +80,7 @@ class OneTrajectory(ListedNumbers):
 
 
 def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
-    """Return the same problem with other solvers, by their names."""
+    """Return copies of a problem with other solvers, by the names of the solvers."""
     return {
         "random starts": replace(problem, solver=RandomStarts),
         "least squares": replace(problem, solver=LeastSquares),
@@ -88,7 +90,10 @@ def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
 
 
 def relative_distance(setup: Experiment, other: SemiDiscrete) -> float:
-    """Return max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for the problem of the setup and another one."""
+    """Return the relative difference between the solutions of an experiment and of another problem.
+
+    It is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V over the time steps.
+    """
     pairs = zip(*(setup.scheme.march(problem, setup.steps) for problem in (setup.problem, other)), strict=True)
     both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
     difference, size = np.max(both, axis=0)
@@ -108,7 +113,9 @@ class RandomStarts(Signorini):
 
 
 class LeastSquares:
-    """Contact solver through the dual problem, min |L⁻¹(Nᵀλ − b)| over λ ≥ 0 with S = LLᵀ.
+    """Contact solver that computes the contact forces by nonnegative least squares, from the dual problem.
+
+    The dual problem is min |L⁻¹(Nᵀλ − b)| over λ ≥ 0 with S = LLᵀ.
 
     Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23.
     """
@@ -123,7 +130,7 @@ class LeastSquares:
 
 
 class InteriorPoint:
-    """Contact solver by Clarabel: a quadratic programme in all unknowns."""
+    """Contact solver that solves a quadratic programme in all unknowns by an interior-point method (Clarabel)."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
         rows, self.q = N.shape[0], np.zeros(N.shape[1])
@@ -148,10 +155,11 @@ RIVALS: Mapping[str, type[Signorini]] = {
 
 
 class OneStress(ListedNumbers):
-    """Measures max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q for stresses of Problem 3.2 by different solvers.
+    """Measures relative differences between stresses of Problem 3.2 that different solvers compute.
 
-    Every step minimises a strictly convex energy over the admissible stresses. So the earlier steps determine the
-    stress and the multipliers of equilibrium, and neither the start of the search nor the method may change them.
+    The difference is max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q. Every step minimises a strictly convex energy over the
+    admissible stresses. So the earlier steps determine the stress and the multipliers of equilibrium, and neither the
+    start of the search nor the method may change them.
     """
 
     label = "Thm 4.3"
@@ -185,10 +193,10 @@ class OneStress(ListedNumbers):
 
 
 def stresses(experiment: StressExperiment) -> list[Tensors]:
-    """Return σ at the points of the space in every step."""
+    """Return the discrete stresses of all time steps at the quadrature points of the stress space."""
     return [state.stress.values for state in experiment.march()]
 
 
 def size_of(stress: Tensors, weights: Array) -> float:
-    """Return ‖σ‖_Q."""
+    """Return the L² norm ‖σ‖_Q of a stress at quadrature points with the given weights."""
     return float(np.sqrt(np.einsum("Icq,Icq,cq->", stress, stress, weights)))

@@ -1,5 +1,6 @@
-"""Rows of the ledger without a measurement: misprints in the paper, claims that no computation can test, and formulas
-that other rows judge already."""
+"""Rows of the ledger without a measurement.
+
+They list misprints in the paper, claims that no computation can test, and formulas that need no check of their own."""
 
 from __future__ import annotations
 
@@ -16,13 +17,17 @@ from study.statements.shared.base import LISTED, Statement
 
 
 class Listed(Statement):
-    """Base class of rows without data. Each line is (key, place in the paper, quantity, comment)."""
+    """Base class of statements that are lists of texts without data.
+
+    Attributes:
+        lines: tuples of a key, a place in the paper, the text at this place, and a comment.
+    """
 
     file: DataFile = LISTED
     lines: Sequence[tuple[str, str, str, str]] = ()
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """Return the rows, which do not depend on measurements."""
+        """Return one row for each entry of ``lines``. The rows are reported only, because nothing is measured."""
         none, nothing = Window(math.nan, math.nan), (math.nan, (math.nan, math.nan), REPORTED)
         return [
             row(self, key, quantity, none, nothing, place, expected=comment)
@@ -31,7 +36,7 @@ class Listed(Statement):
 
 
 class Misprints(Listed):
-    """Places where the printed text of the source is wrong, and how to read them."""
+    """Lists places where the printed text of the paper is wrong, and how to read them."""
 
     label = "slips"
     claim = "misprints in the paper"
@@ -73,7 +78,7 @@ class Misprints(Listed):
 
 
 class Untested(Listed):
-    """Lists claims of the paper about infinitely many functions or data, without a verdict."""
+    """Lists claims of the paper about infinitely many functions or data, which computations cannot test."""
 
     label = NOT_TESTED
     claim = "statements that finitely many computations cannot test"
@@ -96,7 +101,7 @@ class Untested(Listed):
 
 
 class WithoutRow(Listed):
-    """Lists definitions, problems, assumptions and steps that need no row, each with the reason."""
+    """Lists formulas of the paper that need no check, such as definitions and assumptions, each with the reason."""
 
     label = NO_ROW
     claim = "formulas that need no row: definitions, restatements, and steps towards other statements"

@@ -1,4 +1,4 @@
-"""(4.1) and Theorem 2.2: the velocity is bounded, and the solution depends continuously on its data."""
+"""(4.1) and Theorem 2.2: velocities are bounded, and solutions depend continuously on load and initial displacement."""
 
 from __future__ import annotations
 
@@ -23,21 +23,24 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import Velocity, dual_norm, maximum, norm
 
 FEW = ("advance-recede", "yield-on-a-part")
-"""The cases of the quick study, one with a linear law and one with the law (3.3)."""
+"""The cases of the quick study: one has a linear law, one the nonlinear law (3.3)."""
 
-# u ∈ W^{1,∞}(0,T;V).
+# (4.1): the velocity is bounded, u ∈ W^{1,∞}(0,T;V).
 
 STEPS = {"k": 24, "k/2": 48, "k/4": 96}
 SUPREMUM_AT = 192
-"""Number of time intervals for sup_t ‖u̇(t)‖_V, twice the largest number of time steps for u^h."""
+"""Number of time intervals at whose ends the exact velocity is evaluated for its supremum over time.
+
+It is twice the largest number of time steps of u^h."""
 BOUNDED = Window(0.5, 1.5, "for all h and k")
 LIMIT = around(1, 0.1, "u̇^h → u̇, and u̇ is continuous except at isolated times")
 
 
 class BoundedVelocity(ListedNumbers):
-    """Measures max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, δu_n = (u_n − u_{n−1})/k, for several k and h.
+    """Measures the largest discrete velocity divided by the largest exact velocity, for several k and h.
 
-    For an initial value outside K^h the ratio would grow like 1/k. σ ∈ L^∞(0,T;Q) follows by (3.1) and (3.2).
+    The quotient is max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V with δu_n = (u_n − u_{n−1})/k. For an initial value outside K^h it
+    would grow like 1/k. That the stress is bounded, σ ∈ L^∞(0,T;Q), then follows from (3.1) and (3.2).
     """
 
     label = "(4.1)"
@@ -57,15 +60,15 @@ class BoundedVelocity(ListedNumbers):
 
 
 def fastest(problem: SemiDiscrete, steps: int) -> float:
-    """Return max_n ‖(u_n − u_{n−1})/k‖_V by backward Euler."""
+    """Return the largest discrete velocity ‖(u_n − u_{n−1})/k‖_V of backward Euler over all steps."""
     k, states = problem.T / steps, BACKWARD_EULER.march(problem, steps)
     return maximum(norm(problem, (after.u - before.u) / k) for before, after in pairwise(states))
 
 
-# Continuous dependence on f and u_0.
+# Theorem 2.2: continuous dependence on f and u_0.
 
 SIZES = (0.1, 1.0, 10.0)
-"""Sizes of the perturbations, relative to the data."""
+"""Sizes of the perturbations of load and initial displacement, relative to the data."""
 NEVER = positive_at_most(1 + 1e-7, f"tolerance for fixed-point iterations that stop at {FIXED_POINT:g}")
 SHARP = Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4")
 UNDAMPED = "‖u − v‖_V / (‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = 0, allowed by monotone G"
@@ -74,24 +77,29 @@ AFTER_ONE_STEP = "‖u − v‖_V / its bound after one step, ω = L_G/m_A, f �
 
 @dataclass(frozen=True, eq=False)
 class Perturbation:
-    """A perturbation of the data: the load F(t) + cos(ωt) · force, and the initial value ``start`` ∈ K^h."""
+    """Perturbed data of a contact problem: another load and another initial displacement.
+
+    Attributes:
+        force, frequency: the load F(t) is replaced by F(t) + cos(ωt) · force with the frequency ω.
+        start: the initial displacement, which is in K^h.
+    """
 
     force: Array
     frequency: float
     start: Array
 
     def change(self, time: float) -> Array:
-        """Return cos(ωt) force, (n_dofs,)."""
+        """Return the change of the load at one time, cos(ωt) · force, (dofs,)."""
         return math.cos(self.frequency * time) * self.force
 
 
 class Dependence(ListedNumbers):
-    """Tests ‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V ds) for the solutions of two data sets.
+    """Tests how far apart two solutions can be whose loads f, g and initial displacements u_0, v_0 differ.
 
-    In Theorem 2.2 ω makes A + ωI monotone; for A = ∂ψ_K + B the paper takes ω = L_G/m_A, (4.5). One step of backward
-    Euler is the resolvent of A. So for monotone G the inequality also holds for u_n and v_n, with the sum of
-    k ‖f(t_j) − g(t_j)‖_V for the integral, and even with ω = 0. ‖f − g‖_V is the norm of the Riesz representative in
-    V^h, (FᵀM⁻¹F)^{1/2}.
+    Tested is the bound ‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V ds). In Theorem 2.2 the number ω makes
+    A + ωI monotone; for A = ∂ψ_K + B the paper takes ω = L_G/m_A, (4.5). One step of backward Euler is the resolvent of
+    A. So for monotone G the bound also holds for u_n and v_n, if the sum of k ‖f(t_j) − g(t_j)‖_V replaces the
+    integral, and even with ω = 0. The norm ‖f − g‖_V is the dual norm (FᵀM⁻¹F)^{1/2} on V^h.
     """
 
     label = "Thm 2.2"
@@ -119,7 +127,15 @@ class Dependence(ListedNumbers):
 
 
 def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbation) -> Array:
-    """Return ‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) for n = 1, 2, …, (steps,)."""
+    """Return the distance of two discrete solutions divided by the size of the perturbation, for each step, (steps,).
+
+    The quotients are ‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) for n = 1, 2, …
+
+    Args:
+        problem: the unperturbed problem.
+        trajectory: its solution u_n by backward Euler.
+        other: the perturbation.
+    """
     steps, riesz = len(trajectory) - 1, Cholesky(problem.M)
     changed = replace(problem, load=lambda t: problem.load(t) + other.change(t), u0=other.start)
     bound, found = norm(problem, problem.u0 - other.start), []
@@ -147,7 +163,7 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]
 
 
 def smooth(space: Space, rng: np.random.Generator) -> Array:
-    """Return Π^h of a random sum of a few waves, zero on Γ1."""
+    """Return a random smooth displacement: the interpolant of a few waves, set to zero at the clamped vertices."""
     low, high = space.mesh.p.min(axis=1), space.mesh.p.max(axis=1)
     x = (space.mesh.p - low[:, None]) / (high - low)[:, None]
     waves = rng.uniform(-np.pi, np.pi, (4, space.dim)) @ x + rng.uniform(0, 2 * np.pi, (4, 1))
@@ -155,6 +171,6 @@ def smooth(space: Space, rng: np.random.Generator) -> Array:
 
 
 def along_the_contact(problem: SemiDiscrete, v: Array) -> Array:
-    """Return v without its normal component at the vertices of Γ3."""
+    """Return a displacement v with its normal components at the vertices of Γ3 removed."""
     N = problem.N.toarray()
     return v - np.linalg.pinv(N) @ (N @ v)

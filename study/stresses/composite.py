@@ -125,7 +125,7 @@ class CompositeElement:
         return found
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
-        """Return the matrix from stresses to the traction |e| σν on an edge e of a third of the triangle, in Bernstein form.
+        """Return the matrix from stresses to the traction |e| σν on an edge e of a third, in Bernstein form.
 
         Args:
             third: the number of the third.

@@ -1,4 +1,8 @@
-"""Base classes of statements: settings, a measurement at each setting, and criteria for the measured numbers."""
+"""Base classes of statements.
+
+A statement is a claim of the paper or of this study. It is measured in several settings, each of which is a test case
+on one mesh. Criteria compare the measured numbers with tolerance windows.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +22,13 @@ from study.statements.shared.scope import Scope
 
 @dataclass(frozen=True, order=True)
 class Setting:
-    """A case on one mesh: the case by its name in the catalogue or as FILE.py:NAME, a mesh family, and a level n."""
+    """A test case on one mesh.
+
+    Attributes:
+        case: the name of the case in the catalogue, or FILE.py:NAME for a case of a user.
+        family: the name of the mesh family.
+        level: the refinement level n of the mesh.
+    """
 
     case: str
     family: str
@@ -26,33 +36,34 @@ class Setting:
 
     @property
     def dim(self) -> int:
-        """The dimension of the body."""
+        """The dimension of the body, 2 or 3."""
         return resolve(self.case).solution.body.dim
 
 
 REPORTED = "_reported"
-"""Suffix of the columns that are added from ``Statement.joined_file``."""
+"""Suffix of the names of the columns that come from the second data file, ``Statement.joined_file``."""
 
 
 class Statement:
-    """A numbered statement of the paper, or a statement of this study. Two instances of one class are equal.
+    """A claim of the paper or of this study, with its measurement and its criteria.
 
-    A subclass sets the attributes and overrides ``measure``, unless it is judged from the measurements of another
-    statement. By default a measurement is one row of the data file, and each criterion is applied to every case.
+    A subclass sets the attributes and overrides ``measure``. It does not override ``measure`` if the measurements of
+    another statement suffice to judge it. By default each measurement is one row of the data file, and each criterion
+    is applied to every case. Two instances of one class are equal.
 
     Attributes:
-        label: the number of the statement.
+        label: the number of the formula or theorem in the paper, or a short name.
         claim: the claim in words.
         file: the data file with the rows from which the statement is judged.
         joined_file: a second data file or None. Its columns are added to the rows of ``file`` that have the same key,
             under the names ``NAME_reported``.
-        rules: the criteria, each of which gives one row of the ledger for every case.
+        rules: the criteria. Each gives one check for every case, that is, one row of the ledger.
         quick, full: the settings of the quick and of the full study.
         of_every_case: whether the statement is measured on every case of a run, including the cases of users.
         initial_gap: whether the statement is also measured on cases with an initial gap; the paper has no such gap.
-        of_own_cases: whether ``settings`` includes the cases of users although ``of_every_case`` is false.
-        outside_catalogue: whether the cases of ``quick`` and ``full`` are not in the catalogue. The statement is then
-            measured if the whole catalogue is studied.
+        of_own_cases: whether the statement is measured on the cases of users although ``of_every_case`` is false.
+        outside_catalogue: whether the cases of ``quick`` and ``full`` are missing in the catalogue. Such a statement is
+            measured only in studies of the whole catalogue.
     """
 
     label: str
@@ -68,46 +79,57 @@ class Statement:
     outside_catalogue: bool = False
 
     def planned(self, scope: Scope) -> Sequence[Any]:
-        """Return the settings of a study, without cases with an initial gap unless ``initial_gap`` is set."""
+        """Return the settings in which a study measures the statement.
+
+        Cases with an initial gap are left out unless ``initial_gap`` is set.
+        """
         return self.settings(scope if self.initial_gap else scope.of_the_paper())
 
     def places(self, full: bool) -> Sequence[Any]:
-        """Return the settings of the full or of the quick study."""
+        """Return the settings of the full study if ``full`` is true, otherwise of the quick study."""
         return self.full if full else self.quick
 
     def settings(self, scope: Scope) -> Sequence[Any]:
-        """Return the settings whose case belongs to the study."""
+        """Return the settings whose case is one of the cases of the study."""
         if self.outside_catalogue:
             return self.places(scope.full) if scope.whole else []
         return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
     def measure(self, setting: Any) -> Mapping[str, Any]:
-        """Measure one setting and return named numbers."""
+        """Return the measured numbers of one setting, by their names."""
         raise NotImplementedError(f"{type(self).__name__}: nothing is measured")
 
     def records(self, setting: Any, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """Yield the rows of a measurement with their data files."""
+        """Yield pairs of a data file and a row that one measurement adds to it.
+
+        Args:
+            setting: the setting of the measurement.
+            found: the measured numbers, as returned by ``measure``.
+        """
         yield self.file, found
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """Return the rows of the ledger.
+        """Compare the measured numbers with the criteria, and return one verdict for each check.
 
         Args:
-            rows: rows of the data file, with the predictions for their cases.
+            rows: the measured rows of the data file, with the predicted orders of their cases as further columns.
         """
         cases = [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
         return [rule.verdict(self, case, groups) for case, groups in cases for rule in self.rules]
 
     def cost(self, setting: Any) -> float:
-        """Return the expected time of ``measure`` in µs."""
+        """Return the expected run time of ``measure`` in µs."""
         return 0.0
 
     def memory(self, setting: Any) -> float:
-        """Return the estimated largest memory of the process of ``measure`` in bytes."""
+        """Return an upper estimate in bytes of the memory of the process that runs ``measure``."""
         return estimates.SMALL
 
     def steps(self, setting: Any) -> int:
-        """Return the number of time steps, which is part of the cache key; 0 if ``measure`` chooses them."""
+        """Return the number of time steps, which is part of the cache key of the result.
+
+        It is 0 if ``measure`` itself chooses the number.
+        """
         return 0
 
     def __eq__(self, other: object) -> bool:
@@ -118,31 +140,35 @@ class Statement:
 
 
 SEED = 2002
-"""Seed of all random numbers in measurements."""
+"""Seed of all random numbers in measurements, so that every run gives the same numbers."""
 EVOLVING = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
-"""The cases on which trajectories are measured: they have linear laws, moving fronts and the law (3.3)."""
+"""The cases on which statements about solutions in time are measured.
+
+Together they have linear laws, the nonlinear law (3.3) and moving fronts between contact and gap."""
 SOFTENING = ("softening", "double-well")
-"""A case with a linear and a case with a nonlinear G that is Lipschitz, as (3.2) requires, but not monotone."""
+"""Two cases with an elasticity operator G that softens: G is Lipschitz, as (3.2) requires, but not monotone.
+
+G is linear in the first case and nonlinear in the second."""
 LISTED = CsvFile(
     "statements.csv",
     ("label", "case", "family", "level"),
     ("label", "case", "family", "level", "h", "quantity", "value"),
 )
-"""The data file of most statements, with one row for each measured number."""
+"""The data file of most statements. It has one row for each measured number."""
 
 
 class ListedNumbers(Statement):
-    """A statement whose numbers are listed one by one in ``statements.csv``.
+    """A statement whose measured numbers have one row each in ``statements.csv``.
 
     Attributes:
-        effort: run time of a measurement divided by the run time of a typical statement at the same level.
+        effort: run time of a measurement of the statement divided by the typical run time at the same level.
     """
 
     file: DataFile = LISTED
     effort: float = 1.0
 
     def records(self, setting: Setting, found: Mapping[str, float]) -> Iterator[tuple[DataFile, Row]]:
-        """Yield a row for every number except the mesh size."""
+        """Yield one row of ``statements.csv`` for every measured number except the mesh size, which is in every row."""
         common = {"label": self.label, **vars(setting), "h": found["h"]}
         for quantity, value in found.items():
             if quantity != "h":
@@ -152,19 +178,19 @@ class ListedNumbers(Statement):
         return judge(self, rows, self.rules)
 
     def cost(self, setting: Setting) -> float:
-        """Return the expected time in µs, which is estimated from the level and the dimension."""
+        """Return the expected run time of a measurement in µs, estimated from the level and the dimension."""
         return self.effort * float(setting.level**2) * (230 if setting.dim == 2 else 30_000)
 
     def memory(self, setting: Setting) -> float:
-        """Return the estimated memory in bytes, from the level and the dimension."""
+        """Return the memory of a measurement in bytes, estimated from the level and the dimension."""
         return estimates.statement(setting.dim, setting.level)
 
 
 def grid(cases: Sequence[str], families: Sequence[str], levels: Sequence[int]) -> list[Setting]:
-    """Return the settings of every case on every family and level."""
+    """Return the settings that combine every case with every mesh family and every level."""
     return [Setting(case, family, n) for case in cases for family in families for n in levels]
 
 
 def with_h(h: float, values: Mapping[str, float]) -> dict[str, float]:
-    """Return the result of ``ListedNumbers.measure``: the mesh size under the key "h", and the given numbers."""
+    """Return measured numbers with the mesh size under the key "h", as ``ListedNumbers.measure`` must return them."""
     return {"h": h, **{name: float(value) for name, value in values.items()}}

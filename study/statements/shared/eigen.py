@@ -1,4 +1,4 @@
-"""Matrices of bilinear forms on V^h, and the smallest and largest values of quotients of two forms."""
+"""Matrices of bilinear forms on the P1 space V^h, and extreme values of Rayleigh quotients of two forms."""
 
 from __future__ import annotations
 
@@ -13,24 +13,32 @@ from study.solve.evolution import SemiDiscrete
 from study.statements.shared.base import SEED
 
 SMALLEST, LARGEST = 1e-9, 1e-4
-"""Relative tolerances for the smallest and the largest eigenvalue. The largest eigenvalues lie in clusters, where
-eigenvectors converge slowly. A loose tolerance is enough: the error of a Rayleigh quotient is about its square."""
+"""Relative tolerances for the smallest and for the largest eigenvalue.
+
+The largest eigenvalues lie in clusters, so their eigenvectors converge slowly. A loose tolerance suffices for them,
+because the error of a Rayleigh quotient is about the square of the error of the eigenvector."""
 LANCZOS = 40
-"""Number of Lanczos vectors."""
+"""Number of Lanczos vectors with which the largest eigenvalue is computed."""
 
 
 def unloaded(space: Space, law: KelvinVoigt) -> SemiDiscrete:
-    """Return Problem 5.1 with zero load and zero initial displacement, used for its matrices."""
+    """Return the semi-discrete problem (Problem 5.1) with zero load and zero initial displacement.
+
+    Only the matrices of this problem are used.
+    """
     return SemiDiscrete.of(space, law, lambda time: np.zeros(space.dofs), np.zeros(space.dofs))
 
 
 def strain_product(space: Space) -> sps.csc_array:
-    """Return the matrix of (ε(u), ε(v))_Q on V^h, (dofs, dofs)."""
+    """Return the matrix of the L² product of strains (ε(u), ε(v))_Q on the P1 space V^h, (dofs, dofs)."""
     return space.form(np.eye(size(space.dim)))
 
 
 def mass(space: Space) -> sps.csc_array:
-    """Return the matrix of (u, v)_H on V^h, from ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d+1)(d+2)), (dofs, dofs)."""
+    """Return the mass matrix, that is, the matrix of the L² product (u, v)_H on V^h, (dofs, dofs).
+
+    Integrals of barycentric coordinates over a cell T are exact: ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d+1)(d+2)).
+    """
     cells, dim = space.mesh.t, space.dim
     local = (1 + np.eye(dim + 1)) / ((dim + 1) * (dim + 2))
     values = local[:, :, None] * space.volumes
@@ -42,19 +50,28 @@ def mass(space: Space) -> sps.csc_array:
 
 
 def h1_product(space: Space) -> sps.csc_array:
-    """Return the matrix of (u, v)_{H_1} = (u, v)_H + (ε(u), ε(v))_Q on V^h, (2.11)."""
+    """Return the matrix of the inner product (2.11), (u, v)_{H_1} = (u, v)_H + (ε(u), ε(v))_Q, on V^h, (dofs, dofs)."""
     return sps.csc_array(mass(space) + strain_product(space))
 
 
 def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
-    """Return min a(v, v)/b(v, v) over v ∈ V^h for positive definite forms a (``form``) and b (``product``)."""
+    """Return the smallest Rayleigh quotient a(v, v)/b(v, v) of two forms over v ∈ V^h.
+
+    Args:
+        form: the matrix of a, positive definite.
+        product: the matrix of b, positive definite.
+    """
     return float(eigsh(form, 1, product, sigma=0.0, v0=_start(form), tol=SMALLEST, return_eigenvectors=False)[0])
 
 
 def largest(form: sps.csc_array, product: sps.csc_array) -> float:
-    """Return max a(v, v)/b(v, v) over v ∈ V^h for a form a (``form``) and a positive definite form b (``product``).
+    """Return the largest Rayleigh quotient a(v, v)/b(v, v) of two forms over v ∈ V^h.
 
-    Lanczos' method has no shift, because a shift at a supposed bound would hide eigenvalues far beyond it.
+    Lanczos' method is used without a shift, because a shift at a supposed bound would hide eigenvalues far beyond it.
+
+    Args:
+        form: the matrix of a.
+        product: the matrix of b, positive definite.
     """
     start = _start(form)
     vectors = min(LANCZOS, len(start))
@@ -62,5 +79,4 @@ def largest(form: sps.csc_array, product: sps.csc_array) -> float:
 
 
 def _start(form: sps.csc_array) -> Array:
-    """Return the start vector of an eigenvalue solver."""
     return np.random.default_rng(SEED).standard_normal(form.shape[0])

@@ -1,10 +1,10 @@
-"""Upper estimates of the memory of a measurement from its number of unknowns.
+"""Upper estimates of the memory that measurements need, computed from the number of unknowns.
 
 The Python process with all imports and compiled formulas takes at most 384 MiB. Each unknown adds at most 16 KiB in
 the plane and 64 KiB in space, for the matrix factor and the fields. These constants are rounded up, so that every
 estimate is one to six times the measured memory.
 
-The constants come from measured peaks of the resident memory with one thread, here in MiB beyond 384:
+The constants come from measured peaks of the resident memory with one thread. The peaks minus 384 MiB were, in MiB:
 
     displacement   plane n = 128: 139, criss-cross 275, shaken 417; n = 256: 827, shaken 1542; space n = 24: 1440,
                    shaken n = 12: 390, 18: 1220; by multigrid n = 36: 2250, 48: 4100, shaken 6300 and 15000
@@ -21,51 +21,57 @@ from __future__ import annotations
 MIB, KIB = 2.0**20, 2.0**10
 BASE = 384 * MIB
 PER_UNKNOWN = {2: 16 * KIB, 3: 64 * KIB}
-"""Bytes for each unknown, by dimension."""
+"""Memory in bytes for each unknown, by the dimension of the body."""
 TEXT = {2: 1 * KIB, 3: 3 * KIB}
-"""Bytes to write the numbers of one unknown at one time as text, by dimension."""
+"""Bytes needed to write the values of one unknown at one time as text, by the dimension of the body."""
 SMALL, SOLID = 736 * MIB, 2304 * MIB
-"""Bytes for statements with meshes of fixed size, in the plane and in space."""
+"""Memory in bytes for statements whose meshes have a fixed size, in the plane and in space."""
 STRESSES = 18
-"""Unknowns of the stress space in each square of a plane mesh, which has two cells."""
+"""Number of unknown stresses in each square of a plane mesh; a square has two cells."""
 
 
 def cells(family: str) -> int:
-    """Return the number of cells of a plane mesh divided by the number on a one-diagonal mesh."""
+    """Return how many times more cells a plane mesh of a family has than a one-diagonal mesh of the same level."""
     return 2 if family == "criss-cross" else 1
 
 
 def unknowns(dim: int, n: int, family: str) -> int:
-    """Return the number of unknowns of a displacement at a level."""
+    """Return the number of unknowns of a P1 displacement on the mesh of level n."""
     return dim * (n + 1) ** dim * (cells(family) if dim == 2 else 1)
 
 
 def displacement(dim: int, n: int, family: str) -> float:
-    """Return the bytes for Problem 5.1 at a level, or for Problem 3.2 on the strains of V^h."""
+    """Return the memory in bytes for solving the displacement problem (Problem 5.1) on the mesh of level n.
+
+    The stress problem (Problem 3.2) on the strains of P1 displacements needs as many.
+    """
     return BASE + PER_UNKNOWN[dim] * unknowns(dim, n, family)
 
 
 def statement(dim: int, n: int) -> float:
-    """Return the bytes for a numbered statement at a level that it chooses itself."""
+    """Return the memory in bytes for measuring a statement on a mesh of level n that the statement itself chooses."""
     return max(SMALL, displacement(dim, n, "shaken")) if dim == 2 else SOLID
 
 
 def stress(n: int) -> float:
-    """Return the bytes for Problem 3.2 on its own space."""
+    """Return the memory in bytes for solving the stress problem (3.2) in a conforming stress space at level n."""
     return BASE + PER_UNKNOWN[2] * STRESSES * n**2
 
 
 def bound(n: int, refinements: int, family: str) -> float:
-    """Return the bytes for a bound: 80 unknowns in each square of the mesh of u_h, 32 in each of a refined mesh."""
+    """Return the memory in bytes for an error bound of a displacement on the mesh of level n.
+
+    There are 80 unknowns in each square of this mesh, and 32 in each square of a refined mesh.
+    """
     refined = 32 * 4**refinements if refinements else 0
     return BASE + PER_UNKNOWN[2] * cells(family) * n**2 * (80 + refined)
 
 
 def adapted(cells: int) -> float:
-    """Return the bytes for a bound from u_h alone on an adapted mesh with the given number of cells."""
+    """Return the memory in bytes for an error bound on an adapted mesh with the given number of cells."""
     return BASE + PER_UNKNOWN[2] * STRESSES * cells
 
 
 def task(dim: int, n: int, family: str, steps: int) -> float:
-    """Return the bytes for writing a task with the given number of time steps."""
+    """Return the memory in bytes for writing a task: a contact problem with time steps, for other codes."""
     return displacement(dim, n, family) + TEXT[dim] * unknowns(dim, n, family) * steps

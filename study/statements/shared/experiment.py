@@ -1,4 +1,4 @@
-"""Problem 5.1 of an exact solution on one mesh, with the time scheme and the norm that measures the error."""
+"""The semi-discrete problem of an exact solution on one mesh, with a time scheme and the norm of the error."""
 
 from __future__ import annotations
 
@@ -16,12 +16,14 @@ from study.statements.shared.base import Setting
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """Problem 5.1 of an exact solution on one mesh. Negative controls replace one attribute by a wrong value.
+    """The semi-discrete problem (Problem 5.1) whose exact solution is known, on one mesh, with a time scheme.
+
+    Tests with deliberate defects replace one attribute by a wrong value.
 
     Attributes:
-        solution: the exact solution, which gives the data and with which u^h is compared.
-        space: V^h.
-        v_norm: computes the load and the errors.
+        solution: the exact solution. The data follow from it, and computed displacements are compared with it.
+        space: the P1 displacement space V^h.
+        v_norm: computes the load and the errors in the norm of V.
         problem: the semi-discrete problem that is solved.
         scheme, steps: time scheme and number of time steps.
     """
@@ -35,9 +37,11 @@ class Experiment:
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> Experiment:
-        """Return the discretisation of the paper: u_0^h = Π^h u_0, K^h = V^h ∩ K and the load of (3.7).
+        """Return the discretisation of the paper for an exact solution.
 
-        K^h includes the initial gap of the solution, which the paper does not have.
+        It starts from the nodal interpolant u_0^h = Π^h u_0, imposes the contact constraint at the vertices of Γ3
+        (K^h = V^h ∩ K), and has the load (3.7). If the solution has an initial gap, the constraint includes it; the
+        paper has no initial gap.
         """
         space = Space(family(solution.body, level), solution.body)
         v_norm = ErrorNorm(solution, space)
@@ -47,5 +51,5 @@ class Experiment:
 
     @classmethod
     def at(cls, setting: Setting, scheme: Tableau, steps: int) -> Experiment:
-        """Return the experiment for the case, the mesh family and the level of a setting."""
+        """Return the discretisation of the paper for the case and the mesh of a setting."""
         return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, scheme, steps)

@@ -1,15 +1,15 @@
-"""Cases, mesh families and levels on which a statement is measured, and statistics that depend little on random meshes.
+"""Choice of cases, mesh families and levels for a statement, and statistics that scatter little on random meshes.
 
-On a random mesh the error at level n is a random number e_n = C h^p (1 + δ_n). The standard deviation of an order from
-two levels is about (δ_n² + δ_2n²)^½/log 2, where δ stands for standard deviations: 1/20 on 8 × 8 cells with a front,
-even if the theory is right. Two remedies reduce this scatter without widening a tolerance window:
+On a random mesh the error at level n is a random number C h^p (1 + x_n). If x_n has the standard deviation δ_n, an
+observed order from the levels n and 2n has the standard deviation (δ_n² + δ_2n²)^½/log 2, even if the theory is right.
+On 8 × 8 cells with a contact front δ_n is about 1/20. Two remedies reduce this scatter without wider tolerance windows:
 
 * *Orders in the leading term of the error instead of h*, on shaken and unstructured meshes. The error of
-  Proposition 5.4 is nearly the interpolation error; the ledger judges how nearly. The leading term
+  Proposition 5.4 is nearly the interpolation error; another check tests this. The leading term
   (Σ_T c_T h_T² ‖D²u‖²_T)^½ is computed from the cells of the mesh and the second derivatives of u, without a solve.
   Orders in the leading term do not depend on which cells happen to be large where u is strongly curved. In a pilot
-  study their scatter was less than half as large in most cases, and 100 times smaller in the best case. Another row
-  judges whether the leading term is of order h.
+  study their scatter was less than half as large in most cases, and 100 times smaller in the best case. Another check
+  tests whether the leading term is of order h.
 * *Weights.* A sum over N independent cells has the relative variance 1/N, up to a factor. By the theorem of Gauss and
   Markov the best estimate of the order in h is then the least-squares fit with the numbers of cells as weights
   (``study.ledger.criterion.weighted``). In the pilot study the logarithms of stress errors scattered by 0.05, 0.015 and
@@ -37,27 +37,27 @@ BODIES = (
 )
 """One case for every pair of a body and a clamped part Γ1 in the catalogue.
 
-The names of cases are typed here and below, and not taken from the catalogue by properties of the cases: a new case in
-the catalogue must not change the cases on which a statement is measured.
+The lists here and below name the cases explicitly, because a new case in the catalogue must not change the cases on
+which a statement is measured.
 """
 LAWS = (
     *("full-contact", "advance-recede", "lift-and-land", "yield-and-release", "yield-on-a-part", "anisotropic"),
     *("heterogeneous", "layered", "corner", "cube-disc", "cube-two-faces", "natural-front", "layered-unmet"),
     *("softening", "double-well"),
 )
-"""One case for every law of the catalogue."""
+"""One case for every material law in the catalogue."""
 MORE_VISCOSITIES = "advance-recede", "lift-and-land", "anisotropic", "heterogeneous", "layered", "layered-unmet"
-"""One case for every tensor A on the body of *full-contact*, other than the tensor of *full-contact*."""
+"""One case for every further viscosity tensor A on the body of the case "full-contact"."""
 BODIES_WITH_LAWS = tuple(name for name in NAMES if name in (*BODIES, *LAWS))
-"""One case for every pair of a body and a law of the catalogue."""
+"""One case for every pair of a body and a material law in the catalogue."""
 BODIES_WITH_VISCOSITIES = tuple(name for name in NAMES if name in (*BODIES, *MORE_VISCOSITIES))
-"""One case for every pair of a body and a tensor A of the catalogue."""
+"""One case for every pair of a body and a viscosity tensor A in the catalogue."""
 IRREGULAR = "graded", "unstructured", "shaken"
-"""Preference for meshes without symmetry: ``place`` uses the first of these families that can mesh the body."""
+"""Mesh families without symmetry. The function ``place`` uses the first one that can mesh the body."""
 EVERY = ()
-"""With this preference ``place`` uses all families that can mesh the body."""
+"""An empty preference, with which the function ``place`` uses all mesh families that can mesh the body."""
 COARSEST = 16
-"""In the catalogue, the ends of all boundary parts lie on a grid with a level below this one."""
+"""Upper bound of the levels that are searched for a grid with the ends of all boundary parts among its vertices."""
 
 
 def named(*names: str) -> list[Case]:
@@ -66,24 +66,29 @@ def named(*names: str) -> list[Case]:
 
 
 def space_of(setting: Setting) -> Space:
-    """Return V^h at a setting."""
+    """Return the P1 displacement space V^h for the case and the mesh of a setting."""
     body = resolve(setting.case).solution.body
     return Space(family_named(setting.family)(body, setting.level), body)
 
 
 def families(case: Case) -> list[str]:
-    """Return the names of the families that can mesh the body of a case, structured ones first."""
+    """Return the names of the mesh families that can mesh the body of a case, structured families first."""
     return [family.name for family in serving(case)]
 
 
 def place(
     cases: Iterable[Case], preference: tuple[str, ...], levels: tuple[int, ...], levels_3d: tuple[int, ...] = ()
 ) -> list[Setting]:
-    """Return the settings of each case on the levels for its dimension.
+    """Return the settings in which cases are measured on suitable meshes.
 
-    The mesh family is the first one in ``preference`` that can mesh the body; without a preference all families that
-    can mesh the body are used. If the ends of boundary parts are not vertices of the grid of a level, the next finer
-    level for which they are is used instead.
+    If a level does not have the ends of all boundary parts of a body among its vertices, the next finer level that has
+    them replaces it.
+
+    Args:
+        cases: the cases.
+        preference: mesh families; the first that can mesh a body is used. If empty, all suitable families are used.
+        levels: the levels for plane bodies.
+        levels_3d: the levels for bodies in space.
     """
     found = []
     for case in cases:
@@ -98,14 +103,17 @@ def place(
 
 @lru_cache
 def spacing(case: str, family: str) -> int:
-    """Return the smallest s ≥ 1 such that the meshes of levels s, 2s, 3s, … fit the boundary parts of the body."""
+    """Return the smallest number s such that the meshes of levels s, 2s, 3s, … resolve the boundary parts of a body.
+
+    A mesh resolves the boundary parts if their ends are vertices.
+    """
     kind, body = family_named(family), resolve(case).solution.body
     fitting = (level for level in range(2, COARSEST) if fits(kind, body, level))
     return 1 if fits(kind, body, 2) and fits(kind, body, 3) else next(fitting)
 
 
 def fits(family: MeshFamily, body: Body, level: int) -> bool:
-    """Return whether the ends of all boundary parts of a body are vertices of the mesh at a level."""
+    """Return whether the ends of all boundary parts of a body are vertices of the mesh of a level."""
     try:
         boundary_parts(family(body, level), body)
     except MeshError:
@@ -114,29 +122,32 @@ def fits(family: MeshFamily, body: Body, level: int) -> bool:
 
 
 CELLS, ALONG = 2, 1
-"""Exponents of 1/h: a plane mesh has about h⁻² cells, and about h⁻¹ cells along a line."""
+"""Exponents of 1/h in numbers of cells: a plane mesh has about h⁻² cells, and about h⁻¹ cells along a line."""
 LEADING = "predicted_interpolation"
-"""The column with the leading term of ‖u − Π^h u‖_V."""
+"""The column with the leading term of the interpolation error ‖u − Π^h u‖_V."""
 
 
 def is_random(family: str) -> bool:
-    """Return whether a mesh family is "shaken", possibly with the number of a seed."""
+    """Return whether the meshes of a family are random: its name is "shaken", possibly followed by "-" and a seed."""
     return family.partition("-")[0] == Shaken().name
 
 
 def split_random(groups: Groups) -> tuple[Groups, Groups]:
-    """Return the groups of shaken meshes, and the groups of all other meshes."""
+    """Split measurements by mesh family into those on random (shaken) meshes and those on all other meshes."""
     random = {name: table for name, table in groups.items() if is_random(name)}
     return random, {name: table for name, table in groups.items() if name not in random}
 
 
 def split_irregular(groups: Groups) -> tuple[Groups, Groups]:
-    """Return the groups of shaken and unstructured meshes, and the groups of all other meshes."""
+    """Split measurements by mesh family into those on irregular (shaken, unstructured) meshes and all others."""
     irregular = {name: table for name, table in groups.items() if is_random(name) or name == Unstructured().name}
     return irregular, {name: table for name, table in groups.items() if name not in irregular}
 
 
 def in_leading_term(groups: Groups) -> Groups:
-    """Return the groups; on shaken and unstructured meshes the leading term of the interpolation error replaces h."""
+    """Return measurements by mesh family, with another measure of mesh size than h on irregular meshes.
+
+    On shaken and unstructured meshes, the leading term of the interpolation error replaces the values in the column h.
+    """
     irregular, others = split_irregular(groups)
     return others | {name: table.assign(h=table[LEADING]) for name, table in irregular.items()}

@@ -1,4 +1,7 @@
-"""Norms in V, products of strains and stresses, and the work of contact, by the quadrature rules of ``ErrorNorm``."""
+"""Norms of displacements and velocities, work of stresses, and work of the contact force.
+
+All use the same quadrature rules as the errors that ``ErrorNorm`` computes.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ from study.solve.evolution import SemiDiscrete
 
 
 def midpoints(T: float, count: int) -> Array:
-    """Return the nodes of the composite midpoint rule on (0, T), each of weight T/count."""
+    """Return the nodes of the composite midpoint rule on (0, T), (count,). The weight of each node is T/count."""
     return (np.arange(count) + 0.5) * T / count
 
 
@@ -32,12 +35,17 @@ def minimum(values: Iterable[float | np.floating[Any]]) -> float:
 
 
 def norm(problem: SemiDiscrete, v: Array) -> float:
-    """Return ‖v‖_V for v ∈ V^h."""
+    """Return the norm ‖v‖_V = (A ε(v), ε(v))_Q^{1/2} of a P1 displacement v.
+
+    Args:
+        problem: the semi-discrete problem with the matrix of this norm.
+        v: the degrees of freedom, (dofs,).
+    """
     return math.sqrt(max(v @ (problem.M @ v), 0.0))
 
 
 def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
-    """Return the dual norm (FᵀM⁻¹F)^{1/2} of the functional v ↦ F·v on V^h.
+    """Return the dual norm (FᵀM⁻¹F)^{1/2} of the linear functional v ↦ F·v on the P1 space V^h.
 
     Args:
         functional: F, (dofs,).
@@ -47,7 +55,7 @@ def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
 
 
 class Velocity:
-    """Computes ‖u̇(t)‖_V and ‖u̇(t) − Π^h u̇(t)‖_V for the exact velocity, by the cell rules of ``ErrorNorm``."""
+    """Computes the norm ‖u̇(t)‖_V of the exact velocity and its interpolation error ‖u̇(t) − Π^h u̇(t)‖_V."""
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
         self.space = space
@@ -58,16 +66,16 @@ class Velocity:
         self._nodes = solution.at(space.mesh.p)
 
     def norm(self, times: Array) -> Array:
-        """Return ‖u̇(t)‖_V at n times, (n,)."""
+        """Return the norm ‖u̇(t)‖_V of the exact velocity at n times, (n,)."""
         return np.array([self._distance(time, np.zeros(self.space.dofs)) for time in times.tolist()])
 
     def interpolation_error(self, times: Array) -> Array:
-        """Return ‖u̇(t) − Π^h u̇(t)‖_V at n times, (n,)."""
+        """Return the interpolation error ‖u̇(t) − Π^h u̇(t)‖_V of the exact velocity at n times, (n,)."""
         interpolants = ((time, self.space.interpolate(self._nodes.velocity(time))) for time in times.tolist())
         return np.array([self._distance(time, v) for time, v in interpolants])
 
     def _distance(self, time: float, v: Array) -> float:
-        """Return ‖u̇(t) − v‖_V for v ∈ V^h."""
+        """Return the distance ‖u̇(t) − v‖_V of the exact velocity from a P1 function v."""
         strain, total = self.space.strain(v), 0.0
         for rule, fields, A in self._blocks:
             difference = fields.strain_rate(time) - strain[:, rule.cells, None]
@@ -78,8 +86,8 @@ class Velocity:
 class Energies:
     """Computes inner products in V and the work of stresses on strains.
 
-    The quadrature points are those with which ``ErrorNorm`` integrates the load, so that the stress in a work and the
-    stress in the load have the same quadrature error.
+    ``ErrorNorm`` integrates the load with the same quadrature points. So the stress in a work and the stress in the
+    load have the same quadrature error.
 
     Attributes:
         exact: the exact solution at the quadrature points; its strains have the shape (D, points).
@@ -94,36 +102,36 @@ class Energies:
         self._nodes = solution.at(space.mesh.p)
 
     def strain(self, v: Array) -> Tensors:
-        """Return ε(v) for v ∈ V^h, (D, points)."""
+        """Return the strain ε(v) of a P1 displacement v at the quadrature points, (D, points)."""
         return self.space.strain(v)[:, self._cells]
 
     def interpolant(self, time: float) -> Array:
-        """Return Π^h u(t), (dofs,)."""
+        """Return the nodal interpolant Π^h u(t) of the exact displacement, (dofs,)."""
         return self.space.interpolate(self._nodes.displacement(time))
 
     def interpolated_rate(self, time: float) -> Array:
-        """Return Π^h u̇(t), (dofs,)."""
+        """Return the nodal interpolant Π^h u̇(t) of the exact velocity, (dofs,)."""
         return self.space.interpolate(self._nodes.velocity(time))
 
     def work(self, stress: Tensors, strain: Tensors) -> float:
-        """Return (σ, ε)_Q."""
+        """Return the work (σ, ε)_Q = ∫ σ·ε of a stress on a strain, both at the quadrature points, (D, points)."""
         return float(np.sum(stress * strain * self.weights))
 
     def functional(self, stress: Tensors) -> Array:
-        """Return (σ, ε(·))_Q on V^h, (dofs,)."""
+        """Return the linear functional v ↦ (σ, ε(v))_Q of a stress on the P1 space V^h, (dofs,)."""
         count = len(self.space.volumes)
         sums = [np.bincount(self._cells, self.weights * component, count) for component in stress]
         return self.space.tested(np.array(sums))
 
     def product(self, one: Tensors, other: Tensors) -> float:
-        """Return (A ε, ε')_Q, the product of V."""
+        """Return the inner product (A ε, ε')_Q of V for two strains at the quadrature points, (D, points)."""
         return self.work(self.exact.law.A(one), other)
 
 
 class ContactWork:
-    """Computes R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), for v ∈ V^h, by the facet rules of ``ErrorNorm``.
+    """Computes the work R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), of the exact contact force on a P1 displacement v.
 
-    σ_ν is minus the exact contact pressure.
+    The normal stress σ_ν is minus the exact contact pressure. The facet rules are the same as in ``ErrorNorm``.
     """
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
@@ -134,7 +142,7 @@ class ContactWork:
             self._faces.append((face.part.normal, space.mesh.facets[:, facets], rule, solution.on(face, rule.s)))
 
     def __call__(self, v: Array, time: float) -> float:
-        """Return R(t; v)."""
+        """Return the work R(t; v) of the contact force at a time on the P1 displacement v, (dofs,)."""
         nodal, total = self.space.nodal(v), 0.0
         for normal, ends, rule, exact in self._faces:
             trace = np.einsum("an,anq->nq", np.tensordot(normal, nodal[:, ends], axes=1), rule.shapes)

@@ -1,4 +1,4 @@
-"""The scope of a study: its cases, mesh families, levels and time scheme."""
+"""The scope of a study: the cases, mesh families, levels and time scheme with which it runs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from study.solve.steps import StepsError, rate_steps, require_steps
 from study.solve.tableau import SCHEMES
 
 REGULAR = "one-diagonal", "unstructured"
-"""The mesh families to use if one family for each case is enough; the first that can mesh the body is used."""
+"""Mesh families for statements that use one family for each case: the first that can mesh the body is used."""
 
 SLOW = ("long-time", "cube-rough")
 """Cases of the catalogue that only the full study measures, because they take long."""
@@ -28,7 +28,7 @@ def of_the_paper(cases: Iterable[Case]) -> list[Case]:
 
 
 def serving(case: Case) -> list[MeshFamily]:
-    """Return the families that can mesh the body of a case, structured ones first.
+    """Return the mesh families that can mesh the body of a case, structured families first.
 
     Raises:
         UsageError: no family can mesh the body.
@@ -39,7 +39,9 @@ def serving(case: Case) -> list[MeshFamily]:
 
 
 def regular(case: Case) -> MeshFamily:
-    """Return the first family of ``REGULAR`` that can mesh the body of a case.
+    """Return the mesh family for a case that is measured on one family only.
+
+    It is the first family of ``REGULAR`` that can mesh the body.
 
     Raises:
         UsageError: no family can mesh the body.
@@ -50,11 +52,11 @@ def regular(case: Case) -> MeshFamily:
 
 @dataclass(frozen=True)
 class Levels:
-    """The levels for one kind of case.
+    """The refinement levels on which one kind of case is measured.
 
     Attributes:
         all: the levels on every mesh family.
-        first: finer levels, which are added on the ``regular`` family of a case only.
+        first: further, finer levels, which are used only on the mesh family that ``regular`` returns for a case.
     """
 
     all: tuple[int, ...]
@@ -62,26 +64,27 @@ class Levels:
 
     @property
     def on_regular(self) -> tuple[int, ...]:
-        """All levels, which are used on the ``regular`` family of a case."""
+        """All levels. They are used on the mesh family that ``regular`` returns for a case."""
         return (*self.all, *self.first)
 
 
 @dataclass(frozen=True)
 class Scope:
-    """The scope of a study.
+    """What a study measures: cases, mesh families, levels and time scheme.
 
     Attributes:
         name: quick or full.
         cases: the cases, by their names in the catalogue or as FILE.py:NAME.
-        plane, rough, solid: levels for plane cases with (5.36), for plane cases without (5.36), and in 3D. The orders
-            of cases without (5.36) need more levels.
-        equivalence, solid_equivalence: levels of Theorem 4.2 on one mesh, in 2D and 3D.
+        plane, rough, solid: levels for plane cases that satisfy the regularity assumption (5.36), for plane cases that
+            do not, and for cases in 3D. Orders of cases without (5.36) need more levels.
+        equivalence, solid_equivalence: levels in 2D and in 3D on which Theorem 4.2, the equivalence of the displacement
+            problem and the stress problem, is tested.
         every_family: whether cases are measured on all mesh families that can mesh their bodies. Otherwise each case
             is measured on the families that it names.
         scheme: name of the time scheme.
         k: time step at every level; None for the time step of each case.
         statements: whether all statements are measured, or only those that are measured on every case.
-        own: pairs (case name, levels) for cases with levels that differ from the levels above.
+        own: pairs (case name, levels) of the cases that do not use the levels above.
         command: the command that runs the study, shown in messages.
     """
 
@@ -101,12 +104,15 @@ class Scope:
 
     @property
     def full(self) -> bool:
-        """Whether this is the full study."""
+        """Whether this is the full study and not the quick one."""
         return self.name == "full"
 
     @property
     def whole(self) -> bool:
-        """Whether all cases without an initial gap are studied; the quick study may leave out the slow cases."""
+        """Whether the study includes all cases of the catalogue without an initial gap.
+
+        In the quick study the slow cases may be missing.
+        """
         return {case.name for case in of_the_paper(catalogue())} - set(() if self.full else SLOW) <= set(self.cases)
 
     def of_the_paper(self) -> Self:
@@ -115,11 +121,11 @@ class Scope:
         return replace(self, cases=tuple(without_gap))
 
     def resolved(self) -> list[Case]:
-        """Return the cases as objects."""
+        """Return the case objects for the names in ``cases``."""
         return [resolve(reference) for reference in self.cases]
 
     def check(self) -> None:
-        """Raise an error if levels, time steps or names are invalid.
+        """Check the levels, the time steps and the names of cases and meshes.
 
         Raises:
             UsageError: levels are below 2 or do not increase; the time step is longer than T, far too short, or so long
@@ -142,13 +148,16 @@ class Scope:
             self.families_of(case)
             levels, T = self.levels_of(case).on_regular, case.solution.body.T
             require_steps(self.steps(case, max(levels)))
-            try:  # If the law softens, the problem of a long time step may have no or several solutions.
+            try:  # Long steps are refused: if the law softens, their problem may have no or several solutions.
                 scheme.require_unique(T / self.steps(case, min(levels)), case.solution.law.growth)
             except StepsError as error:
                 raise UsageError(f"{case.name}: {error}") from error
 
     def steps(self, case: Case, level: int) -> int:
-        """Return the number of time steps at a level, from the time step k or, if k is None, the pace of the case."""
+        """Return the number of time steps for a case at a level.
+
+        It follows from the time step k, or from the pace of the case if k is None.
+        """
         T = case.solution.body.T
         return rate_steps(T, level, case.pace) if self.k is None else round(T / self.k)
 

@@ -1,17 +1,18 @@
 """Contact problems with known solutions as plain data, for other people's codes (docs/reference/tasks.md).
 
-A task has two modes:
+A task is such a problem on one mesh. It has two modes:
 
-* "frozen": a static Signorini problem at each time t_n, which any static code can solve, without time steps and without
-  an error in time. The elastic operator is G, the initial stress is s_0 = A ε(u̇(t_n)) with the exact velocity, and
-  the exact solution is u(t_n). Find u ∈ K^h with
+* "frozen": a static Signorini problem at each time t_n. Any static code can solve it; there are no time steps and no
+  error in time. The elastic operator is G, the initial stress is s_0 = A ε(u̇(t_n)) with the exact velocity u̇, and
+  the exact solution is u(t_n). The problem is to find u ∈ K^h, the P1 displacements that satisfy the contact constraint
+  at the vertices, with
 
       (G ε(u) + s_0, ε(v − u))_Q ≥ b·(v − u) for all v ∈ K^h,     b·v = (σ(t_n), ε(v))_Q + ∫_{Γ3} p v_ν.
 
-* "march": the steps of the midpoint rule. Each step is the same problem with C = A/k + G/2 for G, and the caller
-  computes s_0 = (G/2 − A/k) ε(u_{n−1}).
+* "march": time stepping by the midpoint rule. Each step is the same problem with A/k + G/2 instead of G. The other
+  code computes the initial stress s_0 = (G/2 − A/k) ε(u_{n−1}) from its previous displacement.
 
-All data except u and its reference values are multiplied by a factor S, which does not change u.
+All data except the displacements are multiplied by one factor S, which does not change u.
 """
 
 from __future__ import annotations
@@ -40,23 +41,25 @@ from study.solve.tableau import MIDPOINT
 from study.statements.shared.norms import maximum
 
 FROZEN_TIMES = 0.15, 0.55, 0.9
-"""Default times of frozen problems as fractions of T. In no case of the catalogue does a quantity jump at one of these
-times, and no front is then at a vertex of a grid with n = 2^j."""
+"""Default times of frozen problems, as fractions of the final time T.
+
+At these times no quantity jumps in any case of the catalogue, and no contact front is at a vertex of a grid with
+n = 2^j."""
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """The frozen problems and the trajectory of one case on one mesh.
+    """Contact problems with a known solution on one mesh: static ("frozen") problems, and one problem in time.
 
     Attributes:
         case, family, level: the case, and the mesh family and the level of the mesh.
         solution: the exact solution of the case.
-        space: V^h on the mesh.
-        v_norm: computes the load and the errors in V.
+        space: the P1 displacement space V^h on the mesh.
+        v_norm: computes the load and the errors in the norm of V.
 
     Raises:
-        UsageError: the law is not linear, so that a matrix of constants does not describe it, or it softens, so that
-            static problems with G may have no solution.
+        UsageError: the law is not linear, so that constants do not describe it; or it softens, so that a static problem
+            may have no solution.
     """
 
     case: Case
@@ -89,7 +92,7 @@ class Task:
 
     @cached_property
     def gap(self) -> Array | float:
-        """The initial gap at the vertices of all pieces of Γ3, (m,), or the number 0 if there is none."""
+        """The initial gap between body and foundation at the contact vertices, (m,), or the number 0 without a gap."""
         return gaps_at_vertices(self.solution, self.space)
 
     @cached_property
@@ -100,7 +103,7 @@ class Task:
         return amplitudes_of(modes), StrainSums(modes, points, points.weights * solution.law.A.factor(points.x))
 
     def initial_stress(self, time: float) -> Tensors:
-        """Return the cell means of A ε(u̇), (D, cells)."""
+        """Return the means over cells of the exact viscous stress A ε(u̇) at one time, (D, cells)."""
         amplitudes, sums = self._rates
         rates = sums(amplitudes(time, True))
         return np.asarray(self.solution.law.A.matrix @ rates / self.space.volumes)
@@ -110,28 +113,34 @@ class Task:
         return contact_solver(self.space)(form(self.space, self.solution.law.G), self.space.N, gap=self.gap)
 
     def static(self, time: float) -> Array:
-        """Return the solution in K^h of the frozen problem at t, (dofs,)."""
+        """Return the discrete solution of the frozen (static) problem at one time, (dofs,)."""
         return self._solve(self.v_norm.load(time) - self.space.functional(self.initial_stress(time)))[0]
 
     def error(self, times: Sequence[float]) -> float:
-        """Return the largest ‖u(t) − u^h‖_V of the frozen problems at the given fractions of T."""
+        """Return the largest error ‖u(t) − u^h‖_V of the frozen (static) problems at the given fractions of T."""
         frozen = [part * self.solution.body.T for part in times]
         return maximum(self.v_norm.distance(self.v_norm.sample(t), self.static(t)) for t in frozen)
 
     def march(self, steps: int) -> tuple[SemiDiscrete, Iterator[State]]:
-        """Return Problem 5.1 with the initial value Π^h u_0, and the states of the midpoint rule from t = 0 on."""
+        """Return the semi-discrete problem, and its solution by the midpoint rule as an iterator over the time nodes.
+
+        The initial value is the nodal interpolant Π^h u_0, which is also the first state.
+        """
         start = self.v_norm.sample(0.0).interpolant
         problem = SemiDiscrete.of(self.space, self.solution.law, self.v_norm.load, start, self.gap)
         return problem, MIDPOINT.march(problem, steps)
 
     def error_of_march(self, steps: int) -> float:
-        """Return the largest error ‖u(t_n) − u_n‖_V of the midpoint rule for n ≥ 1."""
+        """Return the largest error ‖u(t_n) − u_n‖_V of the midpoint rule over the time nodes after t = 0."""
         _, states = self.march(steps)
         next(states)
         return maximum(self.v_norm.distance(self.v_norm.sample(state.time), state.u) for state in states)
 
     def resultants(self, time: float) -> Array:
-        """Return the exact contact force on each piece of Γ3, Σ_i ∫ p φ_i over the vertices not on Γ1, (pieces,)."""
+        """Return the exact total contact force on each contact face, (faces,).
+
+        It is Σ_i ∫ p φ_i with the exact pressure p and the hat functions φ_i of the vertices that are not clamped.
+        """
         found = []
         for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
             points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
@@ -141,7 +150,7 @@ class Task:
         return np.array(found)
 
     def pressures(self, time: float) -> list[Array]:
-        """Return the exact pressure at the vertices of each piece of Γ3 that are not on Γ1."""
+        """Return the exact contact pressure at the vertices of each contact face that are not clamped."""
         found = []
         for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
             s, _ = part.coordinates(self.space.mesh.p[:, vertices])
@@ -149,11 +158,11 @@ class Task:
         return found
 
     def initial_tractions(self, time: float) -> list[Array]:
-        """Return the viscous traction A ε(u̇) ν at the vertices of the facets of each piece of Γ3, (facets, d, d)."""
+        """Return the exact viscous traction A ε(u̇) ν on each contact face at facet corners, (facets, d, d)."""
         return [self._tractions(part, facets, time, total=False) for part, facets in self.space.on(Kind.CONTACT)]
 
     def loads_on(self, time: float) -> list[Array]:
-        """Return f_2 = σν at the vertices of the facets of each part of Γ2, (facets, d, d).
+        """Return the surface load f_2 = σν on each loaded part, at the corners of facets, (facets, d, d).
 
         The load b of a task already contains the work of f_2.
         """
