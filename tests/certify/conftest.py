@@ -8,8 +8,9 @@ from the file, so that they do not depend on the program that makes certificates
 from __future__ import annotations
 
 import copy
-import importlib.util
+import runpy
 from collections.abc import Callable, Iterator
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,13 +27,8 @@ SMALL = Path(__file__).parent / "square-2.json.gz"
 
 @pytest.fixture(scope="session")
 def problem() -> Callable[[str], Data]:
-    spec = importlib.util.spec_from_file_location("problems", PROBLEMS)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    made: dict[str, Data] = {}
-    return lambda name: made.setdefault(name, getattr(module, name)())
+    functions = runpy.run_path(str(PROBLEMS))
+    return cache(lambda name: functions[name]())
 
 
 @pytest.fixture

@@ -11,19 +11,7 @@ import numpy as np
 import pytest
 from sympy import Min, Rational, sin, sqrt
 
-from manufactured import (
-    Data,
-    FrobeniusBall,
-    KelvinVoigt,
-    Kind,
-    Yield,
-    isotropic,
-    polygon,
-    pos,
-    t,
-    unit_square,
-    x1,
-)
+from manufactured import Data, FrobeniusBall, KelvinVoigt, Kind, Yield, isotropic, polygon, pos, t, unit_square, x1
 from manufactured.factor import layers, x2
 from manufactured.law import Linear as Tensor
 from study.bound.bounded import bounded_solution
@@ -89,10 +77,7 @@ REFUSED: dict[str, tuple[Data, str]] = {
     "not rational": (formulas((0, sqrt(3) * t)), "coefficients are not rational"),
     "a kink in f_0": (formulas((0, pos(x1 - t, 3))), "f_0 has a kink"),
     "a ramp in f_0 that stops": (formulas((0, Min(t, Rational(1, 2)))), "f_0 has .*support polynomials"),
-    "a ramp in f_2 that stops": (
-        formulas(f2={1: (Min(t, Rational(1, 2)), 0)}),
-        "f_2 has .*support polynomials",
-    ),
+    "a ramp in f_2 that stops": (formulas(f2={1: (Min(t, Rational(1, 2)), 0)}), "f_2 has .*support polynomials"),
     "a kinked ramp of a kink that moves": (
         formulas(f2={1: (pos(t - Rational(1, 2), 1) * pos(x2 - t, 2), 0)}),
         "f_2 has the summand",
@@ -101,10 +86,7 @@ REFUSED: dict[str, tuple[Data, str]] = {
         formulas(f2={1: (pos(x2 - pos(t - Rational(1, 2), 1), 1), 0)}),
         "f_2 has .*support polynomials",
     ),
-    "a kink in u_0": (
-        formulas(u0=(0, (1 - x2) * pos(x1 - Rational(1, 2), 2))),
-        "u_0 has .*support polynomials",
-    ),
+    "a kink in u_0": (formulas(u0=(0, (1 - x2) * pos(x1 - Rational(1, 2), 2))), "u_0 has .*support polynomials"),
     "a jump": (formulas(f2={1: (pos(x2 - t, 0), 0)}), "f_2 has the summand"),
     "two kinks": (formulas(f2={1: (pos(x2 - t, 1) * pos(t - x2 / 2, 2), 0)}), "f_2 has the summand"),
     "a fractional power": (formulas(f2={1: (pos(x2 - t, Rational(3, 2)), 0)}), "f_2 has the summand"),

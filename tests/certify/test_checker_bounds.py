@@ -632,9 +632,7 @@ def test_residuals_are_rounded_up(bracket: checker.Certificate) -> None:
         assert rough[0][0] > fine[0][0]
 
 
-def test_the_largest_loss_by_rounding_is_made_up_for(
-    bracket: checker.Certificate, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_largest_loss_by_rounding_is_made_up_for(bracket: checker.Certificate, monkeypatch) -> None:
     """Entries that all lose nearly 1 to the floor lose a matrix whose eigenvalue is 3 for each cell."""
     monkeypatch.setattr(checker, "GRID", 0)
     cells = iter(bracket.mesh.cells)
@@ -826,9 +824,7 @@ def test_the_work_of_contact_is_an_integral() -> None:
     assert float(wedge._contact(piece, normals)) == pytest.approx(wanted, rel=1e-12)
 
 
-def test_all_that_is_missed_is_added_with_its_constant(
-    bracket: checker.Certificate, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_all_that_is_missed_is_added_with_its_constant(bracket: checker.Certificate, monkeypatch) -> None:
     """∫ of the loads that are missed: k (C_Ω (‖f_0 − f̃_0‖ + mean of ‖Div σ̃ + f̃_0‖) + C_Γ ‖f_2 − σ̃ν‖)."""
     left, given, times = [], [], []
 
@@ -962,9 +958,7 @@ def test_decimals_are_rounded_outward(x: Q, above: bool, wanted: str) -> None:
     assert checker.decimal(x, above) == wanted
 
 
-def test_orders_are_printed_from_coarse_to_fine_whatever_comes_first(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_orders_are_printed_from_coarse_to_fine_whatever_comes_first(capsys, monkeypatch) -> None:
     """h is counted on the meshes; of equal meshes there is no order."""
     results = iter([proved(32, "1/2", "1/2"), proved(8, 1, 1), proved(8, 1, 1), proved(128, 0, 1)])
     monkeypatch.setattr(checker, "load", lambda path: {"problem": {"T": "1"}})

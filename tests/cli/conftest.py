@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import fcntl
+import os
 import re
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -14,13 +18,9 @@ from study.present.figures import drawings
 TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
 
 
-@pytest.fixture(scope="session")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A directory with a small run of the case in the tutorial, as a newcomer would make it.
-
-    ``pocket.py`` is the file of the case, ``results`` the directory of the run.
-    """
-    directory: Path = tmp_path_factory.mktemp("user")
+def run_tutorial(directory: Path) -> None:
+    """Write the case of the tutorial into ``pocket.py`` and run it into ``results``, as a newcomer would."""
+    directory.mkdir()
     code = re.findall(r":caption: pocket.py\n\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.DOTALL)[0]
     assert len(code.splitlines()) < 25
     (directory / "pocket.py").write_text(code, encoding="utf-8")
@@ -29,4 +29,43 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
         # Drawing all figures takes most of the time, and tests/present draws them.
         patch.setattr(run, "drawings", lambda directory: drawings(directory)[:2])
         assert main([*command, "--out", str(directory / "results")]) == 0
-    return directory
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory) -> Path:
+    """A directory with ``pocket.py``, the case of the tutorial, and ``results``, a small run of that case.
+
+    The run takes half a minute: of the processes of pytest-xdist the first makes it, and each gets a copy of its own.
+    """
+    directory: Path = tmp_path_factory.getbasetemp() / "tutorial"
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        run_tutorial(directory)
+        return directory
+    shared = directory.parents[1] / "tutorial"
+    with shared.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not shared.exists():
+            run_tutorial(directory)
+            shutil.copytree(directory, shared)
+            return directory
+    return Path(shutil.copytree(shared, directory))
+
+
+@pytest.fixture
+def told(capsys) -> Callable[..., str]:
+    """Runs a command that must end with an exit code, 2 unless told otherwise; returns all that it printed."""
+
+    def run(*arguments: str, code: int = 2) -> str:
+        capsys.readouterr()
+        assert main([*arguments]) == code
+        printed = capsys.readouterr()
+        assert "Traceback" not in printed.err
+        return printed.out + printed.err
+
+    return run
+
+
+@pytest.fixture
+def refused(told) -> Callable[..., str]:
+    """Runs a command that must be refused; returns its message."""
+    return told

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 import shutil
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -27,45 +29,43 @@ def own(made: Path, tmp_path: Path) -> Path:
     return tmp_path / "results"
 
 
-def told(capsys: pytest.CaptureFixture[str], *options: str, code: int) -> str:
-    assert main(["check", "--jobs", "1", *options]) == code
-    printed = capsys.readouterr()
-    assert "Traceback" not in printed.err
-    return printed.out + printed.err
+@pytest.fixture
+def checked(told) -> Callable[..., str]:
+    """``study check`` in one process, with further options."""
+    return partial(told, "check", "--jobs", "1")
 
 
-def test_rows_measured_again_agree_and_the_seed_is_printed(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_rows_measured_again_agree_and_the_seed_is_printed(own: Path, checked) -> None:
     before = {path: path.read_bytes() for path in own.rglob("*.csv")}
-    said = told(capsys, "--again", "2", "--out", str(own), code=0)
+    said = checked("--again", "2", "--out", str(own), code=0)
     seed = re.search(r"measured again: 2 of (\d+) measurements, drawn with --seed (\d+)", " ".join(said.split()))
     assert seed
     assert "all numbers agree within 1e-05 relative + 1e-09" in said
-    assert f"drawn with --seed {seed[2]}," in told(capsys, "--again", "2", "--seed", seed[2], "--out", str(own), code=0)
+    assert f"drawn with --seed {seed[2]}," in checked("--again", "2", "--seed", seed[2], "--out", str(own), code=0)
     assert {path: path.read_bytes() for path in own.rglob("*.csv")} == before
 
 
-def test_rows_that_were_changed_are_noticed(
-    own: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """No relation between columns shows these changes. Only coarse levels are measured again."""
-    coarse = [job for job in planned_jobs(own) if job.setting.level <= 8]
-    monkeypatch.setattr("study.cli.check.draw_jobs", lambda jobs, count, seed: coarse)
-    changes = (("rates.csv", "quadrature_change", 0, 1.001), ("equivalence.csv", "steps", 0, 2.0))
-    for file, column, row, factor in changes:
+def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> None:
+    """No relation between columns shows these changes, in the first rows. Only their measurements are repeated."""
+    changes = {"rates.csv": ("quadrature_change", 1.001), "equivalence.csv": ("steps", 2.0)}
+    jobs = planned_jobs(own)
+    first = [next(job for job in jobs if job.statement.file.name == file) for file in changes]
+    monkeypatch.setattr("study.cli.check.draw_jobs", lambda jobs, count, seed: first)
+    for file, (column, factor) in changes.items():
         path = own / "data" / file
         table = pd.read_csv(path, dtype=str, keep_default_na=False)
-        table.loc[row, column] = f"{factor * float(table.loc[row, column]):.12g}"
+        table.loc[0, column] = f"{factor * float(table.loc[0, column]):.12g}"
         write_csv(path, table)
-    said = told(capsys, "--again", ALL, "--out", str(own), code=1)
-    for file, column, _, _ in changes:
+    said = checked("--again", ALL, "--out", str(own), code=1)
+    for file, (column, _) in changes.items():
         assert f"{file}: differs" in said
         assert re.search(rf"{column}: 1 of \d+ differ, 1 beyond tolerance", said)
-    assert "was changed after the run that wrote it" in told(capsys, "--out", str(own), code=2)
+    assert "was changed after the run that wrote it" in checked("--out", str(own), code=2)
 
 
-def test_a_case_whose_file_is_gone_cannot_be_measured_again(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_case_whose_file_is_gone_cannot_be_measured_again(own: Path, checked) -> None:
     (own.parent / "pocket.py").unlink()
-    said = told(capsys, "--again", "1", "--out", str(own), code=2)
+    said = checked("--again", "1", "--out", str(own), code=2)
     assert "--again needs the files of all cases; the files of pocket no longer exist" in said
 
 
@@ -79,9 +79,7 @@ def test_a_case_whose_file_is_gone_cannot_be_measured_again(own: Path, capsys: p
         (["--again", "1", "--jobs", "0"], "--jobs must be 1 or more, got 0"),
     ],
 )
-def test_options_that_make_no_sense_are_refused(
-    options: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_options_that_make_no_sense_are_refused(options: list[str], says: str, tmp_path, capsys) -> None:
     assert main(["check", *options, "--out", str(tmp_path)]) == 2
     assert says in capsys.readouterr().err
 

@@ -27,14 +27,6 @@ SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
 STUDY = "import sys; from study.cli.main import main; sys.exit(main())"
 
 
-def told(capsys: pytest.CaptureFixture[str], *arguments: str, code: int = 2) -> str:
-    """What a command says as it ends with an exit code."""
-    assert main([*arguments]) == code
-    said = capsys.readouterr()
-    assert "Traceback" not in said.err
-    return said.out + said.err
-
-
 @pytest.fixture
 def run_of_two(made: Path, tmp_path: Path) -> Path:
     """Two copies of a small run, ``old`` and ``new``, of which one may be spoiled."""
@@ -55,26 +47,24 @@ READERS = [
     ("command", "column", "word"), [*READERS, ("compare", *WORDS[0]), ("compare", *WORDS[1])], ids=str
 )
 def test_words_and_nan_in_a_data_file_are_named_by_file_and_line(
-    command: str, column: str, word: str, run_of_two: Path, capsys: pytest.CaptureFixture[str]
+    command: str, column: str, word: str, run_of_two: Path, told
 ) -> None:
     path = run_of_two / "new" / "data" / "rates.csv"
     table = pd.read_csv(path, dtype=str, keep_default_na=False)
     table.loc[2, column] = word
     table.to_csv(path, index=False)
     if command != "compare":
-        said = told(capsys, command, "--out", str(run_of_two / "new"))
+        said = told(command, "--out", str(run_of_two / "new"))
         assert f"{path}, line 4, column {column}: found {word!r}, expected a number" in said
         assert f"--levels 8 16 32 --out {run_of_two / 'new'}`" in said
         return
     # What is no number is a difference like others.
     gone = word in ("", "nan")
-    said = told(capsys, "compare", str(run_of_two / "old"), str(run_of_two / "new"), code=1 if gone else 2)
+    said = told("compare", str(run_of_two / "old"), str(run_of_two / "new"), code=1 if gone else 2)
     assert f"{path} has {word!r} as {column}, expected a number, in line 4" in said or gone
 
 
-def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(tmp_path, told, monkeypatch) -> None:
     def measured(plan: Any, store: Any, *pools: Any) -> Any:
         raise UsageError(f"it would write in {store.directory}")
 
@@ -82,13 +72,11 @@ def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("study.cli.run.measure", measured)
     monkeypatch.setattr("study.run.plan.Plan.check", lambda *_: None)
-    assert told(capsys, "run") == "study: it would write in results/quick\n"
+    assert told("run") == "study: it would write in results/quick\n"
     assert (tmp_path / "results" / "data" / "provenance.json").read_text() == "{}"
 
 
-def test_no_more_processes_are_started_than_there_is_work(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_no_more_processes_are_started_than_there_is_work(tmp_path, told, monkeypatch) -> None:
     started: list[int] = []
 
     def counted(jobs: int) -> Processes:
@@ -97,12 +85,12 @@ def test_no_more_processes_are_started_than_there_is_work(
 
     monkeypatch.setattr("study.cli.run.Processes", counted)
     small = ["--case", "full-contact", "--levels", "2", "4", "8", "--out", str(tmp_path)]
-    told(capsys, "run", *small, "--jobs", "9999")
-    told(capsys, "run", *small, "--jobs", "2")
+    told("run", *small, "--jobs", "9999")
+    told("run", *small, "--jobs", "2")
     assert 2 < started[0] < 40
     assert started[1] == 2
     for command in ("run", "controls", "seeds", "sensitivity", "figures"):
-        assert "--jobs must be 1 or more, got 0" in told(capsys, command, "--jobs", "0", "--out", str(tmp_path))
+        assert "--jobs must be 1 or more, got 0" in told(command, "--jobs", "0", "--out", str(tmp_path))
 
 
 SLIVER = """
@@ -113,16 +101,16 @@ mine = Data.formulas(body, law, f0=(0, 0))
 """
 
 
-def test_what_would_take_for_ever_is_refused_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_would_take_for_ever_is_refused_at_once(tmp_path: Path, told) -> None:
     path = write_text(tmp_path / "sliver.py", SLIVER)
-    assert "so thin that rounding errors hide" in told(capsys, "bound", f"{path}:mine", "--out", str(tmp_path / "out"))
+    assert "so thin that rounding errors hide" in told("bound", f"{path}:mine", "--out", str(tmp_path / "out"))
     out = ["--out", str(tmp_path / "out")]
     for command in (
         "run --case corner --step 1e-12",
         "bound ramp --steps 10000000",
         "export corner --mode march --steps 10000000",
     ):
-        assert "time steps were asked for, but at most 1e+06 are allowed" in told(capsys, *command.split(), *out)
+        assert "time steps were asked for, but at most 1e+06 are allowed" in told(*command.split(), *out)
     for command in (
         "run --case corner --levels 8 16 99999",
         "bound ramp --levels 8 99999",
@@ -130,7 +118,7 @@ def test_what_would_take_for_ever_is_refused_at_once(tmp_path: Path, capsys: pyt
         "show corner --level 99999",
         "export corner --levels 99999",
     ):
-        said = told(capsys, *command.split(), *out)
+        said = told(*command.split(), *out)
         assert re.search(r"99999 needs about \d+\.\d GiB of memory, .* are available; take coarser levels", said), said
     assert not (tmp_path / "out").exists()
 
@@ -168,13 +156,7 @@ READ_ONLY = "Read-only file system; give a directory you may write with --out"
     ids=lambda value: str(value).split()[0],
 )
 def test_a_disk_that_cannot_be_written_is_named_by_every_command(
-    command: str,
-    code: int,
-    says: str,
-    made: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
+    command: str, code: int, says: str, made: Path, tmp_path, told, monkeypatch
 ) -> None:
     def unwritable(*_: object) -> None:
         raise OSError(code, os.strerror(code))
@@ -182,7 +164,7 @@ def test_a_disk_that_cannot_be_written_is_named_by_every_command(
     if command not in WRITERS:
         shutil.copytree(made / "results", tmp_path / "out", ignore=shutil.ignore_patterns("jobs", "figures"))
     monkeypatch.setattr("os.replace", unwritable)
-    said = told(capsys, *command.split(), "--out", str(tmp_path / "out"))
+    said = told(*command.split(), "--out", str(tmp_path / "out"))
     assert "cannot write" in said
     assert says in said
 
@@ -200,9 +182,7 @@ def failed(part: Path) -> None:
     raise subprocess.CalledProcessError(1, "ffmpeg")
 
 
-def test_a_full_disk_behind_another_error_is_called_a_full_disk(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_full_disk_behind_another_error_is_called_a_full_disk(tmp_path, monkeypatch) -> None:
     with pytest.raises(StoreError, match="the disk is full"):
         write_whole(tmp_path / "file", wrapped)
     with pytest.raises(subprocess.CalledProcessError):
@@ -247,9 +227,7 @@ SHOWN: list[Callable[[Path], list[str]]] = [
 ]
 
 
-def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(
-    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(made: Path, tmp_path, capsys, monkeypatch) -> None:
     shutil.copytree(made / "results", tmp_path / "results", ignore=shutil.ignore_patterns("figures"))
     figures = sorted(path.relative_to(made) for path in (made / "results" / "figures").iterdir())
     monkeypatch.setattr("study.cli.common.draw_figures", lambda *arguments: figures)

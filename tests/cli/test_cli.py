@@ -21,7 +21,7 @@ HEAD = """
 from dataclasses import replace
 from manufactured import *
 import sympy
-case = next(c for c in catalogue() if c.name == "advance-recede")
+case = named("advance-recede")
 (face,) = case.solution.faces
 def changed(**c): return replace(case, solution=replace(case.solution, faces=(replace(face, **c),)))
 """
@@ -37,16 +37,11 @@ def case_file(tmp_path: Path):
     return write
 
 
-def refused(capsys, *arguments: str) -> str:
-    assert main(arguments) == 2
-    return capsys.readouterr().err
-
-
 @pytest.mark.parametrize(
     ("levels", "message"), [(["1", "8"], "2 or more"), (["16", "8"], "increase"), (["8", "8"], "increase")]
 )
-def test_levels_below_2_or_not_increasing_are_refused(capsys, tmp_path, levels, message) -> None:
-    found = refused(capsys, "run", "--case", "full-contact", "--levels", *levels, "--out", str(tmp_path / "r"))
+def test_levels_below_2_or_not_increasing_are_refused(refused, tmp_path, levels, message) -> None:
+    found = refused("run", "--case", "full-contact", "--levels", *levels, "--out", str(tmp_path / "r"))
     assert message in found
     assert " ".join(levels) in found
     assert not (tmp_path / "r").exists()
@@ -74,32 +69,32 @@ def test_levels_below_2_or_not_increasing_are_refused(capsys, tmp_path, levels, 
     ],
 )
 def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(
-    capsys, tmp_path, case_file, line, message
+    refused, tmp_path, case_file, line, message
 ) -> None:
     resolve.cache_clear()
     out = tmp_path / "r"
-    found = refused(capsys, "run", "--case", case_file(line), "--levels", "8", "16", "32", "--out", str(out))
+    found = refused("run", "--case", case_file(line), "--levels", "8", "16", "32", "--out", str(out))
     assert re.search(message, found, re.DOTALL)
     assert "Traceback" not in found
     assert not out.exists()
 
 
-def test_data_of_another_version_are_refused_by_name(capsys, tmp_path) -> None:
+def test_data_of_another_version_are_refused_by_name(refused, tmp_path) -> None:
     write_text(tmp_path / "data" / "provenance.json", json.dumps({"format": FORMAT + 1}))
     for command in (["run", "--case", "full-contact"], ["check"]):
-        found = refused(capsys, *command, "--out", str(tmp_path))
+        found = refused(*command, "--out", str(tmp_path))
         assert f"format {FORMAT + 1}" in found
         assert "provenance.json" in found
 
 
-def test_check_without_data_says_how_to_make_them(capsys, tmp_path) -> None:
-    assert "study run" in refused(capsys, "check", "--out", str(tmp_path))
+def test_check_without_data_says_how_to_make_them(refused, tmp_path) -> None:
+    assert "study run" in refused("check", "--out", str(tmp_path))
 
 
 @pytest.mark.parametrize("step", ["2", "0", "-1", "nan"])
-def test_a_time_step_that_is_not_positive_or_exceeds_the_final_time_is_refused(capsys, tmp_path, step) -> None:
+def test_a_time_step_that_is_not_positive_or_exceeds_the_final_time_is_refused(refused, tmp_path, step) -> None:
     out = tmp_path / "r"
-    found = refused(capsys, "run", "--case", "full-contact", "--step", step, "--out", str(out))
+    found = refused("run", "--case", "full-contact", "--step", step, "--out", str(out))
     assert f"k = {float(step):g}" in found
     assert "at most T" in found
     assert not out.exists()
@@ -143,9 +138,9 @@ def test_a_users_case_goes_through_the_same_line_to_a_judged_table(finished: Pat
     assert not list(finished.rglob("*.part"))
 
 
-def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(capsys, finished: Path) -> None:
+def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(refused, finished: Path) -> None:
     source = finished.parent / "pocket.py"
-    found = refused(capsys, "run", "--case", f"{source}:pocket", "--levels", "8", "16", "--out", str(finished))
+    found = refused("run", "--case", f"{source}:pocket", "--levels", "8", "16", "--out", str(finished))
     assert "pocket criss-cross 32" in found
     assert "--out" in found
 
@@ -182,10 +177,7 @@ def test_damaged_or_incomplete_data_never_pass(finished: Path, tmp_path: Path, c
 
 @pytest.mark.parametrize(
     ("change", "message"),
-    [
-        (lambda t: t.assign(discrete_error=0.0), f"fails: {DISCRETE}"),
-        (rising, "because not asymptotic yet: try"),
-    ],
+    [(lambda t: t.assign(discrete_error=0.0), f"fails: {DISCRETE}"), (rising, "because not asymptotic yet: try")],
 )
 def test_what_misses_a_claim_is_told_with_the_reason(finished: Path, tmp_path: Path, change, message) -> None:
     shutil.copytree(finished / "data", tmp_path / "data")
@@ -194,13 +186,13 @@ def test_what_misses_a_claim_is_told_with_the_reason(finished: Path, tmp_path: P
 
 
 @pytest.mark.parametrize("name", ["rates", "statements", "cases"])
-def test_a_data_file_that_ends_within_a_line_is_refused_by_name(finished: Path, tmp_path: Path, capsys, name) -> None:
+def test_a_data_file_that_ends_within_a_line_is_refused_by_name(finished: Path, tmp_path: Path, refused, name) -> None:
     shutil.copytree(finished / "data", tmp_path / "data")
     path = tmp_path / "data" / f"{name}.csv"
     whole = path.read_bytes()
     for length in (len(whole) - 1, len(whole) // 2):
         path.write_bytes(whole[:length].rstrip(b"\n"))
-        assert f"{path} is truncated" in refused(capsys, "check", "--out", str(tmp_path))
+        assert f"{path} is truncated" in refused("check", "--out", str(tmp_path))
 
 
 def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(finished: Path, monkeypatch) -> None:

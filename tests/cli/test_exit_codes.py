@@ -25,18 +25,9 @@ def listed(directory: Path, text: str) -> Path:
 
 @pytest.mark.parametrize(
     ("verdict", "lines", "code"),
-    [
-        (HOLDS, "", 0),
-        (MISSED, "", 0),
-        (UNDECIDED, "", 3),
-        (UNDECIDED, LINE, 0),
-        (HOLDS, LINE, 3),
-        (FAILS, LINE, 1),
-    ],
+    [(HOLDS, "", 0), (MISSED, "", 0), (UNDECIDED, "", 3), (UNDECIDED, LINE, 0), (HOLDS, LINE, 3), (FAILS, LINE, 1)],
 )
-def test_undecided_rows_are_accepted_if_exactly_these_are_listed(
-    tmp_path: Path, verdict: str, lines: str, code: int
-) -> None:
+def test_undecided_rows_are_accepted_if_exactly_these_are_listed(tmp_path, verdict: str, lines: str, code: int) -> None:
     assert code_of([replace(ROW, verdict=verdict)], listed(tmp_path, HEAD + lines)) == code
 
 

@@ -43,27 +43,20 @@ def file(tmp_path: Path) -> Path:
     return path
 
 
-def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    assert main([*arguments]) == USAGE
-    return capsys.readouterr().err
-
-
-def test_a_name_with_a_slip_is_answered_with_the_nearest_one(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_a_name_with_a_slip_is_answered_with_the_nearest_one(refused, tmp_path) -> None:
     out = tmp_path / "out"
-    told = refused(capsys, "run", "--case", "hexgon", "--out", str(out))
+    told = refused("run", "--case", "hexgon", "--out", str(out))
     assert "unknown case 'hexgon'; did you mean hexagon? All: full-contact" in told
-    assert "did you mean midpoint?" in refused(capsys, "run", "--scheme", "midpiont", "--out", str(out))
-    assert "midpoint" in refused(capsys, "run", "--scheme", "rk4", "--out", str(out))
+    assert "did you mean midpoint?" in refused("run", "--scheme", "midpiont", "--out", str(out))
+    assert "midpoint" in refused("run", "--scheme", "rk4", "--out", str(out))
     assert not out.exists()
 
 
 @pytest.mark.parametrize("name", ["", ":pach"])
 def test_a_file_without_a_name_it_defines_is_answered_with_those_it_does(
-    file: Path, name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+    file: Path, name: str, refused, tmp_path: Path
 ) -> None:
-    told = refused(capsys, "run", "--case", f"{file}{name}", "--out", str(tmp_path / "out"))
+    told = refused("run", "--case", f"{file}{name}", "--out", str(tmp_path / "out"))
     assert f"give {file}:front or {file}:patch" in told
     assert "_hidden" not in told
     assert "named" not in told
@@ -114,11 +107,11 @@ LINEAR = "ContactFace.linear(floor, law, 1.0, {}, {}, {})"
 )
 @pytest.mark.parametrize("of", ["", ", dim=3"])
 def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(
-    face: str, kink: str, instead: str, of: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    face: str, kink: str, instead: str, of: str, tmp_path: Path, refused
 ) -> None:
     path = tmp_path / "mine.py"
     path.write_text(OWN.format(face=face, of=of), encoding="utf-8")
-    told = refused(capsys, "run", "--case", f"{path}:mine", "--levels", "4", "--out", str(tmp_path / "out"))
+    told = refused("run", "--case", f"{path}:mine", "--levels", "4", "--out", str(tmp_path / "out"))
     assert f"instead of {kink} write {instead}\n" in told
     assert "label" not in told
     assert len(told.splitlines()) == 1
@@ -127,13 +120,11 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(
 @pytest.mark.parametrize(
     "face", [LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), "ContactFace(floor, 0, Prescribed(((1.0, 0),)), z)"]
 )
-def test_a_law_of_another_dimension_than_the_body_is_refused_in_words(
-    face: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_law_of_another_dimension_than_the_body_is_refused_in_words(face: str, tmp_path, refused) -> None:
     words = "the law solid acts in dimension 3, the body has dimension 2; give its tensors that dimension, such as iso"
     path = tmp_path / "mine.py"
     path.write_text(OWN.format(face=face, of=", dim=3"), encoding="utf-8")
-    assert words in refused(capsys, "run", "--case", f"{path}:mine", "--out", str(tmp_path / "out"))
+    assert words in refused("run", "--case", f"{path}:mine", "--out", str(tmp_path / "out"))
     solid = KelvinVoigt(isotropic(1, 1, dim=3), isotropic(1, 1, dim=3), "solid")
     with pytest.raises(LawError, match=words):
         Data.formulas(unit_square(), solid, f0=(0, 0))
@@ -172,32 +163,28 @@ def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) 
     assert capsys.readouterr().out == f"study {version('signorini-study')}\n"
 
 
-def test_an_own_case_with_the_name_of_another_is_refused(
-    file: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> None:
+def test_an_own_case_with_the_name_of_another_is_refused(file: Path, refused, tmp_path) -> None:
     out = tmp_path / "out"
-    told = refused(capsys, "run", "--case", f"{file}:front", "--levels", "2", "4", "8", "--out", str(out))
+    told = refused("run", "--case", f"{file}:front", "--levels", "2", "4", "8", "--out", str(out))
     assert "cases.py:front has the name advance-recede of a case of the catalogue; give it another name" in told
     assert not out.exists()
 
 
-def test_too_few_levels_are_named_before_anything_is_measured(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_too_few_levels_are_named_before_anything_is_measured(refused, tmp_path, monkeypatch) -> None:
     def stop(*arguments: object) -> None:
         raise UsageError("here it would begin")
 
     monkeypatch.setattr("study.cli.run.refuse_too_large", stop)
-    told = refused(capsys, "run", "--case", "corner", "full-contact", "--levels", "8", "--out", str(tmp_path))
+    told = refused("run", "--case", "corner", "full-contact", "--levels", "8", "--out", str(tmp_path))
     few = "a verdict on an order needs {} levels, not only 8; give {} or more, such as --levels {}"
     assert told.splitlines() == [
         f"study: corner: {few.format(3, 3, '8 16 32')}",
         f"study: full-contact: {few.format(3, 3, '8 16 32')}",
         "study: here it would begin",
     ]
-    told = refused(capsys, "run", "--case", "rough-2", "--levels", "8", "16", "32", "--out", str(tmp_path))
+    told = refused("run", "--case", "rough-2", "--levels", "8", "16", "32", "--out", str(tmp_path))
     assert "needs 4 levels" in told
-    assert refused(capsys, "run", "--out", str(tmp_path)) == "study: here it would begin\n"
+    assert refused("run", "--out", str(tmp_path)) == "study: here it would begin\n"
 
 
 def test_finer_meshes_are_one_line_to_copy(file: Path) -> None:
@@ -212,31 +199,17 @@ FIRST = {
     "cases --json": {"json": True},
     "run": {"plan": "quick", "case": None, "levels": None, "scheme": "midpoint", "step": None, "cluster": None},
     "run --quick --case a b --case f.py:c": {"plan": "quick", "case": ["a", "b", "f.py:c"]},
-    "run --full --levels 8 16 --scheme bdf2 --step 0.1 --jobs 3 --cluster tcp://h:1 --out d": {
-        "plan": "full",
-        "levels": [8, 16],
-        "scheme": "bdf2",
-        "step": 0.1,
-        "jobs": 3,
-        "cluster": "tcp://h:1",
-        "out": Path("d"),
-    },
+    "run --full --levels 8 16 --scheme bdf2 --step 0.1 --jobs 3 --cluster tcp://h:1 --out d": dict(
+        plan="full", levels=[8, 16], scheme="bdf2", step=0.1, jobs=3, cluster="tcp://h:1", out=Path("d")
+    ),
     "check --junit f.xml": {"out": Path("results"), "junit": Path("f.xml")},
     "compare a b": {"old": Path("a"), "new": Path("b"), "tolerance": 1e-12, "absolute": 0.0, "json": False},
     "compare a b --tolerance 1e-6 --absolute 1e-9 --json": {"tolerance": 1e-6, "absolute": 1e-9, "json": True},
     "controls --jobs 2": {"jobs": 2, "out": Path("results")},
     # A number of seeds was asked for then; today it may be, and they are fresh ones.
     "seeds --seeds 20": {"seeds": 20, "out": Path("results")},
-    "bound f.py:w": {
-        "problem": "f.py:w",
-        "levels": [8, 16],
-        "family": "unstructured",
-        "scheme": "midpoint",
-        "steps": None,
-        "refine": 1,
-        "shorter": 4,
-        "out": Path("bounds"),
-    },
+    "bound f.py:w": dict(problem="f.py:w", levels=[8, 16], family="unstructured", scheme="midpoint", steps=None)
+    | dict(refine=1, shorter=4, out=Path("bounds")),
     "show f.py:c --level 12": {"case": "f.py:c", "level": 12, "out": Path("shows")},
     "report": {"out": Path("results")},
     "tables --out d": {"out": Path("d")},

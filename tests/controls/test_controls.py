@@ -259,11 +259,11 @@ def modules_after(code: str) -> set[str]:
 
 
 SPACE = """
-from manufactured import catalogue
+from manufactured import named
 from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
-solution = {case.name: case for case in catalogue()}["advance-recede"].solution
+solution = named("advance-recede").solution
 space = Space(OneDiagonal()(solution.body, 4), solution.body)
 v_norm = ErrorNorm(solution, space)
 data = space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant
@@ -282,15 +282,7 @@ from study.solve.tableau import BACKWARD_EULER
         (
             STRESSES,
             "clarabel",
-            {
-                "signorini",
-                "multigrid",
-                "solver_choice",
-                "evolution",
-                "tableau",
-                "fixed_point",
-                "factorisation",
-            },
+            {"signorini", "multigrid", "solver_choice", "evolution", "tableau", "fixed_point", "factorisation"},
         ),
         (DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem"}),
     ],

@@ -59,91 +59,80 @@ class Weakened(NamedTuple):
 
 
 def weakened_lines(text: str) -> list[Weakened]:
-    """Read blocks "NAME @ PLACE", then "-" and "+" before the old and the new code, and "=" before the controls."""
+    """Read blocks "NAME @ PLACE", then code "- OLD  ↦  NEW", and "=" before the controls.
+
+    Code of several lines has "-" before each old line and "+" before each new one.
+    """
     found = []
     for block in text.strip().split("\n\n"):
         head, *lines = block.splitlines()
         old, new, controls = ([line[2:] for line in lines if line[0] == mark] for mark in "-+=")
         name, place = head.split(" @ ")
         noticing = tuple(control for line in controls for control in line.split("; "))
-        found.append(Weakened(name, place, "\n".join(old), "\n".join(new), noticing))
+        before, _, after = "\n".join(old).partition("  ↦  ")
+        found.append(Weakened(name, place, before, after or "\n".join(new), noticing))
     return found
 
 
 OF_RATES = weakened_lines(r"""
 no sign @ study.solve.evolution:ContactStep._residual
-- float(-multipliers.min(initial=0.0)) / force
-+ 0.0
+- float(-multipliers.min(initial=0.0)) / force  ↦  0.0
 = residual: sign
 
 no complementarity @ study.solve.evolution:ContactStep._residual
-- float(abs(normal * multipliers).max(initial=0.0)) / (size * force)
-+ 0.0
+- float(abs(normal * multipliers).max(initial=0.0)) / (size * force)  ↦  0.0
 = residual: complementarity
 
 no gap @ study.solve.evolution:ContactStep._residual
-- float(normal.max(initial=0.0)) / size
-+ 0.0
+- float(normal.max(initial=0.0)) / size  ↦  0.0
 = residual: gap
 
 no balance @ study.solve.evolution:ContactStep._residual
-- math.sqrt(defect @ defect) / max(math.sqrt(b @ b), TINY)
-+ 0.0
+- math.sqrt(defect @ defect) / max(math.sqrt(b @ b), TINY)  ↦  0.0
 = residual: balance; residual: first step; residual: last step
 
 residual of the last step @ study.controls.baselines:measure
-- maximum(residuals)
-+ residuals[-1]
+- maximum(residuals)  ↦  residuals[-1]
 = residual: first step; residual: odd step; residual: even step
 
 residual of every second step @ study.controls.baselines:measure
-- maximum(residuals)
-+ maximum(residuals[::2])
+- maximum(residuals)  ↦  maximum(residuals[::2])
 = residual: first step; residual: odd step
 
 every even time @ study.controls.baselines:measure
-- history.append(
-+ n % 2 or history.append(
+- history.append(  ↦  n % 2 or history.append(
 = supremum: odd node; supremum of interpolation: odd node
 
 every odd time @ study.controls.baselines:measure
-- history.append(
-+ n % 2 and history.append(
+- history.append(  ↦  n % 2 and history.append(
 = supremum: even node; supremum of interpolation: even node
 
 the error at the last time @ study.statements.prop_5_4:Measurement.row
-- "error": float(error[first])
-+ "error": float(error[-1])
+- "error": float(error[first])  ↦  "error": float(error[-1])
 = supremum: odd node; supremum: even node
 
 the discrete error at the last time @ study.statements.prop_5_4:Measurement.row
-- "discrete_error": float(discrete[third])
-+ "discrete_error": float(discrete[-1])
+- "discrete_error": float(discrete[third])  ↦  "discrete_error": float(discrete[-1])
 = supremum: odd node; supremum: even node
 
 interpolation at the last time @ study.statements.prop_5_4:Measurement.row
-- float(interpolation[second])
-+ float(interpolation[-1])
+- float(interpolation[second])  ↦  float(interpolation[-1])
 = supremum of interpolation: odd node; supremum of interpolation: even node
 
 time share at the last time @ study.controls.baselines:measure
-- maximum(drifts)
-+ drifts[-1]
+- maximum(drifts)  ↦  drifts[-1]
 = time share: first node; time share: odd node; time share: even node
 
 discrete time share of the error @ study.statements.prop_5_4:Measurement.row
-- drift / float(discrete[third])
-+ drift / float(error[first])
+- drift / float(discrete[third])  ↦  drift / float(error[first])
 = time share: odd node; time share: even node
 
 no response to the load @ study.statements.prop_5_4:Measurement.quadrature_change
-- (abs(raised - error) + drift)
-+ abs(raised - error)
+- (abs(raised - error) + drift)  ↦  abs(raised - error)
 = quadrature: load; quadrature: early load
 
 no error of its own @ study.statements.prop_5_4:Measurement.quadrature_change
-- (abs(raised - error) + drift)
-+ drift
+- (abs(raised - error) + drift)  ↦  drift
 = quadrature: error
 
 response at the last time @ study.statements.prop_5_4:Measurement.quadrature_change
@@ -152,101 +141,82 @@ response at the last time @ study.statements.prop_5_4:Measurement.quadrature_cha
 = quadrature: early load
 
 too large errors alone @ study.statements.prop_5_4:Measurement.parallelogram
-- abs(missed).max()
-+ missed.max()
+- abs(missed).max()  ↦  missed.max()
 = parallelogram: 0.8 at the odd node
 
 too small errors alone @ study.statements.prop_5_4:Measurement.parallelogram
-- abs(missed).max()
-+ (-missed).max()
+- abs(missed).max()  ↦  (-missed).max()
 = parallelogram: 1.2 at the even node
 
 the law at the last time @ study.statements.prop_5_4:Measurement.parallelogram
-- abs(missed).max()
-+ abs(missed)[-1]
+- abs(missed).max()  ↦  abs(missed)[-1]
 = parallelogram: 0.8 at the odd node
 
 the law at every even time @ study.statements.prop_5_4:Measurement.parallelogram
-- abs(missed).max()
-+ abs(missed)[::2].max()
+- abs(missed).max()  ↦  abs(missed)[::2].max()
 = parallelogram: 1.2 at the odd node
 
 nothing on Γ1 @ study.statements.prop_5_4:Measurement.clamped
-- size[np.any(on, axis=0)].max()
-+ size[np.any(on, axis=0)].min()
+- size[np.any(on, axis=0)].max()  ↦  size[np.any(on, axis=0)].min()
 = clamp short
 """)
 ELSEWHERE = weakened_lines(r"""
 penetration at the last time @ study.statements.contact_force:errors_in_time
-- np.max(extremes, axis=0)
-+ np.array([extremes[-1][0], *np.max(extremes, axis=0)[1:]])
+- np.max(extremes, axis=0)  ↦  np.array([extremes[-1][0], *np.max(extremes, axis=0)[1:]])
 = contact: odd node; contact: even node
 
 pulling at the last time @ study.statements.contact_force:errors_in_time
-- float(pulled / pressed)
-+ float(extremes[-1][2] / pressed)
+- float(pulled / pressed)  ↦  float(extremes[-1][2] / pressed)
 = contact: odd node; contact: even node
 
 no share of the dual norm @ study.controls.baselines:measure_contact
-- / errors
-+ / errors * [1, 0, 1]
+- / errors  ↦  / errors * [1, 0, 1]
 = contact: share of the dual norm
 
 no share of the pressure @ study.controls.baselines:measure_contact
-- / errors
-+ / errors * [0, 1, 1]
+- / errors  ↦  / errors * [0, 1, 1]
 = contact: share of the pressure
 
 forces of the last step @ study.statements.contact_force:errors_in_time
-- (np.arange(steps) + 0.5) * k, np.array(multipliers[1:])
-+ np.array([steps - 0.5]) * k, np.array(multipliers[-1:])
+- (np.arange(steps) + 0.5) * k, np.array(multipliers[1:])  ↦  np.array([steps - 0.5]) * k, np.array(multipliers[-1:])
 = contact: time share, odd node; contact: time share, even node
 
 discrete error of the last step @ study.statements.superclose:Superclose.measure
-- "discrete error": maximum(discrete)
-+ "discrete error": discrete[-1]
+- "discrete error": maximum(discrete)  ↦  "discrete error": discrete[-1]
 = superclose: odd node; superclose: even node
 
 drift of the last step @ study.statements.superclose:Superclose.measure
-- maximum(drift)
-+ drift[-1]
+- maximum(drift)  ↦  drift[-1]
 = superclose: time share: odd node; superclose: time share: even node
 
 violations in the last step @ study.statements.admissibility:largest_violations
-- np.maximum(worst, now)
-+ np.array(now)
+- np.maximum(worst, now)  ↦  np.array(now)
 = u_n without contact: odd step; u_n without contact: even step; u_n held: odd step; u_n held: even step
 = u_n pressed: odd step; u_n pressed: even step
 
 gaps in the last step @ study.controls.baselines:gaps
-- np.maximum(worst, now)
-+ np.array(now)
+- np.maximum(worst, now)  ↦  np.array(now)
 = 3.2: stress, first step; 3.2: stress, odd step; 3.2: stress, even step; 3.2: displacement, first step
 = 3.2: displacement, odd step; 3.2: displacement, even step
 
 duality gap of the last step @ study.controls.baselines:gaps
-- q * radius + np.sqrt(dual.gap)
-+ np.sqrt(dual.gap)
+- q * radius + np.sqrt(dual.gap)  ↦  np.sqrt(dual.gap)
 = 3.2: duality gap, first step; 3.2: duality gap, odd step; 3.2: duality gap, even step
 
 inadmissible in the last step @ study.statements.thm_4_2_own_space:measure
-- history["admissibility"].max()
-+ history["admissibility"][-1]
+- history["admissibility"].max()  ↦  history["admissibility"][-1]
 = admissible: jumps; admissible: misses f_2; admissible: tangential; admissible: pulls
 
 pulling is admissible @ study.statements.thm_4_2_own_space:inadmissible
-- np.maximum(total[edges, :, 0], 0.0)
-+ 0.0
+- np.maximum(total[edges, :, 0], 0.0)  ↦  0.0
 = admissible: pulls
 
 loads are not looked at @ study.statements.thm_4_2_own_space:inadmissible
-- total[edges] -= state.loads.surface[edges]
-+ total[edges] = 0.0
+- total[edges] -= state.loads.surface[edges]  ↦  total[edges] = 0.0
 = admissible: misses f_2
 
 all is admissible on Γ3 @ study.statements.thm_4_2_own_space:inadmissible
-- total[edges, :, 0] = np.maximum(total[edges, :, 0], 0.0)
-+ total[edges] = 0.0
+- total[edges, :, 0] = np.maximum(total[edges, :, 0], 0.0)  ↦  total[edges] = 0.0
 = admissible: tangential
 
 jumps are not looked at @ study.statements.thm_4_2_own_space:inadmissible
@@ -256,18 +226,15 @@ jumps are not looked at @ study.statements.thm_4_2_own_space:inadmissible
 = admissible: jumps
 
 share in the last step @ study.statements.thm_4_2_own_space:measure
-- np.array(drift)
-+ np.array(drift[-1:])
+- np.array(drift)  ↦  np.array(drift[-1:])
 = own space: time share
 
 other ways in the last step @ study.statements.uniqueness:relative_distance
-- np.max(both, axis=0)
-+ both[-1]
+- np.max(both, axis=0)  ↦  both[-1]
 = other ways: odd node; other ways: even node
 
 other ways to σ in the last step @ study.statements.uniqueness:OneStress.measure
-- maximum(size_of(a - b, weights) for a, b in pairs)
-+ [size_of(a - b, weights) for a, b in pairs][-1]
+- maximum(size_of(a - b, weights) for a, b in pairs)  ↦  [size_of(a - b, weights) for a, b in pairs][-1]
 = other ways to σ: one step
 
 velocity of the last step @ study.statements.wellposed:fastest
@@ -276,8 +243,7 @@ velocity of the last step @ study.statements.wellposed:fastest
 = velocity: odd node; velocity: even node
 
 differences in the last step @ study.statements.wellposed:quotients
-- np.array(found)
-+ np.array(found)[-1:]
+- np.array(found)  ↦  np.array(found)[-1:]
 = dependence: odd node; dependence: even node
 
 error of the last node @ study.statements.error_bounds:sides
@@ -286,13 +252,11 @@ error of the last node @ study.statements.error_bounds:sides
 = bounds: odd node; bounds: even node
 
 (5.12) in the last step @ study.statements.steps_of_the_estimate:at_nodes
-- np.max(found, axis=0)
-+ found[-1]
+- np.max(found, axis=0)  ↦  found[-1]
 = contact held: odd step; contact held: even step; multipliers: odd step; multipliers: even step
 
 (5.14) … (5.19) at the last instant @ study.statements.steps_of_the_estimate:over_time
-- np.max([shares(start, c, L) for c in later], 0)
-+ shares(start, later[-1], L)
+- np.max([shares(start, c, L) for c in later], 0)  ↦  shares(start, later[-1], L)
 = one instant: e; one instant: η
 
 tractions at the last instant @ study.statements.boundary:tractions
@@ -303,33 +267,27 @@ tractions at the last instant @ study.statements.boundary:tractions
 = one instant: σ^h
 
 trajectories at the last node @ study.statements.recomputed:differences
-- missing.max()
-+ missing[-1]
+- missing.max()  ↦  missing[-1]
 = computed again: u, odd node; computed again: u, even node
 
 forces of the last step, again @ study.statements.recomputed:euclidean_norm
-- for each in vectors
-+ for each in list(vectors)[-1:]
+- for each in vectors  ↦  for each in list(vectors)[-1:]
 = computed again: λ, odd node; computed again: λ, even node
 
 errors at every even time, again @ study.statements.recomputed:errors
-- np.max(found, axis=0)
-+ np.max(found[::2], axis=0)
+- np.max(found, axis=0)  ↦  np.max(found[::2], axis=0)
 = computed again: errors at one time; computed again: Π^h u at one time
 
 bound at the last time @ study.controls.baselines:bounded
-- (found.error / found.upper).max()
-+ (found.error / found.upper)[-1]
+- (found.error / found.upper).max()  ↦  (found.error / found.upper)[-1]
 = bound: error at time 5
 
 lower bound at the last time @ study.controls.baselines:bounded
-- (found.lower / found.error).max()
-+ (found.lower / found.error)[-1]
+- (found.lower / found.error).max()  ↦  (found.lower / found.error)[-1]
 = enclosure: small error at time 6
 
 R at the last time @ study.statements.residual:defects
-- maximum(values) if values
-+ values[-1] if values
+- maximum(values) if values  ↦  values[-1] if values
 = R without f_0 at one time
 
 Π^h u at the last time @ study.statements.constraint:over_time
@@ -343,38 +301,31 @@ R at the last time @ study.statements.residual:defects
 = Γ1 moved at one time
 
 norms at the last time @ study.statements.residual_bound:share_of_bound
-- np.max(rows, axis=0)
-+ rows[-1]
+- np.max(rows, axis=0)  ↦  rows[-1]
 = R at one time
 
 traction at every even time @ study.statements.norms_in_time:largest_traction
-- maximum(squares)
-+ maximum(squares[::2])
+- maximum(squares)  ↦  maximum(squares[::2])
 = traction at one time
 
 growth in the last step @ study.statements.solution_divergence:over_bound
-- other)).max() for
-+ other))[-1] for
+- other)).max() for  ↦  other))[-1] for
 = growth: odd node; growth: even node
 
 the last node @ study.statements.growing_errors:furthest
-- .max()
-+ [-1]
+- .max()  ↦  [-1]
 = backward Euler: one node
 
 the last node of a front @ study.statements.advancing_front:furthest
-- .max()
-+ [-1]
+- .max()  ↦  [-1]
 = front: time share, odd node; front: time share, even node
 
 the error of a front at the last node @ study.statements.advancing_front:largest_error
-- range(0, steps + 1,
-+ range(steps, steps + 1,
+- range(0, steps + 1,  ↦  range(steps, steps + 1,
 = front: error at one node
 
 the load at the first time @ study.statements.advancing_front:effect_of_quadrature
-- midpoints(problem.T, FEW)
-+ midpoints(problem.T, FEW)[:1]
+- midpoints(problem.T, FEW)  ↦  midpoints(problem.T, FEW)[:1]
 = front: load at one time
 """)
 

@@ -62,12 +62,7 @@ def prism() -> Body:
     return Body((*sides, *bottom, *top))
 
 
-BODIES = {
-    "cube": box(),
-    "slab": box((2.0, 1.0, 0.5), left=Kind.CONTACT),
-    "skewed": skewed(),
-    "half": half_supported(),
-}
+BODIES = {"cube": box(), "slab": box((2.0, 1.0, 0.5), left=Kind.CONTACT), "skewed": skewed(), "half": half_supported()}
 
 
 @pytest.mark.parametrize(

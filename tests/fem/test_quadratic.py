@@ -246,16 +246,19 @@ def test_a_mesh_that_is_no_refinement_is_refused() -> None:
 # ---- forms, functionals and moments
 
 
+def folded_gauss(n: int) -> tuple[Array, Array]:
+    """Gauss points of the square folded onto the triangle, (3, n²), with weights: nothing of the rule of the space."""
+    x, w = np.polynomial.legendre.leggauss(n)
+    a, b = (g.ravel() for g in np.meshgrid((x + 1) / 2, (x + 1) / 2))
+    return np.array([a, (1 - a) * b, (1 - a) * (1 - b)]), np.multiply.outer(w, w).ravel() / 2 * (1 - a)
+
+
 @pytest.mark.parametrize("body", BODIES)
 def test_the_form_is_the_integral_of_the_products_of_strains(body: str) -> None:
     found, rng = discretisation(body), np.random.default_rng(5)
     V = found.displacements
     u, v = rng.normal(size=(2, V.dofs))
-    x, w = np.polynomial.legendre.leggauss(4)
-    # Gauss points of the square folded onto the triangle: nothing of the rule of the space.
-    a, b = (g.ravel() for g in np.meshgrid((x + 1) / 2, (x + 1) / 2))
-    weights = np.multiply.outer(w, w).ravel() / 4 * 2 * (1 - a)
-    barycentric = np.array([a, (1 - a) * b, (1 - a) * (1 - b)])
+    barycentric, weights = folded_gauss(4)
     A = found.data.law.A.matrix
     integral = np.einsum(
         "IJ,Jcq,Icq,q,c->", A, strains(V, u, barycentric), strains(V, v, barycentric), weights, V.volumes
@@ -286,9 +289,7 @@ def test_loads_act_as_the_integrals_of_polynomial_formulas() -> None:
     V, rng = found.displacements, np.random.default_rng(2)
     v = rng.normal(size=V.dofs)
     x, w = np.polynomial.legendre.leggauss(6)
-    a, b = (g.ravel() for g in np.meshgrid((x + 1) / 2, (x + 1) / 2))
-    weights = np.multiply.outer(w, w).ravel() / 2 * (1 - a)
-    barycentric = np.array([a, (1 - a) * b, (1 - a) * (1 - b)])
+    barycentric, weights = folded_gauss(6)
     X, Y = np.einsum("dvc,vq->dcq", found.mesh.p[:, found.mesh.t], barycentric)
     u = values(V, v, barycentric)
     expected = np.einsum("cq,q,c->", u[0] * (1 + X * Y) + u[1] * (X - 3 * Y**2), weights, V.volumes)

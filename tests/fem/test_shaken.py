@@ -1,4 +1,4 @@
-"""Random meshes are random, everywhere and by as much as they say, and no cell of any family is close to degenerate."""
+"""Random meshes are random, everywhere and by as much as they say; no cell is degenerate or leaves the body."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ import pytest
 
 from manufactured import Body, named, unit_square
 from manufactured.body import box
+from manufactured.exact.domain import require_inside
 from manufactured.tensors import Array, Points
 from study.fem.mesh import FAMILIES, Alternating, OneDiagonal, Shaken, cell_volumes
+from study.fem.quadrature import placed, simplex_rule
 from study.statements.shared.meshes import BODIES, fits, spacing
+from study.statements.shared.scope import serving
 
 LEVEL = {2: 24, 3: 9}
 LEAST = {"one-diagonal": 26, "criss-cross": 26, "shaken": 12, "unstructured": 20, "graded": 8}
@@ -83,6 +86,18 @@ def test_no_cell_is_close_to_degenerate(name: str) -> None:
                 assert volumes.min() > 0.2 * volumes.mean(), (family.name, n)
             else:
                 assert smallest_angle(mesh.p[:, mesh.t]) > LEAST[family.name], (family.name, n)
+
+
+@pytest.mark.parametrize("name", ["rotated", "hexagon", "re-entrant", "layered", "cube-two-faces"])
+def test_vertices_and_points_of_quadrature_lie_in_the_body_whatever_rounding_does(name: str) -> None:
+    case = named(name)
+    body = case.solution.body
+    barycentric, _ = simplex_rule(body.dim, 4)
+    for family in serving(case):
+        mesh = family(body, 7)
+        require_inside(body, mesh.p)
+        require_inside(body, placed(mesh.p, mesh.t, barycentric))
+        require_inside(body, np.mean(mesh.p[:, mesh.facets], axis=1))
 
 
 def test_shaking_as_announced_leaves_angles_and_a_quarter_more_does_not() -> None:

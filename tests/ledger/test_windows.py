@@ -93,11 +93,7 @@ def test_a_row_is_known_by_label_key_case_and_family_and_carries_its_window() ->
 
 
 def test_a_prediction_without_a_claim_is_reported_and_missed_if_it_was_wrong() -> None:
-    for value, outcome, verdict in (
-        (1.0, "met", REPORTED),
-        (1.2, "wrong", MISSED),
-        (math.nan, "undecided", REPORTED),
-    ):
+    for value, outcome, verdict in ((1.0, "met", REPORTED), (1.2, "wrong", MISSED), (math.nan, "undecided", REPORTED)):
         criterion = Criterion("key", "a quantity", around(1, 0.1), lambda _, v=value: (v, (v, v)), ())
         row = Observation(criterion, "nobody knows").verdict(Claim(), "a", {"shaken": pd.DataFrame({"h": [1.0]})})
         assert row.verdict == verdict
@@ -113,12 +109,7 @@ def test_a_number_without_a_prediction_cannot_miss_it() -> None:
 
 @pytest.mark.parametrize(
     ("verdicts", "code"),
-    [
-        ((HOLDS, REPORTED, MISSED), 0),
-        ((HOLDS, UNDECIDED), 3),
-        ((FAILS, UNDECIDED, HOLDS), 1),
-        ((), 3),
-    ],
+    [((HOLDS, REPORTED, MISSED), 0), ((HOLDS, UNDECIDED), 3), ((FAILS, UNDECIDED, HOLDS), 1), ((), 3)],
 )
 def test_a_failure_goes_before_an_undecided_row_and_a_missed_prediction_is_no_failure(verdicts, code: int) -> None:
     row = judged(around(1, 0.1), 1.0, 0.95, 1.05)

@@ -254,7 +254,7 @@ def test_names_stand_for_cases_problems_and_users_data(tmp_path) -> None:
         "law = KelvinVoigt(isotropic(1, 1), isotropic(1, 1), 'law')\n"
         "press = Data.formulas(unit_square(), law, f0=(0, -1))\n"
         "def made(): return press\n"
-        "case = next(c for c in catalogue() if c.name == 'corner')\n"
+        "case = named('corner')\n"
         "other = 3\n"
     )
     for reference in ("press", "made"):

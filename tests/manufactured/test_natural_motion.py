@@ -21,11 +21,8 @@ CASE = natural_motion()
 RECEDING = natural_motion(Rational(7, 10) - 2 * t / 5)
 
 
-def test_the_natural_front_that_advances_is_an_exact_solution() -> None:
+def test_the_natural_front_that_advances_is_an_exact_solution_and_one_that_recedes_pulls() -> None:
     assert [finding for finding in examine(CASE.solution) if not finding.passes] == []
-
-
-def test_the_same_field_pulls_where_the_front_recedes() -> None:
     (finding,) = (finding for finding in examine(RECEDING.solution) if not finding.passes)
     assert "σ_ν ≤ 0" in finding.condition
 

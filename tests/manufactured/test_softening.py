@@ -104,12 +104,9 @@ def test_what_is_no_law_is_refused(make, message: str) -> None:
         make()
 
 
-def test_a_task_does_not_serve_a_law_that_softens(tmp_path, capsys) -> None:
+def test_neither_a_task_nor_a_certificate_serves_a_law_that_softens(tmp_path, capsys) -> None:
     assert main(["export", "softening", "--levels", "4", "--to", str(tmp_path / "task")]) == 2
     assert "a static problem with it need not have a solution" in " ".join(capsys.readouterr().err.split())
-
-
-def test_a_certificate_does_not_serve_a_law_that_softens() -> None:
     data = Data.formulas(unit_square(), named("softening").solution.law, f0=(0, 0))
     with pytest.raises(BoundError, match="G softens, but certificates need a positive one"):
         statement(data)

@@ -22,18 +22,15 @@ import manufactured
 from study.cli.main import LACKING, main
 
 ROOT = Path(__file__).parents[2]
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = PYPROJECT["project"]
 PINS = {
     path.stem: dict(re.findall(r"^([\w-]+)==([\w.]+)", path.read_text(encoding="utf-8"), re.MULTILINE))
     for path in (ROOT / "requirements").iterdir()
 }
 EXTRAS = {
-    "study": "runtime",
-    "orders": "runtime",
-    "dev": "development",
-    "docs": "documentation",
-    "cluster": "cluster",
-    "film": "film",
+    **{"study": "runtime", "orders": "runtime", "dev": "development"},
+    **{"docs": "documentation", "cluster": "cluster", "film": "film"},
 }
 
 
@@ -48,13 +45,10 @@ def test_the_base_is_numpy_and_sympy_and_every_extra_has_its_file_of_pins() -> N
         assert names(PROJECT["optional-dependencies"][extra]) <= set(PINS[file])
 
 
-def test_running_the_study_needs_at_most_forty_packages_and_no_tools() -> None:
+def test_running_the_study_needs_at_most_forty_packages_and_no_tools_and_each_package_has_one_version() -> None:
     assert set(PINS) == set(EXTRAS.values())
     assert len(PINS["runtime"]) <= 40
     assert set(PINS["runtime"]).isdisjoint({"pytest", "ruff", "mypy", "sphinx", "distributed", "selenium"})
-
-
-def test_a_package_that_is_pinned_twice_has_one_version() -> None:
     versions = {(package, version) for pins in PINS.values() for package, version in pins.items()}
     assert len(versions) == len({package for package, _ in versions})
 
@@ -85,9 +79,9 @@ def test_manufactured_imports_nothing_else() -> None:
     assert set(done.stdout.split()) & imported == set()
 
 
-@pytest.mark.parametrize("module", [m.name for m in pkgutil.walk_packages(manufactured.__path__, "manufactured.")])
-def test_examples_in_docstrings_are_true(module: str) -> None:
-    assert doctest.testmod(importlib.import_module(module)).failed == 0
+def test_examples_in_docstrings_are_true() -> None:
+    modules = [module.name for module in pkgutil.walk_packages(manufactured.__path__, "manufactured.")]
+    assert [name for name in modules if doctest.testmod(importlib.import_module(name)).failed] == []
 
 
 @pytest.mark.slow
@@ -113,11 +107,8 @@ def test_a_command_without_its_extra_says_how_to_install_it(
 
 
 def test_the_wheel_has_the_mark_that_its_packages_are_typed() -> None:
-    package_data = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"][
-        "package-data"
-    ]
     for package in ("manufactured", "study"):
-        assert "py.typed" in package_data[package]
+        assert "py.typed" in PYPROJECT["tool"]["setuptools"]["package-data"][package]
         assert (ROOT / package / "py.typed").is_file()
 
 

@@ -25,8 +25,8 @@ from study.statements.prop_5_4 import FirstOrder, RateSetting
 
 MINE = """
 from dataclasses import replace
-from manufactured import catalogue
-mine = replace(next(case for case in catalogue() if case.name == "advance-recede"), name="mine", pace=3)
+from manufactured import named
+mine = replace(named("advance-recede"), name="mine", pace=3)
 """
 
 

@@ -246,22 +246,6 @@ def full_contact(n: int) -> Job:
     return Job(FirstOrder(), RateSetting("full-contact", "one-diagonal", n, "midpoint", 2))
 
 
-def cube_disc(family: str, n: int) -> Job:
-    return Job(FirstOrder(), RateSetting("cube-disc", family, n, "midpoint", 2))
-
-
-def equivalence(n: int) -> Job:
-    return Job(SameMesh(), Setting("cube-disc", "one-diagonal", n))
-
-
-def stress(n: int) -> Job:
-    return Job(OwnSpace(), Setting("full-contact", "shaken", n))
-
-
-def enclosure(n: int) -> Job:
-    return Job(EnclosedError(), BoundSetting("full-contact", "shaken", n, "midpoint", Refined(1, 1)))
-
-
 def peak(job: Job) -> float:
     """The largest resident size of a process that does a job, in bytes: not that of the process it was forked from."""
     code = "import sys, pickle; pickle.load(sys.stdin.buffer).run(); print(open('/proc/self/status').read())"
@@ -270,22 +254,21 @@ def peak(job: Job) -> float:
     return float(kibibytes) * 1024
 
 
+LARGE = [
+    Job(FirstOrder(), RateSetting("cube-disc", "shaken", 9, "midpoint", 2)),
+    Job(FirstOrder(), RateSetting("cube-disc", "one-diagonal", 18, "midpoint", 2)),
+    Job(SameMesh(), Setting("cube-disc", "one-diagonal", 6)),
+    Job(OwnSpace(), Setting("full-contact", "shaken", 16)),
+    Job(EnclosedError(), BoundSetting("full-contact", "shaken", 8, "midpoint", Refined(1, 1))),
+]
+EVERY = [full_contact(96), *(pytest.param(job, marks=pytest.mark.slow) for job in LARGE)]
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is no /proc")
-@pytest.mark.parametrize(
-    ("job", "least"),
-    [
-        (full_contact(96), full_contact(2)),
-        pytest.param(cube_disc("shaken", 9), cube_disc("shaken", 2), marks=pytest.mark.slow),
-        pytest.param(cube_disc("one-diagonal", 18), cube_disc("one-diagonal", 2), marks=pytest.mark.slow),
-        pytest.param(equivalence(6), equivalence(2), marks=pytest.mark.slow),
-        pytest.param(stress(16), stress(2), marks=pytest.mark.slow),
-        pytest.param(enclosure(8), enclosure(2), marks=pytest.mark.slow),
-    ],
-    ids=lambda job: job.key,
-)
-def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job, least: Job) -> None:
+@pytest.mark.parametrize("job", EVERY, ids=lambda job: job.key)
+def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None:
     """The base is most of a small estimate. What grows with the level is compared over the same job at n = 2."""
-    whole = peak(job)
+    whole, least = peak(job), replace(job, setting=replace(job.setting, level=2))
     assert whole <= job.memory
     assert 0.1 <= (whole - peak(least)) / (job.memory - least.memory) <= 1
 

@@ -82,10 +82,10 @@ def test_jobs_that_differ_have_different_keys() -> None:
 
 MINE = """
 from dataclasses import replace
-from manufactured import catalogue
+from manufactured import named
 
 FACTOR = 1
-mine = replace(next(case for case in catalogue() if case.name == "advance-recede"), name="mine", pace=PACE)
+mine = replace(named("advance-recede"), name="mine", pace=PACE)
 """
 
 

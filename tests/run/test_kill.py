@@ -7,6 +7,7 @@ import os
 import random
 import signal
 import time
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import psutil
@@ -25,21 +26,11 @@ SPARE = 6
 """Jobs that are left when the last kill is due, so that it comes before the end."""
 
 
-class Run:
+def started(out: Path) -> BaseProcess:
     """The command in a process group of its own, forked so that nothing is imported again."""
-
-    def __init__(self, out: Path) -> None:
-        self._process = multiprocessing.get_context("fork").Process(target=command, args=(out,))
-        self._process.start()
-        assert self._process.pid is not None
-        self.pid = self._process.pid
-
-    def poll(self) -> int | None:
-        return self._process.exitcode
-
-    def wait(self) -> int | None:
-        self._process.join()
-        return self._process.exitcode
+    process = multiprocessing.get_context("fork").Process(target=command, args=(out,))
+    process.start()
+    return process
 
 
 def command(out: Path) -> None:
@@ -80,7 +71,7 @@ def results(out: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in out.glob("data/jobs/*.json")}
 
 
-def kill(run: Run, victim: str) -> bool:
+def kill(run: BaseProcess, victim: str) -> bool:
     """Kill a worker of a run, or the run itself, of which nothing may be left; whether workers were alive."""
     leader = psutil.Process(run.pid)
     workers = [worker for worker in leader.children(recursive=True) if not gone(worker)]
@@ -89,7 +80,7 @@ def kill(run: Run, victim: str) -> bool:
             workers[0].send_signal(signal.SIGKILL)
         return bool(workers)
     leader.send_signal(signal.SIGKILL)
-    run.wait()
+    run.join()
     deadline = time.monotonic() + 20
     while not all(map(gone, workers)):
         assert time.monotonic() < deadline, [worker for worker in workers if not gone(worker)]
@@ -108,13 +99,13 @@ def test_kills_at_random_moments_change_no_byte_of_what_the_command_writes_in_th
     run, effective = None, 0
     kept: dict[Path, int] = {}
     for left, victim in zip(range(len(VICTIMS), 0, -1), [*choose.sample(VICTIMS[:-1], 3), VICTIMS[-1]], strict=True):
-        run = run or Run(tmp_path)
+        run = run or started(tmp_path)
         # At least one job more than there are: nothing works before that but imports.
         jobs = len(kept) + 1 + choose.randrange(max(1, (total - SPARE - len(kept)) // left))
-        while len(results(tmp_path)) < jobs and run.poll() is None:
+        while len(results(tmp_path)) < jobs and run.exitcode is None:
             time.sleep(0.005)
         time.sleep(choose.uniform(0, 0.05))
-        hit = run.poll() is None and kill(run, victim)
+        hit = run.exitcode is None and kill(run, victim)
         if victim == "run":
             run = None
         now = results(tmp_path)
@@ -122,6 +113,8 @@ def test_kills_at_random_moments_change_no_byte_of_what_the_command_writes_in_th
         kept = now
         effective += hit and 0 < len(kept) < total
     assert effective >= EFFECTIVE
-    assert Run(tmp_path).wait() in (0, 1)
+    last = started(tmp_path)
+    last.join()
+    assert last.exitcode in (0, 1)
     assert written(tmp_path) == undisturbed
     assert kept.items() <= results(tmp_path).items(), "what was finished is not done again"

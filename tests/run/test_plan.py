@@ -75,6 +75,7 @@ def test_the_quick_study_measures_a_case_on_the_families_it_names_and_a_twin_on_
     found: dict[str, set[str]] = {}
     for setting in rates("quick"):
         found.setdefault(setting.case, set()).add(setting.family)
+    assert {case.twin for case in catalogue()} - {""} <= set(NAMES)
     for case in scope("quick").resolved():
         assert found[case.name] == set(case.families or [scope("quick").families_of(case)[0].name])
         if case.twin:
@@ -193,15 +194,12 @@ def test_no_two_measurements_have_one_name_or_give_the_same_rows(name: str) -> N
 
 @pytest.mark.parametrize("name", SCOPES)
 def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_measure_nothing(name: str) -> None:
+    assert len(set(STATEMENTS)) == len(STATEMENTS)
     measured = {job.statement for job in plan(name).jobs}
     assert measured <= set(STATEMENTS)
     for statement in set(STATEMENTS) - measured - FULL_ONLY:
         with pytest.raises(NotImplementedError, match="nothing is measured"):
             statement.measure(Setting("full-contact", "shaken", 4))
-
-
-def test_a_statement_is_listed_once() -> None:
-    assert len(set(STATEMENTS)) == len(STATEMENTS)
 
 
 def test_a_case_alone_is_measured_by_the_statements_about_every_case() -> None:
@@ -215,21 +213,14 @@ def test_a_measurement_becomes_one_row_per_quantity() -> None:
     assert {(row["label"], row["case"], row["family"], row["level"]) for row in rows} == {("(2.14)", "a", "f", 8)}
 
 
-def test_a_twin_is_a_case_of_the_catalogue_and_is_measured_beside_it() -> None:
-    names = {case.name for case in catalogue()}
-    assert {case.twin for case in catalogue()} - {""} <= names
-
-
 ROUGH = """
 from dataclasses import replace
 
-from manufactured import catalogue
-
-found = {case.name: case for case in catalogue()}
+from manufactured import named
 
 
 def rough(name, *places):
-    case = found[name]
+    case = named(name)
     face, *others = case.solution.faces
     faces = replace(face, rough=places), *others
     return replace(case, name="mine", families=(), solution=replace(case.solution, faces=faces))

@@ -22,7 +22,7 @@ from study.fem.mesh import FAMILIES, Graded, MeshError, OneDiagonal, Shaken, Uns
 from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 from study.solve import signorini
-from study.solve.evolution import EvolutionError, SemiDiscrete
+from study.solve.evolution import EvolutionError
 from study.solve.signorini import Signorini
 from study.solve.steps import rate_steps
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
@@ -71,7 +71,9 @@ def test_unstructured_meshes_serve_any_polygon_and_structured_ones_refuse_it() -
         OneDiagonal()(PENTAGON, 8)
 
 
-def test_a_mesh_without_a_vertex_where_the_condition_changes_is_refused() -> None:
+def test_a_mesh_that_crosses_an_interface_or_lacks_a_vertex_where_the_condition_changes_is_refused() -> None:
+    with pytest.raises(MeshError, match="edges of the mesh follow it"):
+        Space(OneDiagonal()(LAYERED["level"], 6), LAYERED["level"])
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     body = polygon([(0, 0), (0.3, 0), (1, 0), (1, 1), (0, 1)], kinds)
     with pytest.raises(MeshError, match="is not a vertex"):
@@ -123,10 +125,7 @@ def test_the_load_from_stresses_is_the_load_from_forces() -> None:
         solution = named(name).solution
         for family in (OneDiagonal(), Shaken(), Unstructured()):
             v_norm = ErrorNorm(solution, Space(family(solution.body, 8), solution.body), raised=4)
-            by_stress, by_force = (
-                v_norm.load(0.7),
-                load_from_forces(solution, v_norm.space, 0.7, v_norm.degree),
-            )
+            by_stress, by_force = (v_norm.load(0.7), load_from_forces(solution, v_norm.space, 0.7, v_norm.degree))
             assert abs(by_stress - by_force).max() < 1e-9 * abs(by_stress).max()
 
 
@@ -174,11 +173,6 @@ def test_a_line_may_have_any_direction(exponent: float) -> None:
     assert total == pytest.approx(slices, rel=1e-5)
 
 
-def test_a_line_needs_a_unit_direction() -> None:
-    with pytest.raises(MeshError, match="expected 1"):
-        Line((1.0, 1.0), 0.5)
-
-
 @pytest.mark.parametrize("exponent", [-1.0, -0.9, 0.0, 1.0])
 def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(exponent: float) -> None:
     """∫ r^e over the triangle (0,0), (1,0), (1,1) is ∫_0^{π/4} (cos θ)^{−e−2} dθ/(e+2); twice this for the square."""
@@ -194,6 +188,8 @@ def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(expone
 
 
 def test_rough_places_that_no_rule_serves_are_refused() -> None:
+    with pytest.raises(MeshError, match="expected 1"):
+        Line((1.0, 1.0), 0.5)
     mesh = OneDiagonal()(unit_square(), 4)
     with pytest.raises(MeshError, match="not a vertex of the mesh"):
         cell_rules(mesh, 4, (), [(0.3, 0.3)])
@@ -250,11 +246,6 @@ def test_shaken_vertices_slide_along_interfaces() -> None:
     assert len(on) == 7
     assert np.allclose(shaken[1, on], 0.25, rtol=0, atol=1e-15)
     assert (shaken[0, on] != plain[0, on]).all()
-
-
-def test_a_mesh_that_crosses_an_interface_is_refused() -> None:
-    with pytest.raises(MeshError, match="edges of the mesh follow it"):
-        Space(OneDiagonal()(LAYERED["level"], 6), LAYERED["level"])
 
 
 def test_the_predicted_interpolation_error_is_the_measured_one_for_quadratics() -> None:
@@ -334,10 +325,7 @@ def test_ill_conditioned_matrices_that_are_no_m_matrices_are_solved() -> None:
 @cache
 def trajectory(case, scheme, steps: int, n: int = 8):
     """The problem and its trajectory, found once for all schemes that are compared with it; tests only read it."""
-    solution = case.solution
-    space = Space(Shaken()(solution.body, n), solution.body)
-    v_norm = ErrorNorm(solution, space)
-    problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
+    problem = Experiment.of(case.solution, Shaken(), n, scheme, steps).problem
     return problem, np.array([state.u for state in scheme.march(problem, steps)])
 
 
@@ -380,11 +368,7 @@ def test_a_midpoint_step_of_a_nonlinear_law_takes_at_most_six_solves_on_the_coar
 
 
 def test_a_fixed_point_that_does_not_settle_says_so() -> None:
-    case = named("yield-and-release")
-    solution = case.solution
-    space = Space(OneDiagonal()(solution.body, 4), solution.body)
-    v_norm = ErrorNorm(solution, space)
-    problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
+    problem = Experiment.of(named("yield-and-release").solution, OneDiagonal(), 4, MIDPOINT, 4).problem
     stiff = replace(problem, remainder=lambda v: 50 * problem.M @ v)
     with pytest.raises(EvolutionError, match="take more steps"):
         list(MIDPOINT.march(stiff, 4))

@@ -59,15 +59,9 @@ def test_an_affine_map_in_as_many_dimensions_as_are_remembered_takes_two_images_
     assert taken <= size + 2
 
 
-def test_a_start_at_the_fixed_point_takes_one_image() -> None:
+def test_a_start_at_the_fixed_point_takes_one_image_and_what_does_not_settle_or_is_no_number_is_refused() -> None:
     assert fixed_point(lambda v: v, np.ones(3), euclidean, 1e-12, 5)[1] == 1
-
-
-def test_a_map_that_does_not_settle_says_so() -> None:
     with pytest.raises(FixedPointError, match="did not converge in 7 steps"):
         fixed_point(lambda v: np.cos(3 * v) * 5 + v[::-1], np.array([0.1, 0.7]), euclidean, 1e-12, 7)
-
-
-def test_a_value_that_is_no_number_is_not_a_fixed_point() -> None:
     with pytest.raises(FixedPointError, match="image 1 is not finite"):
         fixed_point(lambda v: v * np.nan, np.ones(2), euclidean, 1e-12, 7)

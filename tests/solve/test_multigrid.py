@@ -11,16 +11,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from random_examples import COSTLY
 from scipy.sparse.linalg import LinearOperator, cg
+from step_matrix import step_matrix
 
 from manufactured import Kind, named, polygon
-from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.fem.space import Space, form
-from study.solve.evolution import SemiDiscrete
+from study.fem.space import Space
 from study.solve.multigrid import COARSEST, Multigrid, MultigridError, rigid_motions
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import FACTORED, SHARE, contact_solver, residual
 from study.solve.tableau import MIDPOINT
+from study.statements.shared.experiment import Experiment
 
 EXACT = 1e-10
 """A tolerance far below the discretisation error."""
@@ -34,11 +34,6 @@ SETTINGS: list[tuple[str, MeshFamily, int]] = [
     ("cube-disc", Shaken(), 8),
     ("cube-two-faces", OneDiagonal(), 6),
 ]
-
-
-def of_a_step(name: str, space: Space) -> sps.csc_array:
-    law = named(name).solution.law
-    return sps.csc_array(20 * form(space, law.A) + form(space, law.G))
 
 
 def disturbed(S: sps.csc_array, N: sps.csr_array, count: int = 3) -> list:
@@ -55,7 +50,7 @@ def setting(request):
     body = named(name).solution.body
     space = Space(family(body, n), body)
     assert space.dofs > COARSEST * space.dim
-    return of_a_step(name, space), space.N, space.free_points
+    return step_matrix(name, space), space.N, space.free_points
 
 
 def test_multigrid_finds_the_exact_solution(setting) -> None:
@@ -85,7 +80,7 @@ def test_oblique_normals_at_one_vertex_bound_both() -> None:
     """The rows of N at the vertex between two slanted pieces of Γ3 are not at right angles."""
     body = polygon([(0, 0), (2, 1), (0.2, 2.4), (-1, 1.5)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT])
     space = Space(Shaken()(body, 20), body)
-    S, N = of_a_step("full-contact", space), space.N
+    S, N = step_matrix("full-contact", space), space.N
     (_, first), (_, second) = space.contact
     (corner,) = np.intersect1d(first, second)
     rows = np.flatnonzero(np.concatenate([first, second]) == corner)
@@ -112,9 +107,8 @@ def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(
     monkeypatch.setattr("study.solve.solver_choice.FACTORED", {2: 0, 3: 0})
     solution, shares = named(name).solution, []
     for n in levels:
-        space = Space(family(solution.body, n), solution.body)
-        v_norm = ErrorNorm(solution, space)
-        problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
+        setup = Experiment.of(solution, family, n, MIDPOINT, 8)
+        space, v_norm, problem = setup.space, setup.v_norm, setup.problem
         exact = replace(problem, solver=Signorini)
         left, errors = [], []
         for one, other in zip(MIDPOINT.march(problem, 8), MIDPOINT.march(exact, 8), strict=True):
@@ -154,7 +148,7 @@ def iterations(name: str, n: int, every: int | None) -> int:
     """Conjugate gradients from 1 to 1e-8 where none, some or all unknowns of N are held."""
     body = named(name).solution.body
     space = Space(OneDiagonal()(body, n), body)
-    solve = holding(of_a_step(name, space), space.N, space.free_points, every)
+    solve = holding(step_matrix(name, space), space.N, space.free_points, every)
     b, count = solve.free * np.random.default_rng(2).standard_normal(space.dofs), []
     preconditioner = LinearOperator(solve.cut.shape, matvec=solve.cycle, dtype=float)
     cg(solve.cut, b, rtol=1e-8, M=preconditioner, callback=count.append)
@@ -272,7 +266,7 @@ def test_a_tolerance_below_rounding_is_refused(setting) -> None:
 def test_the_solver_is_chosen_by_size(monkeypatch: pytest.MonkeyPatch) -> None:
     body = named("cube-disc").solution.body
     space = Space(OneDiagonal()(body, 4), body)
-    S = of_a_step("cube-disc", space)
+    S = step_matrix("cube-disc", space)
     assert isinstance(contact_solver(space)(S, space.N), Signorini)
     monkeypatch.setitem(FACTORED, 3, space.dofs - 1)
     assert isinstance(contact_solver(space)(S, space.N), Multigrid)

@@ -69,12 +69,9 @@ def test_contact_and_release_and_yielding_truly_occur() -> None:
     assert any(yielded)
 
 
-def test_a_flipped_normal_is_seen() -> None:
+def test_a_flipped_normal_and_the_load_of_another_time_are_seen() -> None:
     displacements, stresses = case_on("full-contact", OneDiagonal(), 6)
     assert gaps(displacements, replace(stresses, N=-stresses.N), steps=6).displacement_gap > 1e-3
-
-
-def test_a_stress_problem_with_the_load_of_another_time_is_seen() -> None:
     displacements, stresses = case_on("advance-recede", OneDiagonal(), 6)
     late = replace(stresses, load=lambda t: stresses.load(max(t - 1 / 12, 0.0)))
     assert gaps(displacements, late, steps=12).displacement_gap > 1e-3
