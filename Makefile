@@ -17,7 +17,7 @@ PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/stat
 study: $(RUNTIME)  ## quick study, results/quick, a minute
 	$(BIN)/study run --quick --undecided results/undecided-quick.csv --out results/quick
 
-full: $(DEVELOPMENT)  ## full study, results/, half an hour, and the slow tests
+full: $(DEVELOPMENT)  ## full study, results/, an hour, and the slow tests
 	$(BIN)/study run --full --undecided results/undecided-full.csv --out results
 	$(BIN)/study controls --out results
 	$(BIN)/study sensitivity --out results

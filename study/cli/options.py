@@ -126,7 +126,7 @@ def _run(sweep: argparse.ArgumentParser) -> None:
     quick = "few levels, a minute, results in results/quick (default)"
     size.add_argument("--quick", dest="plan", action="store_const", const="quick", default="quick", help=quick)
     size.add_argument(
-        "--full", dest="plan", action="store_const", const="full", help="all levels, half an hour, results in results"
+        "--full", dest="plan", action="store_const", const="full", help="all levels, an hour, results in results"
     )
     add(
         "--case",

@@ -190,7 +190,7 @@ def quick() -> Scope:
 
 
 def full() -> Scope:
-    """Return the scope of the full study, which takes half an hour: all mesh families and more levels."""
+    """Return the scope of the full study, which takes about an hour: all mesh families and more levels."""
     return replace(
         quick(),
         plane=Levels((8, 16, 32, 64), (128,)),
