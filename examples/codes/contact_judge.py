@@ -43,8 +43,9 @@ OTHER_EQUATIONS, FEW_FORCES = 0.1, 1e-3
 """Part of the load where no force may be, to be wrong and to be mentioned; Nitsche's methods leave some hundredths."""
 NEXT_TO_NOTHING = 0.1
 """Part of the force of the solution in K^h up to which a vertex is idle; part of the largest pressure to be asked."""
-NECESSARY, LARGE_PRESSURE = 0.15, 3
-"""Distance of two orders that are the same; times the error of K^h from which on a pressure is mentioned."""
+NECESSARY, LARGE_PRESSURE, LARGE_SHARE = 0.15, 3, 0.3
+"""Distance of two orders that are the same; times the error of K^h from which on a pressure is mentioned; distance over
+the error of K^h from which on it is mentioned."""
 AGREES, NAMED, HINTED = 1e-6, 1e-3, 0.05
 """Relative difference up to which what a code reports agrees with its displacements: six digits in a text file; part of
 the residual that a cause may leave to be most likely, and to be a hint."""
@@ -1161,6 +1162,8 @@ def notes(one: Judgement) -> list[str]:
     if last.idle:
         named = ", ".join(map(str, last.idle[:5])) + (", …" if len(last.idle) > 5 else "")
         lines.append(f"vertices that are pressed and carry next to nothing: {len(last.idle)} ({named})")
+    if one.verdict == CONSISTENT and last.share > LARGE_SHARE:
+        lines.append(f"the distance tends to 0, but on the last mesh it is still {last.share:.0%} of the error")
     if one.verdict == CONSISTENT and last.pressure > LARGE_PRESSURE * last.best_pressure:
         times = last.pressure / last.best_pressure
         lines.append(f"the pressure has {times:.0f} times the error of the solution in K^h")

@@ -47,8 +47,8 @@ WHY: dict[tuple[str, str], str] = {
     "reported elsewhere; the claim is an upper bound, which is now judged for every law",
     ("enclosure", "order"): "before, the interval had to contain 1 and to be at most 0.2 wide; now it must lie in the "
     "window of every other order. The interval was known when the rule was changed",
-    ("contact force", "order-resultant"): "two contact faces of hexagon meet Γ1, where the dual norm does not bound the "
-    "error of the resultant; before, only contact-at-clamp was not judged for this reason, by its name",
+    ("contact force", "order-resultant"): "two contact faces of hexagon meet Γ1, where the dual norm does not bound "
+    "the error of the resultant; before, only contact-at-clamp was not judged for this reason, by its name",
     (OWN_SPACE, "time-share"): "narrower, and quadrature counts as well: the second computation integrates f_0 with a "
     "finer rule",
 }  # fmt: skip
