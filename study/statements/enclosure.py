@@ -170,7 +170,7 @@ class ResolvedProblem:
         name: the name of the case or of the problem.
         data: the data of the problem.
         order: the predicted order of the error, or NaN if no order is predicted.
-        pace: the number from which the number of time steps at a level follows, as for a case.
+        pace: the number of time steps per unit of time divided by n^{2/3} at level n, as for a case.
         case: the case with the exact solution; None if the exact solution is unknown.
     """
 

@@ -102,9 +102,10 @@ class StepsOfTheEstimate(ListedNumbers):
 
 
 def at_nodes(setup: Experiment) -> dict[str, float]:
-    """Return the largest violation of the inequality (5.12), and how far its two sides differ from the predicted slack.
+    """Return the largest violation of the inequality (5.12), and the largest error of its predicted slack.
 
-    Both are relative to the terms of (5.12). The predicted difference of the sides is the work of contact.
+    The slack is right side minus left side. The prediction is −λ·N v^h + ∫_{Γ3} σ_ν u^h_ν with the contact forces λ.
+    Both results are relative to the terms of (5.12).
     """
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
     exact, work, N = energies.exact, energies.work, setup.problem.N
