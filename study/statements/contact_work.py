@@ -178,12 +178,15 @@ class TotalWork:
             self.pieces.append((face, place, np.concatenate([np.zeros((2, 1, TIME_NODES)), sums], axis=1)))
 
     def __call__(self, vertices: Sequence[Array]) -> Array:
-        """Return the work of the pressure p on the interpolated gap Π^h w, (...), for given vertices.
+        """Return the work of the pressure p on the interpolated gap Π^h w for one or several sets of vertices.
 
         On the edge that begins at s_i, p Π^h w = p w(s_i) + p (s − s_i) w', where w' is the derivative of Π^h w.
 
         Args:
-            vertices: the increasing coordinates of the vertices on each contact face, (..., vertices).
+            vertices: for each contact face, the increasing coordinates of its vertices, (..., vertices).
+
+        Returns:
+            The work for each set of vertices, (...).
         """
         total = np.zeros(np.shape(vertices[0])[:-1])
         for (face, place, moments), s in zip(self.pieces, vertices, strict=True):

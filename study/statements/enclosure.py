@@ -146,7 +146,8 @@ def quick_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
 def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
     """Yield the settings of the full study: upper bounds and enclosures for every case, and for unknown solutions.
 
-    Every scheme is measured for every case, on mesh families in rotation; enclosures are computed on two levels.
+    Every case is measured with every time scheme, on the next mesh family of ``ROTATION`` for each scheme. Enclosures
+    are computed on two levels, but on three for the case ``CHECKED`` and for problems whose solution is unknown.
     """
     for case in filter(eligible, cases):
         serving = [family for family in ROTATION if family in families(case)]

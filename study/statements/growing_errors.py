@@ -135,7 +135,7 @@ def error_over_predicted(setup: Experiment, omega: float) -> float:
 
 
 def projection(setup: Experiment, time: float) -> np.ndarray:
-    """Return the projection P_h u(t) of the exact solution onto V^h in the product of V, (dofs,).
+    """Return the projection P_h u(t) of the exact solution onto V^h in the inner product of V, (dofs,).
 
     The viscosity A must be homogeneous.
     """

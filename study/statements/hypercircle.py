@@ -106,7 +106,7 @@ class Hypercircle(ListedNumbers):
 
 
 def frozen(solution: ExactSolution) -> ExactSolution:
-    """Return the static solution with the gap and the pressure that a solution has at the time FROZEN."""
+    """Return the static solution with the gap and the pressure of a given solution at the time ``FROZEN``."""
     faces = []
     for face in solution.faces:
         assert isinstance(face, ContactFace)

@@ -353,7 +353,9 @@ EVIDENCE = (
 
 # Further criteria, which hold only with the regularity that Proposition 5.4 assumes.
 IRREGULAR = "; on irregular meshes the leading term replaces h"
-"""Suffix of the texts of checks of orders: irregular meshes need the leading term of the interpolation error, not h."""
+"""Text that is added to the descriptions of orders.
+
+On irregular meshes orders are orders in the leading term of the interpolation error, which replaces the mesh size h."""
 SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
 PAIR = "order of ‖u − Π^h u‖_V, finest pair"
 SOLIDS = (

@@ -109,7 +109,8 @@ relative to the norm of σ, the others to the norm of the exact quantity.
     unknowns: number of edge moments in the contact problem of a time step.
     stress: error of the stress, ‖σ − σ^h‖_Q.
     stress_sup: the largest error of the stress over the steps, relative to the largest ‖σ‖_Q.
-    best: ‖σ − τ‖_Q for the best τ that is linear on every third of a cell, a lower bound of the error of the stress.
+    best: a lower bound of the error of the stress, ‖σ − τ‖_Q for the best τ that is linear on each of the three
+        triangles into which the centroid splits a cell.
     strain: error of the strain, ‖ε(u) − ε_n‖_Q, where the law gives the strain ε_n for the stress σ^h.
     pressure: error of the contact pressure, ‖σ_ν − σ^h_ν‖_{L²(Γ3)}.
     displacement: difference between multipliers and displacement, (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |u − m|²)^½. Here m are
@@ -295,7 +296,7 @@ class Primal:
         self.states = islice(velocities(problem, BDF2, steps), 1, None)
 
     def __next__(self) -> tuple[Vectors, Tensors]:
-        """Return the displacement and the stress at the next time node.
+        """Return the displacement and the stress at the next time node, with the discrete velocity δu^h of BDF2.
 
         The displacement u^h is given at the vertices, the stress Aε(δu^h) + Gε(u^h) at the quadrature points of the
         stress space. Their shapes are (2, vertices) and (3, cells, Q), or (3, cells, 1) if the material is homogeneous.
