@@ -68,7 +68,10 @@ class Admissibility(ListedNumbers):
 
 
 def largest_violations(setup: Experiment) -> dict[str, float]:
-    """Return the largest violation of each condition over all time steps, relative to the largest term in it."""
+    """Return how far backward Euler violates the statements (3.10), (3.11), (4.14) and (4.15).
+
+    For each condition the result is its largest violation over all time steps, divided by the largest term in it.
+    """
     space, problem = setup.space, setup.problem
     cells, k, root = on_cells(space, setup.solution.law), problem.T / setup.steps, np.sqrt(space.volumes)
     rivals = Rivals(space, problem, cells.A, np.random.default_rng(SEED))

@@ -66,7 +66,11 @@ NEGLIGIBLE = positive_at_most(0.02, "negligible against the error")
 
 
 class AdvancingFront(ListedNumbers):
-    """Measures the error, the interpolation error of the velocity and the excess at an advancing natural front."""
+    """Measures the error, the interpolation error of the velocity and the excess at an advancing natural front.
+
+    The excess ‖u^h − u^h_lin‖_V is the part of the error that is due to contact: u^h_lin solves the linear problem in
+    which the exact normal stress σ_ν is a given traction.
+    """
 
     label = "beyond: advancing front"
     claim = "‖u − u^h‖ ~ h at an advancing natural front, where the order 1/2 is proved"
@@ -87,7 +91,8 @@ class AdvancingFront(ListedNumbers):
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.
 
-        It grows like n³, because there are n² cells and the number of time steps is proportional to n.
+        The run time grows like n³ with the level n: there are n² cells, and the number of time steps is proportional
+        to n.
         """
         return 100.0 * setting.level**3
 
@@ -112,7 +117,7 @@ class AdvancingFront(ListedNumbers):
 
 
 def largest_error(v_norm: ErrorNorm, T: float, states: Array) -> float:
-    """Return the largest error ‖u − u^h‖_V over about INSTANTS time nodes.
+    """Return the largest error ‖u − u^h‖_V over about INSTANTS evenly spaced time nodes, or all if there are fewer.
 
     Args:
         v_norm: computes the errors.

@@ -53,7 +53,7 @@ WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v"
 class NaturalConditions(ListedNumbers):
     """Measures how far the discrete stress violates the traction conditions on Γ2 and Γ3.
 
-    Stresses are evaluated at the midpoints of time steps.
+    Stresses are evaluated at INSTANTS evenly spaced times, each of which is the midpoint of a time step.
     """
 
     label = "(4.13)"
@@ -76,7 +76,8 @@ class NaturalConditions(ListedNumbers):
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        # The number of steps for each instant is odd, so that each instant is the midpoint of a step.
+        # [0, T] is split into INSTANTS equal parts. Each part has an odd number of time steps, so that its midpoint is
+        # the midpoint of a time step.
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
         setup = Experiment.at(setting, MIDPOINT, steps)
         return with_h(setup.space.h, tractions(setup))
@@ -85,7 +86,8 @@ class NaturalConditions(ListedNumbers):
 def tractions(setup: Experiment) -> dict[str, float]:
     """Return norms of the violations of the traction conditions, relative to the norm of σν on Γ2 ∪ Γ3.
 
-    The smooth test fields are scaled to ‖v‖_V = 1.
+    The violations are measured in L² on the boundary and, weakly, with smooth test fields v of norm ‖v‖_V = 1. All
+    norms are root mean squares over several times.
     """
     body = setup.space.body
     loaded, contact = ([Side(setup, part) for part in body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT))
@@ -109,9 +111,10 @@ def tractions(setup: Experiment) -> dict[str, float]:
 
 
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
-    """Yield the midpoints t of chosen time steps with the discrete stress σ^h(t).
+    """Yield pairs of a time t and the discrete stress σ^h(t), for INSTANTS times t.
 
-    For the step from t_{n−1} to t_n, σ^h = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
+    The times are the midpoints of INSTANTS equal parts of [0, T], each with an odd number of time steps. So t is the
+    midpoint of a step from t_{n−1} to t_n, and σ^h(t) = A ε((u_n − u_{n−1})/k) + G ε((u_n + u_{n−1})/2).
     """
     space, cells, k = setup.space, on_cells(setup.space, setup.solution.law), setup.problem.T / setup.steps
     each = setup.steps // INSTANTS
@@ -153,7 +156,10 @@ A triple has the cells of the rule, the exact solution at its points, and w ε(v
 
 
 def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
-    """Return the weighted strains of smooth fields v, scaled to ‖v‖_V = 1, at the quadrature points in the cells."""
+    """Return the strains of smooth fields v in the cells, multiplied by the weights of the quadrature points.
+
+    The fields are scaled to ‖v‖_V = 1.
+    """
     found, squares = [], np.zeros(len(fields))
     for rule in rules(setup.solution, setup.space.mesh, DEGREE):
         exact, strains = setup.solution.at(rule.points), np.array([strain(v, rule.points) for v in fields])
@@ -213,7 +219,15 @@ def planes(body: Body, kind: Kind) -> list[Part]:
 
 
 def distances(x: Points, parts: list[Part]) -> Array:
-    """Return the product of the distances of points from the planes that contain the given boundary parts, (...)."""
+    """Return for each point the product of its distances from the planes that contain the given boundary parts.
+
+    Args:
+        x: the points, (d, ...).
+        parts: the boundary parts.
+
+    Returns:
+        One product for each point, (...).
+    """
     product: Array = np.ones(x.shape[1:])
     for part in parts:
         product = product * part.coordinates(x)[1]
@@ -235,6 +249,15 @@ def waves(body: Body, rng: np.random.Generator) -> Field:
 
 
 def strain(field: Field, x: Points, tiny: float = 1e-30) -> Tensors:
-    """Return the strain ε(v) of a field at points x (d, ...), by complex-step differentiation, (D, ...)."""
+    """Return the strain ε(v) of a field v at given points, by complex-step differentiation.
+
+    Args:
+        field: the field v, analytic in x.
+        x: the points, (d, ...).
+        tiny: the size of the imaginary steps.
+
+    Returns:
+        The D components of the strain at each point, (D, ...).
+    """
     steps = [1j * tiny * unit.reshape((-1,) + (1,) * (x.ndim - 1)) for unit in np.eye(len(x))]
     return mandel(np.stack([field(x + step).imag / tiny for step in steps], axis=1))

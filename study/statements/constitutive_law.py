@@ -42,13 +42,18 @@ def points(space: Space) -> Points:
 
 
 def tensors(rng: np.random.Generator, dim: int, count: int) -> Tensors:
-    """Return random tensors whose norms differ by several orders of magnitude, (D, count)."""
+    """Return random tensors with D components, whose norms differ by several orders of magnitude, (D, count)."""
     directions = rng.standard_normal((size(dim), count))
     return directions / np.linalg.norm(directions, axis=0) * 10 ** rng.uniform(*SCALES, count)
 
 
 def derivative(operator: AtPoints, strain: Tensors) -> Array:
-    """Return the derivative of an operator at n strain tensors (D, n), as matrices (n, D, D)."""
+    """Return the derivative of an operator at n strain tensors, as one D × D matrix for each tensor, (n, D, D).
+
+    Args:
+        operator: the operator.
+        strain: the strain tensors, with D components each, (D, n).
+    """
     units = np.eye(len(strain))
     columns = [operator.derivative(strain, np.broadcast_to(unit[:, None], strain.shape)) for unit in units]
     return np.moveaxis(np.stack(columns, axis=1), 2, 0)
@@ -165,7 +170,7 @@ class ElasticityOperator(OfLaws):
 class Projection(OfLaws):
     """Measures whether P_K ε = ε − G(ε)/β is the projection on the convex set K.
 
-    The result must lie in K and be the point of K nearest to ε, and P_K must not increase distances.
+    P_K ε must lie in K and be the point of K nearest to ε, and P_K must not increase distances.
     """
 
     label = "(3.3)"
@@ -210,8 +215,9 @@ def projection(G: Yield, count: int) -> dict[str, float]:
 
 
 def gauge(G: Yield, strain: Tensors) -> Array:
-    """Return the gauge function |Pτ|/r of the set K, which is at most 1 exactly for τ ∈ K, (n,).
+    """Return the gauge function |Pτ|/r of the set K at n strain tensors τ, (n,).
 
-    Here K = {τ : |Pτ| ≤ r} with a linear projector P and a radius r.
+    The set is K = {τ : |Pτ| ≤ r} with a linear projector P and a radius r. So τ lies in K if and only if the gauge
+    function is at most 1.
     """
     return np.linalg.norm(G.convex.projector @ strain, axis=0) / G.convex.radius

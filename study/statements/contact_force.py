@@ -153,7 +153,8 @@ class Forces:
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
         """Return sums over time of the squared errors of the contact force and of the squared exact norms, (3,) each.
 
-        The three norms are the norms of ``ERRORS``.
+        The three entries belong to the errors that ``ERRORS`` names: of the pressure in L²(Γ3), in the dual norm, and
+        of the total force on each face.
 
         Args:
             times: the times, (n,).
@@ -183,8 +184,9 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
     """Solve by the midpoint rule, and return the errors of the contact force and violations of both sign conditions.
 
     Returns:
-        The relative errors in the norms of ``ERRORS`` over (0, T), (3,); the largest relative penetration; and the
-        largest relative tensile force.
+        The three relative errors over (0, T) that ``ERRORS`` names, (3,): of the pressure in L²(Γ3), in the dual norm,
+        and of the total force on each face; then the largest relative penetration, and the largest relative tensile
+        force.
     """
     k, multipliers, extremes = setup.problem.T / steps, [], []
     for state in setup.scheme.march(setup.problem, steps):

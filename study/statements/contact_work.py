@@ -89,11 +89,13 @@ class Resolved:
 
 
 def least_depth(solution: ExactSolution, corners: Points) -> Array:
-    """Return for each cell the smallest depth over which contact data are continued into it, (cells,).
+    """Return for each cell the smallest depth of the contact faces whose data are continued into the cell, (cells,).
 
-    The depth is infinite for cells that no continuation reaches.
+    An exact solution continues the gap and the pressure of each contact face into the body, down to a certain depth.
+    The result is infinite for cells that no face reaches.
 
     Args:
+        solution: the exact solution.
         corners: the corners of the cells, (2, 3, cells).
     """
     found = np.full(corners.shape[2:], math.inf)
@@ -128,7 +130,8 @@ def pressing_on(at: Resolved) -> Callable[[float], Array]:
 def error_and_excess(at: Resolved, steps: int) -> dict[str, float]:
     """Return the largest error ‖u − u^h‖_V and the largest excess ‖u^h − u^h_lin‖_V over the time nodes.
 
-    The displacement u^h_lin solves the linear problem in which the exact pressure is a given traction.
+    The displacement u^h_lin solves the linear problem in which the exact pressure is a given traction. So the excess is
+    the part of the error that is due to contact.
     """
     solution, space, v_norm, inclusion = at.solution, at.space, at.v_norm, at.inclusion
     # Loads are cached, because both problems need them at the same times.
@@ -175,12 +178,15 @@ class TotalWork:
             self.pieces.append((face, place, np.concatenate([np.zeros((2, 1, TIME_NODES)), sums], axis=1)))
 
     def __call__(self, vertices: Sequence[Array]) -> Array:
-        """Return the work of the pressure p on the interpolated gap Π^h w, (...), for given vertices.
+        """Return the work of the pressure p on the interpolated gap Π^h w for one or several sets of vertices.
 
         On the edge that begins at s_i, p Π^h w = p w(s_i) + p (s − s_i) w', where w' is the derivative of Π^h w.
 
         Args:
-            vertices: the increasing coordinates of the vertices on each contact face, (..., vertices).
+            vertices: for each contact face, the increasing coordinates of its vertices, (..., vertices).
+
+        Returns:
+            The work for each set of vertices, (...).
         """
         total = np.zeros(np.shape(vertices[0])[:-1])
         for (face, place, moments), s in zip(self.pieces, vertices, strict=True):
@@ -266,7 +272,11 @@ ON_ALL_MESHES = (
 
 
 class WorkOfContact(ListedNumbers):
-    """Measures the square root of the work of contact, the error ‖u − u^h‖_V, and the excess ‖u^h − u^h_lin‖_V."""
+    """Measures the square root of the work of contact, the error ‖u − u^h‖_V, and the excess ‖u^h − u^h_lin‖_V.
+
+    The displacement u^h_lin solves the linear problem in which the exact pressure is a given traction. So the excess is
+    the part of the error that is due to contact.
+    """
 
     label = "beyond: work of contact"
     claim = "‖R(·; Π^h u − u)‖^{1/2} = O(h) with contact at every scale, u_ν not bounded in H²(Γ3)"

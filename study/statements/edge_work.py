@@ -12,9 +12,9 @@ The sum over edges gives |R| ≤ C_0 h^{2s} Σ_i |σ_ν|_{ϱ,Γ3,i} |u_ν'|_{ϱ,
 * the quotient |R_E| / bound with ϱ = 1/2 for exact solutions, at several times, on every edge on which neither N nor C
   is empty;
 * the supremum of |∫_E λ Π w| divided by its bound over **all** λ that vanish on N and all piecewise quadratic w that
-  vanish on C. The sets N and C belong to the same edges and are resolved by 64 panels. The functional depends on w only
-  through its values at both ends, so it has rank two, and the supremum is the root of the largest eigenvalue of a 2 × 2
-  matrix.
+  vanish on C. The sets N and C belong to the same edges. Each edge is split into 64 equal panels, and each panel
+  belongs to N or to C. The functional depends on w only through its values at both ends, so it has rank two, and the
+  supremum is the root of the largest eigenvalue of a 2 × 2 matrix.
 
 **Predicted**: both quotients are at most 1, because the bound is proved. For exact solutions they are far below 1,
 because these are not extremal functions. The first expression in β is the smaller one if |N| > 2h/(2 + π²). Both kinds
@@ -60,7 +60,8 @@ BRANCHES = "edges by |N|", "edges by |C|"
 class EdgeWork(ListedNumbers):
     """Measures the work of contact |R_E| on edges, divided by its bound.
 
-    It is measured for exact solutions, and as a supremum over all pressures and gaps with the same contact zone.
+    The quotient is computed for exact solutions. For each of their edges its supremum over all pressures and gaps with
+    the same contact zone is computed as well.
     """
 
     label = "beyond: work on edges"
@@ -126,13 +127,15 @@ BOTH_KINDS = Criterion(
 def mixed_edges(solution: ExactSolution, space: Space) -> Iterator[tuple[Array, Array, Array]]:
     """Find the edges of Γ3 that have both contact and a gap, and return the work of contact on them.
 
-    The work is computed on the interval (0, 1). Scaling the interval to an edge multiplies R_E by h and leaves the
+    Each edge is mapped to the interval (0, 1). The map to an edge of length h multiplies R_E by h and leaves the
     seminorm |·|_{1/2} unchanged.
 
     Yields:
-        For every contact face and every time, numbers of the n edges found: whether there is contact at the points of
-        ``FIRST``, (n, points); the fraction |N|/h with a gap, (n,); and the work over its bound without the factor β,
-        |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
+        For every contact face and every time, three arrays for the n edges that are found:
+
+        * whether there is contact at the nodes ``FIRST`` of a quadrature rule on the edge, (n, nodes);
+        * the fraction |N|/h of the edge with a gap, (n,);
+        * the work over its bound without the factor β, |R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), (n,).
     """
     for face, part in product(solution.faces, TIMES):
         time = part * solution.body.T
@@ -163,14 +166,17 @@ def beta(open_part: Array) -> Array:
 def supremum(touching: Array, rho: float) -> float:
     """Return the supremum of the work of contact on an edge over all pressures λ and gaps w, divided by its bound.
 
-    On the interval (0, 1) this is sup |∫ λ Π w| / (|λ|_ϱ |w'|_ϱ) divided by β. λ and w' are piecewise linear on the
-    panels, with λ = 0 on the part N with a gap and w' = 0 on the part C in contact. The result is 0 if λ or w' must
-    vanish. The values of w at both ends follow from w' on the panels of N there, because w = 0 on the next panel of C.
-    Between panels of C, w' is not forced to have the integral 0, so the result is then only an upper bound of the
-    supremum.
+    The edge is mapped to the interval (0, 1). Then the result is sup |∫ λ Π w| / (|λ|_ϱ |w'|_ϱ), divided by β. The
+    interval is split into ``PANELS`` equal panels, and each panel belongs to the part N with a gap or to the part C in
+    contact. λ and w' are continuous and linear on each panel, with λ = 0 on N and w' = 0 on C. The result is 0 if λ or
+    w' must vanish.
+
+    The values of w at both ends of the edge follow from w' on the panels of N there, because w = 0 on the next panel of
+    C. Between panels of C the integral of w' must be 0. This condition is ignored, so with a gap between panels of C
+    the result is only an upper bound of the supremum.
 
     Args:
-        touching: whether there is contact at the points of ``FIRST``, (points,).
+        touching: whether there is contact at the nodes ``FIRST`` of a quadrature rule on the edge, (nodes,).
         rho: the exponent ϱ of the seminorm.
     """
     contact = touching.reshape(PANELS, -1).mean(axis=1) >= 0.5
@@ -189,7 +195,8 @@ def supremum(touching: Array, rho: float) -> float:
 def dual_products(A: Array, panels: Array, functionals: Array) -> Array:
     """Return the matrix of products f_i · A⁻¹ f_j for two linear functionals f_1 and f_2, (2, 2).
 
-    A is restricted to the free nodes, that is, the nodes whose neighbouring panels are all marked.
+    Nodal values may be non-zero only at the free nodes, that is, the ends of panels all of whose adjacent panels are
+    marked. A, f_1 and f_2 are restricted to these nodes.
 
     Args:
         A: a symmetric matrix, (nodes, nodes).

@@ -146,7 +146,8 @@ def quick_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
 def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
     """Yield the settings of the full study: upper bounds and enclosures for every case, and for unknown solutions.
 
-    Every scheme is measured for every case, on mesh families in rotation; enclosures are computed on two levels.
+    Every case is measured with every time scheme, on the next mesh family of ``ROTATION`` for each scheme. Enclosures
+    are computed on two levels, but on three for the case ``CHECKED`` and for problems whose solution is unknown.
     """
     for case in filter(eligible, cases):
         serving = [family for family in ROTATION if family in families(case)]
@@ -170,7 +171,7 @@ class ResolvedProblem:
         name: the name of the case or of the problem.
         data: the data of the problem.
         order: the predicted order of the error, or NaN if no order is predicted.
-        pace: the number from which the number of time steps at a level follows, as for a case.
+        pace: the number of time steps per unit of time divided by n^{2/3} at level n, as for a case.
         case: the case with the exact solution; None if the exact solution is unknown.
     """
 

@@ -121,9 +121,10 @@ class ErrorBounds(ListedNumbers):
 
 
 def predicted(case: Case) -> dict[str, float]:
-    """Return predictions for a case as columns: how fast each bound grows relative to the error, as h^{−γ}.
+    """Return the predictions for a case, by the names of columns.
 
-    One more column tells whether the bound (5.42) has a logarithmic factor.
+    For each of the bounds (5.21) and (5.42), a column has the exponent γ for which bound / error is predicted to grow
+    like h^{−γ}. One more column tells whether the bound (5.42) has a logarithmic factor.
     """
     found = case.regularity
     proved = {"(5.21)": found.rate_smoothness, "(5.42)": found.proved_order}

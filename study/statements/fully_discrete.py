@@ -100,7 +100,7 @@ def columns(scheme: Scheme, which: str) -> list[str]:
 
 
 def observations(scheme: Scheme) -> Iterator[Observation]:
-    """Yield the quantities that are reported for a scheme: observed orders in h and k, and a misfit."""
+    """Yield the quantities that are reported for a scheme: observed orders in h and k, and the misfit of a fit."""
     order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e") + columns(scheme, "d"))
     in_time, error, fitted = "‖u^h − u^{hk}‖", "‖u − u^{hk}‖", "C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖"
     table = (

@@ -116,9 +116,10 @@ def by_smoothness(rows: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
 
 
 def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0) -> float:
-    """Return the largest defect of Green's formula over the times.
+    """Return the largest defect of Green's formula over the times ``TIMES``.
 
-    The defect is the distance of both sides in the dual norm of V^h, divided by the smallest non-zero term.
+    The defect is the distance of both sides of the formula in the dual norm of V^h, divided by the smallest non-zero
+    term of the formula.
 
     Args:
         solution: the exact solution.

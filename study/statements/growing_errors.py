@@ -135,7 +135,7 @@ def error_over_predicted(setup: Experiment, omega: float) -> float:
 
 
 def projection(setup: Experiment, time: float) -> np.ndarray:
-    """Return the projection P_h u(t) of the exact solution onto V^h in the product of V, (dofs,).
+    """Return the projection P_h u(t) of the exact solution onto V^h in the inner product of V, (dofs,).
 
     The viscosity A must be homogeneous.
     """
@@ -145,7 +145,12 @@ def projection(setup: Experiment, time: float) -> np.ndarray:
 
 
 def in_time(setup: Experiment, law: KelvinVoigt) -> float:
-    """Return the largest quotient error / bound of backward Euler, for the load of an experiment and another law."""
+    """Return the largest quotient (error in time) / (bound from the data) of backward Euler, over several step numbers.
+
+    Args:
+        setup: the experiment with the load and the initial value.
+        law: the law that replaces the law of the experiment.
+    """
     problem = replace(
         SemiDiscrete.of(setup.space, law, setup.problem.load, setup.problem.u0),
         T=setup.problem.T,

@@ -106,7 +106,7 @@ class Hypercircle(ListedNumbers):
 
 
 def frozen(solution: ExactSolution) -> ExactSolution:
-    """Return the static solution with the gap and the pressure that a solution has at the time FROZEN."""
+    """Return the static solution with the gap and the pressure of a given solution at the time ``FROZEN``."""
     faces = []
     for face in solution.faces:
         assert isinstance(face, ContactFace)
@@ -124,7 +124,7 @@ class Pair:
         error: both errors together, (‖u − u^h‖²_C + ‖σ − σ^h‖²_{C⁻¹})^½.
         distance: the distance of both stresses, ‖σ^h − Cε(u^h)‖_{C⁻¹}.
         oscillation: the bound Ω of the effect of projecting the loads; NaN for stresses of degree 1.
-        bound: the bound Ω + (Ω² + η²)^½ of ``error``.
+        bound: the bound Ω + (Ω² + η²)^½ of ``error``, with η² = ``distance``² + 2∫_{Γ3} σ^h_ν u^h_ν.
     """
 
     def __init__(self, solution: ExactSolution, space: StressSpace, displacements: Space, u: Array) -> None:

@@ -57,7 +57,7 @@ COUNTS = (16, 32, 64, 128, 256, 512, 1024)
 FINEST = 8192
 """Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
 LANDING, RISE = 0.4, 0.075
-"""Data of the problem with two unknowns: the time at which u_2 comes into contact, and the velocity of u_1 after it."""
+"""Data of the problem with two unknowns: the time at which u_2 comes into contact, and then the velocity of u_1."""
 PROVED = Window(
     math.sqrt(2) * 0.2 * RISE * (1 - 1e-9), math.sqrt(2) * 0.8 * RISE * (1 + 1e-9), "proved, both ends attained"
 )

@@ -81,13 +81,13 @@ class NodalStart(ListedNumbers):
 
 
 def spikes(x: Points, last: int) -> Array:
-    """Return the values at the vertices of a grid of the function v, a sum of spikes, (...).
+    """Return the function v of the module docstring, a sum of spikes, at the vertices of a grid.
 
-    The module docstring defines v. Spikes of levels j > last vanish at all vertices, because their radius is
-    smaller than the distance of their centres from the vertices.
+    Spikes of levels j > last are left out. They vanish at all vertices, because their radius is smaller than the
+    distance of their centres from the vertices.
 
     Args:
-        x: the vertices, (2, ...).
+        x: the vertices, (2, ...), with one value of v for each in the result, (...).
         last: the level of the grid, which has 2^last cells along a side.
     """
     total = np.zeros(x.shape[1:])

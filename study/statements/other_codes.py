@@ -132,7 +132,8 @@ class OtherCodes(ListedNumbers):
     def own_digits(self, rows: pd.DataFrame) -> Verdict:
         """Return the check that no code copied the results of another.
 
-        It judges the largest fraction of problems in which two codes have the same distance from the discrete solution.
+        For every pair of codes, problems are counted in which both have the same distance from the discrete solution.
+        The largest fraction of such problems is judged.
         """
         names = [OURS, *((peer.code, peer.variant) for peer in PEERS)]
         columns = [rows_of(rows, *name).set_index(PROBLEM)[DISTANCE].dropna() for name in names]

@@ -61,8 +61,9 @@ def picture(case: Case) -> dict[str, Any]:
 def mesh_for(body: Body) -> tuple[MeshFamily, int]:
     """Return the mesh family and the level for the pictures of a body.
 
-    In 3D the edges of the boundary parts must lie on the grid. The level is the first one from ``SOLID_LEVEL`` to
-    2 ``SOLID_LEVEL`` for which they do. If there is none, it is ``SOLID_LEVEL``; meshing then raises an error.
+    In 3D the edges of the boundary parts must lie on the grid. The levels from ``SOLID_LEVEL`` to 2 ``SOLID_LEVEL`` − 1
+    are tried, and the first one with this property is returned. If no level has it, ``SOLID_LEVEL`` is returned, and
+    meshing raises an error.
     """
     if body.dim == 2:
         return FAMILY, LEVEL

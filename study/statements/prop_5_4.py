@@ -170,9 +170,9 @@ def measure_case(case: Case, family: MeshFamily, level: int, scheme: Tableau, st
 
 
 def measure(experiment: Experiment) -> Measurement:
-    """Solve a problem with the time steps k and k/2, and return the errors of the second solution over time.
+    """Solve a problem with the time steps k and k/2, and return the errors of the solution with k/2 over time.
 
-    The distance of both solutions is measured as well.
+    The result also has the distance of the two discrete solutions.
     """
     v_norm, problem, M = experiment.v_norm, experiment.problem, experiment.problem.M
     coarse = experiment.scheme.march(problem, experiment.steps)
@@ -200,7 +200,9 @@ class Measurement:
 
     Attributes:
         experiment: the experiment.
-        history: t, ‖u − u^h‖_V, ‖u − Π^h u‖_V, ‖Π^h u − u^h‖_V and ‖u − (u^h + Π^h u)/2‖_V at time nodes, (5, nodes).
+        history: five rows with values at the time nodes, (5, nodes): the time t, the error ‖u − u^h‖_V, the
+            interpolation error ‖u − Π^h u‖_V, the discrete error ‖Π^h u − u^h‖_V, and the error of the mean of both,
+            ‖u − (u^h + Π^h u)/2‖_V.
         drift: the effect of the time step, max_n ‖u^h_k − u^h_{k/2}‖_V.
         residual: the largest relative residual of a contact problem.
         worst: the discrete solution at the time of the largest error.
@@ -351,7 +353,9 @@ EVIDENCE = (
 
 # Further criteria, which hold only with the regularity that Proposition 5.4 assumes.
 IRREGULAR = "; on irregular meshes the leading term replaces h"
-"""Suffix of the texts of checks of orders: irregular meshes need the leading term of the interpolation error, not h."""
+"""Text that is added to the descriptions of orders.
+
+On irregular meshes orders are orders in the leading term of the interpolation error, which replaces the mesh size h."""
 SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
 PAIR = "order of ‖u − Π^h u‖_V, finest pair"
 SOLIDS = (

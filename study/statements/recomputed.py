@@ -60,7 +60,7 @@ TINY = 1e-12
 def recompute(setup: Experiment) -> dict[str, float]:
     """Solve an experiment again by the second solver, and return the measured columns of ``recomputed.csv``.
 
-    The midpoint rule takes twice as many steps as the experiment, because the study measures errors with half steps.
+    Both solvers use half the time step of the experiment, because the study measures errors with half the time step.
     """
     plain = PlainProblem(setup.solution, setup.space.mesh)
     own_load, same_load = plain.trajectories(2 * setup.steps, plain.load, setup.problem.load)
@@ -68,7 +68,7 @@ def recompute(setup: Experiment) -> dict[str, float]:
 
 
 def errors(plain: PlainProblem, trajectory: Trajectory) -> dict[str, float]:
-    """Return the three largest errors of a trajectory over time, named as in ``ERRORS``."""
+    """Return the largest error, interpolation error and discrete error of a trajectory over time, by their columns."""
     found = []
     for time, u, _ in trajectory:
         interpolant = plain.interpolant(time)
@@ -77,9 +77,10 @@ def errors(plain: PlainProblem, trajectory: Trajectory) -> dict[str, float]:
 
 
 def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> dict[str, float]:
-    """Return the relative differences between the study and the second solver.
+    """Return the relative differences between the study and the second solver, by the names of columns.
 
-    They are named as in ``GAPS`` and ``SAME_LOAD``.
+    The columns ``GAPS`` have the differences of initial values, displacements and contact forces. The columns
+    ``SAME_LOAD`` have the differences of displacements and contact forces if both solvers use the load of the study.
 
     Args:
         setup: the experiment of the study.

@@ -71,6 +71,9 @@ class PlainProblem:
 
         The attribute ``faces`` has for each contact face the indices of its points, and the matrix that maps the stress
         σ at these points to the load ∫ p v_ν of the pressure p = −σ_ν, (n, D · points).
+
+        Args:
+            on: for each contact face, the indices of the vertices on it.
         """
         found = rules(self.solution, self.mesh, DEGREE if self.dim == 2 else SOLID_DEGREE)
         self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in found])
@@ -128,13 +131,17 @@ class PlainProblem:
         """Return the integrals ∫_T σ·ε(φ) for the basis functions φ of each cell T, (cells, (d + 1) d).
 
         Args:
-            stress: σ at the quadrature points.
+            stress: σ at the quadrature points in the cells, (D, points).
         """
         means = np.array([self.sums @ row for row in stress])
         return np.einsum("Ic,cIk->ck", means, self.strains)
 
     def _set_contact(self, on: list[Array]) -> None:
-        """Set the matrices of the contact problem: N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q."""
+        """Set the matrices of the contact problem: N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q.
+
+        Args:
+            on: for each contact face, the indices of the vertices on it.
+        """
         normals: list[Array] = []
         at: list[int] = []
         for face, vertices in zip(self.solution.faces, on, strict=True):
@@ -227,7 +234,11 @@ class PlainProblem:
         return [[(time, u[:, c], multipliers[:, c]) for time, u, multipliers in states] for c in range(len(loads))]
 
     def norms(self, functions: Array) -> Array:
-        """Return the norms ‖v‖_V of the columns of a matrix of P1 functions, (n, c) → (c,)."""
+        """Return the norms ‖v‖_V of c P1 functions v, (c,).
+
+        Args:
+            functions: the degrees of freedom of one function in each column, (n, c).
+        """
         return np.sqrt(np.einsum("nc,nc->c", functions, self.M @ functions))
 
     def distance(self, time: float, *functions: Array) -> list[float]:

@@ -124,9 +124,9 @@ def rules_for(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
 
 
 def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
-    """Return the largest defects of R(t; v) = ∫_{Γ3} σ_ν v_ν over the times, and the largest quotient |R| / bound.
+    """Return the largest defects of R(t; v) = ∫_{Γ3} σ_ν v_ν and the largest quotient |R| / bound, over several times.
 
-    The quotient is NaN if there is no contact at these times.
+    The times are the same as in ``green``. The quotient is NaN if there is no contact at these times.
     """
     found: dict[str, list[float]] = {"smooth v": [], "Π^hu − u": [], "bound": []}
     for time in (fraction * solution.body.T for fraction in TIMES):
@@ -190,7 +190,7 @@ class Terms:
         body: the work of the body force, (f_0, v)_H.
         loaded: the work of the surface load, (f_2, v)_{L²(Γ2)}.
         contact: the work of the contact force, ∫_{Γ3} σ_ν v_ν.
-        bound: the bound of this work, ‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)}.
+        bound: the bound of the work of the contact force, ‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)}.
     """
 
     stress: Array

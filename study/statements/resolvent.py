@@ -67,7 +67,9 @@ SETTLED, MOST = 1e-12, 80
 
 Each step halves the distance, and 2⁻⁴⁰ = 1e-12."""
 INSIDE = 1e3
-"""Distance from the boundary of K^h at which large quotients of the resolvent are searched, in units of a step."""
+"""Distance from the boundary of K^h at which large quotients of the resolvent are searched.
+
+The unit is the length of a step of the search."""
 NEVER = at_most(1e-12, "never positive, up to rounding", low=-np.inf)
 USED = Window(0.02, 1 + ROUNDING, "G or −G; a value of 0 would mean that the term (L_G/m_A) I is not needed")
 ONTO = positive_at_most(1e-10, f"an iteration stops at {SETTLED:g}")

@@ -230,7 +230,7 @@ class Trajectories:
         return cls(on, steps, k, projected, forces, path(contact, MIDPOINT, steps), path(linear, MIDPOINT, steps))
 
     def excess(self) -> Array:
-        """Return the excess ‖u^h − u^h_lin‖_V at the time nodes, (steps + 1,)."""
+        """Return the excess ‖u^h − u^h_lin‖_V, the distance of both discrete solutions, at time nodes, (steps + 1,)."""
         z = self.contact - self.linear
         return np.sqrt(np.maximum(np.einsum("ni,ij,nj->n", z, self.on.S, z, optimize=True), 0.0))
 
@@ -326,14 +326,23 @@ SMOOTHED = "the generator makes neighbourhoods nearly equal, and the order on a 
 
 
 def excess_order(key: str, where: str, window: Window) -> Criterion:
-    """Return the criterion for the order of the excess ‖u^h − u^h_lin‖_V, fitted to all levels."""
+    """Return the criterion for the order of the excess ‖u^h − u^h_lin‖_V, fitted to all levels.
+
+    The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction.
+
+    Args:
+        key: the key of the check.
+        where: the text that describes the meshes or times.
+        window: the tolerance window.
+    """
     return order(key, f"{EXCESS}, {where}", window, "excess")
 
 
 def change_by_half_steps(group: pd.DataFrame) -> Measured | None:
     """Return the relative change of the excess ‖u^h − u^h_lin‖_V when the time step is halved.
 
-    The result is None if no level was measured with half the time step.
+    The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction. The
+    result is None if no level was measured with half the time step.
     """
     both = group.dropna()
     return greatest(abs(both["excess, k/2"] / both["excess"] - 1).to_numpy()) if len(both) else None
@@ -349,9 +358,9 @@ def growth_of_seminorm(group: pd.DataFrame) -> Measured:
 
 
 def over_seeds(groups: Groups) -> pd.DataFrame:
-    """Return mean and relative standard deviation of the excess over the random meshes, for each level.
+    """Return mean and relative standard deviation of the excess ‖u^h − u^h_lin‖_V over random meshes, for each level.
 
-    The table is empty if a random mesh is missing.
+    The random meshes are the mesh families ``SEEDS``. The table is empty if one of them was not measured.
     """
     if not set(SEEDS) <= set(groups):
         return pd.DataFrame()
@@ -433,7 +442,8 @@ class Rollers(ListedNumbers):
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs.
 
-        It grows like n³, because the number of time steps is proportional to the level n.
+        The run time grows like n³ with the level n: there are about n² cells, and the number of time steps is
+        proportional to n.
         """
         return 12.0 * setting.level**3
 

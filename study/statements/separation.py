@@ -103,7 +103,7 @@ def refutation(space: Space, problem: SemiDiscrete, A: AtPoints, load: Array) ->
         return float(np.sum(space.volumes * stress * space.strain(v)))
 
     def distance(stress: Tensors) -> float:
-        """Return how far a stress is from the set Σ^h(t) of admissible stresses, relative to its size."""
+        """Return how far a stress is from the set Σ^h(t) of admissible stresses, relative to the size of the stress."""
         functional = space.functional(stress)
         return beyond(load - functional, problem.N) / float(np.linalg.norm(functional))
 

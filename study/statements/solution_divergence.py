@@ -172,8 +172,9 @@ def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
 def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
     """Return the largest quotient (distance of two solutions) / bound, for backward Euler.
 
-    The bound of ‖u_n − v_n‖_V is (1 − gk)^{−n} (‖u_0 − v_0‖_V + k Σ ‖f_j − g_j‖_V) with g = max(−m, 0)/m_A ≤ ω. The
-    solution u has the load of the experiment, with time scaled to T; v has another load or another initial value.
+    The bound of ‖u_n − v_n‖_V is (1 − gk)^{−n} (‖u_0 − v_0‖_V + k Σ ‖f_j − g_j‖_V). The number g is
+    max(−m, 0)/m_A ≤ ω with the monotonicity constant m of G; f_j and g_j are the loads of u and v. The solution u has
+    the load of the experiment, with time scaled to T; v has another load or another initial value.
     """
     space, steps, pace = setup.space, steps_for(law, T), setup.problem.T / T
     problem = replace(SemiDiscrete.of(space, law, lambda t: setup.problem.load(t * pace), setup.problem.u0), T=T)

@@ -66,7 +66,7 @@ MEMBERS = 2
 STEPS = 96
 """Number of steps of the midpoint rule. The inequalities after (5.12) are tested along its solution."""
 INSTANTS = (3, 6, 12, 24, 48, 72, 96)
-"""The time steps at whose ends both sides of the inequalities are compared, by their numbers."""
+"""Numbers n of the time nodes t_n at which both sides of the inequalities after (5.12) are compared."""
 POINTS = 2
 """Number of Gauss points in each time step for integrals over time."""
 
@@ -102,9 +102,10 @@ class StepsOfTheEstimate(ListedNumbers):
 
 
 def at_nodes(setup: Experiment) -> dict[str, float]:
-    """Return the largest violation of the inequality (5.12), and how far its two sides differ from the predicted slack.
+    """Return the largest violation of the inequality (5.12), and the largest error of its predicted slack.
 
-    Both are relative to the terms of (5.12). The predicted difference of the sides is the work of contact.
+    The slack is right side minus left side. The prediction is −λ·N v^h + ∫_{Γ3} σ_ν u^h_ν with the contact forces λ.
+    Both results are relative to the terms of (5.12).
     """
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
     exact, work, N = energies.exact, energies.work, setup.problem.N
@@ -155,7 +156,10 @@ class Course:
 
 
 def over_time(setup: Experiment) -> dict[str, float]:
-    """Return for each inequality of the estimate the largest ratio left side / right side over the compared times."""
+    """Return for each of (5.14), (5.16), (5.18) and (5.19) the largest ratio left side / right side over ``INSTANTS``.
+
+    For the equation (5.15) it is the largest defect divided by the largest term.
+    """
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
     k, courses, integrals = setup.problem.T / STEPS, [], np.zeros(7)
     for n, (before, state) in enumerate(pairwise(MIDPOINT.march(setup.problem, STEPS)), start=1):

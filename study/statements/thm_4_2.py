@@ -78,8 +78,9 @@ class Gaps(NamedTuple):
             (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with nodal values |v| = 1, divided by max_n |F(t_n)|.
         energy_gap: violation of (4.14) by Problem 3.2, |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| / max_n |(f(t_n), u_n)_V|.
         membership: largest penetration of u_n of Problem 3.2 at a vertex of Γ3, divided by max_n |u_n|_∞.
-        displacement_bound: bound of displacement_gap from the duality gaps, (q k)^{1/2} R.
-        stress_bound: bound of stress_gap from the duality gaps, (L_A/k + L_G)^{1/2} R.
+        displacement_bound: bound of displacement_gap, (q k)^{1/2} R. The number R is computed from the duality gaps of
+            all steps, and q is the Lipschitz constant of a step; the module docstring defines both.
+        stress_bound: bound of stress_gap with the same R, (L_A/k + L_G)^{1/2} R.
     """
 
     displacement_gap: float
@@ -265,7 +266,7 @@ class Sides:
         displacements: the displacement problem.
         stresses: the function that returns the stress problem with which a given displacement problem is compared. The
             correct stress problem does not depend on the displacement problem. A test with a deliberate defect replaces
-            it by one that does.
+            this function by one whose stress problem is computed from the displacement problem.
     """
 
     displacements: SemiDiscrete
@@ -308,13 +309,13 @@ class Derived(StressProblem):
 
 
 def independence(sides: Sides, steps: int) -> dict[str, float]:
-    """Return how much of a mistake in the displacement problem its comparison with the stress problem shows.
+    """Return which fraction of a deliberate mistake the comparison of the displacement and stress problems shows.
 
-    The result is a fraction. It is 1 if the comparison shows the full size of the mistake.
-
-    The mistake is that the displacement problem alone has flipped normals. The fraction is the difference between the
-    solutions of the stress problem and of the wrong displacement problem, divided by the change of the latter by the
-    mistake. The function ``gaps`` measures both, so it is noticed if ``gaps`` compares a solution with itself.
+    The mistake is that the displacement problem has flipped normals, while the stress problem is correct. The fraction
+    is a quotient. Its numerator is the difference between the solutions of the stress problem and of the wrong
+    displacement problem. Its denominator is the difference between the solutions of the correct and of the wrong
+    displacement problem. The fraction is 1 if the comparison shows the full size of the mistake. The function ``gaps``
+    measures both differences. If ``gaps`` compared a solution with itself, the fraction would not be 1.
 
     Returns:
         The fractions for displacements in ‖·‖_V, "displacement_shown", and for stresses in ‖·‖_Q, "stress_shown".
@@ -339,7 +340,8 @@ change the solution by a tenth, so this check also notices correct solutions tha
 class StandsAlone(ListedNumbers):
     """Tests that a mistake in the displacement problem shows fully in its comparison with the stress problem.
 
-    If the mistake is missing, the ratio is 0/0 and the check fails.
+    Judged is the ratio (difference that the comparison shows) / (size of the mistake). If the mistake is missing, the
+    ratio is 0/0 and the check fails.
     """
 
     label = "Thm 4.2"

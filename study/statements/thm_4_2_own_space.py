@@ -13,9 +13,10 @@ for the same time steps. Its multipliers are compared with displacements.
   moving front gives σ kinks across a line. The few cells on it have order 3/2 with a small constant, all others order
   2, and any order between is observed. Corners r^λ have order λ on uniform meshes, and min(2, eλ) on meshes graded with
   the exponent e.
-* The error of the best polynomials on the thirds of cells has the same order, so the ratio of both errors must not
-  grow. The ratio is at least 1, because the best polynomials come from a larger space. This holds by construction, so
-  the ratio is reported.
+* Every cell is split at its centroid into three triangles, the *thirds* of the cell. The error of the best polynomials
+  on the thirds has the same order as the error of the stress, so the ratio of both errors must not grow. The ratio is
+  at least 1, because the best polynomials come from a larger space. This holds by construction, so the ratio is
+  reported.
 * ‖σ_ν − σ^h_ν‖_{L²(Γ3)}, the error of the pressure. The cells at Γ3 form a strip of width h, so by the inverse
   inequality up to half an order of the error in these cells may be lost. In these cells the order is r_Γ, which is r
   computed with λ = ∞ for corners off Γ3. A corner off Γ3 contributes at most the global error of order r. This part is
@@ -108,7 +109,8 @@ relative to the norm of σ, the others to the norm of the exact quantity.
     unknowns: number of edge moments in the contact problem of a time step.
     stress: error of the stress, ‖σ − σ^h‖_Q.
     stress_sup: the largest error of the stress over the steps, relative to the largest ‖σ‖_Q.
-    best: ‖σ − τ‖_Q for the best τ that is linear on every third of a cell, a lower bound of the error of the stress.
+    best: a lower bound of the error of the stress, ‖σ − τ‖_Q for the best τ that is linear on each of the three
+        triangles into which the centroid splits a cell.
     strain: error of the strain, ‖ε(u) − ε_n‖_Q, where the law gives the strain ε_n for the stress σ^h.
     pressure: error of the contact pressure, ‖σ_ν − σ^h_ν‖_{L²(Γ3)}.
     displacement: difference between multipliers and displacement, (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |u − m|²)^½. Here m are
@@ -171,7 +173,7 @@ class StressExperiment:
     def companion(self) -> Iterator[DualState]:
         """Yield the discrete stresses that half as many time steps and a finer quadrature of f_0 give.
 
-        They show the error of time steps and quadrature.
+        Their distance from the stresses of ``march`` shows the error of time steps and quadrature.
         """
         return islice(self.scheme.march(replace(self.problem, raised=RAISED), self.steps // 2), 1, None)
 
@@ -206,11 +208,12 @@ class Exact:
     def stress(self, time: float, values: Tensors) -> tuple[float, float, float]:
         """Return three norms in Q at one time: of the error σ − σ^h, of the error of the best polynomials, and of σ.
 
-        The best polynomials are linear on each third of a cell.
+        Every cell is split at its centroid into three triangles. The best polynomials are the linear functions on each
+        triangle that are nearest to σ.
 
         Args:
             time: the time.
-            values: σ^h at the quadrature points of the stress space.
+            values: σ^h at the Q quadrature points of every cell in the stress space, (3, cells, Q).
         """
         coefficients, squares = self.space.coefficients(values), np.zeros(3)
         for cells, weights, shapes, best, fields in self._blocks:
@@ -244,17 +247,22 @@ class Exact:
         return float(np.sqrt(square))
 
     def moments(self, time: float) -> Array:
-        """Return the moments ∫_e u B_i of the exact displacement with Bernstein polynomials on edges, (edges, n, 2).
+        """Return the moments ∫_e u B_i of the exact displacement with n Bernstein polynomials B_i on each edge.
 
-        Components are in the axes of the edges.
+        Returns:
+            The moments of both components of u, (edges, n, 2). Components are normal and tangential on Γ3, Cartesian on
+            all other edges.
         """
         return self._tested(self._edges.displacement(time))
 
     def moments_of(self, nodal: Vectors) -> Array:
-        """Return the moments ∫_e v B_i of a P1 displacement on edges, (edges, n, 2).
+        """Return the moments ∫_e v B_i of a P1 displacement v with n Bernstein polynomials B_i on each edge.
 
         Args:
             nodal: the nodal values, (2, vertices).
+
+        Returns:
+            The moments of both components of v, (edges, n, 2), with the components of ``moments``.
         """
         return self._tested(np.einsum("den,eq->dnq", nodal[:, self.space.mesh.facets], self._along))
 
@@ -288,7 +296,7 @@ class Primal:
         self.states = islice(velocities(problem, BDF2, steps), 1, None)
 
     def __next__(self) -> tuple[Vectors, Tensors]:
-        """Return the displacement and the stress at the next time node.
+        """Return the displacement and the stress at the next time node, with the discrete velocity δu^h of BDF2.
 
         The displacement u^h is given at the vertices, the stress Aε(δu^h) + Gε(u^h) at the quadrature points of the
         stress space. Their shapes are (2, vertices) and (3, cells, Q), or (3, cells, 1) if the material is homogeneous.
@@ -347,7 +355,7 @@ def measure(experiment: StressExperiment) -> dict[str, float]:
 def inadmissible(space: StressSpace, state: DualState) -> float:
     """Return how far a discrete stress is from admissible: its largest violation divided by its largest traction.
 
-    The conditions are the tractions (2.4) and (2.5) and the continuity of tractions between cells.
+    A stress is admissible if its tractions satisfy (2.4) and (2.5) and are continuous between cells.
     """
     tractions = state.stress.tractions
     total = np.zeros((len(space.lengths), *tractions.shape[2:]))

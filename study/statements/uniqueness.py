@@ -41,9 +41,10 @@ class OneTrajectory(ListedNumbers):
     """Measures relative differences between solutions in time that different solvers compute.
 
     The difference is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V. Every step of backward Euler minimises ½ vᵀSv − bᵀv over K^h
-    with S = M/k + G. It is solved by the condensed active set method, started from the last active set and from random
-    ones; by two methods that share no code with it; and with all of G on the right-hand side. If G softens, S is
-    positive definite for short steps only, and longer steps are refused.
+    with S = M/k + G. Four ways to solve this problem are compared with the active set method of the study, which starts
+    from the last active set: the same method from random active sets, two methods that share no code with it, and a
+    fixed-point iteration with all of G on the right-hand side. If G softens, S is positive definite for short steps
+    only, and longer steps are refused.
     """
 
     label = "Thm 4.1, 5.2"

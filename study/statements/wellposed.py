@@ -40,7 +40,7 @@ class BoundedVelocity(ListedNumbers):
     """Measures the largest discrete velocity divided by the largest exact velocity, for several k and h.
 
     The quotient is max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V with δu_n = (u_n − u_{n−1})/k. For an initial value outside K^h it
-    would grow like 1/k. That the stress is bounded, σ ∈ L^∞(0,T;Q), then follows from (3.1) and (3.2).
+    would grow like 1/k. If velocities are bounded, so are stresses, σ ∈ L^∞(0,T;Q), by (3.1) and (3.2).
     """
 
     label = "(4.1)"

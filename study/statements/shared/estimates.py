@@ -13,7 +13,7 @@ The constants come from measured peaks of the resident memory with one thread. T
     bound          of u_h alone n = 8: 69, 16: 239; with a mesh refined once n = 8: 183, 16: 465, 32: 1890, refined
                    twice n = 8: 390, 16: 1520; on an adapted mesh of 6756 cells 1450
     statements     at most 335, in space 1550
-    task           three instants n = 128: 180; n steps n = 64: 310, 96: 1130; in space n = 18: 390
+    task           static problems at three times n = 128: 180; n time steps n = 64: 310, 96: 1130; in space n = 18: 390
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def unknowns(dim: int, n: int, family: str) -> int:
 def displacement(dim: int, n: int, family: str) -> float:
     """Return the memory in bytes for solving the displacement problem (Problem 5.1) on the mesh of level n.
 
-    The stress problem (Problem 3.2) on the strains of P1 displacements needs as many.
+    The stress problem (Problem 3.2) on the strains of P1 displacements needs as much memory.
     """
     return BASE + PER_UNKNOWN[dim] * unknowns(dim, n, family)
 

@@ -64,7 +64,7 @@ class Levels:
 
     @property
     def on_regular(self) -> tuple[int, ...]:
-        """All levels. They are used on the mesh family that ``regular`` returns for a case."""
+        """The levels on the mesh family that ``regular`` returns for a case: ``all``, then ``first``."""
         return (*self.all, *self.first)
 
 

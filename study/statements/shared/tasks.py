@@ -150,7 +150,7 @@ class Task:
         return np.array(found)
 
     def pressures(self, time: float) -> list[Array]:
-        """Return the exact contact pressure at the vertices of each contact face that are not clamped."""
+        """Return for each contact face the exact pressure at its vertices that are not clamped, (vertices,)."""
         found = []
         for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
             s, _ = part.coordinates(self.space.mesh.p[:, vertices])
@@ -158,13 +158,21 @@ class Task:
         return found
 
     def initial_tractions(self, time: float) -> list[Array]:
-        """Return the exact viscous traction A ε(u̇) ν on each contact face at facet corners, (facets, d, d)."""
+        """Return the exact viscous traction A ε(u̇) ν at the facet corners of each contact face.
+
+        Returns:
+            One array for each face: the components of the traction at the corners of each facet, (facets, corners,
+            components).
+        """
         return [self._tractions(part, facets, time, total=False) for part, facets in self.space.on(Kind.CONTACT)]
 
     def loads_on(self, time: float) -> list[Array]:
-        """Return the surface load f_2 = σν on each loaded part, at the corners of facets, (facets, d, d).
+        """Return the surface load f_2 = σν at the facet corners of each loaded part of the boundary.
 
         The load b of a task already contains the work of f_2.
+
+        Returns:
+            One array for each part: the components of f_2 at the corners of each facet, (facets, corners, components).
         """
         return [self._tractions(part, facets, time, total=True) for part, facets in self.space.on(Kind.LOADED)]
 
