@@ -253,7 +253,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
 
 
 def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Return the table ``levels.csv``: for each level intervals of the largest error and of two observed orders.
+    """Return the table ``levels.csv``: for each level, intervals with the largest error and two observed orders.
 
     The columns ``order_…`` compare a level with the first one, the columns ``pair_…`` with the previous one. On the
     first level, and if a mesh is not finer than the mesh to compare with, the order is NaN.
@@ -285,7 +285,8 @@ def text(
         over_time: the results of ``series`` for all levels.
         sentences: texts that say whether the bounds are guaranteed.
         norm: the norm of the error, ``MOVING`` or ``STATIC``.
-        names: the file that each row of the table is about; by default the rows are named by their levels.
+        names: for each row of the table, the name of the file with its displacement. By default rows are named by their
+            levels.
     """
     known, last = bool(table["error"].notna().all()), table.iloc[-1]
     size = "‖u‖_G" if norm == STATIC else "max ‖u(t)‖_V"

@@ -50,14 +50,15 @@ class Enclosure:
 
     Attributes:
         h: the mesh size of u_h.
-        times: the knots of ũ after 0, (n,).
+        times: the times of the knots of the spline ũ, without 0, (n,).
         distance: d = ‖ũ − u_h‖_V at these times, (n,).
         bound: the bound y of ‖u − ũ‖_V at these times, (n,).
         error: the error of u_h at these times if the exact solution is known, otherwise NaN, (n,).
         intervals: for each time interval between knots, the terms from which y is computed.
         start: a bound of the error of u_h at t = 0.
-        initial: ‖u_0 − ũ(0)‖² on each cell of ũ, from samples of u_0, (cells,).
-        between: for each time interval between knots, a bound of the error of u_h on all of it, (n,).
+        initial: the squared initial distance ‖u_0 − ũ(0)‖² on each cell of the mesh of ũ, computed from samples of u_0,
+            (cells,).
+        between: for each time interval between knots, an upper bound of the error of u_h at all of its times, (n,).
         evidence: whether the bounds are guaranteed or estimated, and why.
         norm: an interval that contains max_t ‖u(t)‖_V.
     """

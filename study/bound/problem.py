@@ -161,7 +161,7 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
 
 
 def _largest_ratio(equilibrium: Equilibrium, loads: Loads, mass: Array) -> float:
-    """Return the largest λ = min ‖τ‖²_{A⁻¹}/‖load‖² over the loads in a space; the stresses τ balance the load.
+    """Return the largest ratio λ = min_τ ‖τ‖²_{A⁻¹}/‖load‖² of all loads in a space; the stresses τ balance the load.
 
     Args:
         equilibrium: finds the stress with the smallest norm.

@@ -103,7 +103,10 @@ class Shares:
         return Shares(factor * self.cells, factor * self.time)
 
     def scaled_to(self, total: float) -> Shares:
-        """Multiply all shares by one factor so that their sum is ``total``; if all are 0, time gets the whole total."""
+        """Multiply all shares by one factor so that their sum is ``total``.
+
+        If all shares are 0, the share of time becomes ``total``.
+        """
         return total / self.total * self if self.total > 0 else Shares(0 * self.cells, total)
 
 
@@ -116,10 +119,12 @@ class Terms:
     Attributes:
         piece: the displacement ũ on this interval, a parabola in time.
         residual: for each direction v_i of ``study.bound.problem`` and any two of the three Bernstein coefficients ρ_a,
-            ρ_b of ρ in time, Σ ∫_T (v_i·ρ_a)(v_i·ρ_b)/α, (3, 3, directions, cells). The sum over the directions is ∫_T
-            A⁻¹ρ_a·ρ_b.
-        curvature: the mean over time of the norm ‖Gε(ũ) − parabola‖_{A⁻¹}.
-        contact: ∫_e σ̃_ν ũ_ν for any two Bernstein coefficients of σ̃_ν and ũ_ν in time, (3, 3, edges of Γ3).
+            ρ_b of ρ in time, the integral ∫_T (v_i·ρ_a)(v_i·ρ_b)/α, (3, 3, directions, cells). The sum over the
+            directions is ∫_T A⁻¹ρ_a·ρ_b.
+        curvature: a bound of the mean over time of the distance ‖Gε(ũ) − parabola‖_{A⁻¹} between the elastic stress and
+            its approximation by a parabola in time; 0 for linear G.
+        contact: for each of the three Bernstein coefficients of σ̃_ν in time and each of those of ũ_ν, the integral of
+            their product over every edge of Γ3, (3, 3, edges of Γ3).
         oscillation: the bound η_T of f − P f on every cell, at both ends and in the middle, (3, cells).
         bending: the dual norm of P f minus its parabola in time, at a quarter of the interval.
         missed: bounds of f minus its samples.

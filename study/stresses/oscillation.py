@@ -58,10 +58,12 @@ class DividedTriangle:
     Attributes:
         inner: the matrix from unknowns to the jumps of tractions across the sides of the middle child,
             (equations, unknowns).
-        outer: the matrix to the tractions |ê| σν on the halves of the sides, (3 sides, 2 halves, k + 1, 2, unknowns).
-        divergence: the matrix to the Bernstein coefficients of the divergence, of degree k − 1, on the three parts of
-            each child, (4 · 3 · coefficients · 2, unknowns).
-        values: the matrix to the values in Mandel form at the points of a quadrature rule, (points, 3, unknowns).
+        outer: the matrix from unknowns to the tractions |ê| σν on the halves of the sides, (3, 2, k + 1, 2, unknowns).
+            Axes: side, half, Bernstein coefficient, component, unknown.
+        divergence: the matrix from unknowns to the Bernstein coefficients of the divergence, (4 · 3 · coefficients · 2,
+            unknowns). Row order: child (4), subtriangle (3), Bernstein polynomial of degree k − 1, component (2).
+        values: the matrix from unknowns to the values of the stress in Mandel form at the points of a quadrature rule,
+            (points, 3, unknowns).
         weights: the weights of this rule, (points,).
     """
 
@@ -92,7 +94,7 @@ def restriction(degree: int, corners: Array) -> Array:
 
     Args:
         degree: the degree of the polynomial.
-        corners: barycentric coordinates of the vertices of the smaller triangle, (3 vertices, 3).
+        corners: barycentric coordinates of the vertices of the smaller triangle, one row for each vertex, (3, 3).
 
     Returns:
         The matrix from coefficients on the triangle to coefficients on the smaller triangle,
@@ -222,8 +224,10 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
 
 
 def by_length(F: Array) -> Array:
-    """Sort the vertices of each cell by the lengths of the opposite sides: matrices F,
-    (cells, 2, 2) → (cells, 2, 2)."""
+    """Return matrices F of the same cells with their vertices sorted by the lengths of the opposite sides.
+
+    The shape is (cells, 2, 2) → (cells, 2, 2).
+    """
     corners = F @ CORNERS
     opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
     sorted_corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
