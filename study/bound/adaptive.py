@@ -269,7 +269,7 @@ def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, A
     Args:
         data: the problem.
         mesh: the mesh.
-        displacement: the values at the vertices, (2, vertices).
+        displacement: the values of the displacement at the vertices, (2, vertices).
 
     Returns:
         The end points of the n edges on Γ3, (2, 2, n), and for each edge whether both end points are in contact, (n,).

@@ -358,7 +358,7 @@ def _percent(low: float, high: float) -> str:
 
 
 def contact_sentences(body: Body) -> list[str]:
-    """If the sides of Γ3 do not lie on one line, return a list with a sentence about the shape of the foundation."""
+    """Return a list with a sentence about the shape of the foundation if Γ3 does not lie on one line, otherwise []."""
     sides = body.of(Kind.CONTACT)
     if not sides:
         return []
@@ -373,7 +373,7 @@ def contact_sentences(body: Body) -> list[str]:
 
 
 def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list[Path]:
-    """Write levels.csv and enclosure.csv; return their paths."""
+    """Write the tables ``levels.csv`` and ``enclosure.csv`` to a directory, and return their paths."""
     return [
         write_text(directory / "levels.csv", table.to_csv(index=False)),
         write_text(directory / "enclosure.csv", over_time.to_csv(index=False)),

@@ -105,13 +105,13 @@ class Discretisation:
 
     @cached_property
     def oscillation(self) -> Oscillation:
-        """Bounds, on each cell, the dual norm of the loads f − P f that the projection P leaves out."""
+        """Computes a bound of the dual norm of f − P f on each cell, where P is the projection of the loads."""
         A = self.data.law.A
         return Oscillation(self.stresses, np.linalg.inv(A.matrix), A.factor.low)
 
     @cached_property
     def sampling(self) -> Sampling:
-        """Decides whether the bound is guaranteed, and bounds how much the data change between sample points."""
+        """Decides whether the error bound is guaranteed, and bounds the change of the data between sample points."""
         return Sampling(self.data, self.stresses)
 
     def load(self, time: float) -> Array:

@@ -95,7 +95,7 @@ class Enclosure:
         return self.between[np.searchsorted(self.times[:-1], times)]
 
     def shares(self, moduli: Moduli) -> Shares:
-        """Return how much each cell and the time steps contribute to the error bound ``highest``.
+        """Return the contributions of each cell and of the time steps to the error bound ``highest``.
 
         The contributions come from the initial error and from all time intervals before the bound is largest. Each is
         multiplied by the factor by which errors decay until then. The part due to u_0 between sample points is divided

@@ -351,7 +351,7 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 
 
 def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
-    """If u_h penetrates the foundation, return a list with a sentence that says how far; otherwise an empty list."""
+    """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
     values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
     for part, edges in zip(found.body.parts, boundary_parts(found.mesh, found.body), strict=True):
         if part.kind is Kind.CONTACT:

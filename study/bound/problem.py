@@ -67,7 +67,7 @@ class Moduli:
     directions: Array
 
     def decay(self, k: float) -> float:
-        """Return e^{−mk} with the least modulus m, the factor by which the error changes over a step of length k."""
+        """Return e^{−mk}, the factor by which an error changes over a time step of length k; m is the least modulus."""
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:

@@ -86,7 +86,7 @@ def _or_line(where: Array, ends: Pair) -> Pair:
     """Replace the intervals of some boxes by (−∞, ∞).
 
     Args:
-        where: the boxes in which this is done, as flags, (boxes,).
+        where: for each box, whether its interval is replaced, (boxes,).
         ends: the intervals.
     """
     return np.where(where, -np.inf, ends[0]), np.where(where, np.inf, ends[1])

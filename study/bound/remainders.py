@@ -255,7 +255,7 @@ class Sampling:
     def worst(self, a: float, b: float) -> str:
         """Return a text that names the load and the point at which it changes most between its samples for a ≤ t ≤ b.
 
-        The text is empty if nothing is known between the samples.
+        The text is empty if there are no bounds of the change between the samples.
         """
         if self.reasons:
             return ""

@@ -144,7 +144,7 @@ class Terms:
         return np.tensordot(QUADRATIC, self.contact, axes=2)
 
     def step(self) -> Step:
-        """Return means of the terms over the time interval, and bounds of the terms at all of its times."""
+        """Return means of the terms over the time interval, and bounds of the terms that hold at all times."""
         rest = self.missed.everywhere
         mean = Sizes(
             np.tensordot(QUADRATIC, self.residual, axes=2),

@@ -53,7 +53,7 @@ class Making:
     refined: Refined
 
     def check(self) -> None:
-        """Refuse a problem that the checker would refuse, before time is spent.
+        """Refuse a problem that the checker would refuse, before the certificate is computed.
 
         Raises:
             BoundError: the checker refuses the problem; the message gives its reason.

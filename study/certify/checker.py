@@ -415,7 +415,7 @@ class Term:
         return of_p + self.q * of_g
 
     def plain(self) -> Poly | None:
-        """Return the polynomial that the term equals for |X|, |S| ≤ 1; None if g may change its sign there."""
+        """Return a polynomial that equals the term for all |X|, |S| ≤ 1, or None if g may change its sign there."""
         middle, size = 2 * self.g.get((0, 0, 0), Q(0)), self.g.size()
         if self.q and size <= -middle:
             return Poly()

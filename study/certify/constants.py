@@ -209,7 +209,7 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
         inside: the ratio μ/κ.
 
     Returns:
-        Φ at the vertices, (vertices, 4), and κ.
+        The four independent components of Φ at the vertices, (vertices, 4), and κ.
     """
     blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
     unknowns = 4 * len(mesh.points) + 1

@@ -134,7 +134,7 @@ class Load:
 
 
 class StressEncoder:
-    """Converts stresses of the study to integers for the checker, and loads of the checker to loads of the study.
+    """Converts stresses of ``study.bound`` to integers for the checker, and loads of the checker to projected loads.
 
     Args:
         problem: the problem, as the checker reads it.
@@ -200,7 +200,7 @@ class StressEncoder:
         return np.linalg.solve(EDGE_PLACES, found)
 
     def study_loads(self, load: Load) -> Loads:
-        """Convert loads of the checker to the class ``study.stresses.loads.Loads`` of the study."""
+        """Convert loads of the checker to the class ``study.stresses.loads.Loads``."""
         space = self.fine.stresses
         nodal = np.einsum("nm,cmd->cnd", [_square(place) for place in PLACES], load.force) / self.J[:, None, None]
         theirs, force = np.empty_like(nodal), np.zeros((space.cells, 3, 6, 2))
@@ -273,8 +273,8 @@ class StressEncoder:
         for third in range(3):
             local = self.twins.corners[:, third]
             mine = of_cells[cells, local]
-            # In the study a subtriangle starts at the vertex SIDES[local][0], in the checker at the next corner, so some are
-            # reversed.
+            # In ``study.stresses`` a subtriangle starts at the vertex SIDES[local][0], in the checker at the next
+            # corner, so some are reversed.
             first: Array = np.array([a for a, _ in SIDES])[local]
             turned = first != self.twins.corners[:, (third + 1) % 3]
             mine[turned] = mine[turned][:, swap]
@@ -282,9 +282,10 @@ class StressEncoder:
         return found
 
     def tractions(self, stress: Array) -> Array:
-        """Return the tractions of all edges in Bernstein form, from the vertex of lower number on, (edges, 4, 2).
+        """Return the tractions of all edges in Bernstein form, (edges, 4, 2).
 
-        On an inner edge it is the mean of the tractions of both cells.
+        Every edge runs from the vertex of lower number to the vertex of higher number. On an inner edge the result is
+        the mean of the tractions of both cells.
 
         Args:
             stress: a result of ``bernstein``.

@@ -176,7 +176,7 @@ def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Call
 
     Args:
         A: a symmetric positive definite matrix with ones on the diagonal, in blocks for the vertices, (n, n).
-        modes: the near kernel, (n, count).
+        modes: vectors v for which A v is almost 0 (the near kernel), such as rigid motions, as columns, (n, count).
 
     Returns:
         The finest level, and a function that applies a V-cycle on the other levels, or None if there are none.

@@ -51,9 +51,10 @@ ROUNDING = 1e-9
 
 
 class DividedTriangle:
-    """The composite stresses of degree k on the reference triangle, divided into four children, as matrices.
+    """Matrices for composite stresses of degree k on the four children of the reference triangle.
 
-    The unknowns are the coefficients of the stresses of all children.
+    The children are the similar triangles of half the size into which the triangle is divided. The unknowns are the
+    coefficients of the stresses on all children.
 
     Attributes:
         inner: the matrix from unknowns to the jumps of tractions across the sides of the middle child,
@@ -140,8 +141,10 @@ class BalancingStresses:
         return cls(divided.values @ free, divided.values @ lifts, divided.weights, products)
 
     def constants(self, F: Array, compliance: Array, scale: Array) -> Array:
-        """Return √λ for triangles x = F x̂ + b: the largest ratio ‖τ‖_{A⁻¹}/‖load‖ of a load and its least stress τ,
-        (cells,).
+        """Return √λ for each of the triangles x = F x̂ + b, (cells,).
+
+        This is the largest ratio ‖τ‖_{A⁻¹}/‖load‖ over all loads, where τ is the smallest stress that balances the
+        load.
 
         Args:
             F: the matrices F, (cells, 2, 2).
@@ -205,7 +208,9 @@ def balancing_on_side(side: int) -> BalancingStresses:
 
 
 def cell_constants(F: Array, compliance: Array, q: int) -> Array:
-    """Return an upper bound of the constant C_{T,q} of the module for triangles x = F x̂ + b, (cells,).
+    """Return an upper bound of the constant C_{T,q} for each of the triangles x = F x̂ + b, (cells,).
+
+    The docstring of the module defines C_{T,q}.
 
     The constant is computed once for cells that differ only by size, by a half turn, or by the order of their vertices.
 
@@ -235,7 +240,9 @@ def by_length(F: Array) -> Array:
 
 
 def side_constants(F: Array, compliance: Array, side: int) -> Array:
-    """Return an upper bound of the constant C_e of the module for one side of triangles x = F x̂ + b, (cells,).
+    """Return an upper bound of the constant C_e for one side of each of the triangles x = F x̂ + b, (cells,).
+
+    The docstring of the module defines C_e.
 
     Args:
         F: the matrices F, (cells, 2, 2).
@@ -248,7 +255,7 @@ def side_constants(F: Array, compliance: Array, side: int) -> Array:
 
 
 def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Array, Array]]:
-    """Return the loaded sides of all cells, and upper bounds of the constant C_e of the module for them.
+    """Return the loaded sides of all cells, and upper bounds of the constant C_e in the docstring of the module.
 
     Returns:
         For each of the three side numbers: the cells with this side on Γ2, (n,); the edges there, (n,); and the bounds,
@@ -282,7 +289,7 @@ class Oscillation:
         self._sides = [(cells, edges, constants / root) for cells, edges, constants in loaded_sides(space, compliance)]
 
     def __call__(self, left_out: LeftOut) -> Array:
-        """Return the oscillation η_T of every cell, (cells,), from norms of the loads that are left out."""
+        """Return the oscillation η_T of every cell, (cells,), from norms of the part of the loads that P leaves out."""
         low, high = self._cells
         total = low * left_out.low_order + high * left_out.high_order
         for cells, edges, constants in self._sides:

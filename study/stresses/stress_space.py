@@ -58,7 +58,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def map(self) -> Array:
-        """The matrices F that map the reference triangle to the cells, (cells, 2, 2)."""
+        """The matrices F of the affine maps from the reference triangle to the cells, (cells, 2, 2)."""
         corners = self.mesh.p[:, self.mesh.t]
         return np.moveaxis(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1), 2, 0)
 
@@ -69,7 +69,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def edges(self) -> Array:
-        """For each side of every cell, the number of the edge, (cells, 3)."""
+        """For each of the three sides of every cell, the number of this edge in the mesh, (cells, 3)."""
         return self.mesh.t2f[list(FACETS)].T
 
     @cached_property
