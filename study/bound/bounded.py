@@ -59,7 +59,7 @@ class BoundedSolution:
     """The displacement u_h with two bounds of its error.
 
     Attributes:
-        computed: u_h.
+        computed: the displacement u_h.
         plain: the bound that is computed from u_h alone; None if there is none.
         enclosure: the lower and upper bound that are computed from a more accurate displacement ũ.
         remarks: sentences for the user, for example why ``plain`` is None.
@@ -186,7 +186,7 @@ def bounded_static(
 
     Args:
         coarse: the problem and the mesh of u_h.
-        computed: u_h.
+        computed: the displacement u_h.
         refinements: how often the mesh is refined for the more accurate displacement ũ.
         progress: a function that is called with T/4 after the bound from u_h alone, and with T at the end.
     """

@@ -51,7 +51,7 @@ class Enclosure:
     Attributes:
         h: the mesh size of u_h.
         times: the times of the knots of the spline ũ, without 0, (n,).
-        distance: d = ‖ũ − u_h‖_V at these times, (n,).
+        distance: the distance d = ‖ũ − u_h‖_V at these times, (n,).
         bound: the bound y of ‖u − ũ‖_V at these times, (n,).
         error: the error of u_h at these times if the exact solution is known, otherwise NaN, (n,).
         intervals: for each time interval between knots, the terms from which y is computed.
@@ -156,7 +156,7 @@ def enclose(
 
     Args:
         coarse: the problem on the mesh of u_h.
-        computed: u_h.
+        computed: the displacement u_h.
         trajectory: how the displacement ũ is computed from which the bounds follow.
         error: the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if the exact solution is known.
         progress: a function that is called with each time up to which the bounds are computed.
@@ -272,7 +272,7 @@ def squared_distances(
         discretisation: the mesh and the space of v.
         strain: the function from points to the strain ε, (2, ...) → (3, ...).
         v: a displacement of degree 2, (dofs,).
-        rough: lines (direction, offset) at which ε is not smooth; the quadrature points are graded towards them.
+        rough: the lines (direction, offset) at which ε is not smooth; quadrature points are graded towards these lines.
     """
     data, V = discretisation.data, discretisation.displacements
     squares = np.zeros(discretisation.mesh.t.shape[1])
@@ -292,7 +292,7 @@ def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio
     Args:
         coarse: an interval that contains the error E ≥ 0 on the mesh of size h.
         fine: an interval that contains the error E' ≥ 0 on the mesh of size h' < h.
-        ratio: log(h/h').
+        ratio: the logarithm log(h/h') of the ratio of both mesh sizes.
     """
     low = math.log(coarse[0] / fine[1]) / ratio if coarse[0] > 0 else -math.inf
     high = math.log(coarse[1] / fine[0]) / ratio if fine[0] > 0 else math.inf

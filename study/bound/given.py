@@ -106,7 +106,7 @@ def bounded_displacement(
 
 
 def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
-    """Return the reason why no error bound follows from u_h alone, or an empty text if there is such a bound."""
+    """Return the reason why no error bound can be computed from u_h alone, or an empty text if one can be computed."""
     steps = np.diff(computed.times)
     if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
         return "its time steps are not equal"
@@ -223,7 +223,7 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
 
 
 def _checked_times(times: Array, T: float) -> Array:
-    """Check that the times increase from 0 to T, and return them; equal steps are made exactly equal."""
+    """Check that the times increase from 0 to T, and return them; steps equal up to rounding are made equal."""
     if times.ndim != 1 or (np.diff(times) <= 0).any():
         raise BoundError("times have to increase strictly")
     if abs(times[0]) > SINGLE * T:

@@ -138,7 +138,7 @@ def mean_square(*norms: Array) -> Array:
     The bound follows from ‖f‖ ≤ Σ |L_i| ‖f_i‖ with the Lagrange polynomials L_i.
 
     Args:
-        norms: ‖f‖ at the start, in the middle and at the end of the step.
+        norms: the norm ‖f‖ at the start, in the middle and at the end of the step.
     """
     return np.einsum("ij,i...,j...->...", LAGRANGE, np.array(norms), np.array(norms))
 
@@ -147,6 +147,6 @@ def largest_square(*norms: Array) -> Array:
     """Return a bound of ‖f‖² at all times of a step, for a function f that is a parabola in time.
 
     Args:
-        norms: ‖f‖ at the start, in the middle and at the end of the step.
+        norms: the norm ‖f‖ at the start, in the middle and at the end of the step.
     """
     return (LEBESGUE * np.max(norms, axis=0)) ** 2

@@ -172,7 +172,7 @@ class Interval:
 
     Attributes:
         a, b: the ends of the interval.
-        at_a, at_b: y at the ends.
+        at_a, at_b: the values of the bound y at a and at b.
         inside: a bound of the error at all times of the interval.
         residual: the integral of the norm of ρ.
         contact: the integral of c.
@@ -204,7 +204,7 @@ class Knots:
         viscous, elastic: the stresses Aε(ũ̇) and Gε(ũ) at the quadrature points, (3, knots, cells, Q).
         residual: the residual of the law in every direction, times roots of the quadrature weights,
             (directions, knots, cells, Q).
-        normal: Bernstein coefficients of the normal stress σ̃_ν on Γ3, (knots, edges of Γ3, n).
+        normal: the Bernstein coefficients of the normal stress σ̃_ν on Γ3, (knots, edges of Γ3, n).
     """
 
     snapshots: list[Snapshot]
@@ -240,7 +240,7 @@ class Majorant:
         """Yield ũ on every time interval between knots, together with the bound of its error there.
 
         Args:
-            pieces: ũ on the time intervals.
+            pieces: the displacement ũ on each time interval, in the order of time.
             start: a bound of the initial error ‖u_0 − ũ(0)‖_V.
 
         Raises:
@@ -274,7 +274,7 @@ class Majorant:
 
         Args:
             times: the times of the knots.
-            u, rates: ũ and its velocity ũ̇ at these times, (times, dofs) each.
+            u, rates: the displacement ũ and the velocity ũ̇ at these times, (times, dofs) each.
         """
         d = self.discretisation
         snapshots = [d.snapshot(time) for time in times]
@@ -410,7 +410,7 @@ class Majorant:
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:
-    """Return which fraction of the mean square of a parabola in time is due to its change, from 0 to 1, (n,).
+    """Return the fraction, from 0 to 1, of the mean square of parabolas in time that is due to their change, (n,).
 
     Args:
         products: the products of any two Bernstein coefficients of each of n parabolas, (3, 3, n).

@@ -151,7 +151,7 @@ def _stresses(
 
 
 def differences(rows: Sequence[list[int]]) -> list[list[int]]:
-    """Return second differences in time of rows of integers; they have fewer digits and make the file smaller."""
+    """Return second differences in time of rows of integers, which have fewer digits and so make the file smaller."""
     for _ in range(2):
         rows = [rows[0], *([y - x for x, y in zip(p, q, strict=True)] for p, q in pairwise(rows))]
     return list(rows)

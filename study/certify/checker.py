@@ -616,7 +616,7 @@ class Mesh:
         return Q(x, self.h), Q(y, self.h)
 
     def along(self, edge: tuple[int, int]) -> tuple[int, int]:
-        """Return h times the vector from the first vertex of an edge to the second, a pair of integers."""
+        """Return h times the vector from the first to the second vertex of an edge, as a pair of integers."""
         (x, y), (a, b) = (self.points[v] for v in edge)
         return a - x, b - y
 
@@ -626,7 +626,7 @@ class Mesh:
         return Cell(v, [*v, *opposite], (a, b, c, d), a * d - b * c)
 
     def middles(self, values: list[int], size: int) -> list[int]:
-        """Return twice the values of a piecewise linear function at all nodes.
+        """Return twice the values of a piecewise linear function at all nodes: vertices, then midpoints of edges.
 
         The factor 2 keeps the values at midpoints integers.
 
@@ -994,11 +994,11 @@ def linear_square(p: Sequence[int]) -> int:
 
 
 def strains(cell: Cell, v: Sequence[int]) -> list[list[int]]:
-    """Return the strain of a quadratic displacement at the three vertices of a cell, times det F over 2h.
+    """Return the strain of a quadratic displacement at the three vertices of a cell, multiplied by (det F)/(2h).
 
     Args:
         cell: the cell.
-        v: Bernstein coefficients of the displacement at all nodes, two components each.
+        v: the Bernstein coefficients of the displacement at all nodes, two components each.
     """
     a, b, c, d = cell.F
     n, found = cell.nodes, []
@@ -1279,7 +1279,7 @@ class Certificate:
         """Return a lower and an upper bound of the squared distance ‖v − u_h(time)‖²_V of a displacement v from u_h.
 
         Args:
-            v: integers; the displacement has the Bernstein coefficients v/2^{bits + more}.
+            v: the integers v for which the displacement has the Bernstein coefficients v/2^{bits + more}.
             more: the number of binary digits of v in addition to the digits of ũ.
             time: the time.
         """

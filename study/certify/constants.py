@@ -104,7 +104,7 @@ def _conditions(field: Field) -> list[Fraction]:
 
 
 def _at(divergences: list[Poly]) -> list[Fraction]:
-    """Return the six coefficients of every polynomial of degree 2, one polynomial after the other."""
+    """Return the six coefficients of each of several polynomials of degree 2, in one list."""
     return [p.get(key, Fraction(0)) for p in divergences for key in SQUARE]
 
 

@@ -73,7 +73,7 @@ class AdmissibleRounding:
 
     @cached_property
     def _normals(self) -> dict[int, list[tuple[int, int]]]:
-        """For each node on Γ3 or Γ1 its normals as integer vectors. At nodes on Γ1 the list is empty."""
+        """For each node on Γ3 or Γ1, the normals of Γ3 at this node as integer vectors; no normals at nodes on Γ1."""
         found: dict[int, list[tuple[int, int]]] = {}
         clamped = set()
         for edge, side in self.mesh.boundary.items():

@@ -111,8 +111,7 @@ class SemiDiscrete:
 
 
 def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[Array], Array] | None:
-    """Return the function from a displacement to its elastic forces minus their linear part
-    (``SemiDiscrete.remainder``).
+    """Return the function ``SemiDiscrete.remainder``: the elastic forces of a displacement minus their linear part.
 
     Args:
         space: the finite element space.

@@ -83,8 +83,8 @@ class GradientFlow:
     def delay(self, steps: int) -> float:
         """Return an upper bound of F, the sum over all steps of ∫ ‖f(t_n) − f(t)‖_V dt.
 
-        On every interval of the grid, the larger of the values at its ends is used. If a step has j intervals and the
-        load is linear in it, the result is 1 + 1/j times F.
+        On every interval of the grid, the larger of the values at its ends is used. If a step consists of j intervals
+        of the grid and the load is linear on it, the result is 1 + 1/j times F.
 
         Args:
             steps: the number of time steps, which must divide m.

@@ -150,7 +150,7 @@ class Multigrid:
 
         Args:
             w: the present iterate, (n,).
-            r: its residual f − A w, (n,).
+            r: the residual f − A w of this iterate, (n,).
             reduction: the factor by which conjugate gradients reduce the residual.
         """
         preconditioner = LinearOperator(self.A.shape, matvec=self.cycle, dtype=float)

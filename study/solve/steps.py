@@ -38,7 +38,7 @@ def longest_step(growth: float, newest: float = 1.0, theta: float = 1.0) -> floa
     A step of size k has a unique solution if (w/k) A + θ G is strongly monotone, which holds for θ k ω < w.
 
     Args:
-        growth: ω ≤ L_G/m_A, the largest rate at which differences of solutions can grow; 0 for a monotone G.
+        growth: the largest rate ω ≤ L_G/m_A at which differences of solutions can grow; 0 for a monotone G.
         newest, theta: the numbers w and θ of the time scheme (``Tableau``). The defaults belong to backward Euler.
     """
     return newest / (theta * growth) if growth else math.inf

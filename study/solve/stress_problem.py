@@ -75,7 +75,7 @@ class Potential:
             the module it is C⁻¹, k A⁻¹ or Ĉ⁻¹.
         quadratic: the matrix Q, (cells, p, p).
         stress: the matrix from y to the stress τ, (D, p).
-        released: function from the previous strain ε_{n−1} to the strain at which a step without stress would end,
+        released: the function from the previous strain ε_{n−1} to the strain at which a step without stress would end,
             (D, cells) → (D, cells).
         cone: the number of entries of (ρ, z), which are the last entries of y; 0 for linear G.
         radius: the radius r of K; 0 for linear G.

@@ -44,7 +44,7 @@ class Tableau:
     Attributes:
         name: the name in tables and on the command line.
         order: the order in k for solutions that are smooth in time.
-        newest: w, the weight of u_n in the difference quotient δu_n.
+        newest: the weight w of u_n in the difference quotient δu_n.
         past: the weights (w_1, w_2, …) of the earlier values u_{n−1}, u_{n−2}, ….
         theta: the number θ; elastic forces and loads are evaluated at t_{n−1+θ}.
         starting: the scheme of the first steps of a multistep scheme; None for a one-step scheme.

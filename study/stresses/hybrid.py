@@ -174,7 +174,7 @@ class Equilibrium:
         return self._joined(values, tractions, known, v, v - shift)
 
     def _released(self, values: Tensors) -> Array:
-        """Return the functional (C⁻¹τ, ·)_Q of a stress τ on the stresses with Div σ = 0.
+        """Return the integrals ∫_T C⁻¹τ·σ of a stress τ with the p basis stresses σ of every cell, for which Div σ = 0.
 
         The shape is (3, ..., cells, Q) → (..., cells, p).
         """
@@ -203,7 +203,7 @@ class Equilibrium:
         Args:
             values, tractions, known: as in ``_corrected``.
             v: the moments.
-            shifted: v minus the moments ``normal``.
+            shifted: the moments v minus the given moments ``normal``.
         """
         found = _times(self._everywhere(shifted)[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(

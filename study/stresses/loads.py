@@ -79,9 +79,9 @@ class LeftOut:
     Let g = f_0 − P f_0, and let Π be the L² projection onto the polynomials of degree k on a whole cell T.
 
     Attributes:
-        low_order: ‖Π g‖_T, the norm of the part of g that is such a polynomial, (cells,).
-        high_order: ‖g − Π g‖_T, the norm of the rest of g, (cells,).
-        on_edges: ‖f_2 − P f_2‖_e, zero outside Γ2, (edges,).
+        low_order: the norm ‖Π g‖_T of the part of g that is a polynomial of degree k on the whole cell, (cells,).
+        high_order: the norm ‖g − Π g‖_T of the rest of g, (cells,).
+        on_edges: the norm ‖f_2 − P f_2‖_e on every edge e, zero outside Γ2, (edges,).
     """
 
     low_order: Array
@@ -274,7 +274,7 @@ def _divided(rule: FacetRule) -> FacetRule:
 
 
 def _crossings(data: Data, part: Part) -> tuple[float, ...]:
-    """Return the sorted coordinates along a boundary part at which lines cross it where the data are not smooth."""
+    """Return the sorted positions at which a boundary part crosses lines where the data are not smooth."""
     found = []
     for direction, offset in data.lines:
         slope, start = np.dot(direction, part.tangent), np.dot(direction, part.start)

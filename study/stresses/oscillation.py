@@ -130,7 +130,7 @@ class BalancingStresses:
             divided: the stresses on the divided triangle.
             zero: the matrix of the conditions zero·w = 0 that the coefficients w of all stresses satisfy.
             balanced: the matrix from w to the load that the stress balances.
-            loads: scalar loads as columns; each is used in both directions.
+            loads: scalar loads as columns; each of them is applied in both coordinate directions.
             gram: the integrals of products of two scalar loads.
         """
         admissible = null_space(zero, rcond=ROUNDING)
@@ -148,7 +148,7 @@ class BalancingStresses:
 
         Args:
             F: the matrices F, (cells, 2, 2).
-            compliance: A⁻¹ in Mandel form, (3, 3) or (cells, 3, 3).
+            compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3) or (cells, 3, 3).
             scale: the factor with ‖load‖² = scale × ∫ |F d|² for loads d on the reference triangle, (cells,).
         """
         J, E = abs(np.linalg.det(F)), basis(2)
@@ -216,7 +216,7 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
 
     Args:
         F: the matrices F, (cells, 2, 2).
-        compliance: A⁻¹ in Mandel form, (3, 3).
+        compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3).
         q: the degree of the polynomials to which loads are orthogonal.
     """
     size = np.sqrt(abs(np.linalg.det(F)))
@@ -246,7 +246,7 @@ def side_constants(F: Array, compliance: Array, side: int) -> Array:
 
     Args:
         F: the matrices F, (cells, 2, 2).
-        compliance: A⁻¹ in Mandel form, (3, 3).
+        compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3).
         side: the number of the side.
     """
     a, b = SIDES[side]
@@ -279,7 +279,7 @@ class Oscillation:
 
     Args:
         space: the stresses for which P is defined, of degree 2 or more.
-        compliance: A⁻¹ without its material factor, in Mandel form, (3, 3).
+        compliance: the inverse A⁻¹ of the viscosity without its material factor, in Mandel form, (3, 3).
         low: the smallest value of the material factor of A.
     """
 

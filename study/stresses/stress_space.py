@@ -155,7 +155,7 @@ class StressSpace(MeshedBody):
         """Return the inner products ∫_T C⁻¹σ·τ of any two basis functions with Div σ = 0 on every cell, (cells, p, p).
 
         Args:
-            compliance: C⁻¹ in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3, 3).
+            compliance: the inverse stiffness C⁻¹ in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3, 3).
         """
         # All cells have the same basis up to the Piola transformation, so the product of two large matrices suffices.
         piola, reference = self._piola[:, None], self._reference.reshape(3, self.weights.shape[1], -1)
@@ -173,7 +173,7 @@ class StressSpace(MeshedBody):
         """Return the integrals of a strain ε, or of C ε, times each basis function σ with Div σ = 0 on every cell.
 
         Args:
-            values: ε at the quadrature points, (3, ..., cells, Q).
+            values: the strain ε at the quadrature points, (3, ..., cells, Q).
             C: a constant tensor in Mandel form, (3, 3).
 
         Returns:
