@@ -222,8 +222,9 @@ def text(
     sentences: Sequence[str],
     norm: str = MOVING,
 ) -> list[str]:
-    """Return the printed lines: whether the tolerance is reached and the bound is guaranteed, and a line for each
-    mesh.
+    """Return the printed lines: a verdict on the tolerance and on the bound, and one line for each mesh.
+
+    The verdict says whether the tolerance is reached, and whether the bound is guaranteed.
 
     Args:
         name: the name of the problem.

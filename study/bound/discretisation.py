@@ -76,9 +76,7 @@ class Discretisation:
 
     @cached_property
     def inverse_viscosity(self) -> Array:
-        """The reciprocal 1/α of the material factor α(x) of the viscosity A at the quadrature points of stresses,
-        (cells, Q).
-        """
+        """The reciprocal 1/α of the material factor α of the viscosity A at the quadrature points, (cells, Q)."""
         return 1 / self.data.law.A.factor(self.stresses.points)
 
     @cached_property
@@ -179,8 +177,7 @@ class Discretisation:
         return self._law[1](self.strain(u))
 
     def nearest_stress(self, loads: Loads, target: Tensors, u: Array) -> EquilibratedStress:
-        """Return the equilibrated stress σ̃ nearest to a given stress, in the norm that ``Moduli.compliance``
-        defines.
+        """Return the equilibrated stress σ̃ nearest to a given stress, in the norm of ``Moduli.compliance``.
 
         Among all stresses that balance the loads, σ̃ minimises ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν. The attribute
         ``values`` of the result is the difference σ̃ − target.

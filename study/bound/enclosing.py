@@ -265,8 +265,9 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
 def squared_distances(
     discretisation: Discretisation, strain: Callable[[Points], Tensors], v: Array, rough: Sequence[Hyperplane]
 ) -> Array:
-    """Return the squared energy norm ∫_T A(ε − ε(v))·(ε − ε(v)) of the difference of two strains on every cell,
-    (cells,).
+    """Return the squared energy norm of the difference of two strains ε and ε(v) on every cell, (cells,).
+
+    The squared norm is ∫_T A(ε − ε(v))·(ε − ε(v)).
 
     Args:
         discretisation: the mesh and the space of v.

@@ -265,8 +265,7 @@ def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
 
 
 def _triangle(linear: Array, constant: Array) -> tuple[sps.csr_matrix, Array]:
-    """Return a condition ``constant + linear · x`` ⪰ 0 in the format of the solver Clarabel: matrix and right-hand
-    side.
+    """Return a condition ``constant + linear · x`` ⪰ 0 as a matrix and a right-hand side for the solver Clarabel.
 
     The format is the upper triangle by columns, with off-diagonal entries multiplied by √2.
     """

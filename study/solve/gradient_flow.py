@@ -61,8 +61,10 @@ class GradientFlow:
         return np.array([self.riesz(load) for load in self.loads])
 
     def distance(self, i: Array, j: Array) -> Array:
-        """Return the distances ‖f(t_i) − f(t_j)‖_V of loads at times of the grid, for arrays of indices,
-        (k,) → (k,)."""
+        """Return the distances ‖f(t_i) − f(t_j)‖_V of loads at times of the grid, (k,).
+
+        The arguments are arrays of k indices each.
+        """
         squares = np.sum((self.loads[i] - self.loads[j]) * (self.representers[i] - self.representers[j]), axis=-1)
         root: Array = np.sqrt(np.maximum(squares, 0))
         return root

@@ -145,8 +145,7 @@ class Multigrid:
         self.cut = without(self.A, self.free)
 
     def _corrected(self, w: Array, r: Array, reduction: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Return the iterate after one correction, (n,), and which unknowns to hold, as flags for the rows of N,
-        (m,).
+        """Return the iterate after one correction, (n,), and for each row of N whether to hold its unknown, (m,).
 
         Args:
             w: the present iterate, (n,).

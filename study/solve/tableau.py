@@ -82,8 +82,10 @@ class Tableau:
         return (1 - self.theta) * ((n - 1) * k) + self.theta * (n * k)
 
     def longest(self, growth: float) -> float:
-        """Return the step size below which every step has a unique solution, also the first ones; see
-        ``longest_step``."""
+        """Return the step size below which every step has a unique solution, including the first steps.
+
+        The formula is documented in ``study.solve.steps.longest_step``.
+        """
         mine = longest_step(growth, self.newest, self.theta)
         return min(mine, self.starting.longest(growth)) if self.starting else mine
 
