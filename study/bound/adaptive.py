@@ -1,10 +1,10 @@
 """The command ``study bound --adapt``: refine mesh and time steps until the error bound is below a tolerance.
 
 The error bound is computed from the displacement u_h alone. ``study.bound.terms`` divides it into contributions of the
-cells and of the time steps, called shares. The cells with the largest shares are refined, just so many that they have
-half of the sum. Red, green and blue refinement (C. Carstensen, Constr. Approx. 20 (2004) 549–564) leaves no hanging
-nodes and bounds the angles from below. If the time steps contribute more than a quarter of the bound, all steps are
-halved.
+cells and of the time steps, called shares. The cells with the largest shares are refined: the fewest cells whose shares
+add up to half of the sum of all shares of cells. Red, green and blue refinement (C. Carstensen, Constr. Approx. 20
+(2004) 549–564) leaves no hanging nodes and bounds the angles from below. If the time steps contribute more than a
+quarter of the bound, all steps are halved.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ def tolerance_from(text: str) -> Tolerance:
 
 
 def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adapted:
-    """Compute u_h on a mesh and the bound of its error from u_h alone.
+    """Compute the displacement u_h on a mesh, and bound the error of u_h without a more accurate second displacement.
 
     Raises:
         MeshError: the mesh does not fit the parts of the body.
@@ -157,7 +157,7 @@ def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
 
 
 def marked(shares: Array, part: float) -> Array:
-    """Select the cells to refine: the fewest cells that have at least the fraction ``part`` of the sum of all shares.
+    """Select the cells to refine: as few as possible, with shares that sum to ``part`` times the sum of all or more.
 
     Args:
         shares: the contribution of each cell to the bound, (cells,).
@@ -222,8 +222,9 @@ def text(
     sentences: Sequence[str],
     norm: str = MOVING,
 ) -> list[str]:
-    """Return the printed lines: whether the tolerance is reached and the bound is guaranteed, and a line for each
-    mesh.
+    """Return the printed lines: a verdict on the tolerance and on the bound, and one line for each mesh.
+
+    The verdict says whether the tolerance is reached, and whether the bound is guaranteed.
 
     Args:
         name: the name of the problem.
@@ -269,7 +270,7 @@ def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, A
     Args:
         data: the problem.
         mesh: the mesh.
-        displacement: the values at the vertices, (2, vertices).
+        displacement: the values of the displacement at the vertices, (2, vertices).
 
     Returns:
         The end points of the n edges on Γ3, (2, 2, n), and for each edge whether both end points are in contact, (n,).

@@ -59,7 +59,7 @@ class BoundedSolution:
     """The displacement u_h with two bounds of its error.
 
     Attributes:
-        computed: u_h.
+        computed: the displacement u_h.
         plain: the bound that is computed from u_h alone; None if there is none.
         enclosure: the lower and upper bound that are computed from a more accurate displacement ũ.
         remarks: sentences for the user, for example why ``plain`` is None.
@@ -186,7 +186,7 @@ def bounded_static(
 
     Args:
         coarse: the problem and the mesh of u_h.
-        computed: u_h.
+        computed: the displacement u_h.
         refinements: how often the mesh is refined for the more accurate displacement ũ.
         progress: a function that is called with T/4 after the bound from u_h alone, and with T at the end.
     """
@@ -253,7 +253,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
 
 
 def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """Return the table ``levels.csv``: for each level intervals of the largest error and of two observed orders.
+    """Return the table ``levels.csv``: for each level, intervals with the largest error and two observed orders.
 
     The columns ``order_…`` compare a level with the first one, the columns ``pair_…`` with the previous one. On the
     first level, and if a mesh is not finer than the mesh to compare with, the order is NaN.
@@ -285,7 +285,8 @@ def text(
         over_time: the results of ``series`` for all levels.
         sentences: texts that say whether the bounds are guaranteed.
         norm: the norm of the error, ``MOVING`` or ``STATIC``.
-        names: the file that each row of the table is about; by default the rows are named by their levels.
+        names: for each row of the table, the name of the file with its displacement. By default rows are named by their
+            levels.
     """
     known, last = bool(table["error"].notna().all()), table.iloc[-1]
     size = "‖u‖_G" if norm == STATIC else "max ‖u(t)‖_V"
@@ -357,7 +358,7 @@ def _percent(low: float, high: float) -> str:
 
 
 def contact_sentences(body: Body) -> list[str]:
-    """If the sides of Γ3 do not lie on one line, return a list with a sentence about the shape of the foundation."""
+    """Return a list with a sentence about the shape of the foundation if Γ3 does not lie on one line, otherwise []."""
     sides = body.of(Kind.CONTACT)
     if not sides:
         return []
@@ -372,7 +373,7 @@ def contact_sentences(body: Body) -> list[str]:
 
 
 def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list[Path]:
-    """Write levels.csv and enclosure.csv; return their paths."""
+    """Write the tables ``levels.csv`` and ``enclosure.csv`` to a directory, and return their paths."""
     return [
         write_text(directory / "levels.csv", table.to_csv(index=False)),
         write_text(directory / "enclosure.csv", over_time.to_csv(index=False)),

@@ -1,6 +1,7 @@
 """The finite element spaces on one mesh that the error bound needs: displacements of degree 2 and stresses of degree 3.
 
-``Discretisation`` also evaluates the data of the problem on this mesh. It refuses problems that cannot be bounded.
+``Discretisation`` also evaluates the data of the problem on this mesh. It refuses problems for which no error bound can
+be computed.
 """
 
 from __future__ import annotations
@@ -75,12 +76,15 @@ class Discretisation:
 
     @cached_property
     def inverse_viscosity(self) -> Array:
-        """The reciprocal 1/α of the material factor of A at the quadrature points of the stresses, (cells, Q)."""
+        """The reciprocal 1/α of the material factor α of the viscosity A at the quadrature points, (cells, Q)."""
         return 1 / self.data.law.A.factor(self.stresses.points)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
-        """Computes the equilibrated stress with the smallest residual of the law, in the norm ``Moduli.compliance``."""
+        """Solver for the stress that balances the loads and has the smallest residual of the material law.
+
+        The matrix of the norm of the residual is ``Moduli.compliance``.
+        """
         compliance = self.moduli.compliance(self.data.body.T)
         if self.data.law.A.factor is not UNIFORM:
             compliance = np.multiply.outer(self.inverse_viscosity, compliance)
@@ -99,17 +103,17 @@ class Discretisation:
 
     @cached_property
     def oscillation(self) -> Oscillation:
-        """Bounds, on each cell, the dual norm of the loads f − P f that the projection P leaves out."""
+        """Computes a bound of the dual norm of f − P f on each cell, where P is the projection of the loads."""
         A = self.data.law.A
         return Oscillation(self.stresses, np.linalg.inv(A.matrix), A.factor.low)
 
     @cached_property
     def sampling(self) -> Sampling:
-        """Decides whether the bound is guaranteed, and bounds how much the data change between sample points."""
+        """Decides whether the error bound is guaranteed, and bounds the change of the data between sample points."""
         return Sampling(self.data, self.stresses)
 
     def load(self, time: float) -> Array:
-        """Return the load vector of the projected loads at a time: the values of ``functional``, (dofs,)."""
+        """Return the load vector (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} of the projected loads at a time, (dofs,)."""
         return self.functional(self.snapshot(time).loads)
 
     def functional(self, loads: Loads) -> Array:
@@ -126,7 +130,11 @@ class Discretisation:
 
     @cached_property
     def _moments(self) -> Array:
-        """Means on a cell of products of basis functions of displacements and of P f_0, (6, 3 thirds · lower)."""
+        """The means over a cell of products of a basis function of displacements and a basis function of P f_0.
+
+        The shape is (6, 3 · lower). Row axis: the 6 basis functions of degree 2. Column axis: the subtriangles of the
+        cell (3) and, for each of them, the ``lower`` Bernstein polynomials of P f_0.
+        """
         space = self.stresses
         thirds = np.kron(np.eye(3), space.force_shapes)
         return self.displacements.shapes(space.barycentric) * space.shares @ thirds.T
@@ -142,7 +150,10 @@ class Discretisation:
 
     @cached_property
     def _strains(self) -> sps.csr_array:
-        """The matrix from displacements to their strains at the vertices of every cell, where strains are linear."""
+        """The matrix from displacements to strains at the three vertices of every cell.
+
+        Strains are linear on a cell, so these values determine them.
+        """
         return self.displacements.strains(np.eye(3))
 
     def strain(self, v: Array) -> Tensors:
@@ -166,8 +177,7 @@ class Discretisation:
         return self._law[1](self.strain(u))
 
     def nearest_stress(self, loads: Loads, target: Tensors, u: Array) -> EquilibratedStress:
-        """Return the equilibrated stress σ̃ nearest to a given stress, in the norm that ``Moduli.compliance``
-        defines.
+        """Return the equilibrated stress σ̃ nearest to a given stress, in the norm of ``Moduli.compliance``.
 
         Among all stresses that balance the loads, σ̃ minimises ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν. The attribute
         ``values`` of the result is the difference σ̃ − target.

@@ -50,14 +50,15 @@ class Enclosure:
 
     Attributes:
         h: the mesh size of u_h.
-        times: the knots of ũ after 0, (n,).
-        distance: d = ‖ũ − u_h‖_V at these times, (n,).
+        times: the times of the knots of the spline ũ, without 0, (n,).
+        distance: the distance d = ‖ũ − u_h‖_V at these times, (n,).
         bound: the bound y of ‖u − ũ‖_V at these times, (n,).
         error: the error of u_h at these times if the exact solution is known, otherwise NaN, (n,).
         intervals: for each time interval between knots, the terms from which y is computed.
         start: a bound of the error of u_h at t = 0.
-        initial: ‖u_0 − ũ(0)‖² on each cell of ũ, from samples of u_0, (cells,).
-        between: for each time interval between knots, a bound of the error of u_h on all of it, (n,).
+        initial: the squared initial distance ‖u_0 − ũ(0)‖² on each cell of the mesh of ũ, computed from samples of u_0,
+            (cells,).
+        between: for each time interval between knots, an upper bound of the error of u_h at all of its times, (n,).
         evidence: whether the bounds are guaranteed or estimated, and why.
         norm: an interval that contains max_t ‖u(t)‖_V.
     """
@@ -94,7 +95,7 @@ class Enclosure:
         return self.between[np.searchsorted(self.times[:-1], times)]
 
     def shares(self, moduli: Moduli) -> Shares:
-        """Return how much each cell and the time steps contribute to the error bound ``highest``.
+        """Return the contributions of each cell and of the time steps to the error bound ``highest``.
 
         The contributions come from the initial error and from all time intervals before the bound is largest. Each is
         multiplied by the factor by which errors decay until then. The part due to u_0 between sample points is divided
@@ -155,7 +156,7 @@ def enclose(
 
     Args:
         coarse: the problem on the mesh of u_h.
-        computed: u_h.
+        computed: the displacement u_h.
         trajectory: how the displacement ũ is computed from which the bounds follow.
         error: the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if the exact solution is known.
         progress: a function that is called with each time up to which the bounds are computed.
@@ -264,14 +265,15 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
 def squared_distances(
     discretisation: Discretisation, strain: Callable[[Points], Tensors], v: Array, rough: Sequence[Hyperplane]
 ) -> Array:
-    """Return the squared energy norm ∫_T A(ε − ε(v))·(ε − ε(v)) of the difference of two strains on every cell,
-    (cells,).
+    """Return the squared energy norm of the difference of two strains ε and ε(v) on every cell, (cells,).
+
+    The squared norm is ∫_T A(ε − ε(v))·(ε − ε(v)).
 
     Args:
         discretisation: the mesh and the space of v.
         strain: the function from points to the strain ε, (2, ...) → (3, ...).
         v: a displacement of degree 2, (dofs,).
-        rough: lines (direction, offset) at which ε is not smooth; the quadrature points are graded towards them.
+        rough: the lines (direction, offset) at which ε is not smooth; quadrature points are graded towards these lines.
     """
     data, V = discretisation.data, discretisation.displacements
     squares = np.zeros(discretisation.mesh.t.shape[1])
@@ -291,7 +293,7 @@ def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio
     Args:
         coarse: an interval that contains the error E ≥ 0 on the mesh of size h.
         fine: an interval that contains the error E' ≥ 0 on the mesh of size h' < h.
-        ratio: log(h/h').
+        ratio: the logarithm log(h/h') of the ratio of both mesh sizes.
     """
     low = math.log(coarse[0] / fine[1]) / ratio if coarse[0] > 0 else -math.inf
     high = math.log(coarse[1] / fine[0]) / ratio if fine[0] > 0 else math.inf

@@ -115,7 +115,7 @@ def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
 def _together(
     path: Path, meshes: Iterator[tuple[float | None, Any]] | list[tuple[None, Any]], name: str | None
 ) -> Field:
-    """Join the displacements of all times into one field; raise BoundError if the mesh changes in time."""
+    """Join the displacements at all times into one ``Field``; raise BoundError if the mesh changes in time."""
     first: Any = None
     times, values = [], []
     for time, mesh in meshes:

@@ -69,7 +69,7 @@ def bound_displacement(
         data: the problem. If it is ``Static``, the norm is the energy norm of G.
         points, triangles, times, u, steps, nearest: as in ``given``.
         refine: how often the mesh of u_h is refined for the more accurate displacement ũ.
-        shorter: how many times more time steps ũ has than u_h (than ``steps``, if given).
+        shorter: the number of time steps of ũ, divided by the number of time steps of u_h (or by ``steps``, if given).
         case: the case if the exact solution is known; the true error is then reported as well.
         progress: a function that is called with each time up to which the bounds are computed.
 
@@ -106,7 +106,7 @@ def bounded_displacement(
 
 
 def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
-    """Return the reason why no error bound follows from u_h alone, or an empty text if there is such a bound."""
+    """Return the reason why no error bound can be computed from u_h alone, or an empty text if one can be computed."""
     steps = np.diff(computed.times)
     if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
         return "its time steps are not equal"
@@ -155,13 +155,14 @@ def given(
             quadratic one, with the corners 0, 1, 2 first, then the midpoints of the sides 01, 12 and 20.
         times: the times, increasing from 0 to T, (k,). For a ``Static`` problem None or one time.
         u: the displacements of the points at the times, (k, n, 2), or (k, n, 3) with third component 0.
-        steps: the number of time steps of ũ is computed from this number. By default it is the number of time intervals
-            of u, but at least ``LEAST_STEPS``.
+        steps: the number of time steps of the more accurate displacement ũ is a multiple of this number. The default is
+            the number of time intervals of u, but at least ``LEAST_STEPS``.
         nearest: what to do if u does not vanish on Γ1: if true, use the nearest field that does, otherwise raise an
             error.
 
     Raises:
-        BoundError: an array is invalid. The message says which and where, and how to mend it.
+        BoundError: an array is invalid. The message names the array and the position of the fault, and says how to
+            correct it.
     """
     given_times = np.zeros(1) if times is None else times
     points, triangles, times, u = _arrays(points, triangles, given_times, u)
@@ -222,7 +223,7 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
 
 
 def _checked_times(times: Array, T: float) -> Array:
-    """Check that the times increase from 0 to T, and return them; equal steps are made exactly equal."""
+    """Check that the times increase from 0 to T, and return them; steps equal up to rounding are made equal."""
     if times.ndim != 1 or (np.diff(times) <= 0).any():
         raise BoundError("times have to increase strictly")
     if abs(times[0]) > SINGLE * T:
@@ -350,7 +351,7 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 
 
 def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
-    """If u_h penetrates the foundation, return a list with a sentence that says how far; otherwise an empty list."""
+    """Return a list with a sentence that says how far u_h penetrates the foundation; empty if it does not."""
     values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
     for part, edges in zip(found.body.parts, boundary_parts(found.mesh, found.body), strict=True):
         if part.kind is Kind.CONTACT:
@@ -386,8 +387,9 @@ class _Unclamped(Quadratic):
 def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDisplacement:
     """Return a displacement that vanishes on the clamped boundary Γ1.
 
-    This is ``found`` if it vanishes there up to round-off. Otherwise, if ``nearest`` is true, it is the field nearest
-    to ``found`` in ‖·‖_V that does, else BoundError is raised.
+    If the displacement ``found`` vanishes on Γ1 up to round-off, it is returned. Otherwise, if ``nearest`` is true, the
+    result is the field nearest to ``found`` in ‖·‖_V among all fields that vanish on Γ1. If ``nearest`` is false,
+    BoundError is raised.
     """
     mesh, size = found.mesh, float(abs(found.nodes).max())
     clamped = Quadratic(mesh, found.body)

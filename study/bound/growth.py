@@ -40,13 +40,13 @@ LEBESGUE = 1.25
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """The quantities on which the growth of the error bound depends, at one time of a step or as means over it.
+    """The quantities on which the growth of the error bound depends, at one time or as means over a time step.
 
     Attributes:
         residual: the squared residual |ρ|²_i of the law in every direction i on every cell, (directions, cells).
         oscillation: the square of the oscillation η_T of the loads on every cell, (cells,).
         contact: the contact term c.
-        rest: a bound of all quantities that are not computed for each cell.
+        rest: a bound of the sum of all other quantities, which are not divided among the cells.
     """
 
     residual: Array
@@ -64,7 +64,9 @@ class Sizes:
         return float(np.linalg.norm(residual + np.sqrt(self.oscillation)))
 
     def squares(self, inverse: Array) -> float:
-        """Return 2 (c + q), the contact term and the quadratic term of the residual.
+        """Return 2 (c + q), where c is the contact term and q the quadratic term of the residual.
+
+        The docstring of the module defines c and q.
 
         Args:
             inverse: the factors w_i²/(g_i − θ) in q, (directions,).
@@ -136,7 +138,7 @@ def mean_square(*norms: Array) -> Array:
     The bound follows from ‖f‖ ≤ Σ |L_i| ‖f_i‖ with the Lagrange polynomials L_i.
 
     Args:
-        norms: ‖f‖ at the start, in the middle and at the end of the step.
+        norms: the norm ‖f‖ at the start, in the middle and at the end of the step.
     """
     return np.einsum("ij,i...,j...->...", LAGRANGE, np.array(norms), np.array(norms))
 
@@ -145,6 +147,6 @@ def largest_square(*norms: Array) -> Array:
     """Return a bound of ‖f‖² at all times of a step, for a function f that is a parabola in time.
 
     Args:
-        norms: ‖f‖ at the start, in the middle and at the end of the step.
+        norms: the norm ‖f‖ at the start, in the middle and at the end of the step.
     """
     return (LEBESGUE * np.max(norms, axis=0)) ** 2

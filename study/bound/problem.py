@@ -67,7 +67,7 @@ class Moduli:
     directions: Array
 
     def decay(self, k: float) -> float:
-        """Return e^{−mk} with the least modulus m, the factor by which the error changes over a step of length k."""
+        """Return e^{−mk}, the factor by which an error changes over a time step of length k; m is the least modulus."""
         return float(np.exp(-self.values.min() * k))
 
     def weights(self, time: float) -> Array:
@@ -161,7 +161,7 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
 
 
 def _largest_ratio(equilibrium: Equilibrium, loads: Loads, mass: Array) -> float:
-    """Return the largest λ = min ‖τ‖²_{A⁻¹}/‖load‖² over the loads in a space; the stresses τ balance the load.
+    """Return the largest ratio λ = min_τ ‖τ‖²_{A⁻¹}/‖load‖² of all loads in a space; the stresses τ balance the load.
 
     Args:
         equilibrium: finds the stress with the smallest norm.

@@ -86,7 +86,7 @@ def _or_line(where: Array, ends: Pair) -> Pair:
     """Replace the intervals of some boxes by (−∞, ∞).
 
     Args:
-        where: the boxes in which this is done, as flags, (boxes,).
+        where: for each box, whether its interval is replaced, (boxes,).
         ends: the intervals.
     """
     return np.where(where, -np.inf, ends[0]), np.where(where, np.inf, ends[1])
@@ -100,7 +100,10 @@ def _power(u: Pair, q: float) -> Pair:
     low, high = u
 
     def monotone(u: Pair, q: float) -> Pair:
-        """Return the range of x^q on intervals of one sign; if x ≠ 0, 0 is not in it, even if the power underflows."""
+        """Return the range of x^q on intervals on which x does not change its sign.
+
+        If the power of a nonzero number underflows to 0, the range is widened to a small interval.
+        """
         bottom, top = enclosed(*_monotone(u, lambda x: x**q))
         zero = (bottom == 0) & (top == 0) & ((u[0] != 0) | (u[1] != 0))
         return np.where(zero, -TINY * (u[0] < 0), bottom), np.where(zero, TINY, top)

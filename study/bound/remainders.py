@@ -57,7 +57,8 @@ GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 def lebesgue(nodes: Array) -> float:
     """Return an upper bound of the Lebesgue constant of interpolation nodes on [0, 1].
 
-    This is the maximum on a fine grid times a factor that exceeds the error due to the grid.
+    The bound is the maximum of the Lebesgue function on a fine grid, times a factor that covers the error due to the
+    grid.
     """
     x = np.linspace(0, 1, 4001)
     basis = [np.prod([(x - b) / (a - b) for b in np.delete(nodes, i)], axis=0) for i, a in enumerate(nodes)]
@@ -119,6 +120,8 @@ class Regions:
     def in_space(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
         """Return bounds e of the data minus their Taylor polynomials in space, for all times a ≤ t ≤ b, (boxes,).
 
+        These are the bounds e_T in the docstring of the module.
+
         Args:
             formulas: the components of the data.
             a, b: the ends of the time interval.
@@ -135,6 +138,8 @@ class Regions:
 
     def in_time(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
         """Return bounds of the data minus their interpolants in time, by a parabola (p) and by a cubic (q), (2, boxes).
+
+        These are the bounds p_T and q_T in the docstring of the module.
 
         Args:
             formulas: the components of the data.
@@ -170,7 +175,8 @@ class Missed:
     """Bounds of the loads minus their samples, on one time interval on which ũ is a parabola.
 
     Attributes:
-        cells: what the oscillation η_T of every cell increases by, at every time of the interval, (cells,).
+        cells: the amount by which the oscillation η_T of every cell must be increased to hold for the loads between the
+            samples too, at all times of the interval, (cells,).
         everywhere: a bound, in the dual norm, of the differences that are not contained in ``cells``.
         in_cells: the part of ``everywhere`` that a finer mesh would reduce, divided among the cells, (cells,).
     """
@@ -249,7 +255,7 @@ class Sampling:
     def worst(self, a: float, b: float) -> str:
         """Return a text that names the load and the point at which it changes most between its samples for a ≤ t ≤ b.
 
-        The text is empty if nothing is known between the samples.
+        The text is empty if there are no bounds of the change between the samples.
         """
         if self.reasons:
             return ""
@@ -289,7 +295,7 @@ class Sampling:
 
     @cached_property
     def _remainders(self) -> Callable[[float, float], tuple[Array, Array]]:
-        """Function from the ends of a time interval to the L² norms of the bounds e, p and q of the module.
+        """Function from the ends of a time interval to the L² norms of the bounds e, p and q, which ``all`` returns.
 
         The result is a pair: the norms for f_0 on each cell, (3, cells), and the norms for f_2 on each edge,
         (3, edges).
@@ -301,7 +307,7 @@ class Sampling:
         return (lambda a, b: cached(0.0, 0.0)) if at_rest else cached
 
     def _compute_remainders(self, a: float, b: float) -> tuple[Array, Array]:
-        """Compute the norms that ``_remainders`` describes."""
+        """Return the L² norms of the bounds e, p and q for a ≤ t ≤ b, in the form that ``_remainders`` describes."""
         force = self._cells.all(self._expressions.force, a, b)
         surface = np.zeros((3, len(self.space.lengths)))
         for edges, regions, formulas in self._loaded:

@@ -90,7 +90,7 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
 
     Args:
         coarse: the problem and the mesh of u_h.
-        computed: u_h.
+        computed: the displacement u_h.
         refinements: how often the mesh is refined to compute the more accurate displacement ũ of degree 2. If None,
             ũ = u_h is used.
 

@@ -103,7 +103,10 @@ class Shares:
         return Shares(factor * self.cells, factor * self.time)
 
     def scaled_to(self, total: float) -> Shares:
-        """Multiply all shares by one factor so that their sum is ``total``; if all are 0, time gets the whole total."""
+        """Multiply all shares by one factor so that their sum is ``total``.
+
+        If all shares are 0, the share of time becomes ``total``.
+        """
         return total / self.total * self if self.total > 0 else Shares(0 * self.cells, total)
 
 
@@ -116,10 +119,12 @@ class Terms:
     Attributes:
         piece: the displacement ũ on this interval, a parabola in time.
         residual: for each direction v_i of ``study.bound.problem`` and any two of the three Bernstein coefficients ρ_a,
-            ρ_b of ρ in time, Σ ∫_T (v_i·ρ_a)(v_i·ρ_b)/α, (3, 3, directions, cells). The sum over the directions is ∫_T
-            A⁻¹ρ_a·ρ_b.
-        curvature: the mean over time of the norm ‖Gε(ũ) − parabola‖_{A⁻¹}.
-        contact: ∫_e σ̃_ν ũ_ν for any two Bernstein coefficients of σ̃_ν and ũ_ν in time, (3, 3, edges of Γ3).
+            ρ_b of ρ in time, the integral ∫_T (v_i·ρ_a)(v_i·ρ_b)/α, (3, 3, directions, cells). The sum over the
+            directions is ∫_T A⁻¹ρ_a·ρ_b.
+        curvature: a bound of the mean over time of the distance ‖Gε(ũ) − parabola‖_{A⁻¹} between the elastic stress and
+            its approximation by a parabola in time; 0 for linear G.
+        contact: for each of the three Bernstein coefficients of σ̃_ν in time and each of those of ũ_ν, the integral of
+            their product over every edge of Γ3, (3, 3, edges of Γ3).
         oscillation: the bound η_T of f − P f on every cell, at both ends and in the middle, (3, cells).
         bending: the dual norm of P f minus its parabola in time, at a quarter of the interval.
         missed: bounds of f minus its samples.
@@ -139,7 +144,7 @@ class Terms:
         return np.tensordot(QUADRATIC, self.contact, axes=2)
 
     def step(self) -> Step:
-        """Return means of the terms over the time interval, and bounds of the terms at all of its times."""
+        """Return means of the terms over the time interval, and bounds of the terms that hold at all times."""
         rest = self.missed.everywhere
         mean = Sizes(
             np.tensordot(QUADRATIC, self.residual, axes=2),
@@ -167,7 +172,7 @@ class Interval:
 
     Attributes:
         a, b: the ends of the interval.
-        at_a, at_b: y at the ends.
+        at_a, at_b: the values of the bound y at a and at b.
         inside: a bound of the error at all times of the interval.
         residual: the integral of the norm of ρ.
         contact: the integral of c.
@@ -199,7 +204,7 @@ class Knots:
         viscous, elastic: the stresses Aε(ũ̇) and Gε(ũ) at the quadrature points, (3, knots, cells, Q).
         residual: the residual of the law in every direction, times roots of the quadrature weights,
             (directions, knots, cells, Q).
-        normal: Bernstein coefficients of the normal stress σ̃_ν on Γ3, (knots, edges of Γ3, n).
+        normal: the Bernstein coefficients of the normal stress σ̃_ν on Γ3, (knots, edges of Γ3, n).
     """
 
     snapshots: list[Snapshot]
@@ -235,7 +240,7 @@ class Majorant:
         """Yield ũ on every time interval between knots, together with the bound of its error there.
 
         Args:
-            pieces: ũ on the time intervals.
+            pieces: the displacement ũ on each time interval, in the order of time.
             start: a bound of the initial error ‖u_0 − ũ(0)‖_V.
 
         Raises:
@@ -269,7 +274,7 @@ class Majorant:
 
         Args:
             times: the times of the knots.
-            u, rates: ũ and its velocity ũ̇ at these times, (times, dofs) each.
+            u, rates: the displacement ũ and the velocity ũ̇ at these times, (times, dofs) each.
         """
         d = self.discretisation
         snapshots = [d.snapshot(time) for time in times]
@@ -405,7 +410,7 @@ class Majorant:
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:
-    """Return which fraction of the mean square of a parabola in time is due to its change, from 0 to 1, (n,).
+    """Return the fraction, from 0 to 1, of the mean square of parabolas in time that is due to their change, (n,).
 
     Args:
         products: the products of any two Bernstein coefficients of each of n parabolas, (3, 3, n).

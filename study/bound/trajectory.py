@@ -94,7 +94,7 @@ class GivenDisplacement:
         times: the times from 0 to T, (k,).
         nodes: the displacements at the nodes, two components for each node in turn, (k, 2 · number of nodes). Nodes are
             the vertices and, for degree 2, then the midpoints of the edges.
-        steps: the number of time steps of ũ is computed from this number.
+        steps: the number of time steps of the more accurate displacement ũ is a multiple of this number.
         remarks: sentences on changes of the input and on penetration of the foundation.
         offset: 0 if u_h is the displacement of the file. If u_h is the nearest field that vanishes on Γ1, a bound of
             the distance ‖u_file − u_h‖_V at all times.

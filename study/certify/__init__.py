@@ -9,5 +9,5 @@ this package do the following:
 * ``witnesses`` rounds the displacement and the stress that ``study.bound`` computes;
 * ``certified`` makes the certificate of one level from these parts;
 * ``checker`` is a stand-alone program that reads a certificate, verifies it in exact arithmetic and computes the
-  bounds. So a proof depends on no other file.
+  bounds. So a proof depends on no other file of this package.
 """

@@ -53,7 +53,7 @@ class Making:
     refined: Refined
 
     def check(self) -> None:
-        """Refuse a problem that the checker would refuse, before time is spent.
+        """Refuse a problem that the checker would refuse, before the certificate is computed.
 
         Raises:
             BoundError: the checker refuses the problem; the message gives its reason.
@@ -111,8 +111,8 @@ def _rounded_stresses(
 ) -> dict[str, Any]:
     """Compute the stress σ̃ of a certificate at all times and round it to integers.
 
-    The times are the knots of the spline ũ, with a control point between any two of them. The result is the entry
-    "stress" of the certificate.
+    Between two knots of the spline ũ, σ̃ is a parabola in time. It is stored at every knot, and by one control point
+    between any two knots. The result is the entry "stress" of the certificate.
     """
     # All stresses are computed before any is rounded, because the unit of rounding depends on the largest one.
     stresses = list(_stresses(encoder, fine, nodes, progress))
@@ -127,7 +127,8 @@ def _stresses(
 ) -> Iterator[tuple[Array, Load]]:
     """Yield the stress σ̃ on the cells and the load that it balances.
 
-    They belong to the knots of the spline ũ and to a control point between any two knots, in the order of time.
+    Between two knots of the spline ũ, both are parabolas in time. Their values at the knots and one control point
+    between any two knots are yielded, in the order of time.
     """
     T = encoder.problem.T
     k = T / (len(nodes) - 1)
@@ -150,7 +151,7 @@ def _stresses(
 
 
 def differences(rows: Sequence[list[int]]) -> list[list[int]]:
-    """Return second differences in time of rows of integers; they have fewer digits and make the file smaller."""
+    """Return second differences in time of rows of integers, which have fewer digits and so make the file smaller."""
     for _ in range(2):
         rows = [rows[0], *([y - x for x, y in zip(p, q, strict=True)] for p, q in pairwise(rows))]
     return list(rows)

@@ -415,7 +415,7 @@ class Term:
         return of_p + self.q * of_g
 
     def plain(self) -> Poly | None:
-        """Return the polynomial that the term equals for |X|, |S| ≤ 1; None if g may change its sign there."""
+        """Return a polynomial that equals the term for all |X|, |S| ≤ 1, or None if g may change its sign there."""
         middle, size = 2 * self.g.get((0, 0, 0), Q(0)), self.g.size()
         if self.q and size <= -middle:
             return Poly()
@@ -616,7 +616,7 @@ class Mesh:
         return Q(x, self.h), Q(y, self.h)
 
     def along(self, edge: tuple[int, int]) -> tuple[int, int]:
-        """Return h times the vector from the first vertex of an edge to the second, a pair of integers."""
+        """Return h times the vector from the first to the second vertex of an edge, as a pair of integers."""
         (x, y), (a, b) = (self.points[v] for v in edge)
         return a - x, b - y
 
@@ -626,7 +626,7 @@ class Mesh:
         return Cell(v, [*v, *opposite], (a, b, c, d), a * d - b * c)
 
     def middles(self, values: list[int], size: int) -> list[int]:
-        """Return twice the values of a piecewise linear function at all nodes.
+        """Return twice the values of a piecewise linear function at all nodes: vertices, then midpoints of edges.
 
         The factor 2 keeps the values at midpoints integers.
 
@@ -663,9 +663,10 @@ class Mesh:
 def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
     """Return the constants of the loads: C_Ω with ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and C_Γ with ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V.
 
-    A totally symmetric tensor field Φ, continuous and linear on the cells of a separate mesh, proves them. At every
-    vertex of a cell div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|² must hold for all vectors v. On edges outside Γ1, −Φ(ν, v, v)
-    must be at least 0, and at least κ |v|² if there is a load. Then C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
+    These inequalities are proved by a tensor field Φ in the certificate, which is totally symmetric, continuous, and
+    linear on the cells of a separate mesh. At every vertex of a cell div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|² must hold for
+    all vectors v. On edges outside Γ1, −Φ(ν, v, v) must be at least 0, and at least κ |v|² if the edge is loaded. Then
+    C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
     """
     mesh, mu, kappa, field = Mesh.of(data["mesh"], problem), Q(data["volume"]), Q(data["surface"]), data["field"]
     require(mu > 0 and kappa > 0, "a constant of the body is not positive")
@@ -694,13 +695,15 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
 
 
 class Element:
-    """Composite stresses of degree 3 on the reference triangle, as a linear function of 45 inputs.
+    """Composite stresses of degree 3 on the reference triangle, as a linear function of 45 degrees of freedom.
 
-    The centre divides the triangle into three smaller triangles, called thirds. The inputs are the tractions on three
-    sides (4 Bernstein coefficients, 2 components each), a force f̂ of degree 2 (6 monomials, 2 components) and 9 free
-    numbers. The columns in the certificate state the stress σ̂ for each input: three components, each a cubic
-    polynomial on every third. This class checks that tractions are continuous inside and equal to the inputs on the
-    boundary, and that Div σ̂ + f̂ is the same polynomial of degree 1 on all thirds.
+    The centre divides the triangle into three subtriangles. The degrees of freedom are, in this order: the tractions on
+    the three sides (24 numbers: 4 Bernstein coefficients with 2 components on each side), the coefficients of a force
+    f̂ of degree 2 (12 numbers: 6 monomials with 2 components), and 9 free numbers. For each degree of freedom the
+    certificate contains a column of 90 coefficients, times the common denominator ``over``: the stress σ̂ for which
+    this degree of freedom is 1 and all others are 0. Each of the three components of σ̂ is a cubic polynomial with 10
+    coefficients on every subtriangle. This class checks that the tractions of σ̂ are continuous inside and have the
+    prescribed values on the boundary, and that Div σ̂ + f̂ is the same polynomial of degree 1 on all subtriangles.
     """
 
     def __init__(self, over: int, columns: Sequence[Sequence[int]]) -> None:
@@ -716,7 +719,11 @@ class Element:
         return checked(data["over"], tuple(map(tuple, data["columns"])))
 
     def _divergence(self, number: int, column: Sequence[int]) -> list[int]:
-        """Check the stress that belongs to one input of the element.
+        """Check the stress of one degree of freedom; refuse the element if its traction or divergence is wrong.
+
+        Args:
+            number: the number of the degree of freedom, from 0 to 44.
+            column: the 90 coefficients of the stress of this degree of freedom, times ``over``.
 
         Returns:
             Both components of Div σ̂ + f̂, a polynomial of degree 1, as coefficients of the monomials ``LINEAR``.
@@ -741,7 +748,11 @@ class Element:
         return [int(p.get(key, 0)) for p in one for key in LINEAR]
 
     def _products(self) -> tuple[list[list[int]], int]:
-        """Return integrals of products of two cubic monomials on each third: integers (30, 10) and a denominator."""
+        """Return the integrals of products of two cubic monomials over each subtriangle, as integers and a denominator.
+
+        The integers have the shape (30, 10). Row axis: subtriangle (3) and first monomial (10). Column axis: second
+        monomial.
+        """
         found = []
         for i in range(3):
             (p, q), (r, s) = CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3]
@@ -751,10 +762,10 @@ class Element:
         return common(found)
 
     def dual(self, field: list[int]) -> list[int]:
-        """Return the integrals of a stress component times each cubic monomial on each third.
+        """Return the integrals of a stress component times each of the 10 cubic monomials over each subtriangle.
 
         Args:
-            field: the component by its 30 coefficients, 10 on each third.
+            field: the 30 coefficients of the component, 10 on each subtriangle.
         """
         return [dot(row, field[n - n % 10 : n - n % 10 + 10]) for n, row in enumerate(self.gram)]
 
@@ -790,8 +801,9 @@ def tractions(stress: Sequence[Sequence[Any]], a: Vector, b: Vector) -> list[Pol
 class Loads:
     """The approximate loads f̃ that the stresses of a certificate balance, and bounds of their difference from f.
 
-    In time f̃_0 is the parabola through the body force f_0 at the ends and in the middle of a time interval. On a cell
-    it has the terms of degree at most 2. Twice the area of the cell times f̃_0 is rounded to multiples of 1/unit.
+    In time f̃_0 is the parabola through the body force f_0 at the ends and in the middle of a time interval. On a cell,
+    only the terms of degree at most 2 in the coordinates of the reference triangle are used. Twice the area of the cell
+    times f̃_0 is rounded to multiples of 1/unit.
     """
 
     def __init__(self, problem: Problem, mesh: Mesh, bits: int) -> None:
@@ -825,8 +837,10 @@ class Loads:
         return found
 
     def missed_inside(self, a: Q, b: Q) -> Q:
-        """Return an upper bound of the root mean square over a ≤ t ≤ b of the body force that is not represented,
-        f_0 − f̃_0."""
+        """Return an upper bound of the root mean square of ‖f_0 − f̃_0‖ over a ≤ t ≤ b.
+
+        The difference f_0 − f̃_0 is the part of the body force that the approximate loads do not represent.
+        """
         # Rounding changes each of the six coefficients by at most 1/2, so a component changes by at most 3, and both
         # together by 18^{1/2}. These are changes of twice the area of the cell times the force.
         rounded = root(sum((up(Q(9 * self.mesh.h**2, cell.det)) for cell, _ in self.cells), Q(0))) / self.unit
@@ -841,7 +855,9 @@ class Loads:
         return root(square) + rounded
 
     def missed_outside(self, a: Q, b: Q, given: Sequence[Tractions]) -> Q:
-        """Return an upper bound of the root mean square over a ≤ t ≤ b of the traction that is not balanced, f_2 − σ̃ν.
+        """Return an upper bound of the root mean square of ‖f_2 − σ̃ν‖_{L²(Γ2)} over a ≤ t ≤ b.
+
+        The difference f_2 − σ̃ν is the part of the prescribed traction that the stress does not balance.
 
         Args:
             a, b: the ends of the time interval.
@@ -939,7 +955,9 @@ class Stresses:
         return found, normal
 
     def field(self, edges: Tractions, numbers: list[int], force: list[list[int]]) -> tuple[Field, Q]:
-        """Compute the stress on every cell from its tractions, inner numbers and forces.
+        """Compute the stress on every cell from its tractions, its nine inner numbers and the body force.
+
+        The inner numbers are the nine free numbers among the degrees of freedom of ``Element``.
 
         Returns:
             The stress σ̂ on the reference triangle, with σ̃ = F σ̂ Fᵀ h/(unit (det F)²), and an upper bound of the norm
@@ -976,11 +994,11 @@ def linear_square(p: Sequence[int]) -> int:
 
 
 def strains(cell: Cell, v: Sequence[int]) -> list[list[int]]:
-    """Return the strain of a quadratic displacement at the three vertices of a cell, times det F over 2h.
+    """Return the strain of a quadratic displacement at the three vertices of a cell, multiplied by (det F)/(2h).
 
     Args:
         cell: the cell.
-        v: Bernstein coefficients of the displacement at all nodes, two components each.
+        v: the Bernstein coefficients of the displacement at all nodes, two components each.
     """
     a, b, c, d = cell.F
     n, found = cell.nodes, []
@@ -1013,11 +1031,11 @@ def law_on(cell: Cell, laws: list[list[int]], u: Sequence[int], step: Sequence[i
 
 
 def less(field: list[int], linear: list[list[int]]) -> list[int]:
-    """Subtract a polynomial of degree 1 from a stress on the reference triangle.
+    """Return a stress on the reference triangle minus a polynomial of degree 1.
 
     Args:
-        field: the stress, three components with 30 coefficients each, 10 on each third.
-        linear: for each component the coefficients of the polynomial, which is the same on all thirds.
+        field: the stress, three components with 30 coefficients each, 10 on each subtriangle.
+        linear: for each component the coefficients of the polynomial, which is the same on all subtriangles.
     """
     found = list(field)
     for start, (i, three) in product((0, 10, 20), enumerate(linear)):
@@ -1197,10 +1215,10 @@ class Certificate:
         return Enclosure(self.cells, root(self.problem.twice_area / self.cells), low, high, y)
 
     def _stress(self, numbers: tuple[list[int], list[int]], control: list[Poly], loads: Loads) -> tuple[Any, ...]:
-        """Compute a stress σ̃ from its numbers in the certificate, for one Bernstein coefficient in time.
+        """Compute one Bernstein coefficient in time of the stress σ̃, from its numbers in the certificate.
 
         Returns:
-            Its tractions h σ̃N, its normal stress σ̃_ν on Γ3, the stress on the cells, and a bound of ‖Div σ̃ + f̃_0‖.
+            The tractions h σ̃N, the normal stress σ̃_ν on Γ3, the stress on the cells, and a bound of ‖Div σ̃ + f̃_0‖.
         """
         edges, normal = self.stresses.tractions(numbers[0])
         return edges, normal, *self.stresses.field(edges, numbers[1], loads.on_cells(control))
@@ -1208,9 +1226,9 @@ class Certificate:
     def _residual(self, piece: Piece, fields: Sequence[Field]) -> Matrix:
         """Return an upper bound of the 3 × 3 matrix ∫∫ ρ ρᵀ of the residual ρ = σ̃ − Aε(ũ̇) − Gε(ũ) on a time interval.
 
-        It is larger in the order of symmetric matrices. On a cell ρ = F R Fᵀ h/(unit (det F)³) with R in polynomials on
-        the reference triangle. The entries of each cell are rounded down by less than 1. The 3 × 3 matrix of these
-        rounding errors is at most 3 times the identity, which is added.
+        The bound minus the matrix is positive semidefinite. On a cell ρ = F R Fᵀ h/(unit (det F)³), where the
+        components of R are polynomials on the reference triangle. The entries of each cell are rounded down by less
+        than 1. The 3 × 3 matrix of these rounding errors is at most 3 times the identity, which is added.
         """
         k, total = piece.b - piece.a, [[0] * 3 for _ in range(3)]
         below = (k.numerator * self.over) << self.bits + 2
@@ -1261,8 +1279,8 @@ class Certificate:
         """Return a lower and an upper bound of the squared distance ‖v − u_h(time)‖²_V of a displacement v from u_h.
 
         Args:
-            v: integers; the displacement has the Bernstein coefficients v/2^{bits + more}.
-            more: binary digits of v in addition to those of ũ.
+            v: the integers v for which the displacement has the Bernstein coefficients v/2^{bits + more}.
+            more: the number of binary digits of v in addition to the digits of ũ.
             time: the time.
         """
         u, over = self.computed.at(time)

@@ -63,16 +63,17 @@ ENTRIES = ((0, 0), (0, 1), (1, 1))
 The k-th entry of Φv contains the components k and k + 1 of the tensor field Φ.
 """
 Field = list[list[Poly]]
-"""A stress on the reference triangle: its components as polynomials on each third, [third][component]."""
+"""A stress on the reference triangle: its components as polynomials, indexed by [subtriangle][component]."""
 
 
 # ---- the reference element: the stress for each prescribed traction and force
 
 
 def bernstein(third: int) -> list[Poly]:
-    """Return the cubic Bernstein polynomials of a third of the reference triangle, as polynomials in X and Y.
+    """Return the cubic Bernstein polynomials of one subtriangle of the reference triangle, as polynomials in X and Y.
 
-    They are in the order of ``indices``.
+    The barycentre divides the reference triangle into three subtriangles, with the numbers ``third`` = 0, 1, 2. The
+    polynomials are in the order of ``indices``.
     """
     (p, q), (r, s), (m, n) = CORNERS[(third + 1) % 3], CORNERS[(third + 2) % 3], CENTRE
     rows = checker.inverse([[p, r, m], [q, s, n], [Fraction(1)] * 3])
@@ -88,7 +89,8 @@ def bernstein(third: int) -> list[Poly]:
 def _conditions(field: Field) -> list[Fraction]:
     """Return the left-hand sides of all equations of the element for a stress, as coefficients of polynomials.
 
-    They are the tractions on the boundary, the jumps of tractions inside, and the divergences on the thirds.
+    They are the tractions on the boundary, the jumps of tractions inside, and the divergences on the three
+    subtriangles.
     """
     outside, jumps, divergences = [], [], []
     stress = [[[p.get(key, Fraction(0)) for key in CUBIC] for p in third] for third in field]
@@ -102,7 +104,7 @@ def _conditions(field: Field) -> list[Fraction]:
 
 
 def _at(divergences: list[Poly]) -> list[Fraction]:
-    """Return the six coefficients of every polynomial of degree 2, one polynomial after the other."""
+    """Return the six coefficients of each of several polynomials of degree 2, in one list."""
     return [p.get(key, Fraction(0)) for p in divergences for key in SQUARE]
 
 
@@ -124,8 +126,9 @@ def _right_sides() -> list[list[Fraction]]:
 def columns() -> dict[str, Any]:
     """Return the reference element as a certificate states it.
 
-    For each of the 36 prescribed data and the 9 free coefficients it contains the stress that belongs to it, by the
-    coefficients of monomials. All numbers are integers over one denominator, ``over``.
+    The element has 45 degrees of freedom: 36 prescribed tractions and forces, and 9 free coefficients. For each of
+    them, ``columns`` contains the coefficients of the stress for which it is 1 and all others are 0, as numerators of
+    the common denominator ``over``.
     """
     # The stresses in which the solution is expanded: one Bernstein coefficient is 1, the others are 0.
     fields: list[Field] = [
@@ -151,11 +154,13 @@ def columns() -> dict[str, Any]:
 
 
 def _monomials(fields: list[Field], weights: dict[int, Any]) -> list[Fraction]:
-    """Return the coefficients of a linear combination of stresses: 3 components, each with 10 monomials on 3 thirds.
+    """Return the 90 coefficients of a linear combination of stresses.
+
+    Their order: component (3), then subtriangle (3), then monomial (10).
 
     Args:
         fields: the stresses.
-        weights: for the number of a stress its factor; other stresses have the factor 0.
+        weights: a dict from the number of a stress to its factor; all other stresses have the factor 0.
     """
     total = [[Poly() for _ in range(3)] for _ in range(3)]
     for n, weight in weights.items():
@@ -204,7 +209,7 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
         inside: the ratio μ/κ.
 
     Returns:
-        Φ at the vertices, (vertices, 4), and κ.
+        The four independent components of Φ at the vertices, (vertices, 4), and κ.
     """
     blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
     unknowns = 4 * len(mesh.points) + 1
@@ -260,8 +265,7 @@ def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
 
 
 def _triangle(linear: Array, constant: Array) -> tuple[sps.csr_matrix, Array]:
-    """Return a condition ``constant + linear · x`` ⪰ 0 in the format of the solver Clarabel: matrix and right-hand
-    side.
+    """Return a condition ``constant + linear · x`` ⪰ 0 as a matrix and a right-hand side for the solver Clarabel.
 
     The format is the upper triangle by columns, with off-diagonal entries multiplied by √2.
     """

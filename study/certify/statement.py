@@ -195,7 +195,7 @@ def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
 
 
 def in_doubles(mesh: checker.Mesh) -> Mesh:
-    """Convert a mesh of the checker to a mesh of scikit-fem, with coordinates in double precision."""
+    """Convert a mesh of the checker to a scikit-fem mesh, with coordinates in double precision."""
     points = np.array([[float(c) for c in mesh.place(v)] for v in range(len(mesh.points))]).T
     return simplicial_mesh(points, np.array([cell.v for cell in mesh.cells]).T)
 
@@ -219,19 +219,19 @@ class Twins:
 
     @cached_property
     def vertices(self) -> Array:
-        """For each vertex of the checker its number in scikit-fem, (vertices,)."""
+        """For each vertex of the checker, the number of this vertex in scikit-fem, (vertices,)."""
         points = np.array(self.exact.points, dtype=float) / self.exact.h
         return cKDTree(self.skfem.p.T).query(points)[1]
 
     @cached_property
     def edges(self) -> Array:
-        """For each edge of the checker its number in scikit-fem, (edges,)."""
+        """For each edge of the checker, the number of this edge in scikit-fem, (edges,)."""
         known = {frozenset(ends): n for n, ends in enumerate(self.skfem.facets.T.tolist())}
         return np.array([known[frozenset(ends)] for ends in self.vertices[np.array(self.exact.edges)].tolist()])
 
     @cached_property
     def cells(self) -> Array:
-        """For each cell of the checker its number in scikit-fem, (cells,)."""
+        """For each cell of the checker, the number of this cell in scikit-fem, (cells,)."""
         known = {frozenset(corners): n for n, corners in enumerate(self.skfem.t.T.tolist())}
         mine = self.vertices[self.triangles].tolist()
         return np.array([known[frozenset(corners)] for corners in mine])

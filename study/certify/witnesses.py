@@ -36,7 +36,7 @@ DISPLACEMENT = 38
 EDGE_PLACES = np.array([[math.comb(3, i) * (n / 3) ** i * (1 - n / 3) ** (3 - i) for i in range(4)] for n in range(4)])
 """Matrix from the Bernstein coefficients of a cubic polynomial to its values at 0, 1/3, 2/3 and 1."""
 CUBICS = indices(3)
-"""The multi-indices of the cubic Bernstein polynomials on a third of a triangle."""
+"""The multi-indices of the cubic Bernstein polynomials on a subtriangle of a triangle."""
 LOAD_BITS = 60
 """Number of binary digits to which the body forces here agree with the body forces of the checker."""
 Edge = tuple[int, int]
@@ -73,7 +73,7 @@ class AdmissibleRounding:
 
     @cached_property
     def _normals(self) -> dict[int, list[tuple[int, int]]]:
-        """For each node on Γ3 or Γ1 its normals as integer vectors. At nodes on Γ1 the list is empty."""
+        """For each node on Γ3 or Γ1, the normals of Γ3 at this node as integer vectors; no normals at nodes on Γ1."""
         found: dict[int, list[tuple[int, int]]] = {}
         clamped = set()
         for edge, side in self.mesh.boundary.items():
@@ -89,7 +89,10 @@ class AdmissibleRounding:
 
     @staticmethod
     def _admissible(value: list[int], normals: list[tuple[int, int]]) -> list[int]:
-        """Return an integer vector near ``value`` with value·N ≤ 0 for one or two normals N; 0 if there are none."""
+        """Return an integer vector near ``value`` with value·N ≤ 0 for one or two normals N.
+
+        If there are no normals, the zero vector is returned.
+        """
         if not normals:
             return [0, 0]
         x, y = normals[0]
@@ -131,7 +134,7 @@ class Load:
 
 
 class StressEncoder:
-    """Converts stresses of the study to integers for the checker, and loads of the checker to loads of the study.
+    """Converts stresses of ``study.bound`` to integers for the checker, and loads of the checker to projected loads.
 
     Args:
         problem: the problem, as the checker reads it.
@@ -197,7 +200,7 @@ class StressEncoder:
         return np.linalg.solve(EDGE_PLACES, found)
 
     def study_loads(self, load: Load) -> Loads:
-        """Convert loads of the checker to the class ``study.stresses.loads.Loads`` of the study."""
+        """Convert loads of the checker to the class ``study.stresses.loads.Loads``."""
         space = self.fine.stresses
         nodal = np.einsum("nm,cmd->cnd", [_square(place) for place in PLACES], load.force) / self.J[:, None, None]
         theirs, force = np.empty_like(nodal), np.zeros((space.cells, 3, 6, 2))
@@ -221,7 +224,8 @@ class StressEncoder:
             stress: the stress in Bernstein form, as ``bernstein`` returns it.
             load: the load that it balances.
             bits: the number of binary digits of the unit of tractions.
-            coarse: by how many binary digits the unit of the other numbers is larger.
+            coarse: the unit of the inner numbers, and of the last two of the four modes on an edge that is neither
+                loaded nor in contact, is 2^coarse times larger.
         """
         layout, T, unit = self.layout, self.tractions(stress), 2.0**bits
         n = np.array([self.exact.along(edge) for edge in layout.contact])[:, None, ::-1] * [1, -1] / self.exact.h
@@ -258,7 +262,8 @@ class StressEncoder:
     def bernstein(self, values: Tensors) -> Array:
         """Return a stress in Bernstein form with Voigt's components, from its values at the quadrature points.
 
-        The shape is (3, cells, Q) → (cells of the checker, 3 thirds, 10 polynomials, 3 components).
+        The shape is (3, cells, Q) → (cells, 3, 10, 3). Axes of the result: cell in the order of the checker,
+        subtriangle, Bernstein polynomial, component.
         """
         coefficients = np.moveaxis(self.fine.stresses.coefficients(values).reshape(3, -1, 3, 10), 0, 3)
         coefficients = coefficients / np.array([1, 1, np.sqrt(2)])
@@ -268,8 +273,8 @@ class StressEncoder:
         for third in range(3):
             local = self.twins.corners[:, third]
             mine = of_cells[cells, local]
-            # In the study a third starts at the vertex SIDES[local][0], in the checker at the next corner, so some are
-            # reversed.
+            # In ``study.stresses`` a subtriangle starts at the vertex SIDES[local][0], in the checker at the next
+            # corner, so some are reversed.
             first: Array = np.array([a for a, _ in SIDES])[local]
             turned = first != self.twins.corners[:, (third + 1) % 3]
             mine[turned] = mine[turned][:, swap]
@@ -277,9 +282,10 @@ class StressEncoder:
         return found
 
     def tractions(self, stress: Array) -> Array:
-        """Return the tractions of all edges in Bernstein form, from the vertex of lower number on, (edges, 4, 2).
+        """Return the tractions of all edges in Bernstein form, (edges, 4, 2).
 
-        On an inner edge it is the mean of the tractions of both cells.
+        Every edge runs from the vertex of lower number to the vertex of higher number. On an inner edge the result is
+        the mean of the tractions of both cells.
 
         Args:
             stress: a result of ``bernstein``.
@@ -333,7 +339,7 @@ class StressEncoder:
 
 
 def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
-    """Return the value of a formula of the checker at a place, which is a point in space and time, (x, y, t)."""
+    """Return the value of a formula of the checker at a point (x, y, t) in space and time."""
     terms = [term(*map(checker.constant, place)).plain() for term in formula]
     return float(sum((p.get((0, 0, 0), Fraction(0)) for p in terms if p is not None), Fraction(0)))
 
@@ -351,9 +357,10 @@ def _square(place: tuple[float, float]) -> Array:
 
 
 def _polar_forms() -> Array:
-    """Return the matrices from six nodal values of a quadratic function to its Bernstein coefficients on the thirds.
+    """Return matrices from six nodal values of a quadratic function to its Bernstein coefficients on subtriangles.
 
-    The shape is (3 thirds, 6, 6). The coefficients are values of the polar form of the function.
+    The barycentre divides the triangle into three subtriangles. The shape is (3, 6, 6). Axes: subtriangle, Bernstein
+    coefficient, nodal value. The coefficients are values of the polar form of the function.
     """
     found, to_monomials = np.zeros((3, 6, 6)), np.linalg.inv([_square(place) for place in PLACES])
     corners, centre = np.array(PLACES[:3]), np.array([1 / 3, 1 / 3])

@@ -60,7 +60,7 @@ def balance(times: Array, powers: Sequence[Power]) -> dict[str, Array]:
 
     Args:
         times: the times, (times,).
-        powers: energy and powers at these times.
+        powers: the stored energy and the powers of all forces at these times.
 
     Returns:
         ``times``; ``stored``, the stored energy; ``dissipated``, ``contact`` and ``work``, the integrals over time of

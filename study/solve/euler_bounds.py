@@ -60,8 +60,8 @@ class EulerBounds:
 
     Attributes:
         flow: the problem with its loads on a fine grid in time, from which the total variation of the loads follows.
-        kappa: κ, a Lipschitz constant of the elasticity in ‖·‖_V, such as L_G/m_A.
-        growth: γ, the largest rate at which two solutions can move apart, at most κ; 0 if G is monotone.
+        kappa: the Lipschitz constant κ of the elasticity in ‖·‖_V, for example L_G/m_A.
+        growth: the largest rate γ at which two solutions can move apart, at most κ; 0 if G is monotone.
     """
 
     flow: GradientFlow
@@ -73,7 +73,7 @@ class EulerBounds:
 
         Args:
             longest: the length k of the longest step.
-            product: P = Π_n (1 − γk_n)⁻¹.
+            product: the product P = Π_n (1 − γk_n)⁻¹ over all steps.
         """
         T, z, variation = self.flow.problem.T, self.flow.first, self.flow.variation
         half = self.kappa * T / 2

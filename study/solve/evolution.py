@@ -111,7 +111,7 @@ class SemiDiscrete:
 
 
 def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[Array], Array] | None:
-    """Return the difference of the elastic forces and their linear part, the function ``SemiDiscrete.remainder``.
+    """Return the function ``SemiDiscrete.remainder``: the elastic forces of a displacement minus their linear part.
 
     Args:
         space: the finite element space.
@@ -273,7 +273,7 @@ class ContactStep:
         return State(time, u, multipliers, iterations, partial(self._residual, u, multipliers, b))
 
     def _residual(self, u: Array, multipliers: Array, b: Array) -> float:
-        """Return the relative residual of a step, as ``State`` describes it."""
+        """Return the relative residual of a step, which the attribute ``State.residual`` describes."""
         defect = self.S @ u + self.forces @ multipliers - b
         normal = self.problem.N @ u - self.problem.gap
         size, force = _largest(u), _largest(multipliers)

@@ -1,8 +1,8 @@
 """Fixed-point iteration u = g(v) for a contraction g, with Anderson acceleration.
 
-**Acceleration.** The next input v is the image of a combination of the last inputs. The combination is chosen so that
-the residual f(v) = g(v) − v would be smallest if g were affine (D. G. Anderson, Iterative procedures for nonlinear
-integral equations, J. ACM 12 (1965) 547–560).
+**Acceleration.** Every evaluation of g maps an iterate v, here called input, to its image g(v). The next input is a
+linear combination of the last images. Its factors are chosen so that the residual f(v) = g(v) − v would be smallest if
+g were affine (D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965) 547–560).
 
 **When to stop.** For a contraction number ρ of g, the distance from u to the fixed point is at most ρ/(1 − ρ) ‖u − v‖.
 Two inputs and their images give a lower bound of ρ; the largest of these bounds so far is used as ρ. For ρ > 1/2 the

@@ -61,8 +61,10 @@ class GradientFlow:
         return np.array([self.riesz(load) for load in self.loads])
 
     def distance(self, i: Array, j: Array) -> Array:
-        """Return the distances ‖f(t_i) − f(t_j)‖_V of loads at times of the grid, for arrays of indices,
-        (k,) → (k,)."""
+        """Return the distances ‖f(t_i) − f(t_j)‖_V of loads at times of the grid, (k,).
+
+        The arguments are arrays of k indices each.
+        """
         squares = np.sum((self.loads[i] - self.loads[j]) * (self.representers[i] - self.representers[j]), axis=-1)
         root: Array = np.sqrt(np.maximum(squares, 0))
         return root
@@ -83,8 +85,8 @@ class GradientFlow:
     def delay(self, steps: int) -> float:
         """Return an upper bound of F, the sum over all steps of ∫ ‖f(t_n) − f(t)‖_V dt.
 
-        On every interval of the grid, the larger of the values at its ends is used. If a step has j intervals and the
-        load is linear in it, the result is 1 + 1/j times F.
+        On every interval of the grid, the larger of the values at its ends is used. If a step consists of j intervals
+        of the grid and the load is linear on it, the result is 1 + 1/j times F.
 
         Args:
             steps: the number of time steps, which must divide m.

@@ -22,8 +22,8 @@ class Accuracy(NamedTuple):
     """Tolerances of the solver.
 
     Attributes:
-        gap: for the duality gap, absolute or relative.
-        feasibility: for the residuals of the constraints.
+        gap: the tolerance for the duality gap, absolute or relative.
+        feasibility: the tolerance for the residuals of the constraints.
     """
 
     gap: float

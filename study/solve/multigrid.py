@@ -145,12 +145,11 @@ class Multigrid:
         self.cut = without(self.A, self.free)
 
     def _corrected(self, w: Array, r: Array, reduction: float) -> tuple[Array, NDArray[np.bool_]]:
-        """Return the iterate after one correction, (n,), and which unknowns to hold, as flags for the rows of N,
-        (m,).
+        """Return the iterate after one correction, (n,), and for each row of N whether to hold its unknown, (m,).
 
         Args:
             w: the present iterate, (n,).
-            r: its residual f − A w, (n,).
+            r: the residual f − A w of this iterate, (n,).
             reduction: the factor by which conjugate gradients reduce the residual.
         """
         preconditioner = LinearOperator(self.A.shape, matvec=self.cycle, dtype=float)
@@ -176,7 +175,7 @@ def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Call
 
     Args:
         A: a symmetric positive definite matrix with ones on the diagonal, in blocks for the vertices, (n, n).
-        modes: the near kernel, (n, count).
+        modes: vectors v for which A v is almost 0 (the near kernel), such as rigid motions, as columns, (n, count).
 
     Returns:
         The finest level, and a function that applies a V-cycle on the other levels, or None if there are none.

@@ -49,7 +49,7 @@ def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
     Args:
         problem: gives the norm of V and the final time.
         states: the displacements v at equidistant times, (N + 1, n); v is linear between them.
-        steps: the number of steps, a divisor of N.
+        steps: the number of time steps into which [0, T] is divided, a divisor of N.
     """
     inner = (len(states) - 1) // steps
     rates = np.diff(states, axis=0) * ((len(states) - 1) / problem.T)

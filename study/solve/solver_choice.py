@@ -30,7 +30,7 @@ def contact_solver(space: Displacements) -> Callable[..., ContactSolver]:
 
 
 def multigrid_tolerance(dim: int, dofs: int) -> float:
-    """Return the relative residual at which multigrid stops: half of the permitted one, as a margin for rounding."""
+    """Return the relative residual at which multigrid stops: half of the largest permitted one (``residual``)."""
     return SHARE / 2 * (dim / dofs) ** (2 / dim)
 
 

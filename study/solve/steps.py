@@ -1,7 +1,8 @@
 """Size and number of time steps.
 
 Two rules (``rate_steps``, ``stress_steps``) give the number of steps on a mesh of level n, where h ~ 1/n. Both give
-about pace · T · n^e steps, just enough for the time error to be negligible relative to the error in space.
+about pace · T · n^e steps, where ``pace`` is a factor and the exponent e depends on the rule. This is just enough for
+the time error to be negligible relative to the error in space.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ def longest_step(growth: float, newest: float = 1.0, theta: float = 1.0) -> floa
     A step of size k has a unique solution if (w/k) A + θ G is strongly monotone, which holds for θ k ω < w.
 
     Args:
-        growth: ω ≤ L_G/m_A, the largest rate at which differences of solutions can grow; 0 for a monotone G.
+        growth: the largest rate ω ≤ L_G/m_A at which differences of solutions can grow; 0 for a monotone G.
         newest, theta: the numbers w and θ of the time scheme (``Tableau``). The defaults belong to backward Euler.
     """
     return newest / (theta * growth) if growth else math.inf
@@ -77,8 +78,8 @@ def require_steps(steps: int) -> None:
 def rate_steps(T: float, level: int, pace: float = PACE) -> int:
     """Return the number of time steps for an error in space of order h: ⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}.
 
-    The time error is then of order h for a scheme of order 3/2 (midpoint if u̇ jumps), and of order h^{4/3} for a
-    scheme of order 2.
+    The mesh has level n, and the factor ``pace`` scales the number of steps. The time error is then of order h for a
+    scheme of order 3/2 (midpoint if u̇ jumps), and of order h^{4/3} for a scheme of order 2.
     """
     return math.ceil(pace * T * level ** (2 / 3))
 
@@ -86,7 +87,8 @@ def rate_steps(T: float, level: int, pace: float = PACE) -> int:
 def stress_steps(T: float, level: int, pace: float = PACE) -> int:
     """Return the number of time steps for an error in space of order h²: about pace/2 · T · n, so that k ~ h.
 
-    It is at least T · n, at most 4 T · n, and even, because a solution with half as many steps is computed, too. The
-    difference of both solutions shows which part of the error is due to time.
+    The mesh has level n, and the factor ``pace`` scales the number of steps. The number lies between T · n and 4 · T ·
+    n and is even, because a solution with half as many steps is computed, too. The difference of both solutions shows
+    which part of the error is due to time.
     """
     return 2 * round(min(max(1.0, pace / 2), 4.0) * T * level / 2)

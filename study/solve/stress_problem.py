@@ -75,7 +75,7 @@ class Potential:
             the module it is C⁻¹, k A⁻¹ or Ĉ⁻¹.
         quadratic: the matrix Q, (cells, p, p).
         stress: the matrix from y to the stress τ, (D, p).
-        released: function from the previous strain ε_{n−1} to the strain at which a step without stress would end,
+        released: the function from the previous strain ε_{n−1} to the strain at which a step without stress would end,
             (D, cells) → (D, cells).
         cone: the number of entries of (ρ, z), which are the last entries of y; 0 for linear G.
         radius: the radius r of K; 0 for linear G.
@@ -167,7 +167,7 @@ class StressState:
         multipliers: the nodal contact forces λ_n ≥ 0, (m,); NaN at t_0.
         gap: the duality gap at which the solver stopped; 0 at t_0. It bounds the error of this step: for the same
             ε_{n−1} and the exact σ* and ε*, it is at least ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the norm
-            of C. The reason is that two points of the optimality conditions satisfy (P(x − x*),
+            of C. The reason is that the computed point (x, u, λ) and the exact point (x*, u*, λ*) satisfy (P(x − x*),
             x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
     """
 

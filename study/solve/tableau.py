@@ -44,7 +44,7 @@ class Tableau:
     Attributes:
         name: the name in tables and on the command line.
         order: the order in k for solutions that are smooth in time.
-        newest: w, the weight of u_n in the difference quotient δu_n.
+        newest: the weight w of u_n in the difference quotient δu_n.
         past: the weights (w_1, w_2, …) of the earlier values u_{n−1}, u_{n−2}, ….
         theta: the number θ; elastic forces and loads are evaluated at t_{n−1+θ}.
         starting: the scheme of the first steps of a multistep scheme; None for a one-step scheme.
@@ -82,8 +82,10 @@ class Tableau:
         return (1 - self.theta) * ((n - 1) * k) + self.theta * (n * k)
 
     def longest(self, growth: float) -> float:
-        """Return the step size below which every step has a unique solution, also the first ones; see
-        ``longest_step``."""
+        """Return the step size below which every step has a unique solution, including the first steps.
+
+        The formula is documented in ``study.solve.steps.longest_step``.
+        """
         mine = longest_step(growth, self.newest, self.theta)
         return min(mine, self.starting.longest(growth)) if self.starting else mine
 

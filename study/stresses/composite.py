@@ -1,15 +1,16 @@
 """The composite equilibrium element: symmetric piecewise polynomial stresses with continuous tractions on a triangle.
 
-The barycentre divides a triangle into three smaller triangles, here called thirds (Alfeld split). The element of degree
-k consists of the symmetric stresses that are polynomials of degree k on every third and whose tractions σν are
-continuous across the three inner edges. Two properties make it useful. Div maps it onto all vector fields that are
-polynomials of degree k − 1 on every third. And the tractions on the three sides can be any polynomials of degree k in
-equilibrium with the divergence, so elements can be joined with continuous tractions. k = 1 gives the element of Johnson
-and Mercier with 15 degrees of freedom, k ≥ 2 the elements of Arnold, Douglas and Gupta.
+The barycentre divides a triangle into three subtriangles (Alfeld split). Each of them has one side of the triangle, and
+the barycentre is its third vertex. The element of degree k consists of the symmetric stresses that are polynomials of
+degree k on every subtriangle and whose tractions σν are continuous across the three inner edges. Two properties make it
+useful. Div maps it onto all vector fields that are polynomials of degree k − 1 on every subtriangle. And the tractions
+on the three sides can be any polynomials of degree k in equilibrium with the divergence, so elements can be joined with
+continuous tractions. k = 1 gives the element of Johnson and Mercier with 15 degrees of freedom, k ≥ 2 the elements of
+Arnold, Douglas and Gupta.
 
 Polynomials are written in Bernstein form, Σ c_α B_α with B_α(λ) = |α|!/α! λ^α in the barycentric coordinates λ of a
-third. The restriction to an edge then needs only the coefficients of the edge, and a polynomial with coefficients ≤ 0
-is ≤ 0. On another triangle x = F x̂ + b the stresses are the Piola transforms of the stresses σ̂ on the reference
+subtriangle. The restriction to an edge then needs only the coefficients of the edge, and a polynomial with coefficients
+≤ 0 is ≤ 0. On another triangle x = F x̂ + b the stresses are the Piola transforms of the stresses σ̂ on the reference
 triangle,
 
     σ = F σ̂ Fᵀ / det F,     Div σ = F Div σ̂ / det F,     |e| σν = |ê| F σ̂ν̂     (outward normals, ê ↦ e).
@@ -39,7 +40,7 @@ CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
 SIDES = ((1, 2), (2, 0), (0, 1))
 """The two vertices of each side of the reference triangle; side i is opposite to vertex i.
 
-Third i of the triangle has these two vertices and the barycentre.
+The vertices of subtriangle i are the two vertices of side i and the barycentre.
 """
 
 
@@ -61,7 +62,7 @@ def bernstein(degree: int, barycentric: Array) -> Array:
         barycentric: barycentric coordinates of the points, (v, ...), with v = 2 on an edge and 3 on a triangle.
 
     Returns:
-        (polynomials, ...).
+        The values, (polynomials, ...).
     """
     return np.array(
         [
@@ -94,24 +95,31 @@ def triangle_mass(degree: int) -> Array:
 class CompositeElement:
     """The composite equilibrium element of degree k ≥ 1 on the reference triangle.
 
-    The triangle is divided into three thirds. A stress is stored as the array of its Bernstein coefficients, (3 thirds,
-    polynomials, 3 Mandel components). A semicolon in a shape separates the axes of the result of a linear map from the
-    axes of its argument.
+    A stress is stored as the array of its Bernstein coefficients, (3, polynomials, 3). Axes: the three subtriangles,
+    the Bernstein polynomials of degree k on each of them (``polynomials`` in number), and the three Mandel components.
+
+    A vector field of degree k − 1, such as a divergence, is stored as an array (3, lower, 2). Axes: the subtriangles,
+    the Bernstein polynomials of degree k − 1 (``lower`` in number), and the two components.
+
+    The shape of a matrix lists first the axes of the result (rows) and then, after a semicolon, the axes of the
+    argument (columns).
     """
 
     degree: int
 
     @property
     def polynomials(self) -> int:
-        """The number of scalar polynomials of degree k on a third of the triangle."""
+        """The number of Bernstein polynomials of degree k on a subtriangle."""
         return len(indices(self.degree))
 
     @cached_property
     def divergence(self) -> Array:
-        """The matrix of the divergence, from stresses to vector fields in Bernstein form of degree k − 1.
+        """The matrix from a stress to its divergence, in Bernstein form of degree k − 1.
 
-        The shape is (3 thirds, lower, 2; 3 thirds, polynomials, 3). It follows from the fact that ∂_j of Σ c_α B_α has
-        the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
+        The shape is (3, lower, 2; 3, polynomials, 3). Row axes: subtriangle, Bernstein polynomial of degree k − 1,
+        vector component. Column axes: subtriangle, Bernstein polynomial of degree k, Mandel component.
+
+        The derivative ∂_j of Σ c_α B_α has the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
         """
         k, lower = self.degree, indices(self.degree - 1)
         place = {alpha: row for row, alpha in enumerate(indices(k))}
@@ -125,15 +133,16 @@ class CompositeElement:
         return found
 
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
-        """Return the matrix from stresses to the traction |e| σν on an edge e of a third, in Bernstein form.
+        """Return the matrix from a stress to its traction |e| σν on an edge e of a subtriangle, in Bernstein form.
 
         Args:
-            third: the number of the third.
-            first, second: the numbers of the vertices of the edge within the third.
+            third: the number of the subtriangle.
+            first, second: the numbers of the vertices of the edge within the subtriangle, from 0 to 2.
             along: the vector from the first to the second vertex, (2,).
 
         Returns:
-            (k + 1, 2; 3 thirds, polynomials, 3).
+            The matrix, (k + 1, 2; 3, polynomials, 3). Row axes: Bernstein coefficient, traction component. Column axes:
+            subtriangle, Bernstein polynomial, Mandel component.
         """
         place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
         found, normal = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3)), np.array([along[1], -along[0]])
@@ -145,9 +154,11 @@ class CompositeElement:
 
     @cached_property
     def jumps(self) -> Array:
-        """The matrix from stresses to the jumps of tractions across the inner edges, (equations; 3, polynomials, 3).
+        """The matrix from a stress to the jumps of its traction across the three inner edges.
 
-        The stresses of the element are those without jumps.
+        The stresses of the element are the stresses without jumps. The shape is (equations; 3, polynomials, 3). Row
+        axis: all coefficients of the jumps, 3 (k + 1) · 2. Column axes: subtriangle, Bernstein polynomial, Mandel
+        component.
         """
         rows = []
         for vertex in range(3):
@@ -160,21 +171,27 @@ class CompositeElement:
     def tractions(self) -> Array:
         """The matrix from stresses to their tractions |ê| σ̂ν̂ on the sides, in Bernstein form along ``SIDES``.
 
-        The shape is (3 sides, k + 1, 2; 3 thirds, polynomials, 3).
+        The shape is (3, k + 1, 2; 3, polynomials, 3). Row axes: side, Bernstein coefficient, traction component. Column
+        axes: subtriangle, Bernstein polynomial, Mandel component.
         """
         return np.array([self._on_edge(i, 0, 1, CORNERS[:, b] - CORNERS[:, a]) for i, (a, b) in enumerate(SIDES)])
 
     @cached_property
     def space(self) -> Array:
-        """A basis of the element with orthonormal coefficient vectors, (3 thirds, polynomials, 3; dimension)."""
+        """A basis of the stresses of the element, with orthonormal coefficient vectors.
+
+        The shape is (3, polynomials, 3; dimension). Row axes: subtriangle, Bernstein polynomial, Mandel component.
+        Column axis: number of the basis stress.
+        """
         equations = self.jumps.reshape(len(self.jumps), -1)
         return null_space(equations).reshape(3, self.polynomials, 3, -1)
 
     @cached_property
     def divergence_free(self) -> Array:
-        """A basis of the stresses of the element with Div σ̂ = 0, (3 thirds, polynomials, 3; dimension).
+        """A basis of the stresses of the element with Div σ̂ = 0, with orthonormal coefficient vectors.
 
-        The coefficient vectors are orthonormal.
+        The shape is (3, polynomials, 3; dimension). Row axes: subtriangle, Bernstein polynomial, Mandel component.
+        Column axis: number of the basis stress.
         """
         jumps = self.jumps.reshape(len(self.jumps), -1)
         equations = np.vstack([jumps, self.divergence.reshape(-1, jumps.shape[1])])
@@ -184,7 +201,9 @@ class CompositeElement:
     def lift(self) -> Array:
         """The matrix from a divergence to the stress of the element with this divergence and the least coefficients.
 
-        The shape is (3 thirds, polynomials, 3; 3 thirds, lower, 2).
+        Least means the least Euclidean norm. The shape is (3, polynomials, 3; 3, lower, 2). Row axes: subtriangle,
+        Bernstein polynomial of degree k, Mandel component. Column axes: subtriangle, Bernstein polynomial of degree
+        k − 1, vector component.
         """
         space = self.space.reshape(-1, self.space.shape[-1])
         inverse = space @ np.linalg.pinv(self.divergence.reshape(-1, len(space)) @ space)
@@ -204,19 +223,21 @@ def composite(degree: int) -> CompositeElement:
 
 
 def thirds(corners: Points) -> Points:
-    """Return the vertices of the thirds of triangles, which lie between a side and the barycentre.
+    """Return the vertices of the three subtriangles into which the barycentre divides each of several triangles.
 
-    The shape is (2, 3 vertices, ...) → (2, 3 vertices, 3 thirds, ...).
+    The shape is (2, 3, ...) → (2, 3, 3, ...). Axes of the argument: coordinate, vertex. Axes of the result: coordinate,
+    vertex, subtriangle.
     """
     centre = corners.mean(axis=1)
     return np.stack([np.stack([corners[:, a], corners[:, b], centre], axis=1) for a, b in SIDES], axis=2)
 
 
 def alfeld_split(mesh: Mesh) -> tuple[Mesh, Points]:
-    """Divide every cell of a mesh into thirds, which lie between a side and the barycentre.
+    """Divide every cell of a mesh into three subtriangles, each with one side of the cell and the barycentre.
 
     Returns:
-        The mesh of all thirds, three consecutive ones for each cell, and the vertices of the thirds, (2, 3, thirds).
+        The mesh of all subtriangles, three consecutive ones for each cell; and the coordinates of their vertices,
+        (2, 3, 3 · cells). Axes: coordinate, vertex, subtriangle.
     """
     vertices = np.vstack([mesh.t, mesh.p.shape[1] + np.arange(mesh.t.shape[1])])
     cells = np.stack([vertices[[a, b, 3]] for a, b in SIDES], axis=2).reshape(3, -1)
@@ -232,7 +253,7 @@ def barycentric(corners: Points, x: Points) -> Array:
         x: the points, (2, n, q).
 
     Returns:
-        (3, n, q).
+        The barycentric coordinates, (3, n, q).
     """
     edges = np.moveaxis(corners[:, :2] - corners[:, 2:], 2, 0)
     found = np.einsum("nvd,dnq->vnq", np.linalg.inv(edges), x - corners[:, 2][..., None])

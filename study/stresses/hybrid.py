@@ -9,8 +9,8 @@ P of ``study.stresses.loads``. On edges P f_2 and τ_ν are polynomials of degre
 Bernstein coefficients (for k = 1: of the values at the ends).
 
 The method is hybridisation. Stresses are discontinuous first, and Lagrange multipliers make the tractions continuous:
-the moments m_{e,i} = ∫_e u B_i of a displacement u of the edges, which vanish on Γ1. The stresses are eliminated on
-every cell. This leaves
+the moments m_{e,i} = ∫_e u B_i of a displacement u that is defined on the edges only and vanishes on Γ1. The stresses
+are eliminated on every cell. This leaves
 
     minimise ½ mᵀ S m − gᵀ m   with m_ν ≤ 0 on Γ3,      S = Σ_T R (C⁻¹ on Div τ = 0)⁻¹ Rᵀ,
 
@@ -59,7 +59,7 @@ class EquilibratedStress:
         tractions: the traction σν on the three edges of every cell, as Bernstein coefficients in the axes of the edge
             (``StressSpace.frames``), (..., cells, 3, n, 2).
         moments: the Lagrange multipliers of the continuity of tractions, which are moments m = ∫_e u B_i of a
-            displacement u of the edges, (..., edges, n, 2).
+            displacement u that is defined on the edges only, (..., edges, n, 2).
     """
 
     values: Tensors
@@ -174,7 +174,7 @@ class Equilibrium:
         return self._joined(values, tractions, known, v, v - shift)
 
     def _released(self, values: Tensors) -> Array:
-        """Return the functional (C⁻¹τ, ·)_Q of a stress τ on the stresses with Div σ = 0.
+        """Return the integrals ∫_T C⁻¹τ·σ of a stress τ with the p basis stresses σ of every cell, for which Div σ = 0.
 
         The shape is (3, ..., cells, Q) → (..., cells, p).
         """
@@ -186,8 +186,9 @@ class Equilibrium:
         """Eliminate the stresses on every cell (static condensation), which leaves a problem for the moments.
 
         Returns:
-            The coefficients and tractions that the functional ``known`` causes, (..., cells, p + 6 n), and the
-            right-hand side of the problem for the moments, (..., unknown moments).
+            Two arrays. The first contains, for each cell, the p coefficients of the stress with Div σ = 0 that the
+            functional ``known`` represents, followed by the 6 n coefficients of its tractions, (..., cells, p + 6 n).
+            The second is the right-hand side of the problem for the moments, (..., unknown moments).
         """
         joined = _times(known, self._of_strains)
         of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
@@ -197,12 +198,12 @@ class Equilibrium:
         return joined, g[..., self.free]
 
     def _joined(self, values: Tensors, tractions: Array, known: Array, v: Array, shifted: Array) -> EquilibratedStress:
-        """Return the stress that belongs to the solution of the problem for the moments.
+        """Return the stress of least energy, from the solution of the problem for the moments.
 
         Args:
             values, tractions, known: as in ``_corrected``.
             v: the moments.
-            shifted: v minus the moments ``normal``.
+            shifted: the moments v minus the given moments ``normal``.
         """
         found = _times(self._everywhere(shifted)[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(
@@ -212,7 +213,7 @@ class Equilibrium:
         )
 
     def _everywhere(self, v: Array) -> Array:
-        """Extend the unknown moments by zeros on Γ1 to the moments of all edges, (..., total)."""
+        """Extend the unknown moments by zeros on Γ1 to the moments of all edges, (..., 2 n · edges)."""
         m = np.zeros((*v.shape[:-1], self.total))
         m[..., self.free] = v
         return m

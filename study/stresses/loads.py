@@ -1,12 +1,12 @@
 """The projected loads P f_0 and P f_2, which composite stresses can balance, and their distances from f_0 and f_2.
 
-P is the L² projection for stresses of degree k: of the body force f_0 onto polynomials of degree k − 1 on the thirds of
-cells, and of the traction f_2 onto polynomials of degree k on the edges of Γ2.
+P is the L² projection for stresses of degree k: of the body force f_0 onto polynomials of degree k − 1 on the
+subtriangles of cells, and of the traction f_2 onto polynomials of degree k on the edges of Γ2.
 
-Quadrature rules on thirds and edges are cut along the lines at which the data are not smooth
-(``study.fem.quadrature``). Because f_0 jumps at moving contact fronts, the rules on thirds are also cut along the
-fronts at the given time. This matters: without these cuts, ‖σ − σ^h‖_Q on one-diagonal meshes was 2.4 times as large at
-n = 64, and the error of the pressure 19 times.
+Every cell is divided by its barycentre into three subtriangles. Quadrature rules on subtriangles and edges are cut
+along the lines at which the data are not smooth (``study.fem.quadrature``). Because f_0 jumps at moving contact fronts,
+the rules on subtriangles are also cut along the fronts at the given time. This matters: without these cuts, ‖σ − σ^h‖_Q
+on one-diagonal meshes was 2.4 times as large at n = 64, and the error of the pressure 19 times.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from study.stresses.composite import alfeld_split, barycentric, bernstein, trian
 from study.stresses.stress_space import StressSpace
 
 DEGREE = 4
-"""Least degree of the quadrature rule for f_0 on a third of a cell.
+"""Least degree of the quadrature rule for f_0 on a subtriangle of a cell.
 
 For stresses of degree k, 2k is used if it is larger.
 """
@@ -41,7 +41,7 @@ GRADED_POINTS = 28
 The grading by the power 8 leaves the degree 6, which is enough for products of two cubics.
 """
 TOGETHER = 512
-"""Number of thirds of cells that are treated together, so that their data stay in the processor's cache."""
+"""Number of subtriangles of cells that are treated together, so that their data stay in the processor's cache."""
 PARALLEL = 1e-9
 """A line counts as parallel to a boundary part if the sine of the angle between them is below this number."""
 
@@ -51,8 +51,10 @@ class Loads:
     """Projected loads at one time, as Bernstein coefficients. Loads at several times have one more axis, the first.
 
     Attributes:
-        force: the projected body force P f_0, (cells, 3 thirds, lower, 2).
-        surface: the projected traction P f_2, zero outside Γ2, (edges, n, 2).
+        force: the projected body force P f_0, (cells, 3, lower, 2). Axes: cell, subtriangle, Bernstein polynomial of
+            degree k − 1, component.
+        surface: the projected traction P f_2, zero outside Γ2, (edges, n, 2). Axes: edge, Bernstein polynomial of
+            degree k, component.
     """
 
     force: Array
@@ -77,9 +79,9 @@ class LeftOut:
     Let g = f_0 − P f_0, and let Π be the L² projection onto the polynomials of degree k on a whole cell T.
 
     Attributes:
-        low_order: ‖Π g‖_T, the norm of the part of g that is such a polynomial, (cells,).
-        high_order: ‖g − Π g‖_T, the norm of the rest of g, (cells,).
-        on_edges: ‖f_2 − P f_2‖_e, zero outside Γ2, (edges,).
+        low_order: the norm ‖Π g‖_T of the part of g that is a polynomial of degree k on the whole cell, (cells,).
+        high_order: the norm ‖g − Π g‖_T of the rest of g, (cells,).
+        on_edges: the norm ‖f_2 − P f_2‖_e on every edge e, zero outside Γ2, (edges,).
     """
 
     low_order: Array
@@ -121,22 +123,26 @@ class ProjectedLoads:
     def _block(self, rule: CellRule) -> _Block:
         mesh, degree = self.space.mesh, self.space.degree
         local = barycentric(self._corners[:, :, rule.cells], rule.points)
-        # Three consecutive thirds belong to a cell, so the number of the cell is the number of a third divided by 3.
+        # The subtriangles 3 n, 3 n + 1 and 3 n + 2 belong to the cell n.
         cells = mesh.p[:, mesh.t[:, rule.cells // 3]]
         return _Block(rule, bernstein(degree - 1, local), lambda: bernstein(degree, barycentric(cells, rule.points)))
 
     @cached_property
     def _blocks(self) -> list[tuple[_Block, ForceInTime]]:
-        """All thirds of cells in blocks, each with a function from a time to f_0 at its points, (2, thirds, q)."""
+        """The subtriangles of all cells, three per cell, divided into blocks that are processed together.
+
+        Each block comes with the function from a time to the body force f_0 at its quadrature points, (2, n, q), where
+        n is the number of subtriangles in the block and q the number of points in each.
+        """
         rules = cell_rules(self._thirds, self._degree, self._lines, self.data.points)
         blocks = [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
         return [(block, _force_at(self.data, block.rule.points)) for block in blocks]
 
     def _evaluated(self, time: float) -> Iterator[tuple[_Block, Vectors]]:
-        """Yield blocks of thirds of cells with the body force f_0 at their quadrature points at a time.
+        """Yield blocks of subtriangles, each with the body force f_0 at its quadrature points at a time.
 
-        First all thirds are yielded. Thirds that contact fronts cross at this time are then yielded again, with
-        quadrature rules that are cut along the fronts; their results replace the first ones.
+        First all subtriangles are yielded. Subtriangles that contact fronts cross at this time are then yielded again,
+        with quadrature rules that are cut along the fronts; their results replace the first ones.
         """
         for block, force in self._blocks:
             yield block, force(time)
@@ -175,13 +181,14 @@ class ProjectedLoads:
 
 
 class _Block:
-    """Several thirds of cells with one quadrature rule, on which f_0 is projected.
+    """Several subtriangles of cells with the same quadrature rule; projects the body force f_0 on them.
 
     Args:
-        rule: the quadrature rule on the n thirds.
-        shapes: the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q).
-        whole: a function that returns the Bernstein polynomials of degree k of the whole cells at the points,
-            (more, n, q). It is called only if ``split`` is called.
+        rule: the quadrature rule, with q points on each of the n subtriangles.
+        shapes: the values of the ``lower`` Bernstein polynomials of degree k − 1 of the subtriangles at the points,
+            (lower, n, q).
+        whole: a function that returns the values of the ``more`` Bernstein polynomials of degree k of the whole cells
+            at the points, (more, n, q). It is called only if ``split`` is called.
     """
 
     def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
@@ -192,8 +199,10 @@ class _Block:
 
     @cached_property
     def _whole(self) -> Array:
-        """The Bernstein polynomials of degree k of the whole cells at the points, as a matrix for each third,
-        (n, more, q)."""
+        """The values at the points of the Bernstein polynomials of degree k of the whole cells, (n, more, q).
+
+        Axes: subtriangle, Bernstein polynomial, quadrature point.
+        """
         return np.ascontiguousarray(np.moveaxis(self._make_whole(), 0, 1))
 
     def projected(self, force: Vectors) -> Array:
@@ -204,8 +213,8 @@ class _Block:
         """Split the body force f_0, given at the quadrature points, (2, n, q), into P f_0 and g = f_0 − P f_0.
 
         Returns:
-            P f_0, (n, lower, 2); the squares ‖g‖² on the thirds, (n,); and the integrals ∫ g B_α over the thirds with
-            the Bernstein polynomials B_α of degree k of the cells, (n, more, 2).
+            P f_0, (n, lower, 2); the squares ‖g‖² on the subtriangles, (n,); and the integrals ∫ g B_α over the
+            subtriangles with the Bernstein polynomials B_α of degree k of the cells, (n, more, 2).
         """
         values = force.transpose(1, 2, 0)
         coefficients = self.projection @ values
@@ -265,7 +274,7 @@ def _divided(rule: FacetRule) -> FacetRule:
 
 
 def _crossings(data: Data, part: Part) -> tuple[float, ...]:
-    """Return the sorted coordinates along a boundary part at which lines cross it where the data are not smooth."""
+    """Return the sorted positions at which a boundary part crosses lines where the data are not smooth."""
     found = []
     for direction, offset in data.lines:
         slope, start = np.dot(direction, part.tangent), np.dot(direction, part.start)

@@ -51,17 +51,20 @@ ROUNDING = 1e-9
 
 
 class DividedTriangle:
-    """The composite stresses of degree k on the reference triangle, divided into four children, as matrices.
+    """Matrices for composite stresses of degree k on the four children of the reference triangle.
 
-    The unknowns are the coefficients of the stresses of all children.
+    The children are the similar triangles of half the size into which the triangle is divided. The unknowns are the
+    coefficients of the stresses on all children.
 
     Attributes:
         inner: the matrix from unknowns to the jumps of tractions across the sides of the middle child,
             (equations, unknowns).
-        outer: the matrix to the tractions |ê| σν on the halves of the sides, (3 sides, 2 halves, k + 1, 2, unknowns).
-        divergence: the matrix to the Bernstein coefficients of the divergence, of degree k − 1, on the three parts of
-            each child, (4 · 3 · coefficients · 2, unknowns).
-        values: the matrix to the values in Mandel form at the points of a quadrature rule, (points, 3, unknowns).
+        outer: the matrix from unknowns to the tractions |ê| σν on the halves of the sides, (3, 2, k + 1, 2, unknowns).
+            Axes: side, half, Bernstein coefficient, component, unknown.
+        divergence: the matrix from unknowns to the Bernstein coefficients of the divergence, (4 · 3 · coefficients · 2,
+            unknowns). Row order: child (4), subtriangle (3), Bernstein polynomial of degree k − 1, component (2).
+        values: the matrix from unknowns to the values of the stress in Mandel form at the points of a quadrature rule,
+            (points, 3, unknowns).
         weights: the weights of this rule, (points,).
     """
 
@@ -92,7 +95,7 @@ def restriction(degree: int, corners: Array) -> Array:
 
     Args:
         degree: the degree of the polynomial.
-        corners: barycentric coordinates of the vertices of the smaller triangle, (3 vertices, 3).
+        corners: barycentric coordinates of the vertices of the smaller triangle, one row for each vertex, (3, 3).
 
     Returns:
         The matrix from coefficients on the triangle to coefficients on the smaller triangle,
@@ -127,7 +130,7 @@ class BalancingStresses:
             divided: the stresses on the divided triangle.
             zero: the matrix of the conditions zero·w = 0 that the coefficients w of all stresses satisfy.
             balanced: the matrix from w to the load that the stress balances.
-            loads: scalar loads as columns; each is used in both directions.
+            loads: scalar loads as columns; each of them is applied in both coordinate directions.
             gram: the integrals of products of two scalar loads.
         """
         admissible = null_space(zero, rcond=ROUNDING)
@@ -138,12 +141,14 @@ class BalancingStresses:
         return cls(divided.values @ free, divided.values @ lifts, divided.weights, products)
 
     def constants(self, F: Array, compliance: Array, scale: Array) -> Array:
-        """Return √λ for triangles x = F x̂ + b: the largest ratio ‖τ‖_{A⁻¹}/‖load‖ of a load and its least stress τ,
-        (cells,).
+        """Return √λ for each of the triangles x = F x̂ + b, (cells,).
+
+        This is the largest ratio ‖τ‖_{A⁻¹}/‖load‖ over all loads, where τ is the smallest stress that balances the
+        load.
 
         Args:
             F: the matrices F, (cells, 2, 2).
-            compliance: A⁻¹ in Mandel form, (3, 3) or (cells, 3, 3).
+            compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3) or (cells, 3, 3).
             scale: the factor with ‖load‖² = scale × ∫ |F d|² for loads d on the reference triangle, (cells,).
         """
         J, E = abs(np.linalg.det(F)), basis(2)
@@ -203,13 +208,15 @@ def balancing_on_side(side: int) -> BalancingStresses:
 
 
 def cell_constants(F: Array, compliance: Array, q: int) -> Array:
-    """Return an upper bound of the constant C_{T,q} of the module for triangles x = F x̂ + b, (cells,).
+    """Return an upper bound of the constant C_{T,q} for each of the triangles x = F x̂ + b, (cells,).
+
+    The docstring of the module defines C_{T,q}.
 
     The constant is computed once for cells that differ only by size, by a half turn, or by the order of their vertices.
 
     Args:
         F: the matrices F, (cells, 2, 2).
-        compliance: A⁻¹ in Mandel form, (3, 3).
+        compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3).
         q: the degree of the polynomials to which loads are orthogonal.
     """
     size = np.sqrt(abs(np.linalg.det(F)))
@@ -222,8 +229,10 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
 
 
 def by_length(F: Array) -> Array:
-    """Sort the vertices of each cell by the lengths of the opposite sides: matrices F,
-    (cells, 2, 2) → (cells, 2, 2)."""
+    """Return matrices F of the same cells with their vertices sorted by the lengths of the opposite sides.
+
+    The shape is (cells, 2, 2) → (cells, 2, 2).
+    """
     corners = F @ CORNERS
     opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
     sorted_corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
@@ -231,11 +240,13 @@ def by_length(F: Array) -> Array:
 
 
 def side_constants(F: Array, compliance: Array, side: int) -> Array:
-    """Return an upper bound of the constant C_e of the module for one side of triangles x = F x̂ + b, (cells,).
+    """Return an upper bound of the constant C_e for one side of each of the triangles x = F x̂ + b, (cells,).
+
+    The docstring of the module defines C_e.
 
     Args:
         F: the matrices F, (cells, 2, 2).
-        compliance: A⁻¹ in Mandel form, (3, 3).
+        compliance: the inverse A⁻¹ of the viscosity in Mandel form, (3, 3).
         side: the number of the side.
     """
     a, b = SIDES[side]
@@ -244,7 +255,7 @@ def side_constants(F: Array, compliance: Array, side: int) -> Array:
 
 
 def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Array, Array]]:
-    """Return the loaded sides of all cells, and upper bounds of the constant C_e of the module for them.
+    """Return the loaded sides of all cells, and upper bounds of the constant C_e in the docstring of the module.
 
     Returns:
         For each of the three side numbers: the cells with this side on Γ2, (n,); the edges there, (n,); and the bounds,
@@ -268,7 +279,7 @@ class Oscillation:
 
     Args:
         space: the stresses for which P is defined, of degree 2 or more.
-        compliance: A⁻¹ without its material factor, in Mandel form, (3, 3).
+        compliance: the inverse A⁻¹ of the viscosity without its material factor, in Mandel form, (3, 3).
         low: the smallest value of the material factor of A.
     """
 
@@ -278,7 +289,7 @@ class Oscillation:
         self._sides = [(cells, edges, constants / root) for cells, edges, constants in loaded_sides(space, compliance)]
 
     def __call__(self, left_out: LeftOut) -> Array:
-        """Return the oscillation η_T of every cell, (cells,), from norms of the loads that are left out."""
+        """Return the oscillation η_T of every cell, (cells,), from norms of the part of the loads that P leaves out."""
         low, high = self._cells
         total = low * left_out.low_order + high * left_out.high_order
         for cells, edges, constants in self._sides:

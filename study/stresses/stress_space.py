@@ -21,7 +21,7 @@ from study.fem.quadrature import simplex_rule
 from study.stresses.composite import SIDES, CompositeElement, bernstein, composite, thirds
 
 LEAST_DEGREE = 4
-"""Least degree of the quadrature rule on the thirds of a cell.
+"""Least degree of the quadrature rule on the subtriangles of a cell.
 
 Errors of linear stresses are quadratic, so their squares are of degree 4.
 """
@@ -36,8 +36,10 @@ In the mesh, facet i of a cell joins its vertices i and i + 1 modulo 3.
 class StressSpace(MeshedBody):
     """Composite stresses of degree k on the cells x = F x̂ + b of a triangular mesh, x̂ in the reference triangle.
 
-    Letters in shapes: Q is the number of quadrature points in a cell (all thirds together), p the number of basis
-    functions with Div σ = 0 in a cell, n = k + 1 the number of Bernstein polynomials on an edge.
+    Every cell is divided by its barycentre into three subtriangles. Letters in shapes: Q is the number of quadrature
+    points in a cell (all three subtriangles together), p the number of basis functions with Div σ = 0 in a cell,
+    n = k + 1 the number of Bernstein polynomials on an edge, ``polynomials`` and ``lower`` the numbers of Bernstein
+    polynomials of degree k and k − 1 on a subtriangle.
 
     Raises:
         MeshError: the mesh does not consist of triangles, or does not fit the parts of the body.
@@ -56,7 +58,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def map(self) -> Array:
-        """The matrices F that map the reference triangle to the cells, (cells, 2, 2)."""
+        """The matrices F of the affine maps from the reference triangle to the cells, (cells, 2, 2)."""
         corners = self.mesh.p[:, self.mesh.t]
         return np.moveaxis(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1), 2, 0)
 
@@ -67,7 +69,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def edges(self) -> Array:
-        """For each side of every cell, the number of the edge, (cells, 3)."""
+        """For each of the three sides of every cell, the number of this edge in the mesh, (cells, 3)."""
         return self.mesh.t2f[list(FACETS)].T
 
     @cached_property
@@ -92,7 +94,7 @@ class StressSpace(MeshedBody):
             tractions: tractions on the three sides of every cell, (..., cells, 3, n, 2).
 
         Returns:
-            (..., e, n, 2).
+            The tractions on the given edges, (..., e, n, 2).
         """
         found = np.empty((*tractions.shape[:-4], len(self.lengths), *tractions.shape[-2:]))
         found[..., self.edges, :, :] = tractions
@@ -111,14 +113,18 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _rule(self) -> tuple[Array, Array]:
-        """The quadrature rule on a third of a cell: barycentric points (3, q), and weights (q,) with sum 1."""
+        """The quadrature rule on a subtriangle of a cell.
+
+        Returns:
+            The barycentric coordinates of the q points, (3, q), and the weights, which sum to 1, (q,).
+        """
         return simplex_rule(2, max(LEAST_DEGREE, 2 * self.degree))
 
     @cached_property
     def _values(self) -> Array:
         """The matrix from Bernstein coefficients of a function to its values at the quadrature points of a cell.
 
-        The shape is (Q, 3 thirds, polynomials).
+        The shape is (Q, 3, polynomials). Axes: quadrature point, subtriangle, Bernstein polynomial.
         """
         at = bernstein(self.degree, self._rule[0]).T
         return np.kron(np.eye(3), at).reshape(-1, 3, at.shape[1])
@@ -149,7 +155,7 @@ class StressSpace(MeshedBody):
         """Return the inner products ∫_T C⁻¹σ·τ of any two basis functions with Div σ = 0 on every cell, (cells, p, p).
 
         Args:
-            compliance: C⁻¹ in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3, 3).
+            compliance: the inverse stiffness C⁻¹ in Mandel form, (3, 3), or at the quadrature points, (cells, Q, 3, 3).
         """
         # All cells have the same basis up to the Piola transformation, so the product of two large matrices suffices.
         piola, reference = self._piola[:, None], self._reference.reshape(3, self.weights.shape[1], -1)
@@ -167,7 +173,7 @@ class StressSpace(MeshedBody):
         """Return the integrals of a strain ε, or of C ε, times each basis function σ with Div σ = 0 on every cell.
 
         Args:
-            values: ε at the quadrature points, (3, ..., cells, Q).
+            values: the strain ε at the quadrature points, (3, ..., cells, Q).
             C: a constant tensor in Mandel form, (3, 3).
 
         Returns:
@@ -222,25 +228,30 @@ class StressSpace(MeshedBody):
     def coefficients(self, values: Tensors) -> Array:
         """Return the Bernstein coefficients of stresses from their values at the quadrature points, (3, cells, Q).
 
-        The shape is (3 components, thirds of all cells, polynomials).
+        The result has the shape (3, 3 · cells, polynomials). Axes: Mandel component, subtriangle (three consecutive
+        ones for each cell), Bernstein polynomial.
         """
         inverse = np.linalg.pinv(bernstein(self.degree, self._rule[0]))
         return values.reshape(3, 3 * self.cells, -1) @ inverse
 
     @cached_property
     def force_shapes(self) -> Array:
-        """The Bernstein polynomials of degree k − 1, for forces, at the quadrature points of a third, (lower, q)."""
+        """The values of the Bernstein polynomials of degree k − 1 at the q quadrature points of a subtriangle.
+
+        Projected forces are expanded in these polynomials. The shape is (lower, q).
+        """
         return bernstein(self.degree - 1, self._rule[0])
 
     def lift(self, coefficients: Array) -> tuple[Tensors, Array]:
         """Return a stress that balances the projected body force in every cell, Div σ + P f_0 = 0.
 
         Args:
-            coefficients: Bernstein coefficients of P f_0, (..., cells, 3 thirds, lower, 2).
+            coefficients: Bernstein coefficients of P f_0, (..., cells, 3, lower, 2). Last axes: cell, subtriangle,
+                Bernstein polynomial, component.
 
         Returns:
-            The values, (3, ..., cells, Q), and the tractions, (..., cells, 3, n, 2). The tractions need not be
-            continuous across edges.
+            The values of the stress, (3, ..., cells, Q), and the tractions on the three sides of the cells, (...,
+            cells, 3, n, 2). The tractions need not be continuous across edges.
         """
         values, tractions = self._lifting
         several = coefficients.shape[:-3]
@@ -258,8 +269,10 @@ class StressSpace(MeshedBody):
         """The stresses on the reference triangle that have a given divergence, for every coefficient of the divergence.
 
         Returns:
-            The values at the quadrature points, (3 thirds · lower · 2, 3 · Q), and the tractions on the sides,
-            (3 thirds · lower · 2, 3 sides · n · 2).
+            The values of the stresses at the quadrature points, (3 · lower · 2, 3 · Q), and their tractions on the
+            sides, (3 · lower · 2, 3 · n · 2). Row order, the same for both: subtriangle (3), Bernstein polynomial
+            (lower), component (2). Column order of the values: Mandel component (3), quadrature point (Q). Column order
+            of the tractions: side (3), Bernstein polynomial (n), component (2).
         """
         lift, tractions = self.element.lift, self.element.tractions
         rows = int(np.prod(lift.shape[3:]))
