@@ -380,7 +380,7 @@ BLOCK = 4096
 SHIFT = 1 / 32
 """Moving a quadrature point changes its barycentric coordinates by at most this number."""
 TIE = 1e-9
-"""Added to a logarithm before it is rounded down, so that congruent cells get equal spacings in spite of round-off."""
+"""A number added to a logarithm that is rounded down, so that congruent cells get equal spacings despite round-off."""
 
 
 def cell_rules(

@@ -48,8 +48,9 @@ from study.present.full_run import FullRun
 from study.present.notation import encode, encode_letters, folding, prose, tabular
 
 DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
-"""Ends of the keys of checks that test a prediction about the error of the fully discrete scheme. Other checks of the
-scheme are shown for comparison."""
+"""Suffixes of the keys of checks that test a prediction about the error of the fully discrete scheme. Other checks of
+the scheme are shown for comparison.
+"""
 NEGLIGIBLE = 1e-6
 """A deliberate defect is left out of the table of sensitivity if the checks notice it below this relative size, because
 it is then noticed at any size. For example, the initial displacement must be exactly Π^h u_0."""

@@ -22,8 +22,9 @@ from study.ledger.verdict import ROW_KEY, UNCLAIMED
 from study.ledger.window import MIN_POSITIVE, Window
 
 FIRST, RELEASED = "windows.csv", "released.csv"
-"""Files in ``results/history`` with the windows at the end of the first round (commit 27a936c) and of the last
-release."""
+"""Files in ``results/history`` with the windows at the end of the first round of measurements (commit 27a936c) and of
+the last release.
+"""
 NOT_NOTHING = "a diagnostic must be positive: exactly 0 means that a quantity was compared with itself"
 OWN_SPACE = "Thm 4.2, own space"
 NOT_RANDOM = "merging-patches and layered are now measured on meshes that are not random"
