@@ -49,11 +49,12 @@ class Case:
         regularity: the exponents of gap and pressure at the least smooth fronts; they must agree with the formulas.
         order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}.
         reason: why the regularity gives this order, in one sentence.
-        pace: the number of time steps per unit of time divided by n^{2/3} at level n. Fast fronts need a larger pace;
-            the share of the error that is due to time shows whether it is large enough.
+        pace: the number of time steps per unit of time, divided by n^{2/3} on the mesh of level n, which has about n
+            cells along a side. Fast fronts need a larger pace. It is large enough if the time discretisation causes a
+            small share of the error.
         twin: the name of a case whose errors on structured meshes must be equal up to round-off, or "".
-        families: the names of the mesh families on which the quick study measures this case. By default it is the first
-            family that can mesh the body.
+        families: the names of the mesh families on which a quick run of the study measures this case. By default the
+            case is measured on the first family that can mesh the body.
 
     Raises:
         CaseError: the regularity or the predicted order contradicts the formulas, the order or the reason is missing,
@@ -143,7 +144,11 @@ class Case:
 
     @property
     def proposition(self) -> str:
-        """The label of the statement that applies to the case: a proposition of the paper, or ``INITIAL_GAP``."""
+        """The label of the statement that applies to the case.
+
+        It is a proposition of the paper, or ``INITIAL_GAP`` if the case has an initial gap, which the paper does not
+        treat.
+        """
         return INITIAL_GAP if self.solution.has_initial_gap else self.regularity.proposition
 
     def _repr_html_(self) -> str:
@@ -177,6 +182,9 @@ def _initial_gap(face: Face) -> FaceFormula:
 
 
 def _plane(normal: Array, point: Array) -> tuple[float, ...]:
-    """Return rounded unit normal and offset of a line or plane, the same for both orientations of the normal."""
+    """Return unit normal and offset of a line or plane, rounded, so that equal planes give equal results.
+
+    The result is the same for both orientations of the normal.
+    """
     values = np.round([*normal, normal @ point], 9) + 0.0
     return tuple(float(v) for v in (values if tuple(values) > tuple(-values) else -values + 0.0))

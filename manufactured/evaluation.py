@@ -16,7 +16,7 @@ from manufactured.tensors import Array, Tensors, Vectors, traction
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """The fields of an exact solution at points, (d, ...), at one time. Tensors are Mandel vectors, (D, ...).
+    """The fields of an exact solution at given points, (d, ...), and one time; tensors are Mandel vectors, (D, ...).
 
     Attributes:
         displacement: u, (d, ...).

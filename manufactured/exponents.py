@@ -37,7 +37,7 @@ def order_at(formula: sp.Expr, x: sp.Expr) -> tuple[float, float]:
 
 
 def must_be_positive(part: sp.Expr) -> sp.Expr | None:
-    """Return the expression that must be positive for a part of a formula to be smooth; None if none must be."""
+    """Return the expression that must be positive so that a part of a formula is smooth; None if there is none."""
     if isinstance(part, SMOOTH) or (isinstance(part, pos) and part.args[1].is_number):
         return None
     if isinstance(part, sp.log):

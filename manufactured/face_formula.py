@@ -19,7 +19,7 @@ from manufactured.tensors import Array
 FACE = frozenset({s, s1, s2})
 """The symbols of the coordinates along contact faces."""
 TINY = 1e-9
-"""A value counts as zero if it is smaller than this fraction of the largest value on the face."""
+"""Relative tolerance: a value counts as zero if it is smaller than this fraction of the largest value on the face."""
 POINTS, ZOOMS = 33, 8
 """The search for the extremum of a formula on a face: points of a grid along every axis, and number of grids.
 
@@ -39,7 +39,7 @@ class FaceFormula:
         formula: a formula of the coordinates along the face and of t.
         part: the face.
         variables: the coordinates along the face.
-        begin, end: the times between which the formula is used.
+        begin, end: the first and the last time at which the formula is used.
     """
 
     formula: sp.Expr
@@ -117,7 +117,7 @@ class FaceFormula:
     def _least(self, values: Callable[..., list[Array]], sign: float) -> float:
         """Return the least value of ``sign`` times a function on the face and in [begin, end].
 
-        It is searched on ever smaller grids around the best point.
+        The least value is searched on ever smaller grids around the best point.
         """
         outline = self.part.outline
         start, stop = np.array([*outline.min(1), self.begin]), np.array([*outline.max(1), self.end])

@@ -23,7 +23,7 @@ class Jet:
     Attributes:
         expression: the formula.
         variables: the symbols of the coordinates along the face.
-        in_time: n, if ∂_t^n of the formula is evaluated instead of the formula.
+        in_time: the order n of the time derivative ∂_t^n of the formula that is evaluated; 0 for the formula itself.
 
     Raises:
         FormulaError: the formula has other symbols, or functions with jumps that are not written with ``pos``.

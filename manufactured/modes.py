@@ -45,7 +45,7 @@ class Modes:
 
 
 def at_each(time: Array | complex, of: Callable[[Any], Array]) -> Array:
-    """Evaluate a field at one time, or at several times in turn; several times become the last axis."""
+    """Evaluate a field at one time, or at several times one by one; the times become the last axis of the result."""
     if not (isinstance(time, np.ndarray) and time.ndim):
         return of(time)
     found = [of(one) for one in time]

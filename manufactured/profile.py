@@ -147,9 +147,10 @@ def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 
 
 def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
-    """Return a profile that contains uniform strains: for the strain q = −w/ℓ on the face, a constant gap w gives one.
+    """Return a profile with which the strain in the body can be uniform.
 
-    It is ``cutoff`` with b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ).
+    The strain is uniform for a constant gap w and the normal strain q = −w/ℓ on the face. The profile is ``cutoff``
+    with b = 1 − y/ℓ + (y/ℓ) φ(y/ℓ).
     """
     plain = cutoff(depth, phi)
     b = polyadd((1.0, -1 / depth), np.array(plain.d.pieces[0]) / depth)
@@ -166,8 +167,8 @@ def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
         ∂_y u_n⁺ = ∂_y u_n⁻/κ,      ∂_y u_s⁺ + ∇_s u_n = (∂_y u_s⁻ + ∇_s u_n)/κ.
 
     In the lower layer, at the face, b = 1 + γ y² and d = y + δ y² are quadratic, c = −a = y(1 − y/y_0) and e = 0. In
-    the upper layer b and d are linear, with γ and δ such that they end with 0 at y = ℓ; the other functions are cubics
-    with the slopes that follow.
+    the upper layer b and d are linear, with γ and δ such that b and d are 0 at y = ℓ. The other functions are cubics
+    whose slopes at y_0 follow from the conditions above.
 
     Args:
         interface: the depth y_0 of the interface.

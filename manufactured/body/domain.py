@@ -99,7 +99,7 @@ class Body:
         return inside
 
     def sample(self, rng: np.random.Generator, count: int) -> Points:
-        """Return random points of the body, evenly distributed, (d, count)."""
+        """Return uniformly distributed random points of the body, (d, count)."""
         return scattered(rng, self.vertices, self.contains, count)
 
     def _repr_html_(self) -> str:
@@ -208,7 +208,7 @@ def _check_interface(body: Body, interface: Part) -> None:
 
 
 def _check_apart(interface: Part, other: Part) -> None:
-    """Refuse two interfaces that cross: each has its ends on different sides of the other."""
+    """Raise BodyError if two interfaces cross, that is, if each has its ends on different sides of the other."""
     sides = [one.coordinates(two.corners)[1] for one, two in ((interface, other), (other, interface))]
     if all(np.prod(side) < -ROUNDING * abs(side).max() ** 2 for side in sides):
         raise BodyError(

@@ -96,7 +96,7 @@ class Part:
         return self.corners[:, -1]
 
     def line(self, c: float) -> Hyperplane:
-        """Return the line perpendicular to a segment through its point s = c, as (direction, offset)."""
+        """Return (direction, offset) of the line direction·x = offset that is perpendicular to the segment at s = c."""
         return tuple(map(float, self.tangent)), float(self.tangent @ self.start) + c
 
     @cached_property
@@ -106,7 +106,7 @@ class Part:
 
     @cached_property
     def fan(self) -> tuple[Array, ...]:
-        """Simplices that make up the part and share its first corner, each as an array of its corners, (d, d)."""
+        """Simplices that make up the part, as arrays of their corners, (d, d); all contain the first corner."""
         dim, count = self.corners.shape
         return tuple(self.corners[:, [0, *range(i, i + dim - 1)]] for i in range(1, count - dim + 2))
 
@@ -173,7 +173,7 @@ class Part:
         return (abs(y) <= tolerance) & self.covers(s, tolerance)
 
     def sample(self, rng: np.random.Generator, count: int) -> Points:
-        """Return random points of the part, evenly distributed, (d, count)."""
+        """Return uniformly distributed random points of the part, (d, count)."""
         return self.point(scattered(rng, self.outline, lambda s: self.covers(s, 0.0), count))
 
 
@@ -189,7 +189,7 @@ def fan_vector(simplex: Array) -> Array:
 
 
 def scattered(rng: np.random.Generator, corners: Points, inside: Callable[[Points], NDBool], count: int) -> Points:
-    """Return random points of a set, evenly distributed, (k, count).
+    """Return uniformly distributed random points of a set in R^k, (k, count).
 
     Args:
         rng: the random number generator.

@@ -21,7 +21,7 @@ FRONT: Expr = Rational(1, 4) + t / 2
 
 
 def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Expr) -> ExactSolution:
-    """Return the solution with this front for a body and a law.
+    """Return the exact solution with the advancing front of this module, for a given material law and pressure.
 
     Args:
         body: the unit square.

@@ -13,8 +13,8 @@ Predicted order 1: u_n = w − g on Γ3, and a constant g adds a smooth field. T
 pressure at the front, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), with which the proof of Prop. 5.4 holds for u minus a
 lifting of g.
 
-There is no contact before t = 1/5. Then the front enters at the left end. At t = 1 it is at x = 2/3, which is a vertex
-of no structured mesh with 2^k cells along a side.
+There is no contact before t = 1/5, when the front enters at the left end. At t = 1 the front is at x = 2/3, which is a
+vertex of no structured mesh with 2^k cells along a side.
 """
 
 from sympy import Rational

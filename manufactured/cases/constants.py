@@ -1,4 +1,4 @@
-"""The factor 1, which the arguments of a case use as a default: other factors multiply constants of its formulas."""
+"""The number 1, the default value of the factors by which constants in the formulas of a case can be multiplied."""
 
 from sympy import Expr, Integer
 

@@ -6,9 +6,10 @@ The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c,
     bottom: c(t) = 2/5 + (4/5) t(1 − t),   left: c(t) = 3/5 − t/3
 
 on each side, where ρ is the distance from the corner and g = G_nnnn. Γ3 is the bottom and the left side of the unit
-square. Their displacements reach to the depths 1 and 3/4. Γ1 is the right quarter of the top. The displacements of the
-two sides do not disturb each other. The reason is that p is even in ρ: so the displacement of one side is symmetric
-about the other side and causes no shear there. And A and G do not couple normal strains (``laws.without_contraction``).
+square. Γ1 is the right quarter of the top. The displacement is the sum of two fields, one for each side, which reach to
+the depths 1 and 3/4. The field of one side does not change the contact data of the other side, for two reasons. Since p
+is even in ρ, the field is symmetric about the other side and causes no shear there. And A and G do not couple normal
+strains (``laws.without_contraction``).
 
 Predicted order 1: both fronts move. On both sides the exponents of gap and pressure at the front are α = 4 > 7/2 and
 m = 2 > 3/2, and u is smooth at the corner. This gives (5.36), so that Prop. 5.4 applies.

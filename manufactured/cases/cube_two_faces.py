@@ -6,9 +6,9 @@ The gap w, the contact pressure p, the contact zone {ψ ≥ 0} and the normal st
     bottom: c(t) = 1/2 + (2/5) t(1 − t),   side: c(t) = 3/5 − t/4
 
 on each face, where ρ is the distance from the edge and η the coordinate along it. Γ3 is the bottom z = 0 and the side
-x = 0. Their displacements reach to the depths 1 and 2/3. Γ1 is the third x > 2/3 of the top. The displacements of the
-two faces do not disturb each other: p is even in ρ, and A and G do not couple normal strains
-(``laws.without_contraction``).
+x = 0. Γ1 is the part x > 2/3 of the top. The displacement is the sum of two fields, one for each face, which reach to
+the depths 1 and 2/3. The field of one face does not change the contact data of the other face, because p is even in ρ,
+and A and G do not couple normal strains (``laws.without_contraction``).
 
 Predicted order 1: both fronts move. On both faces the exponents of gap and pressure at the front are α = 4 > 7/2 and
 m = 2 > 3/2, and u is smooth at the edge. This gives (5.36), so that Prop. 5.4 applies; its proof also holds in 3D.

@@ -16,8 +16,8 @@ inside K and 3 far from K. So L_G/m_A = 3/2, and differences of solutions may gr
 acts along the face and causes no traction on it, so it enters f_2 only.
 
 The gap is largest while the front moves. In a first version the gap was small, and the pressure caused most of the
-error. There the check that (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed on criss-cross meshes, with
-a quotient of up to 1.24.
+error. In that version the check that (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed on criss-cross
+meshes, with a quotient of up to 1.24.
 """
 
 from sympy import Rational

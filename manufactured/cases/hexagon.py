@@ -9,8 +9,8 @@ The gap w, the contact pressure p, the contact zone {ψ ≥ 0} with the front c,
 
 with the coordinate s along each side and g = G_nnnn. Viscosity A and elasticity G are not proportional. Two of the
 sides meet the clamped boundary Γ1. On them z is the distance from the end at Γ1, and P has the factor z² so that the
-displacement vanishes on Γ1. The displacements of the sides have the depth 4/5 and do not reach from one contact side to
-another.
+displacement vanishes on Γ1. The displacement fields of the three sides reach to the depth 4/5, which is not as far as
+another contact side.
 
 Predicted order 1: the fronts move. On every side the exponents of gap and pressure at the front, α = 4 > 7/2 and
 m = 2 > 3/2, give (5.36), so that Prop. 5.4 applies.

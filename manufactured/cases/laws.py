@@ -93,7 +93,7 @@ def kolosov_constant(tensor: Linear) -> float:
 
 
 def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
-    """Return 2μ_A θ̇ + 2μ_G θ, the factor from a plane elastic stress field to the stress of a viscoelastic motion.
+    """Return the factor 2μ_A θ̇ + 2μ_G θ, by which an elastic stress is multiplied to give the viscoelastic stress.
 
     A and G must be isotropic with the same Kolosov constant κ. If U is the displacement with the potentials Φ and Ψ
     (``singular.kolosov``), then the stress of θ(t) U is this factor times the stress that Φ and Ψ give.
@@ -106,7 +106,8 @@ def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
 def anisotropic() -> KelvinVoigt:
     """Return a law with orthotropic viscosity A and elasticity G that couples normal and shear strains on a face.
 
-    The reason is that the axes of A and G differ from each other and from the faces of the unit square.
+    The strains are coupled because the axes of A and G differ from each other and from the directions of the faces of
+    the unit square.
     """
     A = _turned([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]], 0.5)
     G = _turned([[3.0, 1.0, 0.0], [1.0, 6.0, 0.0], [0.0, 0.0, 2.0]], -0.3)

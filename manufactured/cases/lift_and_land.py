@@ -13,7 +13,7 @@ u ∈ W^{1,∞}(0,T;H²). This gives (5.36), so that Prop. 5.4 applies.
 
 At the landing u̇ jumps by −ẇ(t_2^−) (1 − y) n. For this A, the viscous stress of the jump is balanced by the pressure
 −a ẇ(t_2^−) on Γ3 alone. So p jumps, but the loads f_0 and f_2 stay continuous: f ∈ W^{1,1}(0,T;V), while u is only in
-W^{1,∞}(0,T;V). The displacement contains this field because it has u_n = w (1 − y) + … (``profile.slab``).
+W^{1,∞}(0,T;V). The displacement contains a field with this jump because u_n = w (1 − y) + … (``profile.slab``).
 """
 
 from sympy import Rational

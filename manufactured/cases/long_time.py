@@ -12,8 +12,8 @@ Predicted order 1: the front moves. The exponents of gap and pressure at the fro
 monotone, and the error is predicted to be equally large in every period: most of it is interpolation error, which is
 periodic once the effect of the initial strain has decayed.
 
-In a first version G was A/5 and steps were 1.5 times as long. There the time share of the error was 2.1 % on the
-coarsest criss-cross mesh.
+In a first version G was A/5 and steps were 1.5 times as long. In that version 2.1 % of the error was due to the time
+discretisation on the coarsest criss-cross mesh.
 """
 
 from sympy import Rational, cos, pi

@@ -12,11 +12,11 @@ Predicted order 1: the front moves. The exponents of gap and pressure at the fro
 m > 5/2, so (3.4) holds as it is printed.
 
 G is not monotone, and L_G/m_A = 1. The strain that the pressure has caused does not decay but grows like e^{t/5}.
-Errors may grow like e^{2t/3}. A time step is known to have a unique solution for k < 1.
+Errors may grow like e^{2t/3}. The problem of a time step of length k is known to have a unique solution for k < 1.
 
-In a first version the eigenvalue in volume was −5 and the gap did not grow. There ‖Π^h u − u^h‖ may grow like e^{5t/3}.
-It was 0.65 ‖u − Π^h u‖ at n = 8, and the check that (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed
-with the quotient 1.15.
+In a first version the eigenvalue in volume was −5 and the gap did not grow. In that version ‖Π^h u − u^h‖ may grow like
+e^{5t/3}. On the mesh with n = 8 cells along a side it was 0.65 ‖u − Π^h u‖, and the check that (‖u − u^h‖² + ‖Π^h u −
+u^h‖²)^{1/2} is about ‖u − Π^h u‖ failed with the quotient 1.15.
 """
 
 from sympy import Integer, Rational

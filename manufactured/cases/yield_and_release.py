@@ -1,11 +1,12 @@
-"""A face under the nonlinear law (3.3) is pressed from rest, leaves the set K point by point, and is released.
+"""Under the nonlinear law (3.3), a whole face is pressed from rest until t_1 and is then released.
 
 The gap w, the contact pressure p and the contact zone {ψ ≥ 0} are
 
     w = 8 (t − t_1)_+² (1 + 4x(1 − x)),   p = a Q̇ + b (Q − ρ)_+,   ψ = t_1 − t,   t_1 = 3/5
 
-on the bottom of the unit square. K is a ball in the Frobenius norm. The normal strain is q = −Q with Q of ``yielding``,
-from Q_0 = 0 to Q_1 = (3/2 + 2x(1 − x)) ρ > ρ; a = 3, b = β = 6, ρ = 1/2.
+on the bottom of the unit square. The convex set K of (3.3) is a ball in the Frobenius norm. The normal strain is q = −Q
+with Q of ``yielding``. Until t_1, Q changes from Q_0 = 0 to Q_1 = (3/2 + 2x(1 − x)) ρ > ρ. The strain leaves K when Q
+exceeds ρ, at different times at different points of the face. The constants are a = 3, b = β = 6, ρ = 1/2.
 
 Predicted order 1: there is no front. w and q = −Q are smooth in space, and u̇ is Lipschitz in time, which gives (5.36),
 so that Prop. 5.4 applies, for which it is enough that G is Lipschitz.

@@ -1,12 +1,13 @@
-"""A face under the nonlinear law (3.3): only x < c is in contact, its strain leaves the set K at once; then release.
+"""Under the nonlinear law (3.3), the part x < c of a face is in contact until t_1 and is then released.
 
 The gap w, the contact pressure p and the contact zone {ψ ≥ 0} are
 
     w = 15 t² (x − c)_+³ + 4 (t − t_1)_+²,   p = a Q̇ + b (Q − ρ)_+,   c = 3/5,   t_1 = 3/5,
     ψ = c − x for t < t_1,   ψ = −1 for t ≥ t_1
 
-on the bottom of the unit square. K = {|dev τ| ≤ r}. The normal strain is q = −Q with Q of ``yielding``, from Q_0 = ρ,
-the boundary of K, to Q_1 = ρ + 3 (c − x)_+²; a = 5/2, b = β/2 = 4, ρ = √2/10.
+on the bottom of the unit square. The convex set of (3.3) is K = {|dev τ| ≤ r}. The normal strain is q = −Q with Q of
+``yielding``. Until t_1, Q changes from Q_0 = ρ to Q_1 = ρ + 3 (c − x)_+². At Q_0 the strain is on the boundary of K, so
+where there is contact it leaves K immediately. The constants are a = 5/2, b = β/2 = 4, ρ = √2/10.
 
 Predicted order 1: the front is fixed. The exponents of gap and pressure at the front, α = 3 > 5/2 and m = 2 > 3/2, give
 u(t) ∈ H² and (5.36), so that Prop. 5.4 applies.

@@ -1,7 +1,7 @@
 """The normal strain −Q on a contact face under the law (3.3), for a face that is loaded until t_1 and then released.
 
 For the normal strain −Q with Q ≥ 0, the law gives the pressure p = a Q̇ + b (Q − ρ)_+. Here ρ is the value of Q at which
-the strain reaches the boundary of K. Q is chosen as follows, with τ = t/t_1:
+the strain reaches the boundary of K. Q changes from Q_0(s) at t = 0 to Q_1(s) at t = t_1. With τ = t/t_1 its formula is
 
     Q = Q_0 + (Q_1 − Q_0) h(τ) + t_1 D k(τ),   h = τ²(3 − 2τ),   k = τ²(τ − 1),   D = −(b/a)(Q_1 − ρ)   for t ≤ t_1,
     Q = ρ + (Q_1 − ρ) e^{−b(t − t_1)/a}                                                                 for t ≥ t_1,
@@ -21,7 +21,7 @@ RELEASE = Rational(3, 5)
 
 
 def edge(law: KelvinVoigt, part: Part) -> float:
-    """Return the value ρ of Q at which the strain −Q n⊗n on a face with the normal n reaches the boundary of K."""
+    """Return the value ρ of Q at which the strain −Q n⊗n reaches the boundary of K, on a face with the normal n."""
     assert isinstance(law.G, Yield)
     return law.G.normal_response(part.normal)[1]
 

@@ -172,7 +172,7 @@ class ContactFace:
 
     @property
     def exponents_in(self) -> sp.Expr:
-        """A formula whose truncated powers show how smooth the strain is near a front."""
+        """The formula from whose truncated powers the exponents of the strain at contact fronts are read off."""
         return self.strain.formula
 
     def fronts(self, time: float) -> tuple[float, ...]:
@@ -226,8 +226,8 @@ class ContactFace:
 class _Traces:
     """Evaluates the displacement u_n and the strain (q, r) on a face at fixed points, with derivatives along the face.
 
-    A call returns derivatives of u_n up to order + 1, and derivatives of (q, r) up to ``order``; if ``rate`` is true,
-    of their rates.
+    A call returns the derivatives of u_n up to the order ``order`` + 1 and the derivatives of q and r up to ``order``.
+    If ``rate`` is true, it returns these derivatives of the time derivatives of u_n, q and r.
     """
 
     def __init__(self, face: ContactFace, s: Array) -> None:
@@ -296,7 +296,7 @@ class Lifting:
         return self._everywhere(mapped(self.frame, np.array(local)), 1)
 
     def _everywhere(self, values: Array, inner: int) -> Array:
-        """Extend values at points within the depth of the profile to all points, by 0.
+        """Return values at all points: the given values within the depth of the profile, and 0 at deeper points.
 
         The axes of the points follow the first ``inner`` axes.
         """
@@ -350,7 +350,7 @@ class Lifting:
 
     @property
     def deep(self) -> bool:
-        """Whether the profile has a function e; the strain then contains second derivatives of q along the face."""
+        """Whether the profile has a function e ≠ 0, so that the strain contains second derivatives of q along s."""
         return self.face.profile.e is not ZERO
 
     def _local(self, w: Values, strain: Components, along: Index, into: int, time: Array | complex) -> Tensors:

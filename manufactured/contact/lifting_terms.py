@@ -26,12 +26,13 @@ COMBINATIONS: dict[str, tuple[tuple[str, int], ...]] = {
 class StrainTerm(NamedTuple):
     """One term of a component of the strain in the axes of a contact face.
 
-    It is factor · ∂^along (w, q or r) · (function of y) for the gap w, the normal strain q and the shear strain r.
+    The term is the product of a factor, a derivative along the face of the gap w, the normal strain q or the shear
+    strain r, and a function of y.
 
     Attributes:
         row: the row of the Mandel vector in the axes (s, n).
         factor: the factor, which contains √2 or √½ for off-diagonal components.
-        source: 0 for w, 1 for q, 2 + i for r_i.
+        source: the number of the function that is differentiated: 0 for w, 1 for q, 2 + i for r_i.
         along: the multi-index of the derivative along the face.
         profile: the name of the function of y in ``COMBINATIONS``.
     """

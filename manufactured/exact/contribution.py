@@ -15,8 +15,9 @@ from manufactured.tensors import Array, Points, Tensors, Vectors
 class ContributionAtPoints(Protocol):
     """The interface of a displacement field at fixed points, as a function of time.
 
-    Its methods return the field, its strain, or the gradient of its strain. If ``rate`` is true, they return the time
-    derivatives. For n times, (n,), the results have n as an additional last axis.
+    The methods return the displacement, its strain, or the gradient of the strain at a time; if ``rate`` is true, they
+    return time derivatives. For n times, (n,), the results have n as an additional last axis. ``modes`` returns the
+    strain at all times, as a sum of products.
     """
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors: ...
@@ -32,15 +33,18 @@ class Contribution(Protocol):
 
 
 class Face(Contribution, Protocol):
-    """The interface of a displacement field with contact on one part of Γ3, such as ``ContactFace``.
+    """The interface of contact faces: displacement fields with contact on one part of Γ3, such as ``ContactFace``.
 
     Attributes:
-        gap, level: the formulas of the gap w and of the level function ψ, where {ψ ≥ 0} is the contact zone.
-            ``gap_jet`` and ``level_jet`` evaluate them with their derivatives.
-        initial_gap: the formula of the initial gap g; 0 in the paper.
-        pressure_jet: evaluates the prescribed pressure; None if the pressure follows from the law.
-        exponents_in: a formula whose truncated powers show how smooth the strain is near a front.
-        rough: the coordinates s at which the strain is singular at all times.
+        part: the part of Γ3.
+        variables: the symbols of the coordinates s along the part.
+        gap, initial_gap: the formulas of the gap w(s, t) and of the initial gap g(s), which is 0 in the paper.
+        level: the formula of the level function ψ(s, t); the contact zone is {ψ ≥ 0}.
+        gap_jet, level_jet: evaluate w and ψ with their derivatives.
+        pressure_jet: evaluates the prescribed pressure with its derivatives; None if the pressure follows from the law.
+        exponents_in: the formula from whose truncated powers the exponents of the strain at contact fronts are read
+            off, for example the formula of the pressure.
+        rough: the coordinates s at which the strain is singular or has a kink at all times.
     """
 
     @property

@@ -1,4 +1,7 @@
-"""Refuses points outside the body and times outside [0, T], where formulas of exact solutions have values, too."""
+"""Checks that points lie in the body and times in [0, T].
+
+This is necessary because the formulas of exact solutions can also be evaluated elsewhere, where they are no solution.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ ROUNDING = 1e-9
 
 
 def coordinates(values: ArrayLike, count: int, what: str) -> Array:
-    """Return the coordinates of points as an array (count, ...).
+    """Return the coordinates of points as an array whose first axis has the length ``count``.
 
     Raises:
         ValueError: the array has another shape.

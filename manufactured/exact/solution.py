@@ -112,8 +112,9 @@ class ExactSolution:
         return Fields(self, points)
 
     def on(self, face: Face, s: ArrayLike) -> FaceFields:
-        """Return gap, pressure and zone at fixed points s of a contact face, (d − 1, ...), as functions of t ∈ [0,
-        T].
+        """Return the contact data at fixed points s of a contact face, (d − 1, ...), as functions of t ∈ [0, T].
+
+        These data are the gap, the contact pressure and the level function of the contact zone.
 
         Raises:
             ValueError: s has another shape, or a point lies outside the body. The methods of the result raise it for
@@ -175,7 +176,7 @@ class Fields:
         return self._total(lambda part: part.strain(time, rate=True), time)
 
     def modes(self) -> list[Modes]:
-        """Return ε(u) as sums of products, one for each displacement field; points are numbered as in ``x``."""
+        """Return ε(u) as sums of products, one sum for each displacement field; points are in the order of ``x``."""
         return [part.modes() for part in self._parts]
 
     def strain_gradient(self, time: Array | complex) -> Array:
@@ -195,7 +196,7 @@ class Fields:
         return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
 
     def force_modes(self) -> ForceModes:
-        """Return the body force f_0 as sums of products; G must be linear. Points are numbered as in ``x``."""
+        """Return the body force f_0 as sums of products; G must be linear. Points are in the order of ``x``."""
         viscous, elastic = (
             [force_modes(tensor, part, self.x[0].size) for part in self._parts] for tensor in (self.law.A, self.law.G)
         )

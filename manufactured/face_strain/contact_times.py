@@ -49,7 +49,7 @@ class PressureTerm:
     """Terms of p/a (pressure divided by viscosity) that have the same moving fronts.
 
     Attributes:
-        moving: the fronts.
+        moving: the moving fronts.
         integral: computes integrals over time of the formula that holds where there is contact.
     """
 

@@ -25,7 +25,7 @@ class Front(Protocol):
         ...
 
     def beyond(self, points: Array, time: Array) -> Array:
-        """Return whether there is contact, ψ > 0, at points (d − 1, N) and times (…, N): (…, N)."""
+        """Return whether there is contact, ψ > 0, at N points, (d − 1, N), and times (…, N); the result is (…, N)."""
         ...
 
 
@@ -43,7 +43,7 @@ WITHIN = 0.38
 def within(begin: Array, end: Array) -> Array:
     """Return a time inside each interval.
 
-    It is not the middle, because ψ of a symmetric motion may be zero there.
+    The midpoint is not used, because ψ of a symmetric motion may be zero there.
     """
     return begin + WITHIN * (end - begin)
 

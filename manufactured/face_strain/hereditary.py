@@ -174,7 +174,7 @@ class _ContactIntervals:
                 total.reshape(-1)[places] -= found[index]
 
     def _started(self, order: int) -> tuple[Started, Values]:
-        """Return the integrals since the beginning of contact, as functions of time, and their values at its end."""
+        """Return the integrals from the entry into contact, as functions of time, and their values at the exit."""
         if order not in self._found:
             started = self.integral.started(self.points, self.entry, self.exit, order)
             self._found[order] = started, started.upto(self.exit, np.arange(self.exit.size))

@@ -54,7 +54,10 @@ class Prescribed:
 
 
 def _joined(pieces: list[tuple[Array, Components]]) -> Components:
-    """Join strains at different times; each piece has a mask of its times and the strains at these times."""
+    """Join strains at different times into arrays over all times.
+
+    Each piece consists of a mask, which is true at its times, and of the strains at these times.
+    """
     found: Values = {}
     for among, (values,) in pieces:
         for index, value in values.items():

@@ -21,6 +21,7 @@ PIECES = (1, 4)
 ACCURACY = 1e-13
 """Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
 TINY = float(np.finfo(float).tiny)
+"""Lower bound of the sizes of integrals, which prevents a division by zero if all integrals are zero."""
 
 
 class Quadrature:
@@ -31,7 +32,7 @@ class Quadrature:
         self.use(PIECES[0])
 
     def use(self, pieces: int) -> None:
-        """Use Gauss's rule on this number of equal pieces of (0, 1)."""
+        """Set nodes and weights to Gauss's rule on (0, 1), repeated on the given number of equal pieces."""
         x, w = np.polynomial.legendre.leggauss(POINTS)
         starts = np.arange(pieces)[:, None]
         self.nodes, self.weights = ((starts + (1 + x) / 2) / pieces).ravel(), np.tile(w / (2 * pieces), pieces)

@@ -19,7 +19,7 @@ It is (q,) with the normal strain q, or (q, r_1, …, r_{d−1}) if there is als
 class StrainAtPoints(Protocol):
     """The interface of the strain at fixed points of a contact face, as a function of time.
 
-    A call needs a time, whether to return the time derivative, and up to which order to return derivatives along the
+    The arguments of a call are the time, a flag for time derivatives, and the highest order of derivatives along the
     face. For n times, (n,), the values have n as an additional last axis.
     """
 

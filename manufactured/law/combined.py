@@ -57,7 +57,7 @@ class Combined:
 
     @property
     def _far(self) -> Array:
-        """The derivative C + βP that G has far from the convex set K, (D, D)."""
+        """The limit C + βP of the derivative of G far from the convex set K, (D, D)."""
         return self.linear.matrix + self.yielding.beta * self.yielding.convex.projector
 
     @property

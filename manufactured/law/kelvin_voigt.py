@@ -48,7 +48,7 @@ class KelvinVoigt:
     def kappa(self) -> float:
         """The constant κ = L_G/m_A, which bounds how fast two solutions can move apart.
 
-        It is a Lipschitz constant of B in (4.3) and an admissible ω in (4.5) for every G.
+        For every G, κ is a Lipschitz constant of the operator B in (4.3) and an admissible ω in (4.5).
         """
         return self.G.lipschitz / self.A.ellipticity
 

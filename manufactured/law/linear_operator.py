@@ -115,8 +115,8 @@ def face_strains(frame: Array) -> Array:
 class Indefinite(Linear):
     """A linear elasticity operator τ ↦ α(x) C τ with C symmetric but not positive, so that the material softens.
 
-    It cannot be a viscosity. The paper requires in (2.7) that a linear G is symmetric and positive, but existence and
-    error estimates need only (3.2), that G is Lipschitz.
+    Such an operator cannot be a viscosity. The paper requires in (2.7) that a linear G is symmetric and positive, but
+    existence and error estimates need only (3.2), that G is Lipschitz.
 
     Raises:
         LawError: C is not a 3 × 3 or 6 × 6 matrix, or is not finite or not symmetric.

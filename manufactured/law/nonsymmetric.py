@@ -1,4 +1,4 @@
-"""A linear elasticity operator whose matrix is not symmetric. It is not the derivative of an energy."""
+"""A linear elasticity operator whose matrix is not symmetric, so the operator is not the derivative of an energy."""
 
 from __future__ import annotations
 

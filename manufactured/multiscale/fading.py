@@ -146,7 +146,7 @@ class FadingFace:
 
     @property
     def exponents_in(self) -> sp.Expr:
-        """A formula whose truncated powers show how smooth the strain is near a front: the contact pressure."""
+        """The contact pressure, from whose truncated powers the exponents of the strain at fronts are read off."""
         return self.pressure
 
     def at(self, x: Points) -> Fading:

@@ -1,4 +1,6 @@
-"""Rollers: a narrow patch of contact of width ℓ that moves along Γ3, or opens and closes in a fixed place.
+"""Rollers: a narrow patch of contact that moves along Γ3, or that opens and closes in a fixed place.
+
+The patch has the width ℓ if it moves and 2ℓ if it stands. Its normal strain q, contact pressure p and gap w are
 
     roller:          ξ = s − 3/20 − t,   q = −Q e^ξ H(−ξ/ℓ),          p = 3Q e^ξ H'(−ξ/ℓ)/ℓ,    w = ω ℓ W(ρ),
                      ρ = dist(ξ, [−ℓ, 0])/ℓ,
@@ -56,7 +58,7 @@ DEPTH = Rational(7, 10)
 def rollers(level: int) -> tuple[Case, ...]:
     """Return the roller cases for a level n, in which the width or half-width ℓ of the patch is 2/n.
 
-    They are not in the catalogue, because each of them belongs to one level.
+    These cases are not in the catalogue, because each of them is meant for the meshes of one level.
     """
     width, (plain, pushing, steep, still) = Rational(2, level), (f"{kind}-{level}" for kind in ROLLERS)
     return (

@@ -51,7 +51,10 @@ class InStrip:
         return replace(found, points=np.flatnonzero(self.inside)[found.points])
 
     def _everywhere(self, values: Array, inner: int) -> Array:
-        """Extend values at points of the strip to all points, by 0; the axis of points comes after ``inner`` axes."""
+        """Return values at all points: the given values in the strip, and 0 outside.
+
+        The axis of the points follows the first ``inner`` axes.
+        """
         found = np.zeros((*values.shape[:inner], *self.inside.shape, *values.shape[inner + 1 :]), dtype=values.dtype)
         found[(slice(None),) * inner + (self.inside,)] = values
         return found

@@ -1,5 +1,7 @@
 """Solutions in H² with contact patches of many sizes: trains of patches, each train half as wide as the one before.
 
+There are two cases, trains and breathing-trains. The gap w, the contact pressure p and the contact zone {ψ ≥ 0} are
+
     S = sin(π (s/ℓ + 29/100)),   E = 4 s(L − s)/L²,   L = 1/8,   ℓ = 2^{−j−3} on the piece j = 0, …, 6 of Γ3,
     trains:            w = ω ℓ^{3/2} t E³ S_+^4,          p = ϖ ℓ^{1/2} t E³ (−S)_+²,            ψ = −S,
     breathing-trains:  w = ω ℓ^{3/2} E³ (S − μ(t))_+^4,   p = ϖ ℓ^{1/2} E³ (μ(t) − S)_+²,        ψ = μ(t) − S,

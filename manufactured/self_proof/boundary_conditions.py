@@ -14,7 +14,10 @@ from manufactured.tensors import Array, Points, mandel, traction
 
 
 def clamped_and_loaded(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
-    """Check the boundary conditions u = 0 on Γ1 and σν = f_2 on Γ2."""
+    """Check the boundary conditions u = 0 on Γ1 and σν = f_2 on Γ2.
+
+    This is checked at ``count`` random points of each part and at the times ``instants``.
+    """
     inside = solution.at(solution.body.sample(rng, count))
     scale_u = norms(at_times(inside.displacement, instants, count))
     findings = []
@@ -39,7 +42,10 @@ def _traction_by_step(solution: ExactSolution, part: Part, x: Points, times: Arr
 
 
 def contact(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
-    """Check that displacement and stress have the stated contact data on Γ3: u_ν = g − w, σ_ν = −p, σ_τ = 0."""
+    """Check that displacement and stress have the stated contact data on Γ3: u_ν = g − w, σ_ν = −p, σ_τ = 0.
+
+    This is checked at ``count`` random points of each part and at the times ``instants``.
+    """
     inside = solution.at(solution.body.sample(rng, count))
     scale_u = norms(at_times(inside.displacement, instants, count))
     scale_stress = norms(at_times(inside.stress, instants, count))

@@ -10,7 +10,10 @@ from manufactured.tensors import Array, traction
 
 
 def traction_at_jumps(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
-    """Check that the traction is continuous where a material factor jumps; otherwise Div σ would not be a function."""
+    """Check that the traction is continuous where a material factor jumps; otherwise Div σ would not be a function.
+
+    This is checked at random points of each line or plane with a jump and at the times ``instants``.
+    """
     findings = []
     inside = solution.body.sample(rng, 50 * count)
     size = float(np.ptp(solution.body.vertices, axis=1).max())
@@ -27,7 +30,10 @@ def traction_at_jumps(solution: ExactSolution, rng: np.random.Generator, count: 
 
 
 def bounds_of_factors(solution: ExactSolution, rng: np.random.Generator, count: int) -> list[Finding]:
-    """Check that the factors of A and G lie between their stated bounds, from which m_A and L_G are computed."""
+    """Check at random points that the factors of A and G lie between their stated bounds.
+
+    The constants m_A and L_G are computed from these bounds.
+    """
     x = solution.body.sample(rng, 50 * count)
     findings = []
     for number, name, factor in (("(3.1)", "A", solution.law.A.factor), ("(3.2)", "G", solution.law.G.factor)):

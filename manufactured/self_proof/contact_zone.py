@@ -18,7 +18,7 @@ may be singular at a front.
 GRID, INSTANTS = 211, 101
 """Numbers of points along a face and of times at which signs and the contact zone are checked."""
 TINY = 1e-150
-"""Replaces the scale of a quantity that is zero everywhere, because relative defects are divided by the scale."""
+"""Lower bound of scales. A relative defect is divided by a scale, which is 0 for a quantity that is zero everywhere."""
 
 
 def signs(solution: ExactSolution) -> list[Finding]:

@@ -20,7 +20,7 @@ INTEGRATION = 1e-5
 It is much larger than rounding, because u̇ has kinks in time where a front passes.
 """
 PANELS, FINER, MOST = 8, 4, 512
-"""Numbers of panels of Gauss's rule in each eighth of [0, T]: the first one, the factor to the next, the largest.
+"""Numbers of panels of Gauss's rule in each eighth of [0, T]: the first, the factor to the next one, and the largest.
 
 If T is long, it may contain many periods of a motion, and more panels are needed to resolve them.
 """

@@ -31,7 +31,14 @@ def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
 
 
 def examine(solution: ExactSolution, seed: int = 0, points: int = 40, times: int = 8) -> list[Finding]:
-    """Return the largest violation of every condition of Problem 2.1 at random points and times."""
+    """Return the largest violation of every condition of Problem 2.1 at random points and times.
+
+    Args:
+        solution: the exact solution.
+        seed: the seed of the random numbers.
+        points: the number of points in the body and on each part of its boundary.
+        times: the number of times.
+    """
     rng = np.random.default_rng(seed)
     instants = np.sort(rng.uniform(0, solution.body.T, times))
     inside = solution.body.sample(rng, points)

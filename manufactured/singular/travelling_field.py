@@ -82,7 +82,8 @@ def _along(component: tuple[Monomial, ...]) -> tuple[Monomial, ...]:
 class TravellingAtPoints:
     """A field with a moving singular point, at fixed points of the body.
 
-    It is evaluated in coordinates in which the singular point rests and the points move.
+    The field is evaluated in coordinates that move with the singular point, so that the fixed points move relative to
+    it.
     """
 
     def __init__(self, field: TravellingField, x: Points) -> None:

@@ -1,6 +1,7 @@
 """Load vectors and the interpolation error by independent formulas, to check ``study.fem.error_norm.ErrorNorm``.
 
-``ErrorNorm`` integrates the exact strain. The formulas here use neither these integrals nor its norm.
+``ErrorNorm`` integrates the exact strain. The formulas of this module use neither these integrals nor the norm of
+``ErrorNorm``.
 """
 
 from __future__ import annotations
@@ -68,11 +69,12 @@ def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> A
 class LeadingTerm:
     """Computes the leading term of the interpolation error ‖u − Π^h u‖_V for h → 0.
 
-    It is the interpolation error of the piecewise quadratic function that has the second derivatives of u at the
-    centres of the cells. On a cell, the interpolation error of a quadratic function with Hessian H is −½ Σ_{i<j} λ_i
-    λ_j l_ijᵀ H l_ij, where l_ij is the edge from vertex i to vertex j. Its gradient is −Σ_i λ_i V_i with V_i = ½
-    Σ_{j≠i} (l_ijᵀ H l_ij) ⊗ ∇λ_j. Since ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d + 1)(d + 2)), its energy is
-    |T|/((d + 1)(d + 2)) (Σ_i A V_i·V_i + A V·V) for V = Σ_i V_i. The factor of A is also evaluated at the centres.
+    The leading term is the interpolation error of the piecewise quadratic function that has the second derivatives of u
+    at the centres of the cells. On a cell, the interpolation error of a quadratic function with Hessian H is −½ Σ_{i<j}
+    λ_i λ_j l_ijᵀ H l_ij, where l_ij is the edge from vertex i to vertex j. The gradient of this error is −Σ_i λ_i V_i
+    with V_i = ½ Σ_{j≠i} (l_ijᵀ H l_ij) ⊗ ∇λ_j. Since ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d + 1)(d + 2)), the energy of the
+    error is |T|/((d + 1)(d + 2)) (Σ_i A V_i·V_i + A V·V) for V = Σ_i V_i. The factor of A is also evaluated at the
+    centres.
 
     Source: J. R. Shewchuk, What is a good linear finite element?, 2002, for the error function.
     """

@@ -1,8 +1,8 @@
 """Meshes of triangles or tetrahedra: geometry, mesh families, and the check that a mesh fits a body.
 
-A mesh family makes a mesh of a body for a level n, with about n cells along a side. It does not use the position of the
-contact zone. Every point at which the boundary condition changes must be a vertex (paper, before (5.23)), and every
-interface between materials must be a union of facets. Other meshes are refused.
+A mesh family makes a mesh of a body for a level n, with about n cells along a side. The mesh does not depend on the
+position of the contact zone. Every point at which the boundary condition changes must be a vertex (paper, before
+(5.23)), and every interface between materials must be a union of facets. Other meshes are refused.
 """
 
 from __future__ import annotations
@@ -36,7 +36,8 @@ class MeshError(ValueError):
 class MeshFamily(Protocol):
     """The interface of mesh families: objects that make a mesh of a body for every level.
 
-    They are the regular families {T_h} of triangulations of the paper.
+    Mesh families are the regular families {T_h} of triangulations of the paper. The mesh of level n has about n cells
+    along a side.
     """
 
     @property
@@ -477,7 +478,7 @@ def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
 def _divide(part: Part, body: Body, spacing: float) -> Array:
     """Return evenly spaced points on a part or interface, from its start on; the end is not included, (2, n).
 
-    If interfaces end on the part, each piece between these places is divided separately.
+    If interfaces end on the part, each piece between these points is divided separately.
     """
     ends = [end for interface in body.interfaces if interface is not part for end in interface.corners.T]
     tolerance = 1e-9 * part.measure
@@ -543,7 +544,7 @@ class MeshedBody:
 
     @cached_property
     def parts(self) -> list[Array]:
-        """For each part of the boundary, the numbers of its facets; MeshError if the mesh does not fit."""
+        """The numbers of the facets on each boundary part; raises MeshError if the mesh does not fit the body."""
         return boundary_parts(self.mesh, self.body)
 
     def facets(self, part: Part) -> Array:
@@ -634,7 +635,8 @@ class Skin:
 
     Attributes:
         vertices: numbers of the vertices on the surface, (v,).
-        triangles: corners of the triangles as positions in ``vertices``, (3, k); in 3D counter-clockwise from outside.
+        triangles: the corners of the triangles, as indices into the array ``vertices``, (3, k); in 3D they are
+            counter-clockwise seen from outside.
         cells: the cell of the mesh to which each triangle belongs, (k,).
     """
 

@@ -48,7 +48,7 @@ def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]
 
 @dataclass(frozen=True, eq=False)
 class QuadraturePoints:
-    """Quadrature points, sorted into sums: each point contributes to the sum of its cell, or of a vertex of its facet.
+    """Quadrature points with the weighted sums to which they contribute, one sum for each cell or for each vertex.
 
     Attributes:
         x: the points, (d, n).

@@ -129,9 +129,10 @@ def _lookup(reference: str) -> Any:
 
 
 def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
-    """Return the cases that have a name but are not in the catalogue.
+    """Return the cases that commands know by name although they are not in the catalogue.
 
-    Roller cases exist for every level. If ``name`` is one of them, the roller cases of its level are included.
+    Roller cases exist for every level of meshes. If ``name`` is the name of a roller case, the roller cases of its
+    level are included.
     """
     rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
     level = int(rolling[1]) if rolling else 0
@@ -144,14 +145,14 @@ def _case_names() -> list[str]:
 
 
 def is_own(reference: str) -> bool:
-    """Return whether a reference denotes a case of the user, FILE.py:NAME, and not of the catalogue."""
+    """Return whether a reference denotes a case in a file of the user, FILE.py:NAME, not a case of the catalogue."""
     return ":" in reference
 
 
 def name_of(reference: str) -> str:
     """Return the name of a case in data files.
 
-    If the reference has the form FILE.py:NAME, it is the name of the case, otherwise the reference itself.
+    For a reference FILE.py:NAME the attribute ``name`` of the case is returned, otherwise the reference itself.
     """
     return resolve(reference).name if is_own(reference) else reference
 

@@ -293,7 +293,7 @@ def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) ->
     Args:
         mesh: a mesh in 2D.
         fronts: lines through the contact fronts of one time.
-        but: numbers of cells that are left out, (n,).
+        but: the numbers of the cells for which no rule is returned, (n,).
         degree: degree of the rules.
     """
     left = np.ones(mesh.t.shape[1], dtype=bool)
@@ -350,7 +350,7 @@ def _slab_rule(
     s, r = np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0)
 
     def chord(x: Array, low: int, high: int) -> Array:
-        """Return r at the point with s = x of the edge between two vertices, (n, p)."""
+        """Return the coordinate r of the point with s = x on the edge between two vertices, (n, p)."""
         length = s[high] - s[low]
         slope = np.divide(r[high] - r[low], length, out=np.zeros_like(length), where=length > 0)
         return r[low][:, None] + slope[:, None] * (x - s[low][:, None])
@@ -380,7 +380,7 @@ BLOCK = 4096
 SHIFT = 1 / 32
 """Moving a quadrature point changes its barycentric coordinates by at most this number."""
 TIE = 1e-9
-"""Added to a logarithm before it is rounded down, so that congruent cells get equal spacings in spite of round-off."""
+"""A number added to a logarithm that is rounded down, so that congruent cells get equal spacings despite round-off."""
 
 
 def cell_rules(
@@ -394,8 +394,8 @@ def cell_rules(
             points for the same accuracy.
         lines: lines at which the integrand is not smooth.
         points: vertices of the mesh at which the integrand is singular.
-        along: at most two lines, not parallel. The points of ordinary cells are moved so that many of them have the
-            same distance to these lines (``shared``).
+        along: at most two lines, not parallel. The quadrature points of ordinary cells are moved so that many of them
+            have the same distance to one of these lines, as described in ``shared``.
 
     Raises:
         MeshError: as in ``rough_cells``.

@@ -47,7 +47,7 @@ class Displacements(MeshedBody, ABC):
 
     @abstractmethod
     def numbers_on(self, part: Part) -> Array:
-        """Return the numbers of the basis functions that do not vanish on a boundary part with its ends, (n,)."""
+        """Return the numbers of the basis functions that do not vanish on a boundary part, including its ends, (n,)."""
 
     @property
     @abstractmethod
@@ -126,7 +126,7 @@ class Displacements(MeshedBody, ABC):
         return self.tested(self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress)
 
     def tested(self, integrals: Tensors) -> Array:
-        """Return the virtual work of a stress as ``functional`` does, from integrals instead of values, (dofs,).
+        """Return the vector of ``functional``, (dofs,), from integrals of the stress instead of its values.
 
         Args:
             integrals: the integrals of the stress σ over the cells, (D, cells), or weights times σ at the points,
@@ -191,9 +191,10 @@ class Displacements(MeshedBody, ABC):
         return sps.csr_array(full[:, self.free])
 
     def _rows(self, values: Array, numbers: Array) -> sps.csr_array:
-        """Return a sparse matrix from all coefficients, including those on Γ1; each row combines k basis functions.
+        """Return a sparse matrix that maps all coefficients, including those on Γ1, to linear combinations of them.
 
-        The rows belong to the entries of the leading axes of the arguments, written ``...``.
+        Each row combines the coefficients of k basis functions. There is a row for each entry of the leading axes
+        ``...`` of the arguments.
 
         Args:
             values: the factors of the d components of the k coefficients of a row, (..., k, d).

@@ -48,8 +48,9 @@ from study.present.full_run import FullRun
 from study.present.notation import encode, encode_letters, folding, prose, tabular
 
 DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
-"""Ends of the keys of checks that test a prediction about the error of the fully discrete scheme. Other checks of the
-scheme are shown for comparison."""
+"""Suffixes of the keys of checks that test a prediction about the error of the fully discrete scheme. Other checks of
+the scheme are shown for comparison.
+"""
 NEGLIGIBLE = 1e-6
 """A deliberate defect is left out of the table of sensitivity if the checks notice it below this relative size, because
 it is then noticed at any size. For example, the initial displacement must be exactly Π^h u_0."""
@@ -85,7 +86,7 @@ ACCOUNTS = {
     "numbers": "numbers without a claim and without a prediction",
     "lines": "lines without a number: misprints, and formulas that have no test",
 }
-"""Name ↦ title of each account. Every row of the ledger belongs to exactly one account, by the kind of its evidence."""
+"""Name ↦ title of each kind of evidence (account). Every row of the ledger belongs to exactly one of them."""
 Named = Iterator[tuple[str, object]]
 
 
@@ -176,7 +177,7 @@ def _plan(data: FullRun) -> Named:
 
 
 def _smooth(data: FullRun) -> Named:
-    """Yield the numbers for Proposition 5.4 about solutions that are smooth."""
+    """Yield the numbers for Proposition 5.4, which is about smooth solutions."""
     label = "Prop. 5.4"
     yield from _extremes("orderLevel", data.rows(label, "order"))
     extrapolated = data.rows(label, "order-extrapolated")
@@ -306,9 +307,9 @@ def _time(data: FullRun) -> Named:
 
 
 def _front(data: FullRun) -> Named:
-    """Yield the numbers for a natural front that advances, and for nodal interpolants of an initial displacement.
+    """Yield the numbers for an advancing natural front, and for nodal interpolants of an initial displacement.
 
-    The gap at a natural front is r^{3/2} at the distance r from the front. The initial displacement is continuous.
+    At the distance r from a natural front, the gap is proportional to r^{3/2}. The initial displacement is continuous.
     """
     for name, key in (("Order", "order"), ("Rate", "rate"), ("Excess", "excess")):
         yield from _extremes(f"front{name}", data.rows("beyond: advancing front", key))
@@ -358,7 +359,7 @@ def _discrete(data: FullRun) -> Named:
 
 
 def _pressure(data: FullRun) -> Named:
-    """Yield the orders of the contact pressure in three norms, from the checks that hold."""
+    """Yield the observed orders of the contact pressure in three norms, from the checks that hold."""
     keys = {"Dual": "dual-superclose", "Other": "dual-other", "Mean": "pressure"}
     for name, key in keys.items():
         rows = data.rows("contact force", f"order-{key}")
@@ -431,7 +432,7 @@ def _counts(rows: pd.DataFrame) -> list[str]:
 
 
 def account(row: pd.Series) -> str:
-    """Return the key of ``ACCOUNTS`` to which a row of ``claims.csv`` belongs."""
+    """Return the kind of evidence of a row of ``claims.csv``, as a key of ``ACCOUNTS``."""
     label, predicted = str(row["label"]), str(row["expected"]).startswith("predicted")
     if label in (NO_ROW, NOT_TESTED, "slips"):
         return "lines"
@@ -445,7 +446,10 @@ def account(row: pd.Series) -> str:
 
 
 def accounts(data: FullRun) -> str:
-    """Return a LaTeX table with a line for each account: how many checks it has, and how many hold or do not hold."""
+    """Return a LaTeX table with a line for each kind of evidence in ``ACCOUNTS``, with the numbers of its checks.
+
+    The columns are the number of checks, of checks that hold, and of checks that fail or are undecided.
+    """
     names, body = data.claims.apply(account, axis=1), []
     for name, title in ACCOUNTS.items():
         rows = data.claims[names == name]
@@ -459,9 +463,10 @@ def accounts(data: FullRun) -> str:
 
 
 def ledger(data: FullRun) -> str:
-    """Return LaTeX tables with a line for each statement: verdicts, and the check that uses most of its window.
+    """Return LaTeX tables with a line for each statement: its verdicts, and its check with the smallest margin.
 
-    Each group of statements has a separate table, which is not broken over pages.
+    This is the check whose value uses the largest share of its tolerance window. Each group of statements has a
+    separate table, which is not broken over pages.
     """
     bodies: dict[str, list[list[str]]] = {title: [] for title in (*GROUPS, BEYOND)}
     for label, claim, rows in by_claim(data.claims):
@@ -534,9 +539,9 @@ def rough(data: FullRun) -> str:
 
 
 def stresses(data: FullRun) -> str:
-    """Return a LaTeX table of Theorem 4.2 with a separate space for stresses: a line for each case and mesh family.
+    """Return a LaTeX table of the checks of Theorem 4.2 with a separate finite element space for stresses.
 
-    Shaken meshes are left out.
+    There is a line for each case and mesh family, except shaken meshes.
     """
     rows = data.claims[(data.claims["label"] == "Thm 4.2, own space") & (data.claims["family"] != "shaken")]
     body = []
@@ -633,7 +638,10 @@ def sensitivity(data: FullRun) -> str:
 
 
 def _cell(data: FullRun, label: str, key: str, case: object, write: Callable[[pd.Series], str]) -> str:
-    """Return a cell with the first such check of the ledger; a dash if the case has none."""
+    """Return the text of a cell about the first check with a label and a key for a case; a dash if there is no check.
+
+    ``write`` makes the text from the row of the check.
+    """
     try:
         return write(data.rows(label, key, str(case)).iloc[0])
     except DataError:

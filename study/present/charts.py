@@ -145,7 +145,7 @@ class Band:
 
 @dataclass(frozen=True, eq=False)
 class SlopeTriangle:
-    """A triangle whose long side has the expected slope of the curves.
+    """A right triangle whose hypotenuse has the expected slope of the curves.
 
     Attributes:
         corners: lower left, upper right, and upper left with the right angle, (3, 2).
@@ -161,7 +161,7 @@ class SlopeTriangle:
 
 @dataclass(frozen=True, eq=False)
 class Subplot:
-    """One pair of axes with curves, bands behind the curves, a slope triangle, and horizontal lines at ``rules``.
+    """One pair of axes with curves, bands behind them, a slope triangle, and horizontal lines at the values ``rules``.
 
     The bands, the triangle and the lines may be missing.
     """
@@ -346,7 +346,7 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
 
 
 def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
-    """Return the observed orders over the last refinement: of all other mesh families, and of graded meshes."""
+    """Return the observed orders over the last refinement in two lists: graded meshes are in the second list."""
     found = finest_orders(rates, refinements=1)
     graded = [found.pop("graded")] if "graded" in found else []
     return list(found.values()), graded
@@ -592,14 +592,14 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
 
 
 def enclosure_charts(series: pd.DataFrame) -> Iterator[tuple[str, Chart]]:
-    """Yield case and chart for each case and mesh family that has enclosures of the error in ``enclosures.csv``."""
+    """Yield case and chart for each case and mesh family with two-sided bounds of the error in ``enclosures.csv``."""
     enclosed = series[series["trajectory"] == "enclosure"]
     for (case, family), rows in enclosed.groupby(["case", "family"], sort=False):
         yield str(case), enclosure_chart(rows, f"{case}, {family}")
 
 
 def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
-    """Return the chart of the enclosures of an error over time, with a band for each level.
+    """Return the chart of the two-sided bounds (enclosures) of an error over time, with a band for each level.
 
     The band reaches from d − y to d + y, where d is the distance of u_h from a more accurate displacement ũ and y is
     the bound of the error of ũ. The lower subplot shows the ends of the bands divided by the error or, if the error is
@@ -708,7 +708,9 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
 
 
 def rollers_chart(statements: pd.DataFrame) -> Chart | None:
-    """Return the chart of the error that contact adds to the linear problem if a narrow contact patch rolls along Γ3.
+    """Return the chart of the additional error due to the contact condition, for a narrow patch that rolls along Γ3.
+
+    This is the error that contact adds to the error of the linear problem.
 
     There is a curve for each mesh family; for shaken meshes it shows the mean, with a band for the range. The width of
     the contact patch is twice the mesh size.

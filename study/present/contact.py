@@ -116,7 +116,7 @@ def _zone_handles(picture: Picture) -> list[Artist]:
 
 
 def _strays(picture: Picture) -> tuple[float, float]:
-    """Return how large exact gap and computed pressure are at nodes that are in contact outside the exact zone.
+    """Return the largest exact gap and computed pressure at nodes that are in contact outside the exact zone.
 
     Returns:
         The largest gap and the largest pressure at these nodes, in per cent of the largest value on all faces; 0 if
@@ -158,9 +158,10 @@ def caption_zone(picture: Picture) -> str:
 
 
 def draw_profiles(picture: Picture) -> Figure:
-    """Draw gap and pressure along each contact face in 2D: a row for each, and a column for each time of a shape.
+    """Draw gap and pressure along each contact face in 2D at the times of ``picture.shapes``.
 
-    Lines are exact values. Markers are computed values at the nodes; if there are many nodes, some have no markers. If
+    There is a row for each face and quantity, and a column for each time. Lines are exact values. Markers are computed
+    values at the nodes; if there are many nodes, some have no markers. If
     there are several faces, a slide has a column for each face, at the time of the largest pressure.
     """
     faces, instants = picture.segments, picture.instants
@@ -230,8 +231,8 @@ def caption_profiles(picture: Picture) -> str:
 def _largest_differences(picture: Picture) -> tuple[str, str]:
     """Return the largest errors of the gap and of the pressure, as text.
 
-    The errors are taken at the nodes and at the times of the shapes. They are given in per cent of the largest exact
-    value, unless this value is zero up to rounding.
+    The errors are taken at the nodes and at the times of ``picture.shapes``. They are given in per cent of the largest
+    exact value, unless this value is zero up to rounding.
     """
     texts = []
     for name in ("gap", "pressure"):
@@ -245,7 +246,9 @@ def _largest_differences(picture: Picture) -> tuple[str, str]:
 
 
 def draw_fronts(picture: Picture) -> Figure:
-    """Draw maps of the contact zone in 3D, exact and computed: a row for each face, a column for each time of a shape.
+    """Draw maps of the contact zone in 3D, exact and computed, at the times of ``picture.shapes``.
+
+    There is a row for each face and a column for each time.
 
     The filled region is the exact zone, where the level function is not negative; dots are nodes in contact. Below, the
     numbers of nodes in contact are shown over time, exact and computed.
@@ -291,7 +294,9 @@ def caption_fronts(picture: Picture) -> str:
 
 
 def draw_maps(picture: Picture) -> Figure:
-    """Draw maps of gap and pressure in 3D: a row for each face and quantity, a column for each time of a shape.
+    """Draw maps of gap and pressure in 3D at the times of ``picture.shapes``.
+
+    There is a row for each face and quantity, and a column for each time.
 
     Surfaces show exact values, dots show computed values at the nodes, in the same colours.
     """
@@ -373,7 +378,7 @@ def _paint_zone(face: Polygon, times: Array) -> Paint:
 
 
 def _draw_maps_of(row: Array, picture: Picture, face: Polygon, paint: Paint) -> None:
-    """Draw the maps of a face at the times of the shapes."""
+    """Draw the maps of a face at the times of ``picture.shapes``."""
     for axes, instant in zip(row, picture.instants, strict=True):
         draw_map(axes, face, instant, paint)
     row[0].set_ylabel(rf"$s_2$ on ${picture.symbol(face)}$")

@@ -41,12 +41,12 @@ Progress = Callable[[int, int, str], None]
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure that is not drawn yet.
+    """A figure that can be drawn: the function that draws it, its file name and its texts.
 
     Attributes:
         name: the name of the files of the figure, without a suffix.
         draw: function that draws the figure.
-        caption: says what is drawn and, after ``SEEN``, the main point with numbers.
+        caption: the caption, which says what is drawn and, after the text ``SEEN``, the main point with numbers.
         summary: the kind of the figure in a few words, for readers who cannot see it.
         case: the case that the figure shows; empty for figures over several cases.
         sheet: whether the figure has more subplots than can be read on a slide.

@@ -71,10 +71,11 @@ PICTURES: dict[str, tuple[Callable[[Picture], Figure], Callable[[Picture], str],
 
 
 def drawings(directory: Path) -> list[Drawing]:
-    """Return all figures of a result directory, which are not drawn yet: figures over all cases, and of each case.
+    """Return all figures of a result directory without drawing them: figures over all cases, and of each case.
 
     The figures over all cases are those of ``overview``. A case has the figure ``convergence-CASE`` if it is in
-    ``rates.csv``, ``enclosure-CASE`` if its error was enclosed, and ``body-CASE``, ``zone-CASE``, ``profiles-CASE`` and
+    ``rates.csv``, ``enclosure-CASE`` if its error has two-sided bounds, and ``body-CASE``, ``zone-CASE``,
+    ``profiles-CASE`` and
     ``energy-CASE`` if it has a file in ``pictures``.
 
     Raises:
@@ -100,7 +101,7 @@ def drawings(directory: Path) -> list[Drawing]:
 
 
 def drawings_of(directory: Path, cases: Sequence[str]) -> list[Drawing]:
-    """Return the figures of the named cases, which are not drawn yet.
+    """Return the figures of the named cases without drawing them.
 
     Raises:
         UsageError: the data have no figures of a case.
@@ -114,7 +115,7 @@ def drawings_of(directory: Path, cases: Sequence[str]) -> list[Drawing]:
 
 
 def overview(directory: Path) -> list[Drawing]:
-    """Return the figures over all cases of a result directory, which are not drawn yet.
+    """Return the figures over all cases of a result directory without drawing them.
 
     The figures are ``problem``, a sketch; ``collapsed``, ``orders`` and ``convergence`` for the cases of Prop. 5.4 and
     ``convergence-prop-5-3`` for the cases of Prop. 5.3; ``contact-work`` and ``rollers`` if they were measured;
@@ -178,7 +179,7 @@ def _of_chart(name: str, chart: Chart, case: str = "") -> Drawing:
 
 
 def _suffix(rates: pd.DataFrame, scheme: object) -> str:
-    """Return the end of the names of figures of a time scheme; it is empty if the data have only one scheme."""
+    """Return the suffix of the names of figures of a time scheme; it is empty if the data have only one scheme."""
     return f"-{scheme}" if rates["scheme"].nunique() > 1 else ""
 
 

@@ -26,8 +26,10 @@ NAMED_CASES = {"advance-recede", "natural-front", "rough-trace", "moving-rough",
 class FullRun:
     """The contents of the data files of a full run; ``cases`` is indexed by the names of the cases.
 
-    ``codes`` and ``marches`` are the results of other people's contact codes, ``sensitivity`` has the smallest noticed
-    defects, and ``earlier`` and ``released`` are earlier tolerance windows. These are None if their files are missing.
+    ``codes`` has the results of other people's contact codes, and ``marches`` their results if they use the midpoint
+    rule in time. ``sensitivity`` has the smallest noticed defects. ``earlier`` has the tolerance windows of the first
+    round of measurements and ``released`` those of the last release. These attributes are None if their files are
+    missing.
     """
 
     rates: pd.DataFrame
@@ -46,7 +48,7 @@ class FullRun:
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:
-        """Return the data of a result directory; None if it lacks a full run, deliberate defects or random meshes.
+        """Return the data of a result directory; None if it has no full run with deliberate defects and random meshes.
 
         Raises:
             DataError: a file is missing or lacks a column.

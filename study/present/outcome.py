@@ -82,7 +82,8 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
     """Return the ledger as ``study run`` prints it: statements with their verdicts, failed checks, and a summary.
 
     There is a row for each statement with the number of cases and the number of checks with each verdict. Then all
-    checks are listed that do not hold; numbers without a claim only if there are at most ``FEW_CASES`` cases.
+    checks that do not hold are listed. Reported numbers, about which nothing is claimed, are listed only if there are
+    at most ``FEW_CASES`` cases.
 
     Parameters:
         claims: the content of ``claims.csv``.

@@ -254,7 +254,7 @@ def headline(data: FullRun) -> str:
 
 
 def results(data: FullRun) -> str:
-    """Return claims, predictions, observations rounded outwards, and verdicts, in Markdown."""
+    """Return the tables of results in Markdown: claims, predictions, observations rounded outwards, and verdicts."""
     beyond = _regularity, _work, _rollers, _time
     rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, *beyond, _defects, _seeds)
     lines = [[_literal(cell) for cell in astuple(row(data))] for row in rows]
@@ -543,12 +543,15 @@ def cases(data: FullRun) -> str:
 
 
 def codes(data: FullRun) -> str:
-    """Return other people's contact codes with their parameters: classes and worst values of each, in Markdown."""
+    """Return a table of other people's contact codes in Markdown, with a line for each code and its parameters.
+
+    A line has the classes into which the results on series of meshes fall, and the worst values.
+    """
     return _codes_table(data.codes)
 
 
 def marches(data: FullRun) -> str:
-    """Return the table of ``codes`` for codes that solved the problem in time by the midpoint rule."""
+    """Return the table of ``codes`` for the runs in which other people's codes solve in time by the midpoint rule."""
     return _codes_table(data.marches)
 
 
@@ -572,14 +575,20 @@ def _codes_table(found: Codes | None) -> str:
 
 
 def windows(data: FullRun) -> str:
-    """Return the tolerance windows that changed since the first round, in Markdown; DataError if a reason is
-    missing."""
+    """Return the tolerance windows that changed since the first round of measurements, in Markdown.
+
+    Raises:
+        DataError: a change has no reason.
+    """
     return _changes_table(changes(_record(data.earlier, FIRST), data.claims))
 
 
 def released_windows(data: FullRun) -> str:
-    """Return the tolerance windows that changed since the last release, in Markdown; DataError if a reason is
-    missing."""
+    """Return the tolerance windows that changed since the last release, in Markdown.
+
+    Raises:
+        DataError: a change has no reason.
+    """
     return _changes_table(changes(_record(data.released, RELEASED), data.claims))
 
 
@@ -593,7 +602,7 @@ def _changes_table(found: Sequence[Change]) -> str:
 
 
 def new_windows(data: FullRun) -> str:
-    """Return the tolerance windows of checks that did not exist at the end of the first round, in Markdown."""
+    """Return the tolerance windows of checks that did not exist in the first round of measurements, in Markdown."""
     lines = [
         [_changed(one), _literal(one.today), _literal(one.why)]
         for one in added(_record(data.earlier, FIRST), data.claims)

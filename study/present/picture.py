@@ -127,7 +127,7 @@ class Polygon(FaceHistory):
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """The body at one time: displacements of the vertices, (d, vertices), von Mises stresses of the cells, (cells,)."""
+    """The deformed body at one time: displacements, (d, vertices), and von Mises stresses of the cells, (cells,)."""
 
     time: float
     displacement: Array
@@ -325,7 +325,8 @@ def over_time(record: Mapping[str, Any]) -> tuple[Packed, Packed]:
         cells).
 
     Raises:
-        KeyError, TypeError, ValueError: the file lacks one of them, or their shapes do not agree with the mesh.
+        KeyError, TypeError, ValueError: the file lacks displacements or stresses, or their shapes do not agree with the
+            mesh.
     """
     times, vertices, cells = len(record["times"]), np.shape(record["vertices"]), np.shape(record["cells"])
     packed = Packed.read(record["displacement"]), Packed.read(record["von_mises"])
@@ -336,7 +337,7 @@ def over_time(record: Mapping[str, Any]) -> tuple[Packed, Packed]:
 
 
 def with_every_shape(record: Mapping[str, Any]) -> Picture:
-    """Return the data of a run with shapes at all times, not only at selected times; raises as ``over_time``."""
+    """Return the data of a run with the deformed body at all times; raises the same errors as ``over_time``."""
     picture, (displacement, von_mises) = Picture.of(record), over_time(record)
     every = zip(picture.times, displacement.values, von_mises.values, strict=True)
     return replace(picture, shapes=[Shape(float(time), u, stress) for time, u, stress in every])
@@ -356,8 +357,8 @@ def misplaced_length(face: Segment, times: Array) -> Array:
     """Return the error of the computed contact zone of a face in 2D at all times after the first, (times − 1,).
 
     The error is the length of the symmetric difference of the exact zone and of ``Segment.computed_zone``, divided by
-    the length of a cell: the sum of the errors of all fronts, in cells. It is also defined at events. A clamped end of
-    a face, which is not a node, is left out.
+    the length of a cell: the sum of the errors of all fronts, in cells. It is also defined at times when intervals of
+    the zone appear, vanish, merge or split. A clamped end of a face, which is not a node, is left out.
     """
     low, high = float(face.s.min()), float(face.s.max())
     lengths = []
@@ -399,7 +400,8 @@ def outside(face: FaceHistory, times: Array) -> NDArray[np.bool_]:
 def strands(times: Array, zone: Sequence[Sequence[Interval]]) -> list[Strand]:
     """Return the histories of all intervals of a contact zone.
 
-    An event between two of the times is assumed to be halfway between them.
+    A history begins and ends at an event: intervals appear, vanish, merge or split. If an event happens between two of
+    the times, it is assumed to be halfway between them.
 
     Parameters:
         times: the times at which the zone is known.
@@ -442,7 +444,7 @@ def caps(pieces: Sequence[Strand]) -> list[tuple[float, float, float]]:
 
 
 def _tip(interval: Interval, across: Sequence[Interval], along: Sequence[Interval]) -> Interval:
-    """Return the interval with which the history of an interval begins or ends at an event.
+    """Return the interval with which the history of an interval begins or ends at an event (see ``strands``).
 
     It is the whole interval if the interval meets another one at the event, or if it appears or disappears at once over
     its whole length. Otherwise it is the midpoint of the interval.

@@ -122,7 +122,7 @@ LETTERS = {
 
 @dataclass(frozen=True)
 class LedgerGroup:
-    """One statement on the page.
+    """One statement in the ledger of the report page, with its checks.
 
     Attributes:
         label: the label of the statement.
@@ -141,15 +141,15 @@ class LedgerGroup:
 
 @dataclass(frozen=True)
 class CasePage:
-    """One case on the page.
+    """One case on the report page.
 
     Attributes:
         name: the name of the case.
         facts: name ↦ text of each property of the case.
         counts: verdict ↦ number of checks.
         observed: the smallest and the largest observed order as text.
-        strip: the horizontal position of the predicted order on the strip of orders, and for each mesh family the
-            position of the observed order with a colour.
+        strip: data of the small picture that compares orders on a horizontal axis: the position of the predicted order,
+            and for each mesh family the position of the observed order with a colour.
         charts: the charts as HTML.
         film: the data of the animation, from ``read_film``.
         tables: captions and tables.
@@ -227,7 +227,7 @@ def _files(directory: Path) -> Table:
 
 
 def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[CasePage]:
-    """Return what the page shows of each case, in the order of ``cases.csv``.
+    """Return the texts, charts and tables of each case on the report page, in the order of ``cases.csv``.
 
     Parameters:
         directory: the directory of a run.

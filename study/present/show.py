@@ -51,7 +51,7 @@ class Shown:
 
 
 def count_images(record: Mapping[str, Any]) -> int:
-    """Return how often ``draw_show`` calls ``notify`` for a record: for the storyboard, and for each frame."""
+    """Return the number of images that ``draw_show`` draws for a record: one storyboard, and all frames."""
     return 1 + len(record["times"])
 
 

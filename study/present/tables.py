@@ -170,7 +170,10 @@ def ledger_table(directory: Path) -> Table:
 
 
 def _with_measured_ranges(directory: Path) -> pd.DataFrame:
-    """Return ``claims.csv`` with empty ends ``low`` and ``high`` where nothing was measured: −∞ to ∞ is no range."""
+    """Return ``claims.csv`` with empty cells ``low`` and ``high`` instead of the range −∞ to ∞.
+
+    This range means that nothing was measured.
+    """
     claims = read_claims(directory)
     unmeasured = (claims["low"] == -math.inf) & (claims["high"] == math.inf)
     return claims.assign(low=claims["low"].mask(unmeasured), high=claims["high"].mask(unmeasured))

@@ -1,4 +1,4 @@
-"""Comparison of the tolerance windows of today with earlier windows, and the reasons for all changes.
+"""Compares the present tolerance windows of the checks with earlier windows, and gives a reason for every change.
 
 ``results/history/windows.csv`` has the windows at the end of the first round of measurements, ``released.csv`` the
 windows of the last release. ``python -m study.present.windows results`` writes the second file when a version is
@@ -22,8 +22,9 @@ from study.ledger.verdict import ROW_KEY, UNCLAIMED
 from study.ledger.window import MIN_POSITIVE, Window
 
 FIRST, RELEASED = "windows.csv", "released.csv"
-"""Files in ``results/history`` with the windows at the end of the first round (commit 27a936c) and of the last
-release."""
+"""Files in ``results/history`` with the windows at the end of the first round of measurements (commit 27a936c) and of
+the last release.
+"""
 NOT_NOTHING = "a diagnostic must be positive: exactly 0 means that a quantity was compared with itself"
 OWN_SPACE = "Thm 4.2, own space"
 NOT_RANDOM = "merging-patches and layered are now measured on meshes that are not random"
@@ -58,11 +59,11 @@ value, the reason is ``NOT_NOTHING``."""
 
 @dataclass(frozen=True)
 class Change:
-    """The same change of the tolerance window of several checks that have one label and one key.
+    """A change of a tolerance window, the same for several checks that have one label and one key.
 
     Attributes:
         label, key: label and key of the checks.
-        before, today: the windows as text; ``before`` is empty for new checks.
+        before, today: the earlier and the present window as text; ``before`` is empty for new checks.
         why: the reason.
         rows: the number of these checks.
     """
@@ -132,7 +133,7 @@ def added(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
 
 
 def _differences(rows: pd.DataFrame) -> Iterator[tuple[str, str, str, str, str]]:
-    """Yield label, key, earlier window, window of today and reason for each check whose window changed."""
+    """Yield label, key, earlier window, present window and reason for each check whose window changed."""
     for row in rows.to_dict("records"):
         then = Window(row["then_low"], row["then_high"])
         now = Window(row["window_low"], row["window_high"])
