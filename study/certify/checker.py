@@ -737,7 +737,8 @@ class Element:
         for i in range(3):
             first, second = CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3]
             wanted = [given if (i, c) == (side, d) else Poly() for c in (0, 1)]
-            require(tractions(stress[i], first, second) == wanted, "tractions of the reference element differ")
+            right = tractions(stress[i], first, second) == wanted
+            require(right, "tractions of the reference element differ from its inputs")
             met = [tractions(stress[(i + n) % 3], CORNERS[i], CENTRE) for n in (1, 2)]
             require(met[0] == met[1], "tractions inside the reference element jump")
             x, y, z = (combination(PLAIN, values) for values in stress[i])

@@ -33,11 +33,11 @@ from study.statements.shared import estimates
 
 
 def do_adapt(options: argparse.Namespace) -> int:
-    """Refine until the error bound is at most the tolerance, and write results and figure.
+    """Refine mesh and time steps until the error bound is at most the tolerance; write results and a figure.
 
     Returns:
-        0 if the tolerance is reached, otherwise 1. If the exact solution is known and an error lies outside its
-        enclosure, 1 is returned as well.
+        0 if the tolerance is reached, otherwise 1. If the exact solution is known, 1 is also returned if a true error
+        is larger than its upper bound or smaller than its lower bound.
     """
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
@@ -84,13 +84,13 @@ def do_adapt(options: argparse.Namespace) -> int:
 
 
 def _stage(store: Store, number: int, cache_key: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
-    """Return the results on one mesh, from disk if they are stored, otherwise computed and stored.
+    """Return the results on one mesh: read them if they are stored, otherwise compute and store them.
 
     Parameters:
         store: the result directory.
         number: number of the mesh.
         cache_key: cache key of the results.
-        compute: computes the results.
+        compute: function that computes the results.
     """
     key, path = f"adapted-{number}", adaptive.stage_file(store.directory, number)
     stored = store.load(key, cache_key) if path.is_file() else None

@@ -1,6 +1,6 @@
 """``study bound``: computes displacements and encloses their errors without the exact solution.
 
-Finished levels are stored, so that the command continues after Ctrl-C.
+Levels are meshes from coarse to fine. Finished levels are stored, so that the command continues after Ctrl-C.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def do_bound(options: argparse.Namespace) -> int:
 def _level(
     store: Store, level: int, made_by: str, compute: Callable[..., bounded.BoundedSolution], T: float
 ) -> dict[str, Any]:
-    """Return the results on one level, from disk if they are stored there, otherwise computed and stored.
+    """Return the results on one level: read them if they are stored, otherwise compute and store them.
 
     Parameters:
         store: the result directory.

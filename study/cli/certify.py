@@ -24,7 +24,7 @@ from study.statements.shared import estimates
 
 
 def do_certify(options: argparse.Namespace) -> int:
-    """Write one certificate for each level, check all, and return the exit code of the checker."""
+    """Write a certificate (proof of an error bound) for each mesh, check all; return the checker's exit code."""
     name, data, _ = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)

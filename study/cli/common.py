@@ -34,7 +34,7 @@ def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
         file: the file; None for an empty set.
 
     Returns:
-        Tuples (label, key, case, family), which identify the checks.
+        Tuples (label of the statement, short name of the check, case, mesh family), which identify the checks.
 
     Raises:
         UsageError: the file cannot be read, has other columns, or a row has no reason.
@@ -73,8 +73,8 @@ def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
 class ProgressBar(tqdm):  # type: ignore[misc]
     """A progress bar that estimates the remaining time from the mean speed since the start.
 
-    An estimate is shown once ``SURE`` of the work is done. The estimates of tqdm follow from the speed of the last
-    jobs. This speed varies by a factor of ten, so that these estimates jump.
+    An estimate is shown once ``SURE`` of the work is done. The estimates of tqdm follow from the speed of the last few
+    measurements. This speed varies by a factor of ten, so that the estimates of tqdm jump.
     """
 
     @property
@@ -89,10 +89,10 @@ class ProgressBar(tqdm):  # type: ignore[misc]
         return values
 
     def notify_after_stored(self) -> Callable[[float], None]:
-        """Return a function that is called with the cost of finished jobs and moves the bar.
+        """Return a function that moves the bar; its argument is the expected time of finished measurements.
 
-        Its first call must give the cost of all jobs with stored results. They take no time, so they are left out of
-        the speed.
+        Its first argument must be the expected time of all measurements whose results are already stored. They take no
+        time now, so they are left out of the speed.
         """
         first = True
 
@@ -132,7 +132,7 @@ def draw(
 
     Parameters:
         directory: the result directory.
-        processes: draw the figures.
+        processes: worker processes, which draw the figures.
         chosen: function that returns the figures to be drawn, given the directory.
         output: use, formats, resolution and style of the figures.
     """

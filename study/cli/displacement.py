@@ -100,7 +100,7 @@ def _level(u_h: GivenDisplacement) -> int:
 def _row(
     store: Store, data: Data, case: Case | None, number: int, path: Path, u_h: GivenDisplacement, refined: Refined
 ) -> dict[str, Any]:
-    """Return the results for a displacement file, from disk if they are stored, otherwise computed and stored.
+    """Return the results for a displacement file: read them if they are stored, otherwise compute and store them.
 
     Parameters:
         store: the result directory.

@@ -31,7 +31,7 @@ from study.statements.shared.tasks import FROZEN_TIMES, Task
 def do_export(options: argparse.Namespace) -> int:
     """Write one file for each case, mesh family and level; return 0.
 
-    By default, the mesh families are those on which the quick study measures the case.
+    By default, each case is written on the mesh families on which the quick study measures it.
     """
     cases = [resolve(name) for name in options.case]
     if repeated := {case.name for case in cases if [other.name for other in cases].count(case.name) > 1}:

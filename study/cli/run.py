@@ -76,15 +76,15 @@ def do_run(options: argparse.Namespace) -> int:
 
 
 def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[str]:
-    """Run the jobs of a plan whose results are not stored, and write the data files.
+    """Make the measurements (jobs) of a plan whose results are not stored, and write the data files.
 
-    For users' cases, jobs with deliberate defects are run as well.
+    Cases that users define are also measured with deliberate defects of the program (``study.controls.contact_test``).
 
     Parameters:
         plan: the plan.
         store: the result directory.
-        pool: runs the jobs of the plan.
-        own_processes: runs the jobs with defects, in processes of this machine.
+        pool: the worker processes for the measurements of the plan.
+        own_processes: the worker processes for the measurements with defects; they run on this machine.
 
     Returns:
         The names of the additional data files that only users' cases have.
@@ -103,7 +103,7 @@ def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[s
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:
-    """Return a scope in which cases also have the levels that an earlier run in this directory has.
+    """Return a scope (cases and their levels) to which the levels of an earlier run in this directory are added.
 
     The levels are only added for cases with new levels in the scope. Such a case is then measured on old and new levels
     together.

@@ -1,6 +1,7 @@
 """``study seeds``: measures how often a check fails by chance on meshes with random vertices.
 
-All claimed checks are judged on new random meshes, and the results are added to the record of seeds.
+A *seed* is a number from which a random mesh of every size and body is made. On the meshes of new seeds, all checks are
+judged that the study claims to hold there. The results are added to the record of seeds (``study.controls.record``).
 """
 
 from __future__ import annotations
@@ -39,18 +40,18 @@ class TimeIsUpError(Exception):
 
 @dataclass(frozen=True)
 class Watch:
-    """A function that is called after each job: it shows the progress, and stops the run when the time is over.
+    """A function, called after each measurement, that shows the progress and stops the run when the time is over.
 
     Attributes:
         bar: the progress bar.
-        end: the end of the time, as ``time.monotonic()``.
+        end: when the run must stop, on the clock ``time.monotonic()``.
     """
 
     bar: tqdm
     end: float
 
     def __call__(self, cost: float) -> None:
-        """Show that a job with this cost is finished.
+        """Show that a measurement is finished; ``cost`` is its expected computing time in µs.
 
         Raises:
             TimeIsUpError: the time is over.
@@ -63,11 +64,11 @@ class Watch:
 def do_seeds(options: argparse.Namespace) -> int:
     """Judge checks on new random meshes as long as time permits, and write the table of false-alarm rates.
 
-    With ``--seed``, the meshes of one seed are measured again instead.
+    With the option ``--seed``, the command instead measures again on the random meshes with this seed.
 
     Returns:
         0 if the false-alarm rate is at most the permitted one, 1 if it is larger, 3 if this is undecided. With
-        ``--seed``: 0 if all claimed checks hold, otherwise 1.
+        ``--seed``: 0 if all checks hold that the study claims to hold on random meshes, otherwise 1.
     """
     check_jobs(options.jobs)
     if options.minutes < 0:
@@ -100,13 +101,13 @@ def do_seeds(options: argparse.Namespace) -> int:
 
 
 def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
-    """Judge the checks on new seeds and record the results.
+    """Judge the checks on random meshes with new seeds, and record the results.
 
     If an earlier call did not finish a seed, this seed comes first.
 
     Parameters:
         directory, pool: the result directory, and the pool that runs the measurements.
-        end: the end of the time, as ``time.monotonic()``.
+        end: when the run must stop, on the clock ``time.monotonic()``.
         most: largest number of seeds.
     """
     done = 0
@@ -131,15 +132,15 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
 
 
 def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[Verdict]:
-    """Run the jobs of a plan whose results are not stored, and return the checks about which something is claimed.
+    """Make the measurements of a plan that are not stored, and return the checks about which something is claimed.
 
     Parameters:
-        plan, store, pool: the plan, the directory of its data, and the pool that runs the jobs.
+        plan, store, pool: the plan, the directory of its data, and the worker processes.
         name: text before the progress bar.
-        end: the end of the time, as ``time.monotonic()``.
+        end: when the run must stop, on the clock ``time.monotonic()``.
 
     Raises:
-        TimeIsUpError: the time is over before all jobs are finished.
+        TimeIsUpError: the time is over before all measurements are finished.
     """
     with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
         bar.set_description(name)
@@ -149,12 +150,12 @@ def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[
 
 
 def _again(seed: int, directory: Path, pool: Pool) -> int:
-    """Measure the meshes of one seed again, and print the claimed checks that do not hold.
+    """Measure again on the random meshes with one seed; print the checks that should hold there and do not.
 
     The results are also compared with the record of seeds.
 
     Returns:
-        0 if all claimed checks hold, otherwise 1.
+        0 if all checks hold that the study claims to hold on random meshes, otherwise 1.
     """
     store, plan = Store(directory / "seeds" / str(seed)), seeded(seed)
     found = judged(plan, store, pool, f"seed {seed}", float("inf"))

@@ -4,11 +4,11 @@ The record of seeds has the results of all checks on random meshes, one mesh seq
 check if it was drawn after the last change of the rule of the check (tolerance window, levels, statistic). Earlier
 seeds remain in the record but do not count.
 
-``data/seeds.csv`` has one row for each check. Before them are two rows about all claimed checks together. The row
-``every`` counts the seeds on which all checks were measured. The row ``light`` counts all seeds, but only with the
-cheap checks, which are measured on each seed. Both counts start again after a change of one of their checks. The count
-of ``every`` also starts again if a check is removed from the ledger. Otherwise a false alarm could be hidden by
-removing the check.
+A check is *claimed* if the study claims that it holds on random meshes. ``data/seeds.csv`` begins with two rows about
+all claimed checks together; then it has one row for each check. The row ``every`` counts the seeds on which all checks
+were measured. The row ``light`` counts all seeds, but only with the cheap checks, which are measured on each seed. Both
+counts start again after a change of one of their checks. The count of ``every`` also starts again if a check is removed
+from the ledger. Otherwise a false alarm could be hidden by removing the check.
 """
 
 from __future__ import annotations
@@ -46,12 +46,13 @@ FOLDED = [25, 14]
 class CountedCheck:
     """A check, and for each seed of random meshes the position of its value in its tolerance window.
 
-    A position is −1 or 1 at an end of the window, and beyond these numbers outside.
+    Positions between −1 and 1 lie in the window; −1 and 1 are its ends.
 
     Attributes:
         key: label, key and case of the check.
-        rule: fingerprint of the rule of the check.
-        places: the positions for all seeds, (seeds,). A position is NaN if the check was not judged by this rule then.
+        rule: hash of the rule of the check: its tolerance window, levels and statistic.
+        places: the positions, one for each seed. A position is NaN if the check was not judged by this rule on the
+            meshes of the seed.
         both: whether values can come near both ends of the window.
     """
 
@@ -62,7 +63,7 @@ class CountedCheck:
 
     @classmethod
     def of(cls, record: Record) -> list[CountedCheck]:
-        """Return the checks of a record of seeds that are still in the ledger, each with its newest rule.
+        """Return the recorded checks that are still in the ledger (the table of all checks), each with its newest rule.
 
         A check is no longer in the ledger if it was not judged on the last seed with all checks, nor on a later seed.
         """
@@ -105,7 +106,7 @@ def newest(record: Record) -> int:
 
 
 def tally(record: Record) -> pd.DataFrame:
-    """Return the table ``seeds.csv``: two rows about all claimed checks together, then one row for each check."""
+    """Return the table ``seeds.csv``: two rows about all claimed checks together, one row for each single check."""
     rows = CountedCheck.of(record)
     whole = np.array([draw.part == WHOLE for draw in record.draws])
     in_force = np.array([draw.rules == record.draws[newest(record)].rules for draw in record.draws])
@@ -123,12 +124,13 @@ def tally(record: Record) -> pd.DataFrame:
 def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
     """Return a row of ``seeds.csv`` about several checks together, from the seeds on which all of them were judged.
 
-    A seed has a false alarm if at least one check fails. The rates that are extrapolated for single checks are added.
+    A seed has a false alarm if at least one check fails. The extrapolated rate of the row is the sum of the rates that
+    are extrapolated for the single checks.
 
     Parameters:
         key: name of the row.
         rows: the rows of ``seeds.csv`` for the checks.
-        places: positions of the values in the tolerance windows, (checks, seeds).
+        places: positions of the values in the tolerance windows, shape (number of checks, number of seeds).
     """
     counted = np.flatnonzero(np.isfinite(places).all(axis=0)) if len(places) else np.empty(0, dtype=int)
     places, judged = places[:, counted], len(counted)
@@ -145,14 +147,15 @@ def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
 def newer(table: pd.DataFrame) -> pd.DataFrame:
     """Return the rows of ``seeds.csv`` for claimed checks whose rule was changed after the first seed.
 
-    The first seed is the first one on which the same part of the checks, all or the cheap ones, was measured.
+    Cheap checks are measured on each seed, costly checks only on some. So the first seed of the cheap checks may differ
+    from the first seed of the costly ones.
     """
     first = table.groupby("part")["since"].transform("min")
     return table[(table["claimed"] == "yes") & (table["label"] != ALL_ROWS) & (table["since"] > first)]
 
 
 def verdict(table: pd.DataFrame) -> str:
-    """Return whether the false-alarm rate of all checks is at most ``PROMISE``: holds, fails or undecided."""
+    """Return the verdict (holds, fails or undecided): is the rate of all claimed checks at most ``PROMISE``?"""
     return alarm_summary(table).verdict
 
 

@@ -50,10 +50,10 @@ class Baseline(Protocol[S]):
     def __hash__(self) -> int: ...
 
     def verdicts(self, defect: Callable[[S], S]) -> list[Verdict]:
-        """Measure in this setting with a defect, and return the checks of the ledger about which something is claimed.
+        """Measure in this setting with a defect; return the checks about which the study or the paper claims something.
 
         Parameters:
-            defect: function that returns the wrong object, given the correct one.
+            defect: function that returns the wrong object, given the correct one; the identity for no defect.
         """
         ...
 
@@ -70,7 +70,7 @@ def experiment(case: Case, family: str, level: int) -> Experiment:
 
 
 def claimed(verdicts: list[Verdict]) -> list[Verdict]:
-    """Return the checks in a list about which something is claimed."""
+    """Return the checks of a list without the checks about which nothing is claimed."""
     return [verdict for verdict in verdicts if verdict.verdict not in UNCLAIMED]
 
 

@@ -56,11 +56,11 @@ class DefectiveJob(Job):
 
     @property
     def key(self) -> str:
-        """The name of the file with the result, without its ending."""
+        """The name of the file in which the result of this measurement is stored, without the ending of the name."""
         return f"contact-test__{self.defect.replace(' ', '-')}__{super().key}"
 
     def fingerprint(self) -> str:
-        """Return the cache key of the result, which also depends on the code of the defects."""
+        """Return the cache key of the result; it also depends on the code that makes the defects."""
         return hashlib.sha256(f"{super().fingerprint()} {code_hash(CODE)}".encode()).hexdigest()[:16]
 
     def run(self) -> Mapping[str, Any]:
@@ -72,12 +72,12 @@ class DefectiveJob(Job):
 
 @dataclass(frozen=True)
 class ContactTest:
-    """The jobs, that is measurements, which show how strongly a user's case tests contact.
+    """The measurements that show how well a user's case detects contact errors; they are repeated with each defect.
 
     Attributes:
         reference: the case as FILE.py:NAME.
         family: name of the mesh family.
-        jobs: the jobs of the run that are repeated with each defect.
+        jobs: the measurements (jobs) of the run that are repeated with each deliberate defect of the contact solver.
     """
 
     reference: str
@@ -86,7 +86,7 @@ class ContactTest:
 
     @classmethod
     def of(cls, plan: Plan, reference: str) -> ContactTest:
-        """Return the test for a case: jobs of a run on the finest levels of one mesh family without random vertices.
+        """Return the test for a case: its measurements on the finest levels of one mesh family that is not random.
 
         The number of levels is the smallest that suffices for a verdict on an observed order.
 
@@ -102,11 +102,11 @@ class ContactTest:
         return cls(reference, family, tuple(job for job in mine if job.setting.level in levels))
 
     def defective(self, defect: str) -> list[DefectiveJob]:
-        """Return the jobs of this test with the named defect."""
+        """Return the measurements of this test, to be made with the named defect."""
         return [DefectiveJob(job.statement, job.setting, defect) for job in self.jobs]
 
     def rows(self, store: Store) -> list[Row]:
-        """Return the rows of ``contact-test.csv``, one for each defect, from the stored results of all jobs."""
+        """Return the rows of ``contact-test.csv``, one for each defect, from the stored results of all measurements."""
         sound = {name for name, verdict in verdicts(self.jobs, store).items() if verdict.verdict == HOLDS}
         found: list[Row] = []
         for defect, (what, _) in DEFECTS.items():
@@ -128,10 +128,10 @@ class ContactTest:
 
 
 def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
-    """Judge the stored results of jobs, and return the checks that compare with the exact solution.
+    """Judge the stored results of measurements (jobs); return the checks that compare with the exact solution.
 
     Returns:
-        Name of a check, which consists of label and key ↦ the check.
+        "LABEL, KEY" ↦ the check, with the label of its statement and its key (short name).
     """
     rows: dict[DataFile, list[Row]] = {}
     for job in jobs:

@@ -34,7 +34,7 @@ class Control:
             ``study.statements``. Without a colon it is an attribute of the measured object, such as "problem.solver",
             or "" for the whole object.
         replacement: function that returns the wrong part, given the correct one.
-        checks: the key of the check that must fail, or the keys of several checks that all must fail.
+        checks: the key (short name) of the check that must fail, or the keys of several checks that all must fail.
         others: further parts that are replaced at the same time, as pairs (place, replacement).
     """
 
@@ -48,7 +48,7 @@ class Control:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The keys of the checks that must fail because of the defect."""
+        """The keys (short names) of the checks that must fail because of the defect."""
         return (self.checks,) if isinstance(self.checks, str) else self.checks
 
     @property
@@ -108,7 +108,7 @@ def overridden(whole: Any, **attributes: Any) -> Any:
 
 
 def within(place: str, replacement: Replacement) -> Replacement:
-    """Return a replacement of the class ``Experiment`` that makes one attribute of every new experiment wrong.
+    """Return a replacement of the class ``Experiment`` by one whose objects all have one wrong attribute.
 
     Parameters:
         place: name of the attribute, such as "problem.solver".

@@ -93,7 +93,7 @@ def unpacked(text: str) -> Array:
     """Return the positions of values in a tolerance window that a text encodes, two characters for each seed.
 
     Returns:
-        The positions, (seeds,); NaN for a seed on which the check was not judged.
+        The positions, one for each seed; NaN for a seed on which the check was not judged.
     """
     pairs = [text[i : i + 2] for i in range(0, len(text), 2)]
     values = [np.nan if pair == NONE else DIGITS.index(pair[0]) * len(DIGITS) + DIGITS.index(pair[1]) for pair in pairs]
@@ -106,7 +106,7 @@ class Draw:
 
     Attributes:
         seed: the seed.
-        part: WHOLE if all checks are measured on this seed, LIGHT if only the cheap ones are.
+        part: WHOLE if all checks are measured on the meshes of this seed, LIGHT if only the cheap checks are.
         rules: hash of the rules of the judged checks.
         judged: number of judged checks; −1 while the seed is being measured.
         alarms: number of false alarms; −1 while the seed is being measured.
@@ -121,7 +121,7 @@ class Draw:
 
 @dataclass(frozen=True)
 class Line:
-    """A line of ``places.csv.gz`` without its key: results of one check on all random seeds.
+    """A line of ``places.csv.gz`` without the columns that identify the check: its results on all random seeds.
 
     Attributes:
         window_low, window_high: the ends of the tolerance window.
@@ -149,7 +149,8 @@ class Record:
 
     Attributes:
         draws: the seeds, in the order in which they were drawn.
-        lines: key of a check and fingerprint of the rule by which it was judged ↦ its results for all seeds.
+        lines: (label, key and case of a check, fingerprint of the rule by which it was judged) ↦ the results of the
+            check for all seeds.
     """
 
     draws: tuple[Draw, ...] = ()

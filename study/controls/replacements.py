@@ -62,7 +62,7 @@ def times(factor: float) -> Replacement:
 
 
 def column_times(column: str, factor: float) -> Replacement:
-    """Deliberate defect: a function that returns a table row returns it with one number multiplied by ``factor``."""
+    """Deliberate defect: one number in the table row that a function returns is multiplied by ``factor``."""
     return result(lambda row: {**row, column: factor * row[column]})
 
 
@@ -246,8 +246,8 @@ def node(which: str, last: int) -> int:
     """Return the number of a time node.
 
     Args:
-        which: "first" for node 1, "last" for the last node, "odd" or "even" for a node with such a number in the
-            middle.
+        which: "first" for node 1, "last" for the last node, "odd" or "even" for a node near the middle whose number is
+            odd or even.
         last: number of the last node.
     """
     return {"first": 1, "odd": last // 2 | 1, "even": (last // 2 + 2) // 2 * 2, "last": last}[which]
@@ -315,7 +315,7 @@ def _times_parts(state: Any, factors: dict[str, float]) -> Any:
 
 
 def rival_off(which: str) -> Replacement:
-    """Deliberate defect: solutions by other methods, for comparison, are wrong by a thousandth at one time node.
+    """Deliberate defect: at one time node, solutions by other methods (for comparison) are wrong by a thousandth.
 
     Args:
         which: "first", "odd", "even" or "last", as for ``node``.
@@ -481,7 +481,7 @@ def start_at_the_end(setup: Any) -> Any:
 
 
 def start_outside(problem: Any) -> Any:
-    """Deliberate defect: the initial displacement enters the foundation."""
+    """Deliberate defect: the initial displacement moves parts of the contact boundary into the foundation."""
     return replace(problem, u0=problem.u0 + 10 * problem.N.T @ np.ones(problem.N.shape[0]))
 
 
@@ -616,7 +616,7 @@ def interpolation_error_off(which: str, factor: float) -> Replacement:
 
 
 def _time(which: str, setup: Any) -> float:
-    """Return the time of a node, named as for ``node``, among the nodes at which errors are measured."""
+    """Return the time of one of the nodes at which errors are measured; ``which`` is described in ``node``."""
     return float(setup.problem.T * node(which, 2 * setup.steps) / (2 * setup.steps))
 
 
@@ -1069,7 +1069,7 @@ def same_problem(name: str) -> Replacement:
 def rival_stress_off(stresses: Function) -> Function:
     """Deliberate defect: in one time step, stresses of other solvers are wrong by a thousandth.
 
-    They are the solvers with which the solver of the study, ``Signorini``, is compared.
+    The other solvers are compared with the solver of the study, ``Signorini``.
     """
     return lambda setup: [
         (1.001 if n == 6 and setup.solver is not Signorini else 1.0) * stress
@@ -1101,7 +1101,7 @@ def known_error(call: int, factor: float) -> Replacement:
 
 
 def larger(*names: str) -> Function:
-    """Return a function that multiplies named squares of norms, measured at one time, by 10⁶."""
+    """Return a function that multiplies some measured squares of norms, given by their names, by 10⁶."""
     return lambda course: _times_parts(course, dict.fromkeys(names, 1e6))
 
 

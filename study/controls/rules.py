@@ -66,7 +66,7 @@ def row_of(verdict: Verdict) -> RowKey:
 def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
     """Return a table of measurements with pseudo-random numbers in place of the measured ones.
 
-    The numbers have the size of the mesh size h, and depend only on the names of the file, the row and the column.
+    The numbers are about as large as the mesh size h, and depend only on the names of the file, the row and the column.
 
     Parameters:
         file: the data file, with its name and key columns.

@@ -43,7 +43,8 @@ class Outcome:
         row: the check that is shown. With a defect, it is the first check that should fail and does not, or the first
             one if all fail. Without a defect, it is the first check that does not hold, or the first one if all hold.
         caught: whether all checks that should fail do fail; None without a defect.
-        other_faults: other faults in words: a check is tested by no defect, or two defects give the same numbers.
+        other_faults: other reasons, in words, why this result is not accepted: two checks have the same key, no defect
+            is there to make some check fail, or two defects give the same numbers. Empty if there is none.
     """
 
     defect: str
@@ -55,7 +56,7 @@ class Outcome:
 
     @property
     def passes(self) -> bool:
-        """Whether this result is as it should be, without other faults.
+        """Whether the checks gave the required verdicts and there are no other faults.
 
         With a defect, the checks that should fail must fail. Without a defect, all checks must hold.
         """
@@ -63,7 +64,12 @@ class Outcome:
 
     @classmethod
     def of_control(cls, control: Control, verdicts: list[Verdict], other_faults: str = "") -> Outcome:
-        """Return the outcome for a defect; only the checks that must fail because of it are considered.
+        """Return the result for a defect: whether all checks that must fail because of the defect did fail.
+
+        Parameters:
+            control: the defect, with the keys of the checks that must fail.
+            verdicts: all checks that were measured with the defect; checks with other keys are ignored.
+            other_faults: other reasons, in words, why the result is not accepted; empty if there is none.
 
         Raises:
             KeyError: the setting has no check with a key that ``control`` names.
@@ -77,13 +83,12 @@ class Outcome:
     def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict], named: set[str]) -> Outcome:
         """Return the outcome of a measurement without a defect, for which all checks must hold.
 
-        There is a fault if two checks have the same key. There is also a fault if a check is tested by no defect,
-        because then
-        it could be weakened or removed unnoticed.
+        It is a fault if two checks have the same key. It is also a fault if no defect is there to make some check fail,
+        because this check could be weakened or removed unnoticed.
 
         Parameters:
             setting: the case, meshes and statement.
-            verdicts: the checks.
+            verdicts: all checks that were measured in this setting.
             named: the keys of all checks that some defect must make fail.
         """
         row = next((verdict for verdict in verdicts if verdict.verdict != HOLDS), verdicts[0])
@@ -95,14 +100,14 @@ class Outcome:
 
 
 def settings(controls: Sequence[Control]) -> list[Baseline[Any]]:
-    """Return the settings (case, meshes and statement) of some controls, each once."""
+    """Return the different settings (case, meshes and statement) of some defects."""
     return list(dict.fromkeys(control.setting for control in controls))
 
 
 def run_controls(
     controls: Sequence[Control], executor: Executor, store: Store, notify: Callable[[], object]
 ) -> list[Outcome]:
-    """Measure all defects, and all their settings without a defect; return the outcomes, those without a defect first.
+    """Measure with each defect, and without it in the same setting; return the results without defects first.
 
     Parameters:
         controls: the defects.
@@ -139,10 +144,10 @@ def run_controls(
 def outcomes(
     sound: Mapping[Baseline[Any], list[Verdict]], defective: Sequence[tuple[Control, list[Verdict]]]
 ) -> list[Outcome]:
-    """Return the outcomes of all measurements from their checks, those without a defect first.
+    """Return the results of all measurements, given their checks; results without a defect come first.
 
     Parameters:
-        sound: setting ↦ its checks without a defect.
+        sound: setting (case, meshes and statement) ↦ the checks that were measured in it without a defect.
         defective: pairs of a defect and the checks that were measured with it.
     """
     named = {key for control, _ in defective for key in control.keys}
@@ -186,7 +191,7 @@ def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
 
 
 def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict]:
-    """Measure in a setting and return the checks; if a control is given, its defect is made."""
+    """Measure in a setting, with the defect of ``control`` if one is given, and return the checks."""
     if control is None:
         return setting.verdicts(lambda measured: measured)
     with control.patched():

@@ -2,8 +2,8 @@
 
 The meshes are shaken meshes, whose vertices are moved at random. Some measurements take most of the time: the stress
 formulation on its own stress space, solutions that are not smooth (which need more levels), errors computed by a second
-solver, and cases in 3D. They are made only for every ``EVERY``-th seed. So checks differ in the number of seeds on
-which they were judged.
+solver, and cases in 3D. They are made only for every ``EVERY``-th seed. So some checks were judged on fewer seeds than
+others.
 """
 
 from __future__ import annotations
@@ -67,9 +67,9 @@ class SeededScope(Scope):
 def seeded(seed: int, part: str = WHOLE) -> Plan:
     """Return the plan of measurements for one seed: the quick study on random meshes with this seed.
 
-    Cases that are not smooth are measured on the levels of the full study. The plan leaves out pictures, error bounds
-    (which are proved for every mesh), errors of other codes (which were run on the meshes of one seed), and the cases
-    in ``SLOW``, which only the full study measures.
+    Cases whose solutions are not smooth are measured on the levels of the full study. The plan leaves out pictures,
+    error bounds (which are proved for every mesh), errors of other codes (which were run on the meshes of one seed),
+    and the cases in ``SLOW``, which only the full study measures.
 
     Parameters:
         seed: the seed.

@@ -3,9 +3,10 @@
 One datum of the contact problem, such as the load or a modulus, is changed by a relative amount δ. Bisection on a
 logarithmic scale finds the smallest δ at which a check fails.
 
-Only the checks of ``study.statements.recomputed`` are used. They compare the computed displacements over time with
-those of a second solver, and their distance is proportional to δ. Errors, in contrast, change in proportion to δ², so
-observed orders hardly show a small defect. Other checks may notice still smaller defects. A coarse mesh suffices.
+Only the checks of ``study.statements.recomputed`` are used. They compare the displacements that the study computes with
+the displacements that a second solver computes. The distance of the two is proportional to δ. Errors, in contrast,
+change in proportion to δ², so observed orders hardly show a small defect. Other checks may notice still smaller
+defects. A coarse mesh suffices.
 """
 
 from __future__ import annotations

@@ -34,11 +34,11 @@ class SmallDefect:
 
 
 def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callable[[Experiment, float], Experiment]:
-    """Return a function that adds a wrong part to the load of an experiment; it serves as ``SmallDefect.apply``.
+    """Return a function for ``SmallDefect.apply`` that adds a wrong part to the load of an experiment.
 
     Parameters:
-        more: function that returns for an experiment the part as a function of time, t ↦ (n_dofs,). This part, times
-            the relative size of the defect, is added to the load.
+        more: function that returns, for an experiment, the wrong part as a function of time, t ↦ load vector (n_dofs,).
+            The wrong part times the relative size of the defect is added to the load.
     """
 
     def apply(setup: Experiment, amount: float) -> Experiment:
@@ -71,7 +71,7 @@ def contact_load(setup: Experiment) -> Callable[[float], Array]:
 
 
 def changed(place: str, change: Callable[[Any, float], Any]) -> Callable[[Experiment, float], Experiment]:
-    """Return a function that makes an attribute of an experiment wrong; it serves as ``SmallDefect.apply``.
+    """Return a function for ``SmallDefect.apply`` that makes an attribute of an experiment wrong.
 
     Parameters:
         place: name of the attribute, such as "problem.u0".
@@ -92,7 +92,7 @@ def bulk(tensor: Linear) -> Array:
 
 
 def modulus(matrix: str, tensor: str, part: Callable[[Linear], Array]) -> Callable[[Experiment, float], Experiment]:
-    """Return a function that makes an elastic or viscous modulus too large; it serves as ``SmallDefect.apply``.
+    """Return a function for ``SmallDefect.apply`` that makes an elastic or viscous modulus too large.
 
     With the relative size δ, the solver uses 1 + δ times the modulus; the exact solution is unchanged.
 

@@ -132,7 +132,7 @@ def pareto(places: Array) -> tuple[float, float]:
 
 
 def promise_verdict(low: float, high: float) -> str:
-    """Return whether the false-alarm rate of the whole ledger is at most ``PROMISE``: holds, fails or undecided.
+    """Return whether the false-alarm rate of all checks together is at most ``PROMISE``: holds, fails or undecided.
 
     Only counted alarms decide. Models of distributions do not, because they extrapolate beyond all measured seeds.
 

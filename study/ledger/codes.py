@@ -79,8 +79,9 @@ class Codes:
         """Return a table with one row for each code with fixed parameters, over all cases and mesh families.
 
         Its columns are ``KEY``; ``classes``, the number of series in each class as text; ``order_low`` and
-        ``order_high``, the extreme observed orders of the displacement in the energy norm; and the largest ``share``,
-        ``excess`` and ``invariance``.
+        ``order_high``, the smallest and the largest observed order of the displacement in the energy norm; and the
+        largest ``share``, ``excess`` (see ``series``) and ``invariance`` (change of the result if all loads are
+        scaled).
         """
         found = []
         for key, mine in self.series().groupby(KEY, sort=False):

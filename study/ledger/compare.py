@@ -106,9 +106,10 @@ class FileDifference:
 
     Attributes:
         name: name of the file in the folder ``data``.
-        state: IDENTICAL, WITHIN, DIFFERS or LEFT_OUT.
+        state: IDENTICAL, WITHIN (the tolerance), DIFFERS or LEFT_OUT (only one directory has the file, because ``study
+            run`` does not write it).
         only: OLD or NEW if only this directory has the file.
-        differences: the differences, first the ones that count, the largest first.
+        differences: the differences. Differences that count come first, larger ones before smaller ones.
     """
 
     name: str
@@ -134,12 +135,12 @@ class Comparison:
 
     @property
     def verdicts(self) -> list[dict[str, Any]]:
-        """The verdicts of checks that differ between the two directories, from all files."""
+        """The checks in all files whose verdict is not the same in the two directories."""
         return [cell for file in self.files for d in file.differences if d.what == "verdict" for cell in d.cells]
 
     @property
     def states(self) -> dict[str, int]:
-        """The number of files in each state."""
+        """The number of files in each state: identical, within the tolerance, different, left out."""
         states = [file.state for file in self.files]
         return {state: states.count(state) for state in (IDENTICAL, WITHIN, DIFFERS, LEFT_OUT)}
 
@@ -234,7 +235,7 @@ def _refusal(directory: Path, name: str, what: str) -> DataError:
 
 
 def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:
-    """Return a name for each row of a table, by which it is found in another version of the table.
+    """Return a name for each row of a table; the same row of another version of the table has the same name.
 
     A name consists of the cells of the key, numbers with nine digits. Equal names are numbered.
     """

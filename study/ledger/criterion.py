@@ -204,13 +204,13 @@ def finest(key: str, quantity: str, window: Window, column: str) -> Criterion:
 
 
 def change(key: str, quantity: str, window: Window, column: str, levels: int = ENOUGH, since: int = 0) -> Criterion:
-    """Return the criterion for the quotient of a column on the finest level and on level number ``since``, from 0."""
+    """Return the criterion for the value on the finest level divided by the value on level ``since`` (0: coarsest)."""
     measure: Measure = lambda group: exactly(group[column].iloc[-1] / group[column].iloc[since])  # noqa: E731
     return Criterion(key, quantity, window, measure, (column,), levels)
 
 
 def greatest_ratio(key: str, quantity: str, window: Window, column: str, levels: int) -> Criterion:
-    """Return the criterion for the largest quotient of a column on a level and on the level before."""
+    """Return the criterion for the largest quotient of the values of a column on a level and the next coarser one."""
 
     def measure(group: pd.DataFrame) -> Measured:
         values = group[column].to_numpy()

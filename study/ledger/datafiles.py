@@ -158,7 +158,7 @@ def read_uncompressed(path: Path) -> bytes:
 
 
 def line(row: int) -> int:
-    """Return the line number in a data file of row number ``row`` of its table; line 1 has the names."""
+    """Return the line of a data file with row ``row`` of the table, counted from 0; line 1 has the column names."""
     return row + 2
 
 
@@ -331,7 +331,7 @@ class AlarmSummary(NamedTuple):
         rows: number of these checks.
         seeds: number of random seeds on which all checks were measured.
         red: number of these seeds on which at least one check did not hold.
-        low, high: confidence interval of red/seeds at 95 %.
+        low, high: 95 % confidence interval of the false-alarm rate, whose estimate is red / seeds.
         by_tail: upper estimate of the rate from the distributions of the values of all checks.
         light_seeds: number of all seeds; the cheap checks were measured on each.
         light_red: number of all seeds on which at least one cheap check did not hold.

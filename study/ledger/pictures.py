@@ -27,7 +27,7 @@ class Packed:
 
     Attributes:
         unit: the largest absolute value divided by a number of steps; 1 if all values are zero.
-        multiples: the values divided by the unit, as whole numbers, (times, ...).
+        multiples: the values divided by the unit, as whole numbers; the first axis is the time.
     """
 
     unit: float
@@ -38,7 +38,7 @@ class Packed:
         """Return values over time in rounded form.
 
         Parameters:
-            values: (times, ...).
+            values: the values; the first axis is the time.
             steps: number of units in the largest absolute value: STEPS or FINE.
         """
         unit = float(f"{np.max(np.abs(values), initial=0.0) / steps:.6g}") or 1.0
@@ -46,7 +46,7 @@ class Packed:
 
     @property
     def values(self) -> NDArray[np.float64]:
-        """The rounded values, (times, ...)."""
+        """The rounded values; the first axis is the time."""
         return self.unit * self.multiples.astype(np.float64)
 
     def record(self) -> dict[str, Any]:
@@ -91,9 +91,10 @@ class Facets:
     number the edges in the same way.
 
     Attributes:
-        cells: indices of the facets among the triangles of the surface, (k,).
+        cells: indices of the k facets among the triangles of the surface, (k,).
         corners: corners of the facets as indices of nodes, (3, k).
-        edges: the two ends of each edge, the lower index first, in lexicographic order, (2, e).
+        edges: both ends of each of the e edges, as indices of nodes, (2, e): the lower index first, edges in
+            lexicographic order.
         quarters: corners of the four triangles into which the midpoints of the edges divide each facet, (3, 4k). The
             midpoint of edge i has the index (number of nodes) + i.
     """

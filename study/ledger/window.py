@@ -101,7 +101,7 @@ def between(least: float, largest: float, below: float, above: float, why: str =
 
 
 def shown(number: float) -> str:
-    """Return a number as text with three significant digits; a small rest is added, such as in 1 + 1e-9."""
+    """Return a number as text with three significant digits; a small difference is written after it: 1 + 1e-9."""
     text = f"{number:.3g}"
     rest = number - float(text) if math.isfinite(number) else 0.0
     if number and 0 < abs(rest) < 1e-4 * abs(number):

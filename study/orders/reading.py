@@ -52,7 +52,7 @@ class RawTable:
 
 @dataclass(frozen=True)
 class Line:
-    """A line of the input text; if it is a comment, the sign of the comment is removed."""
+    """A line of the input text, without the sign that marks a comment, such as ``#``."""
 
     number: int
     text: str

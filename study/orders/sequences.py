@@ -73,7 +73,7 @@ class Expectation:
 
 
 class Diagnosis(NamedTuple):
-    """What a sequence of errors does, such as to converge, stagnate or grow.
+    """The behaviour of a sequence of errors (they converge, stagnate or grow, for example), and the verdict.
 
     Attributes:
         first, last: the errors that were judged have the indices first, …, last − 1, from the coarsest mesh on.
@@ -139,7 +139,7 @@ class OrderResult:
 def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
     """Return the observed orders of errors e on consecutive meshes of size h, (levels − 1,).
 
-    They are log(e_i/e_{i+1}) / log(h_i/h_{i+1}), and NaN if one of both errors is zero or not finite.
+    They are log(e_i/e_{i+1}) / log(h_i/h_{i+1}), and NaN if one of the two errors is zero or not finite.
     """
     sizes, e = np.asarray(h, dtype=float), np.asarray(errors, dtype=float)
     with np.errstate(all="ignore"):
@@ -265,7 +265,7 @@ def _text(orders: Array) -> str:
 
 
 def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
-    """Say what a sequence of errors does.
+    """Return the diagnosis of a sequence of errors.
 
     Special cases come first: infinite errors, zero errors, few meshes, stagnation.
     """

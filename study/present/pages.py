@@ -121,7 +121,10 @@ def refreshed(page: Path, data: FullRun) -> str:
         if f"<!-- {table.__name__} -->" in text:
             text = put(text, table.__name__, table(data))
     if END not in text:
-        raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements, cases, codes, …")
+        raise DataError(
+            f"{page} has no place for a table: a line <!-- NAME -->, then a line {END}, where NAME is the name of a "
+            "table: headline, results, statements, cases, codes or another function of study.present.pages"
+        )
     return text
 
 
@@ -571,7 +574,7 @@ def _codes_table(found: Codes | None) -> str:
         for row in found.rows().to_dict("records")
     ]
     header = ["code", "parameters", "class (series of meshes)", "order in V", "distance / error"]
-    return markdown([*header, _literal("pressure / that of K^h"), "scales"], lines)
+    return markdown([*header, "pressure error ratio", "effect of scaling"], lines)
 
 
 def windows(data: FullRun) -> str:
@@ -598,7 +601,9 @@ def _changes_table(found: Sequence[Change]) -> str:
         ends = ("lower end 0", "lower end 1e-20") if change.why == NOT_NOTHING else (change.before, change.today)
         alike.setdefault((*ends, change.why), []).append(_changed(change))
     lines = [["; ".join(rows), *map(_literal, texts)] for texts, rows in alike.items()]
-    return markdown(["rows", "then", "today", "why"], lines) if lines else "No window has changed.\n"
+    return (
+        markdown(["rows", "earlier window", "window today", "reason"], lines) if lines else "No window has changed.\n"
+    )
 
 
 def new_windows(data: FullRun) -> str:
@@ -607,7 +612,7 @@ def new_windows(data: FullRun) -> str:
         [_changed(one), _literal(one.today), _literal(one.why)]
         for one in added(_record(data.earlier, FIRST), data.claims)
     ]
-    return markdown(["rows", "window", "why"], lines)
+    return markdown(["rows", "window", "reason for the window"], lines)
 
 
 def _changed(change: Change) -> str:

@@ -1,4 +1,7 @@
-"""Describes a case for ``cases.csv`` and ``study cases``. It imports no solvers, which would be slow."""
+"""Describes a case for ``cases.csv`` and ``study cases``.
+
+The module imports no solvers, because importing them is slow.
+"""
 
 from __future__ import annotations
 

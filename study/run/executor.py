@@ -89,7 +89,7 @@ def _end_with_parent() -> None:
 
 @dataclass(frozen=True)
 class Pool:
-    """An executor and its limits.
+    """An executor that makes measurements (jobs), and the limits on its processes and memory.
 
     Attributes:
         executor: runs the jobs.

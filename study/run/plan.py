@@ -38,7 +38,7 @@ class Job:
 
     @property
     def identity(self) -> tuple[str, ...]:
-        """The name of the data file, and the cells in its key columns that all rows of this job share, as texts."""
+        """Texts that identify the job: name of its data file, then the key cells that are equal in all its rows."""
         known = {"label": self.statement.label, "case": name_of(self.setting.case)}
         key = (str(known.get(column) or getattr(self.setting, column)) for column in self.statement.file.key)
         return self.statement.file.name, *key

@@ -50,7 +50,7 @@ class Breach:
         file: name of the file.
         row: index of the row, from 0.
         column: name of the column.
-        stands: the value in the file.
+        stands: the value that the file has in this cell.
         expected: the expected value in words.
     """
 
@@ -220,7 +220,7 @@ def _size(
 
 
 def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that errors on different mesh families differ, because equal ones would be copied.
+    """Check that errors on different mesh families differ; equal errors would be a copy.
 
     Graded meshes are skipped: a coarse one may equal the uniform mesh.
     """
@@ -335,9 +335,10 @@ def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
 
 
 def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Check that ``classes.csv`` and ``errors.csv`` have the same series, a code with fixed parameters on a case.
+    """Check that ``classes.csv`` and ``errors.csv`` have the same series.
 
-    A series has a class, and it has errors unless the code cannot express the problem.
+    A series is a code with fixed parameters on the meshes of one case and mesh family. Each series has a class, and it
+    has errors unless the code cannot express the problem.
     """
     there, left_out = codes.classes["series"].isin(codes.errors["series"]), codes.classes["class"] == NOT_EXPRESSED
     wanted = there.map({True: "a class, as there are errors", False: f"{NOT_EXPRESSED}, as there are no errors"})

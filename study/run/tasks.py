@@ -148,7 +148,7 @@ def _head(task: Task, mode: str, scale: float) -> Data:
 
 
 def _gaps(task: Task, scale: float) -> list[Data]:
-    """Return the initial gap at the vertices of each contact face, as an entry of a dictionary.
+    """Return a dictionary for each contact face, with the initial gap at its vertices as the entry ``gap``.
 
     If there is no initial gap, the dictionaries are empty.
     """
