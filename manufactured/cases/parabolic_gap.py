@@ -9,9 +9,9 @@ on the bottom of the unit square. Viscosity and elasticity are equal, A = G: τ 
 are a = g_e = 3. The paper does not treat this case: the initial gap g is not zero, and w = g − u_ν is the remaining
 gap.
 
-Predicted order 1: u_n = w − g on Γ3 with a polynomial g, which adds a smooth field. Both fronts move. The exponents of
-gap and pressure at the fronts, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), with which the proof of Prop. 5.4 holds for u
-minus a lifting of g.
+Predicted order 1: u_ν = g − w on Γ3, where the polynomial g only adds a smooth field. Both fronts move. The exponents
+of gap and pressure at the fronts, α = 4 > 7/2 and m = 2 > 3/2, give (5.36), with which the proof of Prop. 5.4 holds for
+u minus a lifting of g.
 
 The half-width of the patch is 1/4 at t = 0 and t = 1, and 0.35 at t = 1/2. In the patch the body takes the shape of the
 foundation.

@@ -61,10 +61,24 @@ def _rates(options: argparse.Namespace) -> int:
 def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
     """Compute the observed order of every column of errors, and compare it with its expected order.
 
-    The expected order of a column is looked up by its name and case, then by its name, then by its case.
+    The expected order of a column is looked up by its name and case, then by its name, then by its case. A part of a
+    name will do if only one column contains it.
     """
+    columns = {name for series in tables for name in series.errors}
+    known = (
+        columns | {series.label for series in tables} | {f"{n} ({s.label})" for s in tables for n in s.errors} | {""}
+    )
+
+    def in_full(part: str) -> str:
+        matching = [name for name in columns if part.lower() in name.lower()]
+        return matching[0] if part not in known and len(matching) == 1 else part
+
     wishes = [
-        wish if isinstance(wish, dict) else {} if wish is None else {"": wish}
+        {in_full(name): order for name, order in wish.items()}
+        if isinstance(wish, dict)
+        else {}
+        if wish is None
+        else {"": wish}
         for wish in (options.expected, options.at_least)
     ]
     used: set[str] = set()

@@ -372,8 +372,8 @@ def _slab_rule(
     return CellRule(cells, normal * (s + line.offset) + tangent * r, weights)
 
 
-# Quadrature rules that together cover every cell once. To save time, many of their points can have the same coordinate
-# along a contact face.
+# Quadrature rules that together cover every cell once. Many of their points share their coordinate along a contact
+# face, so that functions of this coordinate are evaluated once for all of them.
 
 BLOCK = 4096
 """Largest number of ordinary cells in one quadrature rule, so that its points fit into the processor's cache."""

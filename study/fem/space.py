@@ -126,7 +126,7 @@ class Displacements(MeshedBody, ABC):
         return self.tested(self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress)
 
     def tested(self, integrals: Tensors) -> Array:
-        """Return the vector of ``functional``, (dofs,), from integrals of the stress instead of its values.
+        """Return the work (σ, ε(φ_i))_Q of a stress for all basis functions, (dofs,), from integrals of the stress.
 
         Args:
             integrals: the integrals of the stress σ over the cells, (D, cells), or weights times σ at the points,

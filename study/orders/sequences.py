@@ -382,6 +382,19 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
     return max(n - 3, 0), verdict
 
 
+def _odd_row(h: Array, e: Array, tolerance: float) -> int | None:
+    """Return the index of the one error, neither first nor last, without which all orders agree; None if there is none.
+
+    With a wrong error in the middle, one order is too low and the next one too high. At least five errors are needed,
+    so that three orders remain.
+    """
+    if len(e) < 5 or np.ptp(consecutive_orders(h, e)) <= 4 * tolerance:
+        return None
+    without = [np.ptp(consecutive_orders(np.delete(h, j), np.delete(e, j))) for j in range(1, len(e) - 1)]
+    best = int(np.argmin(without))
+    return best + 1 if without[best] <= tolerance else None
+
+
 def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     """Return the diagnosis of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
@@ -393,7 +406,11 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         "converges",
         f"converges with order {fitted_order(h[first:], e[first:])[0]:.2f} (orders {_text(used)})",
     )
-    if (
+    if (odd := _odd_row(h, e, expectation.tolerance)) is not None:
+        without = _text(consecutive_orders(np.delete(h, odd), np.delete(e, odd)))
+        kind = "pre-asymptotic"
+        sentence = f"the error for h = {h[odd]:.5g} does not fit: orders {_text(orders)}, without it {without}"
+    elif (
         len(orders) > 2
         and last < previous - 2 * expectation.tolerance
         and previous > orders[-3] - expectation.tolerance

@@ -548,7 +548,8 @@ def cases(data: FullRun) -> str:
 def codes(data: FullRun) -> str:
     """Return a table of other people's contact codes in Markdown, with a line for each code and its parameters.
 
-    A line has the classes into which the results on series of meshes fall, and the worst values.
+    A line says how the errors behave on finer meshes (the class, and the number of series of meshes with this class),
+    and has the worst values.
     """
     return _codes_table(data.codes)
 

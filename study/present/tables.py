@@ -250,7 +250,7 @@ def controls_table(directory: Path) -> Table | None:
 
 
 def sensitivity_table(directory: Path) -> Table | None:
-    """Return the table of the smallest noticed defects in per cent; None if ``sensitivity.csv`` is missing."""
+    """Return the table with the smallest defect that each check notices; None if ``sensitivity.csv`` is missing."""
     if not (directory / "data" / "sensitivity.csv").is_file():
         return None
     columns = [*names(case="case", family="meshes"), *words(defect="what is wrong"), *numbers(level="level")]

@@ -85,7 +85,7 @@ class EdgeWork(ListedNumbers):
     def settings(self, scope: Scope) -> Sequence[Setting]:
         """Return the settings of a study.
 
-        Cases with wave trains are not in the catalogue. They are included if the study has the whole catalogue.
+        A study of the whole catalogue also has the cases with wave trains, which are not part of the catalogue.
         """
         return self.places(scope.full) if scope.whole else super().settings(scope)
 

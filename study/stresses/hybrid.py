@@ -122,8 +122,9 @@ class Equilibrium:
         Args:
             loads: the projected loads P f_0 and P f_2.
             strain: the strain ε* at the quadrature points, (3, ..., cells, Q).
-            normal: if given, ∫_{Γ3} τ_ν v is added to the energy. The function v on Γ3 is given by its moments ∫_e v
-                B_i ≤ 0 on the edges ``contact``, (..., edges of Γ3, n).
+            normal: the moments ∫_e v B_i of a function v on Γ3 with the Bernstein polynomials B_i, (..., edges of
+                Γ3, n). If they are given, ∫_{Γ3} τ_ν v is added to the energy. They must be ≤ 0 on the edges
+                ``contact``.
         """
         values, tractions = self.space.lift(loads.force)
         known = self._released(values) + self.space.tested(strain)
