@@ -72,8 +72,8 @@ class Verdict:
         verdict: holds, fails, undecided, missed or reported.
         key: short name of the quantity, which never changes.
         family: the mesh family; empty for a check about all families.
-        window_low, window_high: the ends of the window. In most checks the whole range from ``low`` to ``high`` must lie in
-            it. Some judge only the observed value, and a few another number, which ``expected`` names.
+        window_low, window_high: the ends of the window. Most checks hold if the whole range from ``low`` to ``high``
+            lies in it. Some judge only the observed value, and a few another number, which ``expected`` names.
     """
 
     label: str
