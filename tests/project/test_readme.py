@@ -150,7 +150,7 @@ def test_windows_it_names_in_its_text_are_those_of_the_program() -> None:
 
 def test_a_page_without_marks_and_data_of_no_full_run_are_refused(full: FullRun, tmp_path, monkeypatch) -> None:
     (tmp_path / "README.md").write_text("# Nothing\n")
-    with pytest.raises(DataError, match="no <!-- NAME -->"):
+    with pytest.raises(DataError, match="has no place for a table"):
         refresh(tmp_path / "README.md", full)
     monkeypatch.setattr("sys.argv", ["pages", str(tmp_path), str(README.path)])
     with pytest.raises(DataError, match="has no full run: `make full`"):
