@@ -18,7 +18,7 @@ from study.bound.adaptive import Tolerance, table, text
 from study.bound.bounded import check_problem
 from study.bound.enclosing import Enclosure
 from study.bound.fields import _together
-from study.bound.given import SINGLE, _check_cells, _on_boundary
+from study.bound.given import SINGLE, _check_cells, _check_fit, _on_boundary
 from study.bound.problem import BoundError
 from study.bound.ranges import _truncated
 from study.bound.remainders import Evidence
@@ -47,6 +47,13 @@ def test_vertices_are_moved_to_a_side_from_a_distance_relative_to_the_size_of_th
 def test_a_small_cell_far_from_another_one_has_an_area() -> None:
     corner = np.array([[0, 1, 0], [0, 0, 1]])
     _check_cells(MeshTri(np.hstack([1e-7 * corner, 1 + 1e-7 * corner]), np.arange(6).reshape(2, 3).T))
+
+
+def test_a_mesh_without_the_triangle_at_a_corner_is_refused_with_the_middle_of_its_one_side_inside() -> None:
+    body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, *[Kind.LOADED] * 2, Kind.CLAMPED])
+    half = MeshTri(np.array([[0.0, 1, 1], [0, 0, 1]]), np.array([[0], [1], [2]]))
+    with pytest.raises(BoundError, match=r"1 sides of triangles .* the first near x = \(0\.5, 0\.5\)"):
+        _check_fit(half, body)
 
 
 @pytest.mark.parametrize("refined", [Refined(-1, 2), Refined(1, 0)], ids=str)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
+import runpy
 import subprocess
 import sys
 from collections.abc import Callable
@@ -58,6 +59,15 @@ def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path: P
     command = [sys.executable, "-I", "-S", str(copied), str(Path(__file__).parent / "square-2.json.gz")]
     done = subprocess.run(command, capture_output=True, text=True, check=True, env={"PYTHONIOENCODING": "utf-8"})
     assert "8 cells, h = 0.5000: max ‖u − u_h‖_V in [0.0" in done.stdout
+
+
+def test_the_program_checks_the_files_that_follow_its_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["checker.py", str(Path(__file__).parent / "square-2.json.gz")])
+    with pytest.raises(SystemExit, match="^0$"):
+        runpy.run_path(checker.__file__, run_name="__main__")
+    assert "8 cells, h = 0.5000" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("path", CERTIFICATES)

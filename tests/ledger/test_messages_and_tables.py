@@ -85,6 +85,16 @@ def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_
     assert said == f"{path}, line 2, column name: found …'{30 * 'a'}b', expected …'{30 * 'a'}c'"
 
 
+def test_the_report_names_every_column_of_a_table_that_differs(tmp_path: Path) -> None:
+    """Of pictures it shows three differences only."""
+    for name, value in (("old", "p"), ("new", "q")):
+        (tmp_path / name / "data").mkdir(parents=True)
+        content = f"case,a,b,c,d\nx,{value},{value},{value},{value}\n"
+        (tmp_path / name / "data" / "cases.csv").write_text(content, encoding="utf-8")
+    text = as_text(compare(tmp_path / "old", tmp_path / "new", Tolerance()))
+    assert [column for column in "abcd" if f"  {column}: 1 of 1 differ" in text] == [*"abcd"]
+
+
 def test_the_report_of_a_comparison_is_known_word_for_word(tmp_path: Path) -> None:
     for name, rows in (("old", "a,p\nb,p\nc,p\n"), ("new", "a,q\nb,q\n")):
         (tmp_path / name / "data" / "pictures").mkdir(parents=True)

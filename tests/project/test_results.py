@@ -94,9 +94,11 @@ def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
 @pytest.mark.parametrize("statement", BOUNDS, ids=lambda statement: statement.label)
 def test_bounds_measured_again_agree_with_the_committed_ones(statement: Bounds) -> None:
     """One of those that cost least, and one with a law that is not linear."""
-    every = sorted(statement.settings(full()), key=statement.cost)
+    every = sorted(statement.planned(full()), key=statement.cost)
     settings = [every[0], next(one for one in every if one.case == "yield-and-release")]
     committed = pd.read_csv(RESULTS / "data" / "bounds.csv").set_index(list(KEY))
+    planned = {(statement.label, one.case, one.family, one.scheme, one.level) for one in every}
+    assert planned == {key for key in committed.index if key[0] == statement.label}
     for setting in settings:
         again = statement.measure(setting)["row"]
         row = committed.loc[tuple(again[name] for name in KEY)]
@@ -118,10 +120,11 @@ LISTS = [
 
 
 def committed_numbers(statement: ListedNumbers) -> dict[Setting, pd.Series]:
-    """The committed numbers of each plane setting of a statement, by quantity."""
+    """The committed numbers of each plane setting of a statement, by quantity; all settings of the full study."""
     mine = STATEMENT_NUMBERS[STATEMENT_NUMBERS["label"] == statement.label].groupby(["case", "family", "level"])
     found = {Setting(*key): rows.set_index("quantity")["value"] for key, rows in mine}
-    return {place: found[place] for place in statement.places(full=True) if place in found and place.dim == 2}
+    assert {*found} == {*statement.planned(full())}
+    return {place: values for place, values in found.items() if place.dim == 2}
 
 
 def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series]) -> Iterator[Setting]:
@@ -139,7 +142,7 @@ def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series])
 @pytest.mark.parametrize("statement", LISTS)
 def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(statement: ListedNumbers) -> None:
     """Every quantity on one setting in the plane; what is rounding on one machine is rounding on another."""
-    numbers, again = committed_numbers(statement), set()
+    numbers, again = committed_numbers(statement), set[str]()
     for place in fewest_settings(statement, numbers):
         for _, row in statement.records(place, statement.measure(place)):
             expected = numbers[place][row["quantity"]]
