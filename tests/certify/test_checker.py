@@ -65,7 +65,7 @@ def test_the_program_checks_the_files_that_follow_its_name(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["checker.py", str(Path(__file__).parent / "square-2.json.gz")])
-    with pytest.raises(SystemExit, match="^0$"):
+    with pytest.raises(SystemExit, match=r"^0$"):
         runpy.run_path(checker.__file__, run_name="__main__")
     assert "8 cells, h = 0.5000" in capsys.readouterr().out
 
