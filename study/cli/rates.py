@@ -65,36 +65,35 @@ def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
     name will do if only one column contains it.
     """
     columns = {name for series in tables for name in series.errors}
-    known = (
-        columns | {series.label for series in tables} | {f"{n} ({s.label})" for s in tables for n in s.errors} | {""}
-    )
+    known = {key for series in tables for name in series.errors for key in _keys(series, name)}
 
     def in_full(part: str) -> str:
         matching = [name for name in columns if part.lower() in name.lower()]
         return matching[0] if part not in known and len(matching) == 1 else part
 
-    wishes = [
-        {in_full(name): order for name, order in wish.items()}
-        if isinstance(wish, dict)
-        else {}
-        if wish is None
-        else {"": wish}
+    given = [
+        wish if isinstance(wish, dict) else {} if wish is None else {"": wish}
         for wish in (options.expected, options.at_least)
     ]
+    wishes = [{in_full(name): order for name, order in wish.items()} for wish in given]
     used: set[str] = set()
 
     def result(series: Series, name: str, errors: list[float]) -> OrderResult:
-        full = f"{name} ({series.label})" if series.label else name
-        keys = (full, name, series.label, "")
+        keys = _keys(series, name)
         used.update(keys)
         expected, at_least = (next((wish[key] for key in keys if key in wish), None) for wish in wishes)
-        return observed_orders(series.h, errors, expected, at_least, options.tolerance, full)
+        return observed_orders(series.h, errors, expected, at_least, options.tolerance, keys[0])
 
     judged = [(series, [result(series, *column) for column in series.errors.items()]) for series in tables]
     if unknown := {name for wish in wishes for name in wish} - used:
         names = ", ".join(result.name for _, results in judged for result in results)
         raise OrderError(f"an order is expected of {', '.join(sorted(unknown))}, but the columns of errors are {names}")
     return judged
+
+
+def _keys(series: Series, name: str) -> tuple[str, str, str, str]:
+    """Return the names by which the expected order of a column is looked up: with its case, alone, the case, and ""."""
+    return f"{name} ({series.label})" if series.label else name, name, series.label, ""
 
 
 def _values(tables: list[Series], as_json: bool) -> str:
@@ -105,7 +104,7 @@ def _values(tables: list[Series], as_json: bool) -> str:
         as_json: whether the text is JSON.
     """
     found = {
-        f"{name} ({series.label})" if series.label else name: grid_convergence(series.h, values)
+        _keys(series, name)[0]: grid_convergence(series.h, values)
         for series in tables
         for name, values in series.errors.items()
     }
