@@ -760,14 +760,9 @@ def surface_load_late(setup: Any) -> Any:
     return replaced(setup, "data.surface_load", late)
 
 
-def without_viscosity(make: Function) -> Function:
-    """Deliberate defect: the stress of a computed displacement lacks its viscous part."""
-
-    def made(primal: Any, *given: Any) -> None:
-        make(primal, *given)
-        primal.viscous = 0 * primal.viscous
-
-    return made
+def without_viscosity(velocities: Function) -> Function:
+    """Deliberate defect: the stress of a computed displacement lacks its viscous part, because its velocity is 0."""
+    return lambda *given: ((state, 0 * velocity) for state, velocity in velocities(*given))
 
 
 def companion_off(companion: Function) -> Function:

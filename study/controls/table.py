@@ -212,7 +212,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("sign of the pressure", "σ_ν + σ^h_ν instead of σ_ν − σ^h_ν", OWN, f"{OWN_ERRORS}:Exact.pressure", lambda right: lambda exact, time, tractions: right(exact, time, -tractions), "order-pressure"),
     Control("sign of multipliers", "moments of −u instead of u", OWN, f"{OWN_ERRORS}:Exact.moments", wrong.times(-1.0), "order-displacement"),
     Control("sign of u^h", "moments of −u^h instead of u^h", OWN, f"{OWN_ERRORS}:Exact.moments_of", wrong.times(-1.0), "order-primal_displacement"),
-    Control("3.1 without A", "Gε(u^h) instead of Aε(δu^h) + Gε(u^h)", OWN, f"{OWN_ERRORS}:Primal.__init__", wrong.without_viscosity, "order-primal_stress"),
+    Control("3.1 without A", "Gε(u^h) instead of Aε(δu^h) + Gε(u^h)", OWN, f"{OWN_ERRORS}:velocities", wrong.without_viscosity, "order-primal_stress"),
     Control("fronts missed", "cells are not cut along fronts before f_0 is integrated, in Problem 3.2", OWN_MERGING, "data.fronts", wrong.replaced_by(no_fronts), "time-share"),
     Control("f_2 late", "f_2(t − k) instead of f_2(t)", OWN, "", wrong.surface_load_late, "growth"),
     # Other statements: a mistake in the measurement, or a quantity that is compared with itself.

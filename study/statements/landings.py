@@ -34,7 +34,7 @@ velocities, and the order is 2 over all halvings.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -43,7 +43,7 @@ import scipy.sparse as sps
 
 from manufactured.tensors import Array
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, Observation, Rule, among, every, or_none
+from study.ledger.criterion import Criterion, Measured, Observation, among, every, or_none
 from study.ledger.orders import fit
 from study.ledger.window import Window, around
 from study.solve.evolution import Scheme, SemiDiscrete
@@ -116,26 +116,31 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
     return Observation(Criterion(f"{scheme.name}-{load}", quantity, window, or_none(measure), columns), NO_THEORY)
 
 
-def rules() -> Iterator[Rule]:
-    """Yield the criteria for a problem with two unknowns, and for linear finite elements.
+class Landings(ListedNumbers):
+    """Measures errors of time schemes for problems in which many vertices come into contact.
 
     Errors for the problem with two unknowns are judged. Orders for finite elements are only reported.
     """
-    for scheme in (BACKWARD_EULER, MIDPOINT):
-        quantity = f"{scheme.name}: error / k for a problem with two unknowns"
-        yield every(f"{scheme.name}-two", quantity, PROVED, *(f"two {scheme.name} {count}" for count in COUNTS))
-    for scheme in (BDF2, MIDPOINT):
-        yield order_of(scheme, "rolling", LAST, LEFT)
-        yield order_of(scheme, "own", COUNTS, around(2, 0.3))
-
-
-class Landings(ListedNumbers):
-    """Measures errors of time schemes for problems in which many vertices come into contact."""
 
     label = "beyond: landings"
     effort = 300
     claim = "if a vertex that lands lifts a loaded neighbour, second-order schemes have only order 1 in k"
-    rules = tuple(rules())
+    rules = (
+        *(
+            every(
+                f"{name}-two",
+                f"{name}: error / k for a problem with two unknowns",
+                PROVED,
+                *(f"two {name} {count}" for count in COUNTS),
+            )
+            for name in (BACKWARD_EULER.name, MIDPOINT.name)
+        ),
+        *(
+            order_of(scheme, load, counts, window)
+            for scheme in (BDF2, MIDPOINT)
+            for load, counts, window in (("rolling", LAST, LEFT), ("own", COUNTS, around(2, 0.3)))
+        ),
+    )
     full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:

@@ -76,11 +76,12 @@ def judge_own(verdicts: Sequence[Verdict], rows: pd.DataFrame) -> list[Verdict]:
     causes = [what for key, what in (("time-share", "time steps"), ("quadrature", "quadrature")) if key in failed]
     verb = "disturbs" if causes == ["quadrature"] else "disturb"
     disturbed = f"{' and '.join(causes)} {verb} the errors: mend that first" if causes else ""
-    found = []
+    levels = finer(sorted({*rows["level"].astype(int)}), int(rows["dim"].max()))
+    remedy, found = f"{TRY} {' '.join(map(str, levels))}", []
     for verdict in verdicts:
-        why = reason_of_force(verdict, verdicts, remedy_of(groups)) if verdict.label == ContactForce.label else ""
+        why = reason_of_force(verdict, verdicts, remedy) if verdict.label == ContactForce.label else ""
         if verdict.label in LABELS and verdict.verdict in (FAILS, UNDECIDED) and not math.isnan(verdict.observed):
-            why = disturbed if disturbed and verdict.key in OF_ERRORS else reason(verdict, groups, expected)
+            why = disturbed if disturbed and verdict.key in OF_ERRORS else reason(verdict, groups, expected, remedy)
         undecided = replace(verdict, expected=f"{verdict.expected}{BECAUSE}{why}", verdict=UNDECIDED)
         found.append(undecided if why else unclaimed(verdict))
     return found
@@ -101,15 +102,16 @@ def unclaimed(verdict: Verdict) -> Verdict:
     )
 
 
-def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
+def reason(verdict: Verdict, groups: Groups, expected: float, remedy: str) -> str:
     """Return why a check that does not hold is undecided, or "" if the data contradict the statement.
 
     Args:
         verdict: the verdict on the check.
         groups: the measurements of the case by mesh family, from coarse to fine.
         expected: the predicted order.
+        remedy: the finer levels to try, as text.
     """
-    remedy, key = remedy_of(groups), verdict.key
+    key = verdict.key
     if key in ("order", "order-extrapolated", "order-finest"):
         why = why_missed(orders_of(groups, "error"), expected, expected - verdict.window_low, remedy)
         return why or (NO_RATE.format(remedy=remedy) if verdict.label == "Prop. 5.3" else "")
@@ -155,13 +157,6 @@ def reason_of_force(verdict: Verdict, verdicts: Sequence[Verdict], remedy: str) 
         if (other.label, other.key) == (ContactForce.label, "resultant") and other.verdict != HOLDS:
             return UNRESOLVED.format(wrong=other.observed, remedy=remedy)
     return FORCE.format(remedy=remedy) if verdict.verdict != HOLDS and unclaimed(verdict) is verdict else ""
-
-
-def remedy_of(groups: Groups) -> str:
-    """Return advice which finer levels to try next, from the measurements of a case by mesh family."""
-    levels = sorted({int(level) for group in groups.values() for level in group["level"]})
-    dim = max(int(group["dim"].iloc[0]) for group in groups.values())
-    return f"{TRY} {' '.join(map(str, finer(levels, dim)))}"
 
 
 def orders_of(groups: Groups, column: str) -> list[Array]:

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from manufactured.body import Body
-from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
 from study.fem.mesh import MeshFamily, OneDiagonal, Skin, Unstructured, facet_measures
-from study.fem.naming import resolve
+from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.datafiles import JsonFiles
 from study.ledger.pictures import FINE, Facets, Packed, short
@@ -34,30 +33,6 @@ HALVINGS = 10
 """Number of bisections that locate the time at which connected parts of the exact contact zone appear or merge."""
 
 
-def picture(case: Case) -> dict[str, Any]:
-    """Compute the data for the pictures of a case: contact gap, pressure, displacement and stress over time.
-
-    The computed pressure at a vertex is its contact force divided by the integral of its shape function.
-
-    Returns:
-        A dictionary. ``cells`` are the triangles of the mesh, in 3D the triangles of its surface, and ``vertices``
-        their corners. ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are compressed. ``shapes``
-        are the times at which the deformed mesh is shown.
-
-        Each of ``faces`` has gap, pressure and their exact values at the contact vertices. In 2D these are written as
-        numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line`` has exact values at evenly spaced
-        points, compressed. In 3D all values are compressed, ``nodes`` are the indices of the contact vertices in
-        ``vertices``, and ``level_exact`` is the level function ψ at these vertices and at the midpoints between them;
-        the exact zone is {ψ ≥ 0}.
-
-    Raises:
-        MeshError: no mesh of a moderate level fits the body.
-    """
-    body = case.solution.body
-    steps = STEPS if body.dim == 2 else SOLID_STEPS
-    return record(case.name, Motion.of(case.solution, *mesh_for(body), steps), steps // INTERVALS)
-
-
 def mesh_for(body: Body) -> tuple[MeshFamily, int]:
     """Return the mesh family and the level for the pictures of a body.
 
@@ -72,12 +47,25 @@ def mesh_for(body: Body) -> tuple[MeshFamily, int]:
 
 
 def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
-    """Return the data for the pictures of a computed solution, as ``picture`` describes them.
+    """Return the data for the pictures of a solution: contact gap, pressure, displacement and stress over time.
+
+    The computed pressure at a vertex is its contact force divided by the integral of its shape function.
 
     Args:
         name: the name of the case.
         motion: the computed solution.
         every: the data are taken from every ``every``-th time step.
+
+    Returns:
+        A dictionary. ``cells`` are the triangles of the mesh, in 3D the triangles of its surface, and ``vertices``
+        their corners. ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are compressed. ``shapes``
+        are the times at which the deformed mesh is shown.
+
+        Each of ``faces`` has gap, pressure and their exact values at the contact vertices. In 2D these are written as
+        numbers, ``zone_exact`` has the ends of the exact contact zone, and ``line`` has exact values at evenly spaced
+        points, compressed. In 3D all values are compressed, ``nodes`` are the indices of the contact vertices in
+        ``vertices``, and ``level_exact`` is the level function ψ at these vertices and at the midpoints between them;
+        the exact zone is {ψ ≥ 0}.
     """
     solution, space, shown = motion.solution, motion.space, motion.frames[::every]
     skin = Skin.of(space.mesh)
@@ -119,7 +107,7 @@ def contact_weights(space: Space) -> Array:
 def faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
 ) -> Iterator[dict[str, Any]]:
-    """Yield the data of the contact faces for the pictures; ``picture`` describes their contents."""
+    """Yield the data of the contact faces for the pictures; ``record`` describes their contents."""
     plane, start = space.dim == 2, 0
     write: Callable[[Array], Any] = short if plane else packed
     for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
@@ -206,7 +194,9 @@ class Pictures(Statement):
         return [Setting(case, family.name, level) for case, (family, level) in zip(scope.cases, meshes, strict=True)]
 
     def measure(self, setting: Setting) -> dict[str, Any]:
-        return picture(resolve(setting.case))
+        case, steps = resolve(setting.case), STEPS if setting.dim == 2 else SOLID_STEPS
+        motion = Motion.of(case.solution, family_named(setting.family), setting.level, steps)
+        return record(case.name, motion, steps // INTERVALS)
 
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs, which is half a second for every case."""

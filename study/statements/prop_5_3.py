@@ -22,7 +22,7 @@ from study.ledger.criterion import (
     ENOUGH,
     Criterion,
     Groups,
-    Measured,
+    Measure,
     Observation,
     Rule,
     between_levels,
@@ -45,6 +45,9 @@ LIMIT = at_most(0.1, "of the two finest errors, if s is the predicted order", lo
 Over two refinements an order s − δ instead of s has the same effect as a limit e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}). For
 s = 1/4 this window corresponds to δ = 0.02. Observed orders are not more accurate than this, because the position of a
 front within its cell differs from level to level."""
+
+
+NO_RATE = "over two refinements (no rate is claimed)"
 
 
 class Convergence(Rates):
@@ -75,9 +78,11 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
         yield Observation(_limit("limit-steeper", Window(), expected + STEEPER), steeper), others
     if by_chance:
         yield Observation(_limit("limit-random", Window(), expected), "the limit varies with the seed"), by_chance
-    yield _order("order", "observed order", expected), uniform
+    window = around(expected, STEEPER, NO_RATE)
+    yield between_levels("order", "observed order", window, "error", 2, LEVELS), uniform
     if graded:
-        yield _order("order-graded", "observed order on graded meshes", 1.0), graded
+        first = around(1.0, STEEPER, NO_RATE)
+        yield between_levels("order-graded", "observed order on graded meshes", first, "error", 2, LEVELS), graded
     for criterion in (SIZES, *EVIDENCE):
         yield criterion, groups
 
@@ -88,13 +93,6 @@ def _limit(key: str, window: Window, expected: float) -> Criterion:
     The limit is computed from the last four levels with the predicted order s. These levels cannot determine both the
     limit and the order, so another check judges the order.
     """
-
-    def measure(group: pd.DataFrame) -> Measured:
-        return exactly(limit(group["h"].to_numpy(), group["error"].to_numpy(), expected))
-
-    return Criterion(key, "limit e∞ of the error e for h → 0, from e = e∞ + C h^s", window, measure, ("error",), LEVELS)
-
-
-def _order(key: str, quantity: str, expected: float) -> Criterion:
-    window = around(expected, STEEPER, "over two refinements (no rate is claimed)")
-    return between_levels(key, quantity, window, "error", 2, LEVELS)
+    quantity = "limit e∞ of the error e for h → 0, from e = e∞ + C h^s"
+    measure: Measure = lambda of: exactly(limit(of["h"].to_numpy(), of["error"].to_numpy(), expected))  # noqa: E731
+    return Criterion(key, quantity, window, measure, ("error",), LEVELS)

@@ -49,6 +49,7 @@ from study.ledger.criterion import (
     ROUNDING,
     Criterion,
     Groups,
+    Measure,
     Measured,
     Observation,
     Rule,
@@ -278,7 +279,8 @@ class Measurement:
         """
         experiment, problem, time = self.experiment, self.experiment.problem, self.worst.time
         finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
-        error, raised = (v_norm.distance(v_norm.sample(time), self.worst.u) for v_norm in (experiment.v_norm, finer))
+        error = experiment.v_norm.distance(experiment.v_norm.sample(time), self.worst.u)
+        raised = finer.distance(finer.sample(time), self.worst.u)
         change = replace(
             problem,
             load=lambda t: finer.load(t) - experiment.v_norm.load(t),
@@ -288,15 +290,13 @@ class Measurement:
             remainder=None,
             solver=contact_solver(experiment.space),
         )
-
-        def relative(steps: int) -> float:
-            drift = maximum(math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps))
-            return (abs(raised - error) + drift) / error
-
         steps = RESPONSE
-        while (found := relative(steps)) > NEGLIGIBLE and steps < 2 * experiment.steps:
+        while True:
+            drift = maximum([math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)])
+            found = (abs(raised - error) + drift) / error
+            if not found > NEGLIGIBLE or steps >= 2 * experiment.steps:
+                return found
             steps = min(MORE * steps, 2 * experiment.steps)
-        return found
 
 
 # Criteria for both propositions: the error has the right size, it is the error of u^h, and the influence of time steps,
@@ -305,29 +305,17 @@ class Measurement:
 # exactly 0 means that a solution was compared with itself.
 def over(key: str, quantity: str, window: Window, above: str, below: str) -> Criterion:
     """Return the criterion for the quotient of two columns, ``above`` / ``below``, on the finest level."""
-
-    def measure(group: pd.DataFrame) -> Measured:
-        return exactly(group[above].iloc[-1] / group[below].iloc[-1])
-
+    measure: Measure = lambda group: exactly(group[above].iloc[-1] / group[below].iloc[-1])  # noqa: E731
     return Criterion(key, quantity, window, measure, (above, below))
-
-
-def size_of_error(group: pd.DataFrame) -> Measured:
-    """Return a quotient on the finest level that is 1 if the errors are orthogonal (Pythagoras).
-
-    It is (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖.
-    """
-    last = group.iloc[-1]
-    return exactly(np.hypot(last["error"], last["discrete_error"]) / last["interpolation_error"])
 
 
 def residual_share(group: pd.DataFrame) -> Measured:
     """Return the largest residual of the contact solver, divided by its tolerance for the number of unknowns."""
-    allowed = [solver_choice.residual(dim, dofs) for dim, dofs in zip(group["dim"], group["dofs"], strict=True)]
-    return greatest(group["residual"].to_numpy() / np.array(allowed))
+    return greatest((group["residual"] / [*map(solver_choice.residual, group["dim"], group["dofs"])]).to_numpy())
 
 
 PARALLELOGRAM = positive_at_most(1e-3, "an identity, up to rounding and the quadrature of the factor of A")
+SMALL = positive_at_most(0.02, "of the error")
 TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
 RESIDUAL, ACCEPTED = positive_at_most(1.0, TOLERANCE), "residual of the contact solves / largest accepted residual"
 SIZE = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
@@ -335,20 +323,16 @@ SIZES = Criterion(
     "size",
     "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖",
     SIZE,
-    size_of_error,
+    # On the finest level.
+    lambda group: exactly((np.hypot(group["error"], group["discrete_error"]) / group["interpolation_error"]).iloc[-1]),
     ("error", "discrete_error", "interpolation_error"),
 )
 EVIDENCE = (
     largest("parallelogram", "parallelogram law of u − u^h and u − Π^h u", PARALLELOGRAM, "parallelogram"),
-    largest("time-share", "time share: error in time / error", positive_at_most(0.02, "of the error"), "time_share"),
+    largest("time-share", "time share: error in time / error", SMALL, "time_share"),
     Criterion("residual", ACCEPTED, RESIDUAL, residual_share, ("dim", "dofs", "residual")),
     largest("clamped", "u^h = 0 on Γ1", at_most(1e-10, "rounding"), "clamped"),
-    largest(
-        "quadrature",
-        "change of the error under finer quadrature",
-        positive_at_most(0.02, "of the error"),
-        "quadrature_change",
-    ),
+    largest("quadrature", "change of the error under finer quadrature", SMALL, "quadrature_change"),
 )
 
 # Further criteria, which hold only with the regularity that Proposition 5.4 assumes.
@@ -382,14 +366,10 @@ On one-diagonal meshes neighbouring triangles form parallelograms, and Π^h u �
 of the traction boundary) to 2. On other meshes its order is at least the order of the error and at most 2."""
 SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same error up to 20 %")
 TIME = positive_at_most(0.3, "of the discrete error")
+DISCRETE_TIME = "time share of ‖Π^h u − u^h‖_V: error in time / discrete error"
 DISCRETE_SIZES = (
     over("discrete-share", "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V", SHARE, "discrete_error", "interpolation_error"),
-    largest(
-        "discrete-time-share",
-        "time share of ‖Π^h u − u^h‖_V: error in time / discrete error",
-        TIME,
-        "discrete_time_share",
-    ),
+    largest("discrete-time-share", DISCRETE_TIME, TIME, "discrete_time_share"),
 )
 NOT_AT_START = 0.99
 """Upper bound of (error at t = 0) / (largest error) for which the largest error counts as attained after t = 0."""

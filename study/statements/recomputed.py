@@ -21,14 +21,12 @@ value or a force.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.ledger.criterion import Criterion, Measured, among, largest
 from study.ledger.datafiles import CsvFile, DataFile, Row
@@ -64,16 +62,12 @@ def recompute(setup: Experiment) -> dict[str, float]:
     """
     plain = PlainProblem(setup.solution, setup.space.mesh)
     own_load, same_load = plain.trajectories(2 * setup.steps, plain.load, setup.problem.load)
-    return errors(plain, own_load) | gaps(setup, plain, own_load, same_load)
-
-
-def errors(plain: PlainProblem, trajectory: Trajectory) -> dict[str, float]:
-    """Return the largest error, interpolation error and discrete error of a trajectory over time, by their columns."""
-    found = []
-    for time, u, _ in trajectory:
+    errors = []
+    for time, u, _ in own_load:
         interpolant = plain.interpolant(time)
-        found.append([*plain.distance(time, u, interpolant), *plain.norms((interpolant - u)[:, None])])
-    return dict(zip(ERRORS, map(float, np.max(found, axis=0)), strict=True))
+        errors.append([*plain.distance(time, u, interpolant), *plain.norms((interpolant - u)[:, None])])
+    largest_errors = map(float, np.max(errors, axis=0))
+    return dict(zip(ERRORS, largest_errors, strict=True)) | gaps(setup, plain, own_load, same_load)
 
 
 def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load: Trajectory) -> dict[str, float]:
@@ -89,7 +83,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
     """
     states = [(s.time, s.u, s.multipliers) for s in setup.scheme.march(setup.problem, 2 * setup.steps)]
     norms = plain.norms(np.stack([u for _, u, _ in own_load], axis=1))
-    forces = euclidean_norm(multipliers for *_, multipliers in own_load)
+    forces = np.linalg.norm([multipliers for *_, multipliers in own_load])
     sizes = max(norms[0], TINY * norms.max()), norms.max(), forces
     gaps_own, gaps_same = differences(plain, states, own_load), differences(plain, states, same_load)
     found = zip((*GAPS, *SAME_LOAD), (*gaps_own, *gaps_same[1:]), (*sizes, *sizes[1:]), strict=True)
@@ -105,12 +99,8 @@ def differences(plain: PlainProblem, states: Trajectory, trajectory: Trajectory)
     """
     pairs = list(zip(states, trajectory, strict=True))
     missing = plain.norms(np.stack([ours - u for (_, ours, _), (_, u, _) in pairs], axis=1))
-    return missing[0], missing.max(), euclidean_norm(ours - forces for (*_, ours), (*_, forces) in pairs)
-
-
-def euclidean_norm(vectors: Iterable[Array]) -> float:
-    """Return the Euclidean norm of several vectors joined to one vector."""
-    return math.sqrt(sum(float(np.sum(each**2)) for each in vectors))
+    missing_forces = np.array([ours - forces for (*_, ours), (*_, forces) in pairs])
+    return missing[0], missing.max(), float(np.linalg.norm(missing_forces))
 
 
 def ratio(column: str, norm: str, window: Window) -> Criterion:

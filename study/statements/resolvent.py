@@ -50,7 +50,7 @@ from study.solve.factorisation import Cholesky
 from study.solve.fixed_point import fixed_point
 from study.solve.signorini import Signorini
 from study.statements.constraint import with_trace
-from study.statements.lipschitz import STRAINS
+from study.statements.lipschitz import STRAINS, random_function
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import IRREGULAR, LAWS, named, place, space_of
@@ -75,6 +75,7 @@ USED = Window(0.02, 1 + ROUNDING, "G or −G; a value of 0 would mean that the t
 ONTO = positive_at_most(1e-10, f"an iteration stops at {SETTLED:g}")
 GROWING = Window(0.5, 1 + ROUNDING, "half of the bound is reached even without B")
 SHRINKING = Window(0.6, 1 + ROUNDING, "at least 2/3 of the bound is reached, because B ≤ L")
+QUOTIENT = "largest ‖J w − J w'‖_V / ‖w − w'‖_V"
 
 
 class Resolvent(ListedNumbers):
@@ -89,10 +90,8 @@ class Resolvent(ListedNumbers):
         largest("normal-cone", "−(g − g', u − u')_V / sizes, g ∈ ∂ψ_K(u)", NEVER, "normal cone"),
         every("monotone", "largest −(g − g' ± (B u − B u'), u − u')_V / (L ‖u − u'‖_V²)", USED, "monotone"),
         largest("onto", "distance of w − u − λ (± B u) from ∂ψ_K(u), random w", ONTO, "onto, G", "onto, −G"),
-        every("resolvent", "largest ‖J w − J w'‖_V / ‖w − w'‖_V over 1/(1 − λ L), −G", GROWING, "resolvent, −G"),
-        every(
-            "resolvent-monotone", "largest ‖J w − J w'‖_V / ‖w − w'‖_V over 1/(1 − λ ω), G", SHRINKING, "resolvent, G"
-        ),
+        every("resolvent", f"{QUOTIENT} over 1/(1 − λ L), −G", GROWING, "resolvent, −G"),
+        every("resolvent-monotone", f"{QUOTIENT} over 1/(1 − λ ω), G", SHRINKING, "resolvent, G"),
     )
 
     def places(self, full: bool) -> list[Setting]:
@@ -118,8 +117,7 @@ def random_functions(space: Space, rng: np.random.Generator) -> Iterator[Array]:
     """Yield random P1 functions with strains on both sides of the yield point of every law."""
     for strain in STRAINS:
         for _ in range(PAIRS):
-            v = rng.standard_normal(space.dofs)
-            yield v * (strain / abs(space.strain(v)).max())
+            yield random_function(space, strain, rng)
 
 
 def monotonicity(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, float]:
@@ -172,14 +170,9 @@ class Inverse:
 
         It is the fixed point of u ↦ P(w − λBu), where P is the projection onto K^h.
         """
-        problem, scale, given = self.problem, self.scale, self.problem.M @ w
-        return fixed_point(
-            lambda u: self._project(given - scale * problem.elastic(u))[0],
-            w,
-            lambda v: problem.M @ v,
-            SETTLED,
-            MOST,
-        )[0]
+        M, given = self.problem.M, self.problem.M @ w
+        step = lambda u: self._project(given - self.scale * self.problem.elastic(u))[0]  # noqa: E731
+        return fixed_point(step, w, lambda v: M @ v, SETTLED, MOST)[0]
 
     def defect(self, w: Array) -> float:
         """Return how far u = Jw is from a solution of w ∈ u + λ(∂ψ_K(u) + Bu), relative to the terms.

@@ -42,7 +42,6 @@ larger than η, the ratio is 3/((2 + 6L) t) in (5.16) and (5.19), which exceeds 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -105,7 +104,8 @@ def at_nodes(setup: Experiment) -> dict[str, float]:
     """Return the largest violation of the inequality (5.12), and the largest error of its predicted slack.
 
     The slack is right side minus left side. The prediction is −λ·N v^h + ∫_{Γ3} σ_ν u^h_ν with the contact forces λ.
-    Both results are relative to the terms of (5.12).
+    Both results are relative to the terms of (5.12). The members v^h of K^h are Π^h u, 0 and random functions
+    of the size of Π^h u.
     """
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
     exact, work, N = energies.exact, energies.work, setup.problem.N
@@ -116,7 +116,12 @@ def at_nodes(setup: Experiment) -> dict[str, float]:
         viscous = exact.law.A(energies.strain((state.u - before.u) / k) - exact.strain_rate(time))
         elastic = exact.law.G(discrete) - exact.law.G(strain)
         left = -work(viscous, strain - discrete)
-        for v in members(setup, energies.interpolant(time), rng):
+        interpolant = energies.interpolant(time)
+        members = [interpolant, 0 * interpolant]
+        for _ in range(MEMBERS):
+            nodal, normal = rng.standard_normal(setup.space.dofs), rng.standard_normal(N.shape[0])
+            members.append(abs(interpolant).max() * with_trace(setup.space, nodal, np.minimum(normal, 0.0)))
+        for v in members:
             along = energies.strain(v) - strain
             # The fourth term is R(·; v) and not R(·; v − u), because R(·; u) = 0 by (2.5).
             right = work(viscous, along), work(elastic, along), work(elastic, strain - discrete), pressed(v, time)
@@ -124,15 +129,6 @@ def at_nodes(setup: Experiment) -> dict[str, float]:
             contact = pressed(state.u, time) - float(state.multipliers @ (N @ v))
             found.append((-slack / size, abs(slack - contact) / size))
     return dict(zip(("violation", "slack"), np.max(found, axis=0), strict=True))
-
-
-def members(setup: Experiment, interpolant: Array, rng: np.random.Generator) -> Iterator[Array]:
-    """Yield admissible displacements v^h ∈ K^h: the interpolant Π^h u, 0, and random ones of the same size."""
-    yield from (interpolant, 0 * interpolant)
-    size = abs(interpolant).max()
-    for _ in range(MEMBERS):
-        nodal, normal = rng.standard_normal(setup.space.dofs), rng.standard_normal(setup.space.N.shape[0])
-        yield size * with_trace(setup.space, nodal, np.minimum(normal, 0.0))
 
 
 @dataclass(frozen=True)
@@ -161,12 +157,21 @@ def over_time(setup: Experiment) -> dict[str, float]:
     For the equation (5.15) it is the largest defect divided by the largest term.
     """
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
+    exact, product, strain_of = energies.exact, energies.product, energies.strain
     k, courses, integrals = setup.problem.T / STEPS, [], np.zeros(7)
     for n, (before, state) in enumerate(pairwise(MIDPOINT.march(setup.problem, STEPS)), start=1):
         if n == 1:
             courses.append(course(energies, before, integrals))
+        # The discrete solution is linear in time inside a step.
+        discrete_rate = strain_of((state.u - before.u) / k)
         for part, weight in zip(*gauss(POINTS), strict=True):
-            integrals = integrals + k * weight * integrands(energies, pressed, before, state, part)
+            time = before.time + part * k
+            strain, rate, nodal = exact.strain(time), exact.strain_rate(time), energies.interpolant(time)
+            e, e_rate = strain - strain_of(before.u + part * (state.u - before.u)), rate - discrete_rate
+            eta, eta_rate = strain - strain_of(nodal), rate - strain_of(energies.interpolated_rate(time))
+            squares = [product(field, field) for field in (e, eta, eta_rate)]
+            terms = product(e_rate, eta), product(e, eta_rate), np.sqrt(squares[0] * squares[1]), *squares
+            integrals = integrals + k * weight * np.array([*terms, abs(pressed(nodal, time))])
         if n in INSTANTS:
             courses.append(course(energies, state, integrals))
     (start, *later), L = courses, setup.solution.law.kappa
@@ -185,29 +190,6 @@ def course(energies: Energies, state: State, integrals: Array) -> Course:
     exact, product = energies.exact.strain(state.time), energies.product
     e, eta = exact - energies.strain(state.u), exact - energies.strain(energies.interpolant(state.time))
     return Course(state.time, product(e, e), product(eta, eta), product(e, eta), integrals)
-
-
-def integrands(energies: Energies, pressed: ContactWork, before: State, state: State, part: float) -> Array:
-    """Return the integrands of the seven integrals in ``Course`` at one time inside a step, (7,).
-
-    The discrete solution is linear in time inside a step.
-
-    Args:
-        energies, pressed: compute inner products and the work of contact.
-        before, state: the discrete solution at both ends of the step.
-        part: the position in the step, between 0 and 1.
-    """
-    k = state.time - before.time
-    time = before.time + part * k
-    strain, rate = energies.exact.strain(time), energies.exact.strain_rate(time)
-    nodal = energies.interpolant(time)
-    e = strain - energies.strain(before.u + part * (state.u - before.u))
-    e_rate = rate - energies.strain((state.u - before.u) / k)
-    eta, eta_rate = strain - energies.strain(nodal), rate - energies.strain(energies.interpolated_rate(time))
-    product = energies.product
-    squares = [product(field, field) for field in (e, eta, eta_rate)]
-    mixed = np.sqrt(squares[0] * squares[1])
-    return np.array([product(e_rate, eta), product(e, eta_rate), mixed, *squares, abs(pressed(nodal, time))])
 
 
 def shares(start: Course, now: Course, L: float) -> tuple[float, float, float, float, float]:

@@ -26,7 +26,7 @@ from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import maximum, norm
-from study.statements.thm_4_2_own_space import StressExperiment
+from study.statements.thm_4_2_own_space import StressExperiment, norm_in_q
 
 STEPS = 12
 _BY_WHAT = f"solvers are exact, or a fixed-point iteration stops at {FIXED_POINT:g} in every step"
@@ -49,23 +49,14 @@ class OneTrajectory(ListedNumbers):
 
     label = "Thm 4.1, 5.2"
     claim = "different initial guesses, solvers and splittings give one solution in V^h: a test of the solvers"
-    rules = (
-        largest("random-starts", "difference of the solutions from random active sets", EXACTLY, "random starts"),
-        largest(
-            "least-squares",
-            "difference of the solutions by Lawson and Hanson's method on the dual",
-            OTHERWISE,
-            "least squares",
-        ),
-        largest(
-            "fixed-point",
-            "difference of the solutions by a fixed-point iteration with all of G on the right-hand side",
-            OTHERWISE,
-            "fixed point",
-        ),
-        largest(
-            "interior-point", "difference of the solutions by an interior point method", INTERIOR, "interior point"
-        ),
+    rules = tuple(
+        largest(name.replace(" ", "-"), f"difference of the solutions {how}", window, name)
+        for name, how, window in (
+            ("random starts", "from random active sets", EXACTLY),
+            ("least squares", "by Lawson and Hanson's method on the dual", OTHERWISE),
+            ("fixed point", "by a fixed-point iteration with all of G on the right-hand side", OTHERWISE),
+            ("interior point", "by an interior point method", INTERIOR),
+        )
     )
     quick = grid((*EVOLVING, *SOFTENING), ("shaken",), (6,))
     full = (
@@ -165,39 +156,27 @@ class OneStress(ListedNumbers):
 
     label = "Thm 4.3"
     claim = "different initial guesses and solvers give one stress in Σ^h: a test of the solvers"
-    rules = (
-        largest("random-starts", "difference of the stresses from random active sets", EXACTLY, "random starts"),
-        largest(
-            "least-squares",
-            "difference of the stresses by Lawson and Hanson's method on the dual",
-            OTHERWISE,
-            "least squares",
-        ),
-        largest(
-            "interior-point",
-            "difference of the stresses by an interior point method on all unknowns",
-            INTERIOR,
-            "interior point",
-        ),
+    rules = tuple(
+        largest(name.replace(" ", "-"), f"difference of the stresses {how}", window, name)
+        for name, how, window in (
+            ("random starts", "from random active sets", EXACTLY),
+            ("least squares", "by Lawson and Hanson's method on the dual", OTHERWISE),
+            ("interior point", "by an interior point method on all unknowns", INTERIOR),
+        )
     )
     quick = grid(("advance-recede",), ("shaken",), (4,))
     full = grid(("advance-recede", "corner", "anisotropic"), ("unstructured",), (4, 8))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         experiment = StressExperiment.at(setting, STEPS)
-        own, weights = stresses(experiment), experiment.space.weights
-        size, found = maximum(size_of(stress, weights) for stress in own), {}
+        own, space = stresses(experiment), experiment.space
+        size, found = maximum(norm_in_q(stress, space) for stress in own), {}
         for name, solver in RIVALS.items():
             pairs = zip(own, stresses(replace(experiment, solver=solver)), strict=True)
-            found[name] = maximum(size_of(a - b, weights) for a, b in pairs) / size
-        return with_h(mesh_size(experiment.space.mesh), found)
+            found[name] = maximum(norm_in_q(a - b, space) for a, b in pairs) / size
+        return with_h(mesh_size(space.mesh), found)
 
 
 def stresses(experiment: StressExperiment) -> list[Tensors]:
     """Return the discrete stresses of all time steps at the quadrature points of the stress space."""
     return [state.stress.values for state in experiment.march()]
-
-
-def size_of(stress: Tensors, weights: Array) -> float:
-    """Return the L² norm ‖σ‖_Q of a stress at quadrature points with the given weights."""
-    return float(np.sqrt(np.einsum("Icq,Icq,cq->", stress, stress, weights)))

@@ -34,7 +34,7 @@ from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import FirstOrder, Measurement
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
-from study.statements.thm_4_2 import Derived, Sides, StandsAlone, compare, gaps, independence, magnitudes
+from study.statements.thm_4_2 import Derived, SameMesh, Sides, StandsAlone, gaps, independence, magnitudes
 
 HARMLESS = Control(
     "harmless", "a copy in place of the original", Equivalence("no-contact"), "", copy.copy, "alone-stress"
@@ -299,11 +299,11 @@ def test_neither_problem_loads_a_solver_of_the_other_while_it_marches(march: str
 
 @pytest.mark.parametrize("name", ["advance-recede", "yield-on-a-part"])
 def test_both_sides_are_those_that_theorem_4_2_compares(name: str) -> None:
-    """``Sides.of`` and ``compare`` set up the same problems."""
+    """``Sides.of`` and ``SameMesh.measure`` set up the same problems."""
     case = resolve(name)
     sides = Sides.of(case.solution, OneDiagonal(), 4)
     found = gaps(sides.displacements, sides.stresses(sides.displacements), 8)
-    row, rounded = compare(case, OneDiagonal(), 4, 8), magnitudes(found._asdict())
+    row, rounded = SameMesh().measure(Setting(name, "one-diagonal", 4)), magnitudes(found._asdict())
     assert rounded == {column: row[column] for column in found._fields}
 
 

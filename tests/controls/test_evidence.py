@@ -136,7 +136,7 @@ no error of its own @ study.statements.prop_5_4:Measurement.quadrature_change
 = quadrature: error
 
 response at the last time @ study.statements.prop_5_4:Measurement.quadrature_change
-- maximum(math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps))
+- maximum([math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)])
 + [math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)][-1]
 = quadrature: early load
 
@@ -234,7 +234,7 @@ other ways in the last step @ study.statements.uniqueness:relative_distance
 = other ways: odd node; other ways: even node
 
 other ways to σ in the last step @ study.statements.uniqueness:OneStress.measure
-- maximum(size_of(a - b, weights) for a, b in pairs)  ↦  [size_of(a - b, weights) for a, b in pairs][-1]
+- maximum(norm_in_q(a - b, space) for a, b in pairs)  ↦  [norm_in_q(a - b, space) for a, b in pairs][-1]
 = other ways to σ: one step
 
 velocity of the last step @ study.statements.wellposed:fastest
@@ -270,12 +270,12 @@ trajectories at the last node @ study.statements.recomputed:differences
 - missing.max()  ↦  missing[-1]
 = computed again: u, odd node; computed again: u, even node
 
-forces of the last step, again @ study.statements.recomputed:euclidean_norm
-- for each in vectors  ↦  for each in list(vectors)[-1:]
+forces of the last step, again @ study.statements.recomputed:differences
+- np.linalg.norm(missing_forces)  ↦  np.linalg.norm(missing_forces[-1])
 = computed again: λ, odd node; computed again: λ, even node
 
-errors at every even time, again @ study.statements.recomputed:errors
-- np.max(found, axis=0)  ↦  np.max(found[::2], axis=0)
+errors at every even time, again @ study.controls.baselines:recompute
+- np.max(errors, axis=0)  ↦  np.max(errors[::2], axis=0)
 = computed again: errors at one time; computed again: Π^h u at one time
 
 bound at the last time @ study.controls.baselines:bounded

@@ -15,7 +15,6 @@ import pandas as pd
 import pytest
 from committed import RESULTS, TABLES, copy_results
 
-from manufactured.catalogue import catalogue
 from study.cli.main import main
 from study.ledger.datafiles import DataError
 from study.ledger.files import write_packed
@@ -25,8 +24,9 @@ from study.present.picture import Picture, picture_path, read_record, read_value
 from study.present.report import LETTERS, write_report
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
 from study.run.fingerprint import ROOT
+from study.run.plan import full
 from study.run.provenance import read_provenance, sources
-from study.statements.pictures import Pictures, picture
+from study.statements.pictures import Pictures
 
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
 HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
@@ -309,7 +309,7 @@ def test_scripts_are_raised_and_lowered_and_the_rest_is_escaped(plain_text: str,
 @pytest.mark.slow
 def test_the_page_of_the_committed_run_has_at_most_6_megabytes_and_its_pictures_70_kilobytes(tmp_path: Path) -> None:
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs"))
-    for case in catalogue():
-        (path,) = Pictures.file.write(tmp_path / "data", [picture(case)])
+    for setting in Pictures().settings(full()):
+        (path,) = Pictures.file.write(tmp_path / "data", [Pictures().measure(setting)])
         assert path.stat().st_size <= 70e3
     assert report(tmp_path).stat().st_size <= 6e6

@@ -28,8 +28,8 @@ from study.statements.prop_5_4 import measure_case
 from study.statements.recomputed import ERRORS as OF_SECOND
 from study.statements.recomputed import Recomputed
 from study.statements.shared.base import ListedNumbers, Setting
-from study.statements.thm_4_2 import compare
-from study.statements.thm_4_2_own_space import ERRORS, OwnSpace, measure_stresses
+from study.statements.thm_4_2 import SameMesh
+from study.statements.thm_4_2_own_space import ERRORS, OwnSpace
 
 RESULTS = Path(__file__).parents[2] / "results"
 RATES = pd.read_csv(RESULTS / "data" / "rates.csv")
@@ -73,7 +73,8 @@ AGREEING = ("advance-recede", "corner", "cube-disc", "layered", "softening", "yi
 )
 def test_both_formulations_agree_again(case: str) -> None:
     committed = EQUIVALENCE.query(f"case == '{case}'").iloc[0]
-    row = compare(resolve(case), family_named(committed["family"]), int(committed["level"]), int(committed["steps"]))
+    row = SameMesh().measure(Setting(case, committed["family"], int(committed["level"])))
+    assert row["steps"] == committed["steps"]
     assert row["h"] == pytest.approx(committed["h"])
     assert max(row["admissibility"], row["energy_gap"], row["membership"]) <= 1e-7
     assert row["displacement_gap"] <= row["displacement_bound"] <= 1e-5
@@ -85,9 +86,8 @@ def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
     committed = pd.read_csv(RESULTS / "data" / "stresses.csv").query("level == 8")
     assert set(committed["case"]) == {place.case for place in OwnSpace().places(full=True)}
     for row in committed.iloc[::16].to_dict("records"):
-        case, family = resolve(row["case"]), family_named(row["family"])
-        again = measure_stresses(case, family, row["level"], row["steps"])
-        for column in ("unknowns", "h", *ERRORS, "time_share"):
+        again = OwnSpace().measure(Setting(row["case"], row["family"], row["level"]))
+        for column in ("unknowns", "h", "steps", *ERRORS, "time_share"):
             assert again[column] == pytest.approx(row[column], rel=1e-5), (row["case"], column)
 
 

@@ -20,6 +20,7 @@ from study.run.plan import Plan, full, quick
 from study.solve.motion import Motion
 from study.statements import pictures
 from study.statements.pictures import Pictures, mesh_for, record
+from study.statements.shared.base import Setting
 from study.statements.shared.scope import SLOW
 
 Array = NDArray[np.float64]
@@ -137,4 +138,5 @@ def test_a_solid_that_no_moderate_mesh_fits_is_refused_by_its_first_mesh() -> No
 @pytest.mark.slow
 @pytest.mark.parametrize("case", SOLIDS)
 def test_the_picture_of_a_solid_has_at_most_100_kilobytes(case: str) -> None:
-    assert len(json.dumps(pictures.picture(resolve(case)))) <= 100e3
+    family, level = mesh_for(resolve(case).solution.body)
+    assert len(json.dumps(Pictures().measure(Setting(case, family.name, level)))) <= 100e3
