@@ -1010,9 +1010,9 @@ def opposite_work(compare: Function) -> Function:
     The correct quotient of an operator B is (B(u + d) − B(u), d) / ‖d‖² for a displacement u and a step d.
     """
 
-    def found(operator: Any, base: Any, step: Any) -> tuple[float, float, Any]:
-        quotient, product, image = compare(operator, base, step)
-        return quotient, -product * float(step @ (operator.problem.M @ step)), image
+    def found(problem: Any, riesz: Any, base: Any, step: Any) -> tuple[float, float, Any]:
+        quotient, product, image = compare(problem, riesz, base, step)
+        return quotient, -product * float(step @ (problem.M @ step)), image
 
     return found
 

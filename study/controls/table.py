@@ -271,7 +271,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("k as it is", "the same number of time steps on every mesh", CLOSE, "superclose:Superclose.steps", wrong.returns(32), "share-growth"),
     Control("constant of B doubled", "2B instead of B", LINEAR, "lipschitz:largest", wrong.times(2.0), "constant"),
     Control("κ halved", "½ κ instead of κ", LINEAR, "lipschitz:pointwise", wrong.result(lambda found: (found[0] / 2, found[1])), "pointwise"),
-    Control("sign of d", "(Bu − Bv, v − u)_V, not over ‖u − v‖²", LINEAR, "lipschitz:Operator.compare", wrong.opposite_work, "monotonicity"),
+    Control("sign of d", "(Bu − Bv, v − u)_V, not over ‖u − v‖²", LINEAR, "lipschitz:compare", wrong.opposite_work, "monotonicity"),
     Control("blind: search", "random pairs of strains, without the search that finds the worst pair", NONLINEAR, "lipschitz:quotients", wrong.random_only, "waves"),
     Control("R without f_2", "(f_2, v) left out of R", RESIDUAL, "residual:terms", wrong.without("loaded"), "smooth"),
     Control("R without f_0", "(f_0, v) left out of R", RESIDUAL, "residual:terms", wrong.without("body"), "bound"),

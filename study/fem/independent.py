@@ -90,7 +90,7 @@ class LeadingTerm:
 
     def largest(self) -> float:
         """Return the maximum of the leading term over ``INSTANTS`` + 1 equidistant times in [0, T]."""
-        return float(np.max([self(time) for time in np.linspace(0.0, self.T, INSTANTS + 1).tolist()]))
+        return float(np.max([*map(self, np.linspace(0.0, self.T, INSTANTS + 1).tolist())]))
 
     def __call__(self, time: float) -> float:
         """Return the leading term of the interpolation error at a time."""

@@ -66,6 +66,7 @@ LAST = COUNTS[3:]
 LEFT = around(1, 0.4, "excludes 3/2 and 2")
 LOADS = {"own": "load of the case", "rolling": "load that moves along Γ3"}
 """Descriptions of the two loads, by their names in columns."""
+TWO_UNKNOWNS = "error / k for a problem with two unknowns"
 NO_THEORY = "no theory gives this order for P1 elements"
 
 
@@ -127,12 +128,7 @@ class Landings(ListedNumbers):
     claim = "if a vertex that lands lifts a loaded neighbour, second-order schemes have only order 1 in k"
     rules = (
         *(
-            every(
-                f"{name}-two",
-                f"{name}: error / k for a problem with two unknowns",
-                PROVED,
-                *(f"two {name} {count}" for count in COUNTS),
-            )
+            every(f"{name}-two", f"{name}: {TWO_UNKNOWNS}", PROVED, *(f"two {name} {count}" for count in COUNTS))
             for name in (BACKWARD_EULER.name, MIDPOINT.name)
         ),
         *(

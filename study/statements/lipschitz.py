@@ -84,7 +84,7 @@ class Lipschitz(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         space, law = space_of(setting), resolve(setting.case).solution.law
         problem = unloaded(space, law)
-        found = np.array(list(quotients(space, Operator(problem))))
+        found = np.array(list(quotients(space, problem)))
         steepest, falling = found[:, 0].max(), -found[:, 1].min()
         if isinstance(law.G, Linear):
             steepest = maximum((steepest, largest(problem.reference, problem.M)))
@@ -97,26 +97,22 @@ class Lipschitz(ListedNumbers):
         return with_h(space.h, {**values, "monotonicity": falling / bound})
 
 
-class Operator:
-    """The discrete elasticity operator B^h, with difference quotients in the norm of V."""
+def compare(problem: SemiDiscrete, riesz: Cholesky, base: Array, step: Array) -> tuple[float, float, Array]:
+    """Compare the values of the discrete elasticity operator B^h at u and at u + d, in the norm of V.
 
-    def __init__(self, problem: SemiDiscrete) -> None:
-        self.problem, self.riesz = problem, Cholesky(problem.M)
+    Args:
+        problem: the semi-discrete problem, which defines B^h and V.
+        riesz: the factorisation of the matrix of (·,·)_V.
+        base: u, (dofs,).
+        step: d, (dofs,).
 
-    def compare(self, base: Array, step: Array) -> tuple[float, float, Array]:
-        """Compare the values of the elasticity operator B^h at u and at u + d.
-
-        Args:
-            base: u, (dofs,).
-            step: d, (dofs,).
-
-        Returns:
-            The Lipschitz quotient ‖c‖_V / ‖d‖_V, the monotonicity quotient (c, d)_V / ‖d‖_V², and the change
-            c = B^h(u + d) − B^h(u), (dofs,).
-        """
-        change = self.problem.elastic(base + step) - self.problem.elastic(base)
-        image, square = self.riesz(change), step @ (self.problem.M @ step)
-        return float(np.sqrt(max(change @ image, 0.0) / square)), float(change @ step / square), image
+    Returns:
+        The Lipschitz quotient ‖c‖_V / ‖d‖_V, the monotonicity quotient (c, d)_V / ‖d‖_V², and the change
+        c = B^h(u + d) − B^h(u), (dofs,).
+    """
+    change = problem.elastic(base + step) - problem.elastic(base)
+    image, square = riesz(change), step @ (problem.M @ step)
+    return float(np.sqrt(max(change @ image, 0.0) / square)), float(change @ step / square), image
 
 
 def random_function(space: Space, strain: float, rng: np.random.Generator) -> Array:
@@ -125,19 +121,20 @@ def random_function(space: Space, strain: float, rng: np.random.Generator) -> Ar
     return v * (strain / abs(space.strain(v)).max())
 
 
-def quotients(space: Space, operator: Operator) -> Iterator[tuple[float, float]]:
+def quotients(space: Space, problem: SemiDiscrete) -> Iterator[tuple[float, float]]:
     """Yield Lipschitz and monotonicity quotients of the discrete elasticity operator B^h.
 
     They come from random pairs of functions and from an iterative search for large quotients.
     """
-    rng = np.random.default_rng(SEED)
+    rng, riesz = np.random.default_rng(SEED), Cholesky(problem.M)
     for strain in STRAINS:
         for _ in range(PAIRS):
-            yield operator.compare(random_function(space, strain, rng), random_function(space, strain, rng))[:2]
+            base, step = random_function(space, strain, rng), random_function(space, strain, rng)
+            yield compare(problem, riesz, base, step)[:2]
         for base in (np.zeros(space.dofs), random_function(space, strain, rng)):
             step = random_function(space, strain, rng)
             for _ in range(CLIMBS):
-                quotient, product, image = operator.compare(base, step)
+                quotient, product, image = compare(problem, riesz, base, step)
                 yield quotient, product
                 if quotient <= ROUNDING:
                     break

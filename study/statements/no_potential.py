@@ -42,6 +42,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from itertools import product
 
 import numpy as np
 import scipy.sparse as sps
@@ -76,6 +77,10 @@ IN_K = around(1, 0.1, "least squares over four halvings, every mesh")
 UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
 IN_H = around(1, 0.15, "least squares over all levels, k = T/(4n)")
 BEST = Window(0.8, 1.0, "0.855 predicted; a constant below 0.8 κT/2 would be too small")
+SMALL = positive_at_most(0.1, "so the reference solution hardly changes the error")
+ERROR, SHORTEST = "‖u^h − û^{hk}‖", f"equal {COUNTS[-1]} error"
+OF_BOUND = f"{ERROR} / its bound from the"
+HALF_STEPS = f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error"
 KINDS = "equal", "unequal"
 
 
@@ -93,6 +98,11 @@ def partition(kind: str, count: int) -> Array:
     return np.concatenate([[0], np.cumsum(np.tile([pair - short, short], count // 2))])
 
 
+def columns(kind: str, what: str) -> list[str]:
+    """Return the names of the columns with a measured number for all numbers of time steps."""
+    return [f"{kind} {count} {what}" for count in COUNTS]
+
+
 class NoPotential(ListedNumbers):
     """Measures errors of backward Euler, and their quotients with two bounds, for an elasticity without a potential."""
 
@@ -102,74 +112,32 @@ class NoPotential(ListedNumbers):
     outside_catalogue = True
     rules = (
         *(
-            largest(
-                f"{bound}-{kind}",
-                f"‖u^h − û^{{hk}}‖ / its bound from the {bound}, {kind} steps",
-                PROVED,
-                *(f"{kind} {count} by {bound}" for count in COUNTS),
-            )
-            for bound in ("data", "solution")
+            largest(f"{bound}-{kind}", f"{OF_BOUND} {bound}, {kind} steps", PROVED, *columns(kind, by))
+            for bound, by in (("data", "by data"), ("solution", "by solution"))
             for kind in KINDS
         ),
         *(
-            order_in_k(
-                f"order-{kind}",
-                f"order of ‖u^h − û^{{hk}}‖ in k, {kind} steps",
-                IN_K,
-                COUNTS,
-                [f"{kind} {count} error" for count in COUNTS],
-            )
+            order_in_k(f"order-{kind}", f"order of {ERROR} in k, {kind} steps", IN_K, COUNTS, columns(kind, "error"))
             for kind in KINDS
         ),
-        change(
-            "uniform",
-            f"‖u^h − û^{{hk}}‖ with {COUNTS[-1]} steps, finest mesh / coarsest mesh",
-            UNIFORM,
-            f"equal {COUNTS[-1]} error",
-        ),
+        change("uniform", f"{ERROR} with {COUNTS[-1]} steps, finest mesh / coarsest mesh", UNIFORM, SHORTEST),
         order("order-both", f"order of max_n ‖u − U_n‖ in h for k = T/({PER_CELL}n)", IN_H, "fully discrete"),
         every("rotation", "error of a rotation in the plane / its bound from the data", BEST, "rotation"),
-        largest(
-            "reference",
-            f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error",
-            positive_at_most(0.1, "so the reference solution hardly changes the error"),
-            "reference",
-        ),
+        largest("reference", HALF_STEPS, SMALL, "reference"),
     )
     quick = grid((NAME,), ("one-diagonal",), (6, 8, 12))
     full = grid((NAME,), ("one-diagonal", "unstructured"), (6, 12, 24))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        law = setup.solution.law
-        found = errors_and_shares(setup.problem, law.kappa, law.growth)
-        # Errors in time cannot show a wrong solver, so the error against the exact solution is measured for k ~ h.
-        steps = PER_CELL * setting.level
-        times = (setup.problem.T * np.arange(steps + 1) / steps).tolist()
-        states = zip(times, backward_euler(setup.problem, times), strict=True)
-        found["fully discrete"] = maximum(setup.v_norm.distance(setup.v_norm.sample(t), u) for t, u in states)
-        return with_h(setup.space.h, {**found, "rotation": rotating()})
-
-
-def errors_and_shares(problem: SemiDiscrete, kappa: float, growth: float) -> dict[str, float]:
-    """Return the errors of backward Euler in time, and these errors divided by each of two bounds.
-
-    They are measured for time grids with equal and with alternating steps, and for several numbers of steps.
-
-    Args:
-        problem: the semi-discrete problem.
-        kappa: the Lipschitz constant κ = L_G/m_A.
-        growth: the rate γ at which the distance of two solutions may grow.
-    """
-    # Loads are cached, because all time grids are parts of one grid and need the loads at the same times.
-    problem = replace(problem, load=lru_cache(maxsize=None)(problem.load))
-    times = problem.T * np.arange(FINEST + 1) / FINEST
-    flow = GradientFlow(problem, np.array([problem.load(t) for t in times.tolist()]))
-    bounds = EulerBounds(flow, kappa, growth)
-    exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)
-    found: dict[str, float] = {}
-    for kind in KINDS:
-        for count in COUNTS:
+        # Loads are cached, because all time grids are parts of one grid and need the loads at the same times.
+        law, problem = setup.solution.law, replace(setup.problem, load=lru_cache(maxsize=None)(setup.problem.load))
+        times = problem.T * np.arange(FINEST + 1) / FINEST
+        flow = GradientFlow(problem, np.array([problem.load(t) for t in times.tolist()]))
+        bounds = EulerBounds(flow, law.kappa, law.growth)
+        exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)
+        found: dict[str, float] = {}
+        for kind, count in product(KINDS, COUNTS):
             nodes = partition(kind, count)
             states = backward_euler(problem, times[nodes].tolist())
             # Between its nodes, the solution is interpolated linearly in time.
@@ -177,9 +145,14 @@ def errors_and_shares(problem: SemiDiscrete, kappa: float, growth: float) -> dic
             found[f"{kind} {count} error"] = error
             found[f"{kind} {count} by data"] = error / bounds.by_data(nodes)
             found[f"{kind} {count} by solution"] = error / bounds.by_solution(nodes, states)
-    smallest = minimum(found[f"{kind} {COUNTS[-1]} error"] for kind in KINDS)
-    found["reference"] = furthest(problem, exact[::2], half) / smallest
-    return found
+        smallest = minimum(found[f"{kind} {COUNTS[-1]} error"] for kind in KINDS)
+        found["reference"] = furthest(problem, exact[::2], half) / smallest
+        # Errors in time cannot show a wrong solver, so the error against the exact solution is measured for k ~ h.
+        steps = PER_CELL * setting.level
+        instants = (problem.T * np.arange(steps + 1) / steps).tolist()
+        pairs = zip(instants, backward_euler(problem, instants), strict=True)
+        found["fully discrete"] = maximum(setup.v_norm.distance(setup.v_norm.sample(t), u) for t, u in pairs)
+        return with_h(setup.space.h, {**found, "rotation": rotating()})
 
 
 def rotating() -> float:

@@ -40,8 +40,7 @@ from manufactured.catalogue import catalogue
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.fem.space import Space
-from study.ledger.criterion import ENOUGH, ROUNDING, Criterion, Measured, Observation, change, every, exactly, judge
+from study.ledger.criterion import ENOUGH, ROUNDING, Criterion, Observation, change, every, exactly, judge
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around
 from study.solve.factorisation import Cholesky
@@ -115,21 +114,13 @@ UNBOUNDED = "junction"
 """The case whose traction σν is not square integrable on the boundary."""
 
 
-def growth_of_square(group: pd.DataFrame) -> Measured:
-    """Return how the squared norm of the traction grows under refinement: its last increment / previous increment.
-
-    The quotient is 1 if the squared norm grows like log 1/h.
-    """
-    *_, first, second, third = group["norm"].to_numpy() ** 2
-    return exactly((third - second) / (second - first))
-
-
 SETTLED = change("bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh", BOUNDED, "norm", since=-2)
 GROWING = Criterion(
     "unbounded",
     "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
     LOGARITHM,
-    growth_of_square,
+    # The quotient is 1 if the squared norm grows like log 1/h.
+    lambda group: exactly((increments := np.diff(group["norm"].to_numpy() ** 2))[-1] / increments[-2]),
     ("norm",),
     ENOUGH,
 )
@@ -149,23 +140,14 @@ class TractionInTime(ListedNumbers):
         return place([*cases, *named(UNBOUNDED)], REGULAR, (8, 16, 32), (2, 4, 8))
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        space = space_of(setting)
-        return with_h(space.h, {"norm": largest_traction(space, setting)})
+        space, solution, squares, sides = space_of(setting), resolve(setting.case).solution, [], []
+        for part in space.body.parts:
+            rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)
+            sides.append((part, solution.at(part.point(rule.s)), rule.weights))
+        for time in np.linspace(0, solution.body.T, 2 * setting.level + 1).tolist():
+            squares.append(sum(np.sum(exact.surface_load(part, time) ** 2 * w) for part, exact, w in sides))
+        return with_h(space.h, {"norm": math.sqrt(maximum(squares))})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         without = rows["case"] == UNBOUNDED
         return [*judge(self, rows[~without], [SETTLED]), *judge(self, rows[without], [GROWING])]
-
-
-def largest_traction(space: Space, setting: Setting) -> float:
-    """Return the largest norm of the exact traction in L²(Γ) over time.
-
-    The times are the ends of 2n equal intervals, where n is the level of the setting.
-    """
-    solution, squares, sides = resolve(setting.case).solution, [], []
-    for part in space.body.parts:
-        rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)
-        sides.append((part, solution.at(part.point(rule.s)), rule.weights))
-    for time in np.linspace(0, solution.body.T, 2 * setting.level + 1):
-        squares.append(sum(np.sum(exact.surface_load(part, float(time)) ** 2 * w) for part, exact, w in sides))
-    return math.sqrt(maximum(squares))

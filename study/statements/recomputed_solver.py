@@ -64,7 +64,21 @@ class PlainProblem:
         on = [np.flatnonzero(face.part.contains(mesh.p, tolerance)) for face in solution.faces]
         self._set_points(on)
         self._set_forms()
-        self._set_contact(on)
+        # The matrices of the contact problem: N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q.
+        normals: list[Array] = []
+        at: list[int] = []
+        for face, vertices in zip(self.solution.faces, on, strict=True):
+            known = [
+                vertex for vertex, normal in zip(at, normals, strict=True) if np.allclose(normal, face.part.normal)
+            ]
+            new = [int(v) for v in vertices if self.numbers[self.dim * v] >= 0 and v not in known]
+            at, normals = [*at, *new], [*normals, *[face.part.normal] * len(new)]
+        columns = self.numbers[self.dim * np.array(at)[:, None] + np.arange(self.dim)]
+        rows = np.repeat(np.arange(len(at)), self.dim)
+        self.N = sps.csr_array((np.ravel(normals), (rows, columns.ravel())), shape=(len(at), self.free.size))
+        self._response = self._solve(self.N.T.toarray())
+        self._normal = self.N @ self._response
+        self._root = cholesky(self._normal)
 
     def _set_points(self, on: list[Array]) -> None:
         """Set the quadrature points in the cells and on Γ3, with the law and the exact solution at these points.
@@ -135,27 +149,6 @@ class PlainProblem:
         """
         means = np.array([self.sums @ row for row in stress])
         return np.einsum("Ic,cIk->ck", means, self.strains)
-
-    def _set_contact(self, on: list[Array]) -> None:
-        """Set the matrices of the contact problem: N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q.
-
-        Args:
-            on: for each contact face, the indices of the vertices on it.
-        """
-        normals: list[Array] = []
-        at: list[int] = []
-        for face, vertices in zip(self.solution.faces, on, strict=True):
-            known = [
-                vertex for vertex, normal in zip(at, normals, strict=True) if np.allclose(normal, face.part.normal)
-            ]
-            new = [int(v) for v in vertices if self.numbers[self.dim * v] >= 0 and v not in known]
-            at, normals = [*at, *new], [*normals, *[face.part.normal] * len(new)]
-        columns = self.numbers[self.dim * np.array(at)[:, None] + np.arange(self.dim)]
-        rows = np.repeat(np.arange(len(at)), self.dim)
-        self.N = sps.csr_array((np.ravel(normals), (rows, columns.ravel())), shape=(len(at), self.free.size))
-        self._response = self._solve(self.N.T.toarray())
-        self._normal = self.N @ self._response
-        self._root = cholesky(self._normal)
 
     def work(self, stress: Tensors) -> Array:
         """Return the work of a stress on strains as a load vector, v ↦ (σ, ε(v))_Q, (n,).

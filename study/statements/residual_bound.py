@@ -62,9 +62,15 @@ class ResidualBound(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
-        problem = unloaded(space, solution.law)
-        share = share_of_bound(Energies(solution, space), ErrorNorm(solution, space), problem, solution.law)
-        return with_h(space.h, {"bound": share, **at_rest(space, problem, solution.law)})
+        problem, law = unloaded(space, solution.law), solution.law
+        share = share_of_bound(Energies(solution, space), ErrorNorm(solution, space), problem, law)
+        # The body at rest with the stress G(·, 0) = A ε(z).
+        stress = prestress(space, problem, law)
+        R = space.functional(stress)
+        bound = np.sqrt(np.sum(space.volumes * stress**2) / law.A.ellipticity)
+        of_bound, least = dual_norm(R, Cholesky(problem.M)) / bound, np.sqrt(law.A.ellipticity / law.A.lipschitz)
+        rest = beyond(-R, problem.N) / float(np.linalg.norm(R))
+        return with_h(space.h, {"bound": share, "rest": rest, "prestress": of_bound, "attained": of_bound / least})
 
 
 def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete, law: KelvinVoigt) -> float:
@@ -82,20 +88,6 @@ def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete,
     stress_at_zero = exact.law.G(0 * exact.strain(0.0))
     at_zero = np.sqrt(energies.work(stress_at_zero, stress_at_zero) / law.A.ellipticity)
     return float(R / (velocity + law.kappa * displacement + at_zero + force))
-
-
-def at_rest(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> dict[str, float]:
-    """Return the measured numbers for a body at rest with the stress G(·, 0) = A ε(z).
-
-    Returns:
-        "rest": how far u^h ≡ 0 is from a solution. "prestress" and "attained": the norm ‖R‖ of the residual divided by
-        its upper bound, and by its lower bound.
-    """
-    stress = prestress(space, problem, law)
-    R = space.functional(stress)
-    share = dual_norm(R, Cholesky(problem.M)) / np.sqrt(np.sum(space.volumes * stress**2) / law.A.ellipticity)
-    least = np.sqrt(law.A.ellipticity / law.A.lipschitz)
-    return {"rest": beyond(-R, problem.N) / np.linalg.norm(R), "prestress": share, "attained": share / least}
 
 
 def prestress(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> Tensors:

@@ -251,17 +251,15 @@ def sides(found: Trajectories) -> dict[str, float]:
     on, at, space, T = found.on, found.on.at, found.on.at.space, found.on.at.space.body.T
     times = {n: n * found.k for n in range(0, found.steps + 1, max(1, found.steps // SAMPLED_PARTS))}
     samples = {n: at.v_norm.sample(time) for n, time in times.items()}
-
-    def largest_distance(v: Callable[[int], Array]) -> float:
-        return maximum(at.v_norm.distance(sample, at.inclusion @ v(n)) for n, sample in samples.items())
-
-    best, error = largest_distance(lambda n: on.projected(times[n])), largest_distance(found.displacement)
+    distance, finer = at.v_norm.distance, at.inclusion
+    best = maximum(distance(sample, finer @ on.projected(times[n])) for n, sample in samples.items())
+    error = maximum(distance(sample, finer @ found.displacement(n)) for n, sample in samples.items())
     nodal = maximum(abs(g + on.gap(n * found.k)).max() for n, g in enumerate(found.projected))
     between = maximum(interpolation_error(at.solution, space, time) for time in times.values())
     (part,), (top,) = space.body.of(Kind.CONTACT), space.body.of(Kind.CLAMPED)
     theta = space.interpolate(np.multiply.outer(part.normal, top.coordinates(space.mesh.p)[1]))
     field = math.sqrt(theta @ (on.M @ theta))
-    force, start = found.k * float(found.forces.sum()), at.v_norm.distance(samples[0], at.inclusion @ on.start)
+    force, start = found.k * float(found.forces.sum()), distance(samples[0], finer @ on.start)
     growth, work = math.exp(at.solution.law.kappa * T), math.sqrt(2 * (2 * nodal + between) * force)
     right = growth * (best + start + 2 * field * nodal + work)
     return {"error": error, "right side": right, "E_h": best, "M_h": nodal, "J_h": between, "force": force}
@@ -293,18 +291,6 @@ def interpolation_error(solution: ExactSolution, space: Space, time: float) -> f
     ends = face.part.coordinates(space.mesh.p[:, space.mesh.facets[:, rule.facets]])[0][0]
     nodal = face.gap_jet(ends[None], time)[(0,)]
     return float(abs(np.einsum("an,anq->nq", nodal, rule.shapes) - face.gap_jet(rule.s, time)[(0,)]).max())
-
-
-def seminorm(solution: ExactSolution, panels: int) -> float:
-    """Return the squared seminorm |q|²_{1/2} of the normal strain q on Γ3 at the time T/2.
-
-    It is computed from the linear interpolant of q on equal panels.
-    """
-    (face,) = solution.faces
-    assert isinstance(face, FadingFace)
-    nodes = np.linspace(0, face.part.measure, panels + 1)
-    q: Array = Jet(sp.sympify(face.strain))(nodes[None], solution.body.T / 2)[(0,)]
-    return float(q @ gram(panels, 0.5) @ q)
 
 
 # Criteria. Windows below and above 1 differ, because a logarithm can only lower an order.
@@ -436,7 +422,12 @@ class Rollers(ListedNumbers):
         excess = found.excess()
         numbers = {"excess": excess.max(), "excess at T": excess[-1], **sides(found)}
         if setting.family == PLAIN[0]:
-            numbers["|q|²"] = seminorm(solution, 4 * setting.level)
+            # The squared seminorm |q|²_{1/2} at the time T/2, for the linear interpolant of q on equal panels of Γ3.
+            (face,), panels = solution.faces, 4 * setting.level
+            assert isinstance(face, FadingFace)
+            nodes = np.linspace(0, face.part.measure, panels + 1)
+            q = Jet(sp.sympify(face.strain))(nodes[None], space.body.T / 2)[(0,)]
+            numbers["|q|²"] = q @ gram(panels, 0.5) @ q
         if setting.case == f"{ROLLER}-{setting.level}" and setting.family in PLAIN:
             numbers["M_h beside"] = nodal_error_near_patch(found, 2 / setting.level)
         if setting.level == HALVED and setting.family not in SEEDS[1:]:

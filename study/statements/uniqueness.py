@@ -66,8 +66,12 @@ class OneTrajectory(ListedNumbers):
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        setup = Experiment.at(setting, BACKWARD_EULER, STEPS)
-        found = {name: relative_distance(setup, rival) for name, rival in rivals(setup.problem).items()}
+        setup, found = Experiment.at(setting, BACKWARD_EULER, STEPS), {}
+        for name, rival in rivals(setup.problem).items():
+            pairs = zip(*(setup.scheme.march(problem, setup.steps) for problem in (setup.problem, rival)), strict=True)
+            both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
+            difference, size = np.max(both, axis=0)
+            found[name] = difference / size
         return with_h(setup.space.h, found)
 
 
@@ -79,17 +83,6 @@ def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
         "fixed point": replace(problem, reference=0 * problem.reference, remainder=problem.elastic),
         "interior point": replace(problem, solver=InteriorPoint),
     }
-
-
-def relative_distance(setup: Experiment, other: SemiDiscrete) -> float:
-    """Return the relative difference between the solutions of an experiment and of another problem.
-
-    It is max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V over the time steps.
-    """
-    pairs = zip(*(setup.scheme.march(problem, setup.steps) for problem in (setup.problem, other)), strict=True)
-    both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
-    difference, size = np.max(both, axis=0)
-    return float(difference / size)
 
 
 class RandomStarts(Signorini):

@@ -229,7 +229,7 @@ share in the last step @ study.statements.thm_4_2_own_space:measure
 - np.array(drift)  ↦  np.array(drift[-1:])
 = own space: time share
 
-other ways in the last step @ study.statements.uniqueness:relative_distance
+other ways in the last step @ study.statements.uniqueness:OneTrajectory.measure
 - np.max(both, axis=0)  ↦  both[-1]
 = other ways: odd node; other ways: even node
 
@@ -304,7 +304,7 @@ norms at the last time @ study.statements.residual_bound:share_of_bound
 - np.max(rows, axis=0)  ↦  rows[-1]
 = R at one time
 
-traction at every even time @ study.statements.norms_in_time:largest_traction
+traction at every even time @ study.statements.norms_in_time:TractionInTime.measure
 - maximum(squares)  ↦  maximum(squares[::2])
 = traction at one time
 

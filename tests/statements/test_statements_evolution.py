@@ -22,7 +22,6 @@ from study.statements.error_bounds import BOUNDS, RATE, TRACE, ErrorBounds, cons
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
 from study.statements.shared.base import Setting, grid
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import dual_norm
 from study.statements.wellposed import fastest, perturbations, quotients
 
@@ -160,4 +159,4 @@ def test_the_norm_of_the_traction_is_that_at_the_time_when_it_is_largest(
     solution = SimpleNamespace(body=body, at=at)
     monkeypatch.setattr(norms_in_time, "resolve", lambda name: SimpleNamespace(solution=solution))
     setting = Setting("full-contact", "one-diagonal", 2)
-    assert norms_in_time.largest_traction(space_of(setting), setting) == pytest.approx(5 * math.sqrt(2 * 4))
+    assert norms_in_time.TractionInTime().measure(setting)["norm"] == pytest.approx(5 * math.sqrt(2 * 4))
