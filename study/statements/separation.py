@@ -52,6 +52,7 @@ INSTANT = 0.61
 """Time at which the load and the admissible stresses are taken, as a fraction of the final time T."""
 CONE = positive_at_most(1e-10, "0 up to rounding")
 HALFWAY = around(1, 1e-9, "equality up to rounding")
+BOTH_ADMISSIBLE = "(4.24): violation of τ̃ + σ̃ ∈ Σ^h(t) and of 2σ − σ̃ ∈ Σ^h(t), relative to the size of the stress"
 SMALLER_WORK = (
     "(4.25)–(4.27): smaller one of (τ − σ, ε(u))_Q for τ = τ̃ + σ̃ and τ = 2σ − σ̃, divided by (τ̃, ε(u))_Q / 2; "
     "smallest quotient over all u and σ"
@@ -69,7 +70,7 @@ class Separation(ListedNumbers):
     rules = (
         largest("cone", "(4.16), (4.23): violation of (τ̃, ε(v))_Q ≥ 0 for all v ∈ K^h, relative to τ̃", CONE, "cone"),
         every("gap", "(4.17)–(4.20): −(τ̃, ε(u))_Q / ‖P u − u‖_V²", HALFWAY, "least gap", "largest gap"),
-        largest("stresses", "(4.24): violation of τ̃ + σ̃ ∈ Σ^h(t) and of 2σ − σ̃ ∈ Σ^h(t), relative", CONE, "stresses"),
+        largest("stresses", BOTH_ADMISSIBLE, CONE, "stresses"),
         every("refuted", SMALLER_WORK, HALFWAY, "refuted"),
     )
 

@@ -104,8 +104,8 @@ def at_nodes(setup: Experiment) -> dict[str, float]:
     """Return the largest violation of the inequality (5.12), and the largest error of its predicted slack.
 
     The slack is right side minus left side. The prediction is −λ·N v^h + ∫_{Γ3} σ_ν u^h_ν with the contact forces λ.
-    Both results are relative to the terms of (5.12). The members v^h of K^h are Π^h u, 0 and random functions
-    of the size of Π^h u.
+    Both results are relative to the terms of (5.12). The members v^h of K^h are Π^h u, 0 and random functions of the
+    size of Π^h u.
     """
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
     exact, work, N = energies.exact, energies.work, setup.problem.N
