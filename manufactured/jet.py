@@ -52,13 +52,12 @@ class Jet:
             orders = [(*key, self.in_time) for key in keys]
             self._compiled[order] = derivatives(self.expression, (*self.variables, t), orders)
         values = self._compiled[order](*points, time)
-        return {key: _filled(value, shape) for key, value in zip(keys, values, strict=True)}
+        # A formula that does not contain all variables has fewer values than there are points and times.
+        return {
+            key: value if np.shape(value) == shape else np.broadcast_to(value, shape)
+            for key, value in zip(keys, values, strict=True)
+        }
 
     def rate(self) -> Jet:
         """Return the object that evaluates the time derivative of the formula."""
         return replace(self, in_time=self.in_time + 1)
-
-
-def _filled(value: Array | float, shape: tuple[int, ...]) -> Array:
-    """Extend the value of a formula to the shape of all points and times; formulas may not contain all variables."""
-    return value if isinstance(value, np.ndarray) and value.shape == shape else np.broadcast_to(value, shape)
