@@ -36,10 +36,9 @@ from manufactured.exact import ExactSolution
 from manufactured.natural_motion import NAME
 from manufactured.singular import SingularFace, TravellingField
 from manufactured.tensors import Array
-from study.fem.error_norm import FACET_POINTS, ErrorNorm
+from study.fem.error_norm import ErrorNorm
 from study.fem.independent import load_from_forces
 from study.fem.naming import resolve
-from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.criterion import ENOUGH, between_levels, largest, order
 from study.ledger.window import STEEPER, around, between, positive_at_most
@@ -49,7 +48,7 @@ from study.solve.paths import furthest, path
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.meshes import space_of
-from study.statements.shared.norms import Velocity, dual_norm, maximum, midpoints
+from study.statements.shared.norms import ContactWork, Velocity, dual_norm, maximum, midpoints
 
 DEGREE, RAISED = 2, 6
 """Degree of the quadrature rule for f_0 on cells, and of a finer rule by which the quadrature error is estimated."""
@@ -146,10 +145,7 @@ def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:
 
     The quadrature points are graded towards the front, where σ_ν is singular.
     """
-    (face,), mesh = solution.faces, space.mesh
+    (face,) = solution.faces
     assert isinstance(face, SingularFace)
     assert isinstance(face.field, TravellingField)
-    rule = facet_rule(mesh, space.facets(face.part), face.part, (face.field.place_at(time),), FACET_POINTS)
-    pressure = solution.on(face, rule.s).pressure(time) * rule.weights
-    moments = -np.multiply.outer(face.part.normal, np.einsum("nq,anq->an", pressure, rule.shapes))
-    return space.interpolate(space.scatter(mesh.facets[:, rule.facets], moments))
+    return ContactWork(solution, space, (face.field.place_at(time),)).load(time)

@@ -206,14 +206,10 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
 
 def planes(body: Body, kind: Kind) -> list[Part]:
     """Return one boundary part of the given kind for each line (in 3D: plane) that contains such parts."""
-
     found: list[Part] = []
     for part in body.of(kind):
-        known = any(
-            np.allclose(part.normal, other.normal) and np.allclose(part.normal @ (part.start - other.start), 0)
-            for other in found
-        )
-        if not known:
+        parallel = [other for other in found if np.allclose(part.normal, other.normal)]
+        if not any(np.allclose(part.normal @ (part.start - other.start), 0) for other in parallel):
             found.append(part)
     return found
 
@@ -248,16 +244,16 @@ def waves(body: Body, rng: np.random.Generator) -> Field:
     return lambda x: np.cos(np.tensordot(directions, x, axes=1) + phases.reshape((-1,) + (1,) * (x.ndim - 1)))
 
 
-def strain(field: Field, x: Points, tiny: float = 1e-30) -> Tensors:
+def strain(field: Field, x: Points) -> Tensors:
     """Return the strain ε(v) of a field v at given points, by complex-step differentiation.
 
     Args:
         field: the field v, analytic in x.
         x: the points, (d, ...).
-        tiny: the size of the imaginary steps.
 
     Returns:
         The D components of the strain at each point, (D, ...).
     """
+    tiny = 1e-30
     steps = [1j * tiny * unit.reshape((-1,) + (1,) * (x.ndim - 1)) for unit in np.eye(len(x))]
     return mandel(np.stack([field(x + step).imag / tiny for step in steps], axis=1))

@@ -13,10 +13,11 @@ H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
-import pandas as pd
 
 from manufactured.body import Body, Kind, Part
 from manufactured.exact import ExactSolution, Face
@@ -27,16 +28,14 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.criterion import (
     ENOUGH,
-    Measured,
+    Groups,
     Observation,
     Rule,
     between_levels,
-    by_case,
     consecutive,
     order,
     weighted,
 )
-from study.ledger.verdict import Verdict
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
@@ -108,20 +107,15 @@ class InterpolationInV(ListedNumbers):
         errors = {v: v_norm.distance(sample, sample.interpolant) for v, sample in samples.items()}
         return with_h(space.h, {**errors, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
         by_cells = around(1.0, ROOM, "least squares, weighted by the number of cells")
-        found = []
-        for case, groups in by_case(rows):
-            random, others = split_random(groups)
-            for key, v in FIELDS.items():
-                quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
-                if others:
-                    rule = consecutive(key, f"{quantity}, level by level", around(1.0, ROOM), v)
-                    found.append(rule.verdict(self, case, others))
-                if random:
-                    rule = weighted(f"{key}-random", f"{quantity}, random meshes, fitted", by_cells, v, CELLS)
-                    found.append(rule.verdict(self, case, random))
-        return found
+        random, others = split_random(groups)
+        for key, v in FIELDS.items():
+            quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
+            if others:
+                yield consecutive(key, f"{quantity}, level by level", around(1.0, ROOM), v), others
+            if random:
+                yield weighted(f"{key}-random", f"{quantity}, random meshes, fitted", by_cells, v, CELLS), random
 
 
 def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
@@ -167,18 +161,12 @@ class InterpolationOnContact(ListedNumbers):
             found |= {TRACE.format(v, i): error for v, error in on_face(case.solution, space, face).items()}
         return with_h(space.h, found)
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        found = []
-        for case, groups in by_case(rows):
-            columns = {str(column) for table in groups.values() for column in table}
-            tau = min(float(table[REGULARITY].min()) for table in groups.values())
-            found += [
-                on_trace(key, v, face, math.inf if v == SMOOTH else tau).verdict(self, case, groups)
-                for key, v in FIELDS.items()
-                for face in range(1, len(columns))
-                if {SIZE.format(face), TRACE.format(v, face)} <= columns
-            ]
-        return found
+    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+        columns = {str(column) for table in groups.values() for column in table}
+        tau = min(float(table[REGULARITY].min()) for table in groups.values())
+        for (key, v), face in product(FIELDS.items(), range(1, len(columns))):
+            if {SIZE.format(face), TRACE.format(v, face)} <= columns:
+                yield on_trace(key, v, face, math.inf if v == SMOOTH else tau), groups
 
 
 def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
@@ -201,12 +189,8 @@ def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
         in_h = between_levels(key, f"{quantity}, over two refinements", claimed, column, 2, ENOUGH)
     else:
         in_h = order(key, f"{quantity}, fitted", around(tau, 0.3), column)
-
-    def measure(table: pd.DataFrame) -> Measured | None:
-        return in_h.measure(table.assign(h=table[size]))
-
-    criterion = replace(in_h, measure=measure, columns=(column, size))
-    return criterion if tau > 2 else Observation(criterion, "the trace is not in H², so that (5.24) does not apply")
+    in_size = replace(in_h, measure=lambda table: in_h.measure(table.assign(h=table[size])), columns=(column, size))
+    return in_size if tau > 2 else Observation(in_size, "the trace is not in H², so that (5.24) does not apply")
 
 
 def induced_size(space: Space, part: Part) -> float:
