@@ -24,13 +24,13 @@ import pandas as pd
 
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.problems import OpenProblem, problems
+from manufactured.problems import problems
 from study.bound.discretisation import Discretisation, check_force
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
 from study.bound.trajectory import Refined, SmoothedInTime, Trajectory, compute
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
-from study.ledger.criterion import Observation, Rule, every, largest
+from study.ledger.criterion import Groups, Observation, Rule, every, largest
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.orders import orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Span, Verdict, row
@@ -88,11 +88,6 @@ class BoundSetting(Setting):
     def trajectory(self) -> str:
         """The kind of bound, "bound" or "enclosure", which is also the label of the statement."""
         return self.by.name
-
-    @property
-    def refinements(self) -> int:
-        """How many times the mesh of u_h is refined to obtain the mesh of ũ."""
-        return self.by.refinements if isinstance(self.by, Refined) else 0
 
 
 QUICK = (
@@ -188,20 +183,16 @@ def resolve_problem(reference: str) -> ResolvedProblem:
 
     It is a problem of the study whose solution is unknown, or the problem of a case.
     """
-    if problem := problems_without_solution().get(reference):
-        order = math.nan if problem.order is None else problem.order
-        return ResolvedProblem(problem.name, problem.data, order, PACE, None)
+    for problem in open_problems():
+        if problem.name == reference:
+            order = math.nan if problem.order is None else problem.order
+            return ResolvedProblem(problem.name, problem.data, order, PACE, None)
     case = resolve(reference)
     return ResolvedProblem(case.name, Data.of(case.solution), case.order, case.pace, case)
 
 
-@lru_cache
-def problems_without_solution() -> dict[str, OpenProblem]:
-    """Return the problems of the study whose solutions are unknown, by name.
-
-    The result is cached, because compiling formulas is slow.
-    """
-    return {problem.name: problem for problem in problems()}
+open_problems = lru_cache(problems)
+"""Returns the problems whose solutions are unknown. They are cached, because compiling formulas is slow."""
 
 
 def measure(
@@ -277,11 +268,12 @@ class Bounds(Statement):
 
         It is proportional to the number of cells times the number of time steps with which ũ is computed.
         """
-        shorter = setting.by.shorter if isinstance(setting.by, Refined) else 1
-        return 220.0 * setting.level**2 * 4**setting.refinements * self.steps(setting) * shorter
+        finer = 4**setting.by.refinements * setting.by.shorter if isinstance(setting.by, Refined) else 1
+        return 220.0 * setting.level**2 * finer * self.steps(setting)
 
     def memory(self, setting: BoundSetting) -> float:
-        return estimates.bound(setting.level, setting.refinements, setting.family)
+        refinements = setting.by.refinements if isinstance(setting.by, Refined) else 0
+        return estimates.bound(setting.level, refinements, setting.family)
 
     def steps(self, setting: BoundSetting) -> int:
         problem = resolve_problem(setting.case)
@@ -313,14 +305,11 @@ class BoundedError(Bounds):
 
     label = "bound"
     claim = "‖u(t) − u_h(t)‖_V ≤ y(t), where y is computed from u_h and an admissible stress alone"
+    rules = ABOVE, REACH
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+    def by_case(self, rows: pd.DataFrame) -> list[tuple[str, Groups]]:
         mine = rows[(rows["trajectory"] == self.label) & rows["known"]]
-        return [
-            rule.verdict(self, str(case), {"": of_case})
-            for case, of_case in mine.groupby("case", sort=False)
-            for rule in (ABOVE, REACH)
-        ]
+        return [(str(case), {"": of_case}) for case, of_case in mine.groupby("case", sort=False)]
 
 
 class EnclosedError(Bounds):

@@ -61,7 +61,7 @@ from manufactured.tensors import Array
 from study.fem.error_norm import FACET_POINTS
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import ENOUGH, Criterion, Groups, Observation, Rule, change, exactly, largest, of_errors
+from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, change, exactly, largest, of_errors
 from study.ledger.orders import fit
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.steps import rate_steps
@@ -117,10 +117,15 @@ class ErrorBounds(ListedNumbers):
             steady = replace(change(f"steady-{number}", quantity, STEADY, bound), columns=(bound, column))
             if gamma > 0:
                 term = RATE if gamma == known[EXPONENTS["(5.21)"]] else TRACE
-                yield growing(f"growth-{number}", bound, gamma, term), groups
+                lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
+                window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
+                exponent = of_errors(
+                    f"growth-{number}", lower, window, term, ENOUGH, lambda h, ratio: exactly(-fit(h, ratio))
+                )
+                yield exponent, groups
             elif bound == "(5.42)" and known[LOGARITHM] > 0:
-                lower = replace(steady, quantity=f"{quantity}, of lower order by |log h|^{{1/4}}")
-                yield Observation(lower, "a few levels cannot show a logarithm"), groups
+                changing = replace(steady, quantity=f"{quantity}, of lower order by |log h|^{{1/4}}")
+                yield Observation(changing, "a few levels cannot show a logarithm"), groups
             else:
                 yield steady, groups
             yield largest(f"constant-{number}", f"error / (c · right side of {bound})", PROVED, f"{bound}, c"), groups
@@ -136,20 +141,6 @@ def predicted(case: Case) -> dict[str, float]:
     proved = {"(5.21)": found.rate_smoothness, "(5.42)": found.proved_order}
     growth = {column: max(case.order - proved[bound], 0.0) for bound, column in EXPONENTS.items()}
     return {**growth, LOGARITHM: float(found.trace == 2)}
-
-
-def growing(key: str, bound: str, gamma: float, term: str) -> Criterion:
-    """Return the criterion for a bound that is of lower order than the error, so that bound / error grows like h^{−γ}.
-
-    Args:
-        key: the key of the check.
-        bound: the number of the bound in the paper.
-        gamma: the predicted exponent γ.
-        term: the column with (term of the lowest order in the bound) / error.
-    """
-    window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
-    quantity = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
-    return of_errors(key, quantity, window, term, ENOUGH, lambda h, e: exactly(-fit(h, e)))
 
 
 def constant(law: KelvinVoigt, T: float) -> float:

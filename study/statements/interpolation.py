@@ -71,6 +71,7 @@ FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": v for v, fraction in INSTANTS.it
 """Names of the interpolated functions in columns, by the keys of the checks."""
 REGULARITY = "τ"
 """Name of the column with the regularity τ of the trace: v_ν ∈ H^s(Γ3,i) for all s < τ."""
+NOT_IN_H2 = "the trace is not in H², so that (5.24) does not apply"
 SIZE, TRACE = "size of Γ3,{}", "{} on Γ3,{}"
 """Names of the columns for one contact face: its mesh size, and the interpolation error of a trace on it."""
 
@@ -162,35 +163,28 @@ class InterpolationOnContact(ListedNumbers):
         return with_h(space.h, found)
 
     def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+        """Yield the criteria for the orders on all faces, in the mesh size on the face.
+
+        For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is predicted.
+        """
         columns = {str(column) for table in groups.values() for column in table}
-        tau = min(float(table[REGULARITY].min()) for table in groups.values())
-        for (key, v), face in product(FIELDS.items(), range(1, len(columns))):
-            if {SIZE.format(face), TRACE.format(v, face)} <= columns:
-                yield on_trace(key, v, face, math.inf if v == SMOOTH else tau), groups
-
-
-def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
-    """Return the criterion for the order of the interpolation error of a normal trace on one contact face.
-
-    For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is predicted. The order is in the mesh size on the face.
-
-    Args:
-        key: the key of the check, to which the number of the face is added.
-        v: the name of the interpolated function.
-        face: the number of the contact face.
-        tau: the regularity τ of the trace.
-    """
-    key, column, size = f"{key}-face-{face}", TRACE.format(v, face), SIZE.format(face)
-    quantity, claimed = f"order of ‖v_ν − Π^h v_ν‖, v = {column}", around(2.0, ROOM)
-    if tau >= 2.5:
-        in_h = consecutive(key, f"{quantity}, level by level", claimed, column)
-    elif tau > 2:
-        # Two refinements are judged together: the error in the cell of the front depends on where the front cuts it.
-        in_h = between_levels(key, f"{quantity}, over two refinements", claimed, column, 2, ENOUGH)
-    else:
-        in_h = order(key, f"{quantity}, fitted", around(tau, 0.3), column)
-    in_size = replace(in_h, measure=lambda table: in_h.measure(table.assign(h=table[size])), columns=(column, size))
-    return in_size if tau > 2 else Observation(in_size, "the trace is not in H², so that (5.24) does not apply")
+        of_solution = min(float(table[REGULARITY].min()) for table in groups.values())
+        claimed = around(2.0, ROOM)
+        for (name, v), face in product(FIELDS.items(), range(1, len(columns))):
+            key, column, size = f"{name}-face-{face}", TRACE.format(v, face), SIZE.format(face)
+            if not {size, column} <= columns:
+                continue
+            tau, quantity = math.inf if v == SMOOTH else of_solution, f"order of ‖v_ν − Π^h v_ν‖, v = {column}"
+            if tau >= 2.5:
+                rule = consecutive(key, f"{quantity}, level by level", claimed, column)
+            elif tau > 2:
+                # Two refinements are judged together: the error in the cell of the front depends on where it is cut.
+                rule = between_levels(key, f"{quantity}, over two refinements", claimed, column, 2, ENOUGH)
+            else:
+                rule = order(key, f"{quantity}, fitted", around(tau, 0.3), column)
+            sized = {family: table.assign(h=table.get(size, math.nan)) for family, table in groups.items()}
+            in_size = replace(rule, columns=(column, size))
+            yield (in_size if tau > 2 else Observation(in_size, NOT_IN_H2)), sized
 
 
 def induced_size(space: Space, part: Part) -> float:
