@@ -124,26 +124,25 @@ def by_midpoint(case: str, family: str, levels: Sequence[int], by: Trajectory) -
     return [BoundSetting(case, family, level, "midpoint", by) for level in levels]
 
 
-def quick_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
-    """Yield the settings of the quick study: upper bounds for the cases in QUICK, and enclosures on two levels.
+def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
+    """Yield the settings of both statements in the full or the quick study.
 
-    Enclosures are computed for one case with a known solution and for one problem whose solution is unknown.
+    The quick study has upper bounds for the cases in QUICK. It has enclosures on two levels, for one case with a known
+    solution and for one problem whose solution is unknown.
+
+    In the full study every case is measured with every time scheme, on the next mesh family of ``ROTATION`` for each
+    scheme. Enclosures are computed on two levels, but on three for the case ``CHECKED`` and for problems whose solution
+    is unknown.
     """
     studied = {case.name for case in cases}
-    for name, family, scheme in QUICK:
-        if name in studied:
-            yield BoundSetting(name, family, 8, scheme, SmoothedInTime())
-    if CHECKED in studied:
-        yield from by_midpoint(CHECKED, "one-diagonal", (4, 8), Refined(0, 2))
-        yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))
-
-
-def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
-    """Yield the settings of the full study: upper bounds and enclosures for every case, and for unknown solutions.
-
-    Every case is measured with every time scheme, on the next mesh family of ``ROTATION`` for each scheme. Enclosures
-    are computed on two levels, but on three for the case ``CHECKED`` and for problems whose solution is unknown.
-    """
+    if not full:
+        yield from (
+            BoundSetting(name, family, 8, scheme, SmoothedInTime()) for name, family, scheme in QUICK if name in studied
+        )
+        if CHECKED in studied:
+            yield from by_midpoint(CHECKED, "one-diagonal", (4, 8), Refined(0, 2))
+            yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))
+        return
     for case in filter(eligible, cases):
         serving = [family for family in ROTATION if family in families(case)]
         first = serving.index(ROTATION_STARTS.get(case.name, (case.families or serving)[0]))
@@ -151,7 +150,7 @@ def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
             yield BoundSetting(case.name, serving[turn % len(serving)], 8, scheme.name, SmoothedInTime())
         yield from by_midpoint(case.name, serving[first], (16,), SmoothedInTime())
         yield from by_midpoint(case.name, serving[first], (4, 8) if case.name != CHECKED else (), Refined(1, 2))
-    if any(case.name == CHECKED for case in cases):
+    if CHECKED in studied:
         yield from by_midpoint(CHECKED, "shaken", (8, 16, CHECKED_LEVEL), Refined(1, 4))
         yield from by_midpoint("ramp", "unstructured", (4, 8, 16), Refined(2, 2))
         yield from by_midpoint("bracket", "graded", (4, 8, 16), Refined(1, 2))
@@ -238,7 +237,7 @@ class Bounds(Statement):
 
     def settings(self, scope: Scope) -> list[BoundSetting]:
         """Return the settings for the cases of the study and for problems whose solution is unknown."""
-        found = (full_bounds if scope.full else quick_bounds)(scope.resolved())
+        found = bounds(scope.resolved(), scope.full)
         return [setting for setting in found if setting.trajectory == self.label]
 
     def measure(self, setting: BoundSetting) -> dict[str, Any]:

@@ -55,9 +55,7 @@ from dataclasses import replace
 import numpy as np
 
 from manufactured.case import Case
-from manufactured.exact import Face
 from manufactured.law import KelvinVoigt
-from manufactured.tensors import Array
 from study.fem.error_norm import FACET_POINTS
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
@@ -157,7 +155,19 @@ def sides(setup: Experiment) -> dict[str, float]:
     error = maximum(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)
     start, velocity = v_norm.sample(0.0), Velocity(setup.solution, setup.space)
     times, k = midpoints(T, INSTANTS), T / INSTANTS
-    works, squares, pressures = np.sum([contact_terms(setup, face, times) for face in setup.solution.faces], axis=0)
+    # The work of contact ∫ σ_ν (Π^hu_ν − u_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
+    works, squares, pressures = np.zeros((3, INSTANTS))
+    mesh = setup.space.mesh
+    for face in setup.solution.faces:
+        facets = setup.space.facets(face.part)
+        rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
+        exact, nodes = setup.solution.on(face, rule.s), setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
+        nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
+        eta, pressure = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes), exact.pressure(times)
+        pressure = np.where(abs(pressure) > ROUND_OFF * exact.stress_scale(), pressure, 0.0)
+        works += np.tensordot(rule.weights, pressure * eta, axes=2)
+        squares += np.tensordot(rule.weights, eta**2, axes=2)
+        pressures += np.tensordot(rule.weights, pressure**2, axes=2)
     rate = math.sqrt(k * np.sum(velocity.interpolation_error(times) ** 2))
     common = v_norm.distance(start, start.interpolant) + rate + v_norm.distance(start, problem.u0)
     work = math.sqrt(k * np.sum(abs(works)))
@@ -167,17 +177,3 @@ def sides(setup: Experiment) -> dict[str, float]:
         **{name: value / error for name, value in {**right, RATE: rate, TRACE: trace}.items()},
         **{f"{name}, c": error / (c * value) for name, value in right.items()},
     }
-
-
-def contact_terms(setup: Experiment, face: Face, times: Array) -> Array:
-    """Return three integrals over one contact face at n times, (3, n).
-
-    They are the work of contact ∫ σ_ν (Π^hu_ν − u_ν), and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|².
-    """
-    mesh, facets = setup.space.mesh, setup.space.facets(face.part)
-    rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
-    exact, nodes = setup.solution.on(face, rule.s), setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
-    nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
-    eta, pressure = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes), exact.pressure(times)
-    pressure = np.where(abs(pressure) > ROUND_OFF * exact.stress_scale(), pressure, 0.0)
-    return np.array([np.tensordot(rule.weights, found, axes=2) for found in (pressure * eta, eta**2, pressure**2)])
