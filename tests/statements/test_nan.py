@@ -68,7 +68,7 @@ NOT_MEASURED = {
     "growing_errors.py: max((a * b for a, b in SWEEP))": "a constant",
     "growing_errors.py: max(FEWEST, steps_for(solution.law, solution.body.T))": "a number of steps",
     "wellposed.py: max(12, math.ceil(4 * omega * solution.body.T))": "a number of steps",
-    "advancing_front.py: max(1, steps // INSTANTS)": "a number of steps",
+    "advancing_front.py: max(1, 2 * steps // INSTANTS)": "a number of steps",
     "rollers.py: max(1, found.steps // SAMPLED_PARTS)": "a number of steps",
     "eigen.py: min(LANCZOS, len(start))": "a number of vectors",
     "fully_discrete.py: min(COUNTS)": "numbers of steps",
