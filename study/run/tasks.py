@@ -52,8 +52,8 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
             "time": float(t),
             "load": scale * task.space.nodal(task.v_norm.load(t)).T,
             "initial_stress": scale * task.initial_stress(t).T,
-            "initial_traction": [scale * values for values in task.initial_tractions(t)],
-            "traction": [scale * values for values in task.loads_on(t)],
+            "initial_traction": [scale * values for values in task.tractions(Kind.CONTACT, t)],
+            "traction": [scale * values for values in task.tractions(Kind.LOADED, t)],
         }
         for t in instants
     ]

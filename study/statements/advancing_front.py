@@ -36,10 +36,9 @@ from manufactured.exact import ExactSolution
 from manufactured.natural_motion import NAME
 from manufactured.singular import SingularFace, TravellingField
 from manufactured.tensors import Array
-from study.fem.error_norm import FACET_POINTS, ErrorNorm
+from study.fem.error_norm import ErrorNorm
 from study.fem.independent import load_from_forces
 from study.fem.naming import resolve
-from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.criterion import ENOUGH, between_levels, largest, order
 from study.ledger.window import STEEPER, around, between, positive_at_most
@@ -49,7 +48,7 @@ from study.solve.paths import furthest, path
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.meshes import space_of
-from study.statements.shared.norms import Velocity, dual_norm, maximum, midpoints
+from study.statements.shared.norms import ContactWork, Velocity, dual_norm, maximum, midpoints
 
 DEGREE, RAISED = 2, 6
 """Degree of the quadrature rule for f_0 on cells, and of a finer rule by which the quadrature error is estimated."""
@@ -58,7 +57,9 @@ PER_CELL = 2
 
 The solution with twice as many steps is used as the semi-discrete solution u^h."""
 INSTANTS, FEW = 32, 4
-"""Number of times at which errors and velocities are measured, and number at which two quadratures are compared."""
+"""Number of times at which errors and velocities are measured, and number at which two quadratures are compared.
+
+Errors are measured at about as many evenly spaced time nodes, or at all nodes if there are fewer."""
 INTERPOLATION = around(1, STEEPER, "the order of the interpolation error; only 1/2 is proved")
 SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it")
 TRAIL = between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not")
@@ -104,41 +105,22 @@ class AdvancingFront(ListedNumbers):
         # Without rows of N there is no contact condition, so the exact σ_ν acts as a given traction in the load.
         linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) + pressure_load(solution, space, time))
         coarse, fine = (path(problem, MIDPOINT, times * steps) for times in (1, 2))
-        error = largest_error(v_norm, problem.T, fine)
+        nodes = range(0, 2 * steps + 1, max(1, 2 * steps // INSTANTS))
+        error = maximum(v_norm.distance(v_norm.sample(n * problem.T / (2 * steps)), fine[n]) for n in nodes)
+        # A change δf of the load changes u^h by at most T max ‖δf‖_V, because the elasticity G is monotone.
+        riesz, changes = Cholesky(problem.M), []
+        for time in midpoints(problem.T, FEW):
+            finer, coarser = (load_from_forces(solution, space, time, degree) for degree in (RAISED, DEGREE))
+            changes.append(dual_norm(finer - coarser, riesz))
         rates = Velocity(solution, space).interpolation_error(midpoints(problem.T, INSTANTS))
         found = {
             "error": error,
             "rate": float(np.sqrt(problem.T * np.mean(rates**2))),
             "excess": furthest(problem, fine, path(linear, MIDPOINT, 2 * steps)),
             "time share": furthest(problem, fine[::2], coarse) / error,
-            "quadrature": effect_of_quadrature(solution, space, problem) / error,
+            "quadrature": problem.T * maximum(changes) / error,
         }
         return with_h(space.h, found)
-
-
-def largest_error(v_norm: ErrorNorm, T: float, states: Array) -> float:
-    """Return the largest error ‖u − u^h‖_V over about INSTANTS evenly spaced time nodes, or all if there are fewer.
-
-    Args:
-        v_norm: computes the errors.
-        T: the final time.
-        states: the degrees of freedom of u^h at equidistant time nodes, (nodes, dofs).
-    """
-    steps = len(states) - 1
-    nodes = range(0, steps + 1, max(1, steps // INSTANTS))
-    return maximum(v_norm.distance(v_norm.sample(n * T / steps), states[n]) for n in nodes)
-
-
-def effect_of_quadrature(solution: ExactSolution, space: Space, problem: SemiDiscrete) -> float:
-    """Return a bound of the effect that a finer quadrature of the load would have on u^h.
-
-    The bound is T max ‖δf‖_V, where δf is the change of the load. It holds because the elasticity G is monotone.
-    """
-    riesz, changes = Cholesky(problem.M), []
-    for time in midpoints(problem.T, FEW):
-        finer, coarser = (load_from_forces(solution, space, time, degree) for degree in (RAISED, DEGREE))
-        changes.append(dual_norm(finer - coarser, riesz))
-    return problem.T * maximum(changes)
 
 
 def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:
@@ -146,10 +128,7 @@ def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:
 
     The quadrature points are graded towards the front, where σ_ν is singular.
     """
-    (face,), mesh = solution.faces, space.mesh
+    (face,) = solution.faces
     assert isinstance(face, SingularFace)
     assert isinstance(face.field, TravellingField)
-    rule = facet_rule(mesh, space.facets(face.part), face.part, (face.field.place_at(time),), FACET_POINTS)
-    pressure = solution.on(face, rule.s).pressure(time) * rule.weights
-    moments = -np.multiply.outer(face.part.normal, np.einsum("nq,anq->an", pressure, rule.shapes))
-    return space.interpolate(space.scatter(mesh.facets[:, rule.facets], moments))
+    return ContactWork(solution, space, (face.field.place_at(time),)).load(time)

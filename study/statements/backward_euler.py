@@ -35,7 +35,6 @@ import pandas as pd
 from study.ledger.criterion import ROUNDING, Criterion, Measured, among, change, every, largest, or_none
 from study.ledger.orders import fit
 from study.ledger.window import Window, around, positive_at_most
-from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
@@ -45,25 +44,26 @@ from study.statements.shared.norms import maximum, minimum
 
 COUNTS = (4, 8, 16, 32, 64, 128, 256)
 """Numbers of time steps: six halvings of k, from k ≫ h to k ≪ h."""
+LAST = COUNTS[-1]
 FINEST = 1024
 """Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
+QUANTITIES = "error", "by data", "by solution", "constant", "between", "midpoint"
+COLUMNS = {quantity: [f"{count} {quantity}" for count in COUNTS] for quantity in QUANTITIES}
+"""Names of the columns with each quantity, one column for each number of time steps."""
 PROVED = positive_at_most(1.0, "proved in the article for every h and k")
 UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
 BETWEEN = Window(
-    0.2, 1 + ROUNDING, "proved for every function; 1/2 … 2/3 for steady changes, 1 for a jump in the middle of a step"
+    0.2,
+    1 + ROUNDING,
+    "at most 1 is proved; predicted 1/2 to 2/3 if u̇^h changes steadily, 1 if it jumps in the middle of a step",
 )
-IN_K = around(1, 0.1, "least squares over six halvings, every mesh")
-
-
-LAST = COUNTS[-1]
-INTERPOLATION = "error of linear interpolation of u^h in t / (k/4 · oscillation of u̇^h in a step)"
-ALL_TIMES = "midpoint rule, all t: ‖u^h − û^{hk}‖ / (its largest at nodes + k/2 (‖u̇^h(0+)‖_V + Var f))"
-CHANGE = f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error"
-
-
-def columns(quantity: str) -> list[str]:
-    """Return the names of the columns that contain a quantity, one column for each number of time steps."""
-    return [f"{count} {quantity}" for count in COUNTS]
+IN_K = around(1, 0.1, "least squares over six halvings of k, on every mesh")
+SAME_SOLUTION = positive_at_most(0.1, "the reference solution hardly changes the error")
+ERROR = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"
+ERROR_OF_CONSTANT = "error in time of the piecewise constant function with the value U_n on (t_{n−1}, t_n]"
+INTERPOLATION = "error of u^h interpolated linearly between time nodes / (k/4 · largest change of u̇^h within a step)"
+ALL_TIMES = "midpoint rule: error in time at all t / (largest error at the nodes + k/2 (‖u̇^h(0+)‖_V + Var f))"
+CHANGE = f"change of the reference solution u^h from {FINEST // 2} to {FINEST} steps / smallest error in time"
 
 
 def order_in_k(key: str, quantity: str, window: Window, counts: Sequence[int], columns: Sequence[str]) -> Criterion:
@@ -91,50 +91,41 @@ class BackwardEuler(ListedNumbers):
     effort = 60
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 2 Var f) for backward Euler, for every h"
     rules = (
-        largest("data", "‖u^h − û^{hk}‖ / its bound from the data", PROVED, *columns("by data")),
-        largest("solution", "‖u^h − û^{hk}‖ / its bound from the computed values U_n", PROVED, *columns("by solution")),
-        largest("constant", "‖u^h − U_n‖ on (t_{n−1}, t_n] / its bound", PROVED, *columns("constant")),
-        every("between", INTERPOLATION, BETWEEN, *columns("between")),
-        largest("midpoint", ALL_TIMES, PROVED, *columns("midpoint")),
-        order_in_k("order", "order of ‖u^h − û^{hk}‖ in k", IN_K, COUNTS, columns("error")),
-        change("uniform", f"‖u^h − û^{{hk}}‖ with {LAST} steps, finest mesh / coarsest mesh", UNIFORM, f"{LAST} error"),
-        largest(
-            "reference",
-            CHANGE,
-            positive_at_most(0.1, "so the reference solution hardly changes the error"),
-            "reference",
-        ),
+        largest("data", f"{ERROR} / its bound from the data", PROVED, *COLUMNS["by data"]),
+        largest("solution", f"{ERROR} / its bound from the computed values U_n", PROVED, *COLUMNS["by solution"]),
+        largest("constant", f"{ERROR_OF_CONSTANT} / its bound", PROVED, *COLUMNS["constant"]),
+        every("between", INTERPOLATION, BETWEEN, *COLUMNS["between"]),
+        largest("midpoint", ALL_TIMES, PROVED, *COLUMNS["midpoint"]),
+        order_in_k("order", f"order in k of the {ERROR}", IN_K, COUNTS, COLUMNS["error"]),
+        change("uniform", f"{ERROR}, {LAST} steps: finest / coarsest mesh", UNIFORM, f"{LAST} error"),
+        largest("reference", CHANGE, SAME_SOLUTION, "reference"),
     )
     quick = grid(("advance-recede",), ("shaken",), (4, 8, 16))
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        return with_h(setup.space.h, errors_and_bounds(setup.problem))
-
-
-def errors_and_bounds(problem: SemiDiscrete) -> dict[str, float]:
-    """Return errors in time, and errors divided by their bounds, for all numbers of time steps."""
-    # The loads are cached, because a trajectory with halved steps needs them again at all times of the first one.
-    problem = replace(problem, load=lru_cache(maxsize=None)(problem.load))
-    flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
-    exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)
-    found: dict[str, float] = {}
-    for count in COUNTS:
-        k, nodes = problem.T / count, exact[:: FINEST // count]
-        states, middle = path(problem, BACKWARD_EULER, count), path(problem, MIDPOINT, count)
-        error = furthest(problem, exact, interpolated(states, FINEST))
-        piecewise_constant = maximum(furthest(problem, exact, side) for side in last(states, FINEST))
-        left_by_interpolation = furthest(problem, exact, interpolated(nodes, FINEST))
-        midpoint, at_nodes = furthest(problem, exact, interpolated(middle, FINEST)), furthest(problem, nodes, middle)
-        numbers = {
-            "error": error,
-            "by data": error / flow.a_priori(count),
-            "by solution": error / flow.a_posteriori(states),
-            "constant": piecewise_constant / flow.piecewise_constant(count),
-            "between": left_by_interpolation / (k / 4 * oscillation(problem, exact, count)),
-            "midpoint": midpoint / (at_nodes + k / 2 * flow.fastest),
-        }
-        found |= {f"{count} {name}": number for name, number in numbers.items()}
-    found["reference"] = furthest(problem, exact[::2], half) / minimum(found[column] for column in columns("error"))
-    return found
+        # The loads are cached, because a trajectory with halved steps needs them again at all times of the first one.
+        problem = replace(setup.problem, load=lru_cache(maxsize=None)(setup.problem.load))
+        flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
+        exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)
+        found: dict[str, float] = {}
+        for count in COUNTS:
+            k, nodes = problem.T / count, exact[:: FINEST // count]
+            states, middle = path(problem, BACKWARD_EULER, count), path(problem, MIDPOINT, count)
+            error, of_interpolation, of_midpoint = (
+                furthest(problem, exact, interpolated(values, FINEST)) for values in (states, nodes, middle)
+            )
+            of_constant = maximum(furthest(problem, exact, side) for side in last(states, FINEST))
+            bound_of_midpoint = furthest(problem, nodes, middle) + k / 2 * flow.fastest
+            numbers = (
+                error,
+                error / flow.a_priori(count),
+                error / flow.a_posteriori(states),
+                of_constant / flow.piecewise_constant(count),
+                of_interpolation / (k / 4 * oscillation(problem, exact, count)),
+                of_midpoint / bound_of_midpoint,
+            )
+            found |= {f"{count} {name}": number for name, number in zip(QUANTITIES, numbers, strict=True)}
+        found["reference"] = furthest(problem, exact[::2], half) / minimum(found[name] for name in COLUMNS["error"])
+        return with_h(setup.space.h, found)

@@ -87,25 +87,30 @@ def tractions(setup: Experiment) -> dict[str, float]:
     """Return norms of the violations of the traction conditions, relative to the norm of σν on Γ2 ∪ Γ3.
 
     The violations are measured in L² on the boundary and, weakly, with smooth test fields v of norm ‖v‖_V = 1. All
-    norms are root mean squares over several times.
+    norms are root mean squares over several times. The work (f, v)_V is computed as (σ, ε(v))_Q with the exact stress
+    σ. Both are equal by Green's formula (2.14) with (2.2), (2.4) and (2.5).
     """
-    body = setup.space.body
-    loaded, contact = ([Side(setup, part) for part in body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT))
-    against_load, against_contact = (weighted_strains(setup, fields) for fields in smooth_fields(body))
+    space, mesh, sides = setup.space, setup.space.mesh, []
+    for kind in (Kind.LOADED, Kind.CONTACT):
+        for part, facets in space.on(kind):
+            rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
+            sides.append((kind, part, mesh.f2t[0, facets], rule.weights, setup.solution.at(part.point(rule.s))))
+    tests = [weighted_strains(setup, fields) for fields in smooth_fields(space.body)]
     squares = []
     for time, stress in discrete_stresses(setup):
-        on_loaded = np.sum([side.squares(stress, time) for side in loaded], axis=0)
-        on_contact = np.sum([side.squares(stress, time) for side in contact], axis=0)
-        squares.append(
-            {
-                "tangential": on_contact[0],
-                "contact": on_contact[1],
-                "loaded": on_loaded[1],
-                "size": on_loaded[2] + on_contact[2],
-                "loaded, weakly": weak_defect(against_load, stress, time),
-                "tangential, weakly": weak_defect(against_contact, stress, time),
-            }
-        )
+        found = dict.fromkeys(("tangential", "contact", "loaded", "size"), 0.0)
+        for kind, part, cells, weights, exact in sides:
+            forces, load = traction(stress[:, cells], part.normal), exact.surface_load(part, time)
+            if kind is Kind.CONTACT:
+                tangential = forces - np.multiply.outer(part.normal, part.normal @ forces)
+                found["tangential"] += float(np.sum(tangential**2 * weights.sum(axis=1)))
+            name = "contact" if kind is Kind.CONTACT else "loaded"
+            found[name] += float(np.sum((forces[..., None] - load) ** 2 * weights))
+            found["size"] += float(np.sum(load**2 * weights))
+        for name, strains in zip(("loaded, weakly", "tangential, weakly"), tests, strict=True):
+            works = [np.einsum("Icq,vIcq->v", stress[:, c, None] - exact.stress(time), e) for c, exact, e in strains]
+            found[name] = float(np.sum(np.sum(works, axis=0) ** 2))
+        squares.append(found)
     total = pd.DataFrame(squares).sum()
     return {name: float(np.sqrt(total[name] / total["size"])) for name in total.index if name != "size"}
 
@@ -122,30 +127,6 @@ def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
         if n % each == each // 2:
             old, new = space.strain(before.u), space.strain(after.u)
             yield (before.time + after.time) / 2, cells.stress((new - old) / k, (new + old) / 2)
-
-
-class Side:
-    """One part of the boundary with quadrature points, the exact solution at them, and the cells next to the part."""
-
-    def __init__(self, setup: Experiment, part: Part) -> None:
-        mesh, facets = setup.space.mesh, setup.space.facets(part)
-        self.part, self.cells = part, mesh.f2t[0, facets]
-        self.rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
-        self.exact = setup.solution.at(part.point(self.rule.s))
-
-    def squares(self, stress: Tensors, time: float) -> tuple[float, float, float]:
-        """Return three integrals over the part at one time, for the discrete stress σ^h.
-
-        The integrands are |σ^h_τ|² (tangential traction), |σ^hν − σν|² (error of the traction) and |σν|².
-        """
-        weights, normal = self.rule.weights, self.part.normal
-        forces, exact = traction(stress[:, self.cells], normal), self.exact.surface_load(self.part, time)
-        tangential = forces - np.multiply.outer(normal, normal @ forces)
-        return (
-            float(np.sum(tangential**2 * weights.sum(axis=1))),
-            float(np.sum((forces[..., None] - exact) ** 2 * weights)),
-            float(np.sum(exact**2 * weights)),
-        )
 
 
 WeightedStrains = list[tuple[Array, Fields, Array]]
@@ -166,16 +147,6 @@ def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
         squares += [float(np.sum(exact.law.A(e) * e * rule.weights)) for e in strains]
         found.append((rule.cells, exact, strains * rule.weights))
     return [(cells, exact, strains / np.sqrt(squares)[:, None, None, None]) for cells, exact, strains in found]
-
-
-def weak_defect(strains: WeightedStrains, stress: Tensors, time: float) -> float:
-    """Return the sum of the squared defects of equilibrium, ((σ^h, ε(v))_Q − (f, v)_V)², over smooth test fields v.
-
-    The work (f, v)_V is computed as (σ, ε(v))_Q with the exact stress σ. Both are equal by Green's formula (2.14) with
-    (2.2), (2.4) and (2.5).
-    """
-    works = [np.einsum("Icq,vIcq->v", stress[:, c, None] - exact.stress(time), e) for c, exact, e in strains]
-    return float(np.sum(np.sum(works, axis=0) ** 2))
 
 
 def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
@@ -206,14 +177,10 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
 
 def planes(body: Body, kind: Kind) -> list[Part]:
     """Return one boundary part of the given kind for each line (in 3D: plane) that contains such parts."""
-
     found: list[Part] = []
     for part in body.of(kind):
-        known = any(
-            np.allclose(part.normal, other.normal) and np.allclose(part.normal @ (part.start - other.start), 0)
-            for other in found
-        )
-        if not known:
+        parallel = [other for other in found if np.allclose(part.normal, other.normal)]
+        if not any(np.allclose(part.normal @ (part.start - other.start), 0) for other in parallel):
             found.append(part)
     return found
 
@@ -248,16 +215,16 @@ def waves(body: Body, rng: np.random.Generator) -> Field:
     return lambda x: np.cos(np.tensordot(directions, x, axes=1) + phases.reshape((-1,) + (1,) * (x.ndim - 1)))
 
 
-def strain(field: Field, x: Points, tiny: float = 1e-30) -> Tensors:
+def strain(field: Field, x: Points) -> Tensors:
     """Return the strain ε(v) of a field v at given points, by complex-step differentiation.
 
     Args:
         field: the field v, analytic in x.
         x: the points, (d, ...).
-        tiny: the size of the imaginary steps.
 
     Returns:
         The D components of the strain at each point, (D, ...).
     """
+    tiny = 1e-30
     steps = [1j * tiny * unit.reshape((-1,) + (1,) * (x.ndim - 1)) for unit in np.eye(len(x))]
     return mandel(np.stack([field(x + step).imag / tiny for step in steps], axis=1))

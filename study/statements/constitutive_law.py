@@ -31,9 +31,14 @@ SCALES = (-3.0, 3.0)
 """Smallest and largest decimal logarithm of the norms of random tensors.
 
 The norms lie on both sides of the yield point of every law."""
+POWER = 100
+"""Number of steps of the power method.
+
+If eigenvalues of 2‖A‖ − A differ by 5 %, the smaller one contributes at most 0.95^{2·100} = 4e-5 after these steps."""
 SKEW = "|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)"
 ZERO = at_most(1e-12, "0 up to rounding")
-MONOTONE = at_most(ROUNDING, "never positive, up to rounding", low=-math.inf)
+MONOTONICITY = "G is less monotone than its constant m states by (m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G"
+MONOTONE = at_most(ROUNDING, "not positive, up to rounding; m < 0 if the law softens", low=-math.inf)
 
 
 def points(space: Space) -> Points:
@@ -82,47 +87,31 @@ class Viscosity(OfLaws):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, A = space_of(setting), resolve(setting.case).solution.law.A
-        x = points(space)
-        found = extreme_quotients(A.at(x), space.dim, x.shape[1])
+        x, rng = points(space), np.random.default_rng(SEED)
+        at_points, count = A.at(x), x.shape[1]
+
+        def power_method(operator: Callable[[Tensors], Tensors]) -> Array:
+            """Return the quotients Aτ·τ/|τ|² at the iterates τ of the power method, (POWER, points)."""
+            tensor, found = tensors(rng, space.dim, count), []
+            for _ in range(POWER):
+                tensor = tensor / np.linalg.norm(tensor, axis=0)
+                found.append(np.sum(at_points(tensor) * tensor, axis=0))
+                tensor = operator(tensor)
+            return np.array(found)
+
+        up = power_method(at_points)
+        top = up.max(axis=0)
+        down = power_method(lambda tensor: 2 * top * tensor - at_points(tensor))
+        low, high = np.min([up, down]), np.max([up, down])
+        a, b = (tensor / np.linalg.norm(tensor, axis=0) for tensor in (tensors(rng, space.dim, count) for _ in "ab"))
+        skew = abs(np.sum(at_points(a) * b - at_points(b) * a, axis=0)).max()
         # A negative ratio would pass as small, although A is not elliptic if its smallest quotient is not positive.
-        found["ellipticity"] = A.ellipticity / found["smallest"] if found["smallest"] > 0 else math.inf
-        return with_h(space.h, {**found, "bound": found["largest"] / A.lipschitz})
+        ratio = A.ellipticity / low if low > 0 else math.inf
+        found = {"smallest": low, "largest": high, "asymmetry": skew / top.max()}
+        return with_h(space.h, {**found, "ellipticity": ratio, "bound": high / A.lipschitz})
 
 
-POWER = 100
-"""Number of steps of the power method.
-
-If eigenvalues of 2‖A‖ − A differ by 5 %, the smaller one contributes at most 0.95^{2·100} = 4e-5 after these steps."""
-
-
-def extreme_quotients(A: AtPoints, dim: int, count: int) -> dict[str, float]:
-    """Return the smallest and the largest quotient Aτ·τ/|τ|² of the viscosity A, and its asymmetry.
-
-    The asymmetry is the largest |Aσ·τ − σ·Aτ| for |σ| = |τ| = 1, divided by the largest Aτ·τ/|τ|².
-    """
-    rng = np.random.default_rng(SEED)
-
-    def random_units() -> Tensors:
-        tensor = tensors(rng, dim, count)
-        return tensor / np.linalg.norm(tensor, axis=0)
-
-    def power_method(operator: Callable[[Tensors], Tensors]) -> list[Array]:
-        """Return the quotients Aτ·τ/|τ|² at the iterates τ of the power method for the given operator."""
-        tensor, found = random_units(), []
-        for _ in range(POWER):
-            found.append(np.sum(A(tensor) * tensor, axis=0))
-            tensor = operator(tensor)
-            tensor = tensor / np.linalg.norm(tensor, axis=0)
-        return found
-
-    up = power_method(A)
-    top = np.max(up, axis=0)
-    values = np.array([*up, *power_method(lambda tensor: 2 * top * tensor - A(tensor))])
-    a, b = random_units(), random_units()
-    skew = abs(np.sum(A(a) * b - A(b) * a, axis=0)).max()
-    return {"smallest": float(values.min()), "largest": float(values.max()), "asymmetry": skew / top.max()}
-
-
+NEAREST = "P_K a is the point of K nearest to a: cosine of the angle between a − P_K a and k − P_K a, k ∈ K"
 NEAR = 1e-4
 """Relative distance |a − b|/|a| of the pairs of tensors whose difference quotients approximate the derivative of G."""
 
@@ -138,24 +127,20 @@ class ElasticityOperator(OfLaws):
     label = "(3.2)"
     claim = "|G(x, a) − G(x, b)| ≤ L_G |a − b|, G(·, 0) ∈ Q"
     rules = (
-        largest("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", SHARP, "quotient"),
-        largest("monotonicity", "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
-        largest("at-zero", "|G(x, 0) − S| / L_G, S the stated stress of the law at rest", ZERO, "at zero"),
+        largest("lipschitz", "elasticity G: |G(a) − G(b)| / (L_G |a − b|) for strains a, b", SHARP, "quotient"),
+        largest("monotonicity", MONOTONICITY, MONOTONE, "monotonicity"),
+        largest("at-zero", "elasticity G: |G(x, 0) − stated stress at zero strain| / L_G", ZERO, "at zero"),
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, G = space_of(setting), resolve(setting.case).solution.law.G
         x = points(space)
         operator, rng, slopes, products = G.at(x), np.random.default_rng(SEED), [], []
-
-        def random() -> Tensors:
-            return tensors(rng, space.dim, x.shape[1])
-
-        a, distant = random(), random()
+        a, distant, direction = (tensors(rng, space.dim, x.shape[1]) for _ in range(3))
         matrices = derivative(operator, a)
         _, vectors = np.linalg.eigh((matrices + matrices.swapaxes(1, 2)) / 2)
         # The quotients of near pairs are extreme along eigenvectors of the extreme eigenvalues of the derivative.
-        directions = random(), vectors[:, :, -1].T, vectors[:, :, 0].T
+        directions = direction, vectors[:, :, -1].T, vectors[:, :, 0].T
         steps = [NEAR * np.linalg.norm(a, axis=0) * d / np.linalg.norm(d, axis=0) for d in directions]
         for b in (distant, *(a + step for step in steps)):
             change, difference = operator(a) - operator(b), a - b
@@ -176,10 +161,10 @@ class Projection(OfLaws):
     label = "(3.3)"
     claim = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
     rules = (
-        largest("expansion", "|P_K a − P_K b| / |a − b|", BOUND, "expansion"),
-        largest("membership", "P_K a ∈ K: |P P_K a| / r", BOUND, "membership"),
-        largest("nearest", "(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K", ZERO, "nearest"),
-        largest("identity", "|P_K k − k| / |k|, k ∈ K", ZERO, "identity"),
+        largest("expansion", "projection P_K increases no distance: |P_K a − P_K b| / |a − b|", BOUND, "expansion"),
+        largest("membership", "P_K a lies in K = {τ : |Pτ| ≤ r}: |P P_K a| / r", BOUND, "membership"),
+        largest("nearest", NEAREST, ZERO, "nearest"),
+        largest("identity", "P_K leaves strains k ∈ K unchanged: |P_K k − k| / |k|", ZERO, "identity"),
     )
 
     def places(self, full: bool) -> list[Setting]:

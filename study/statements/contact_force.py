@@ -50,7 +50,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import scipy.sparse as sps
 import sympy as sp
 
@@ -59,9 +58,8 @@ from manufactured.tensors import Array
 from study.fem.naming import is_own, name_of, resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, by_family, finest, largest, order
+from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, finest, largest, order
 from study.ledger.datafiles import CsvFile
-from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
 from study.solve.steps import stress_steps
@@ -103,6 +101,7 @@ class PressedFace:
         every: the values of the hat functions of all vertices of the mesh at the points, (points, vertices).
         functions: the values of the hat functions φ_i of the m unclamped vertices of the face, (points, m).
         mass: the mass matrix ∫ φ_i φ_j, (m, m).
+        exact: the exact solution at the points, which gives the exact pressure.
     """
 
     def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
@@ -115,15 +114,7 @@ class PressedFace:
         self.functions = self.every[:, vertices]
         self.weights, self.normal = rule.weights.ravel(), face.part.normal
         self.mass = (self.functions.T @ sps.diags_array(self.weights) @ self.functions).toarray()
-        self._exact = solution.on(face, rule.s)
-
-    def pressure(self, times: Array) -> Array:
-        """Return the exact contact pressure at the quadrature points and n times, (points, n)."""
-        return self._exact.pressure(times).reshape(-1, len(times))
-
-    def moments(self, pressure: Array) -> Array:
-        """Return the moments ∫ p φ_i with the hat functions, (m, n), of n pressures at the points, (points, n)."""
-        return self.functions.T @ (self.weights[:, None] * pressure)
+        self.exact = solution.on(face, rule.s)
 
 
 class Forces:
@@ -162,12 +153,12 @@ class Forces:
         """
         exact, errors, sizes = [], 0.0, 0.0
         for face, rows in zip(self.faces, self.rows, strict=True):
-            p = face.pressure(times)
+            p = face.exact.pressure(times).reshape(-1, len(times))
             # Nodal forces λ are moments of a pressure, so the P1 pressure p^h follows from the mass matrix.
             p_h = face.functions @ np.linalg.solve(face.mass, multipliers.T[rows])
             errors += float((face.weights @ (p - p_h) ** 2).sum())
             sizes += float((face.weights @ p**2).sum())
-            exact.append(face.moments(p))
+            exact.append(face.functions.T @ (face.weights[:, None] * p))
         y = np.concatenate(exact)
         missing = y - multipliers.T
         total, lost = (np.array([values[rows].sum(axis=0) for rows in self.rows]) for values in (y, missing))
@@ -259,31 +250,6 @@ EXACT = (
 )
 
 
-def rules_of(case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
-    """Yield the criteria for a case, each with the measurements on the mesh families that it judges."""
-    norms, clamped = [], any(table["clamped"].any() for table in groups.values())
-    for rule in NORMS:
-        if clamped and rule.key == "order-resultant":
-            yield Observation(rule, NO_BOUND), groups
-        else:
-            norms.append((rule, groups))
-    random, others = split_random(groups)
-    if others:
-        norms.append((PRESSURE, others))
-    if random and case == LANDS:
-        norms.append((OF_CHANCE, random))
-    elif random:
-        yield Observation(OF_CHANCE, FEW_EDGES), random
-    for superclose, rule in DUAL_ORDERS.items():
-        if mine := {name: table for name, table in groups.items() if (name == "one-diagonal") is superclose}:
-            norms.append((rule, mine))
-    for rule, mine in norms:
-        jump = JUMP if rule.key.startswith("order") else Window()
-        yield Observation(replace(rule, window=jump), NO_ORDER) if case == LANDS else rule, mine
-    for rule in EXACT:
-        yield rule, groups
-
-
 def touches(solution: ExactSolution) -> bool:
     """Return whether an exact solution has contact at some time, according to the formulas of its contact faces."""
     return any(
@@ -321,9 +287,27 @@ class ContactForce(Statement):
         case = name_of(setting.case)
         return {"case": case, "family": setting.family, "level": setting.level, **measure_contact(setup)}
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        cases = [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
-        return [rule.verdict(self, case, chosen) for case, groups in cases for rule, chosen in rules_of(case, groups)]
+    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+        norms, clamped = [], any(table["clamped"].any() for table in groups.values())
+        for rule in NORMS:
+            if clamped and rule.key == "order-resultant":
+                yield Observation(rule, NO_BOUND), groups
+            else:
+                norms.append((rule, groups))
+        random, others = split_random(groups)
+        if others:
+            norms.append((PRESSURE, others))
+        if random and case == LANDS:
+            norms.append((OF_CHANCE, random))
+        elif random:
+            yield Observation(OF_CHANCE, FEW_EDGES), random
+        for superclose, rule in DUAL_ORDERS.items():
+            if mine := {name: table for name, table in groups.items() if (name == "one-diagonal") is superclose}:
+                norms.append((rule, mine))
+        for rule, mine in norms:
+            jump = JUMP if rule.key.startswith("order") else Window()
+            yield Observation(replace(rule, window=jump), NO_ORDER) if case == LANDS else rule, mine
+        yield from ((rule, groups) for rule in EXACT)
 
     def cost(self, setting: Setting) -> float:
         cells = setting.level**setting.dim * estimates.cells(setting.family)

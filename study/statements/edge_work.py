@@ -36,7 +36,7 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, exactly, largest
+from study.ledger.criterion import Criterion, exactly, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_least, at_most
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
@@ -107,19 +107,11 @@ class EdgeWork(ListedNumbers):
         return with_h(space.h, {**{name: maximum(values) for name, values in found.items()}, **counts})
 
 
-def rarer_kind(group: pd.DataFrame) -> Measured:
-    """Return how many edges use the expression for β that is used less often, over all levels.
-
-    The constant β in the bound is the smaller of two expressions, one with |N| and one with |C|.
-    """
-    return exactly(group[list(BRANCHES)].to_numpy().sum(axis=0).min())
-
-
 BOTH_KINDS = Criterion(
     "branches",
     "number of edges with β from |N|, and with β from |C|: the smaller number",
     at_least(1, "both expressions for β in the lemma are tested"),
-    rarer_kind,
+    lambda group: exactly(group[list(BRANCHES)].to_numpy().sum(axis=0).min()),
     BRANCHES,
 )
 

@@ -24,13 +24,13 @@ import pandas as pd
 
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.problems import OpenProblem, problems
+from manufactured.problems import problems
 from study.bound.discretisation import Discretisation, check_force
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
 from study.bound.trajectory import Refined, SmoothedInTime, Trajectory, compute
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
-from study.ledger.criterion import Observation, Rule, every, largest
+from study.ledger.criterion import Groups, Observation, Rule, every, largest
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.orders import orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Span, Verdict, row
@@ -89,11 +89,6 @@ class BoundSetting(Setting):
         """The kind of bound, "bound" or "enclosure", which is also the label of the statement."""
         return self.by.name
 
-    @property
-    def refinements(self) -> int:
-        """How many times the mesh of u_h is refined to obtain the mesh of ũ."""
-        return self.by.refinements if isinstance(self.by, Refined) else 0
-
 
 QUICK = (
     ("advance-recede", "one-diagonal", "backward-euler"),
@@ -129,26 +124,25 @@ def by_midpoint(case: str, family: str, levels: Sequence[int], by: Trajectory) -
     return [BoundSetting(case, family, level, "midpoint", by) for level in levels]
 
 
-def quick_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
-    """Yield the settings of the quick study: upper bounds for the cases in QUICK, and enclosures on two levels.
+def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
+    """Yield the settings of both statements in the full or the quick study.
 
-    Enclosures are computed for one case with a known solution and for one problem whose solution is unknown.
+    The quick study has upper bounds for the cases in QUICK. It has enclosures on two levels, for one case with a known
+    solution and for one problem whose solution is unknown.
+
+    In the full study every case is measured with every time scheme, on the next mesh family of ``ROTATION`` for each
+    scheme. Enclosures are computed on two levels, but on three for the case ``CHECKED`` and for problems whose solution
+    is unknown.
     """
     studied = {case.name for case in cases}
-    for name, family, scheme in QUICK:
-        if name in studied:
-            yield BoundSetting(name, family, 8, scheme, SmoothedInTime())
-    if CHECKED in studied:
-        yield from by_midpoint(CHECKED, "one-diagonal", (4, 8), Refined(0, 2))
-        yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))
-
-
-def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
-    """Yield the settings of the full study: upper bounds and enclosures for every case, and for unknown solutions.
-
-    Every case is measured with every time scheme, on the next mesh family of ``ROTATION`` for each scheme. Enclosures
-    are computed on two levels, but on three for the case ``CHECKED`` and for problems whose solution is unknown.
-    """
+    if not full:
+        yield from (
+            BoundSetting(name, family, 8, scheme, SmoothedInTime()) for name, family, scheme in QUICK if name in studied
+        )
+        if CHECKED in studied:
+            yield from by_midpoint(CHECKED, "one-diagonal", (4, 8), Refined(0, 2))
+            yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))
+        return
     for case in filter(eligible, cases):
         serving = [family for family in ROTATION if family in families(case)]
         first = serving.index(ROTATION_STARTS.get(case.name, (case.families or serving)[0]))
@@ -156,7 +150,7 @@ def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
             yield BoundSetting(case.name, serving[turn % len(serving)], 8, scheme.name, SmoothedInTime())
         yield from by_midpoint(case.name, serving[first], (16,), SmoothedInTime())
         yield from by_midpoint(case.name, serving[first], (4, 8) if case.name != CHECKED else (), Refined(1, 2))
-    if any(case.name == CHECKED for case in cases):
+    if CHECKED in studied:
         yield from by_midpoint(CHECKED, "shaken", (8, 16, CHECKED_LEVEL), Refined(1, 4))
         yield from by_midpoint("ramp", "unstructured", (4, 8, 16), Refined(2, 2))
         yield from by_midpoint("bracket", "graded", (4, 8, 16), Refined(1, 2))
@@ -188,20 +182,16 @@ def resolve_problem(reference: str) -> ResolvedProblem:
 
     It is a problem of the study whose solution is unknown, or the problem of a case.
     """
-    if problem := problems_without_solution().get(reference):
-        order = math.nan if problem.order is None else problem.order
-        return ResolvedProblem(problem.name, problem.data, order, PACE, None)
+    for problem in open_problems():
+        if problem.name == reference:
+            order = math.nan if problem.order is None else problem.order
+            return ResolvedProblem(problem.name, problem.data, order, PACE, None)
     case = resolve(reference)
     return ResolvedProblem(case.name, Data.of(case.solution), case.order, case.pace, case)
 
 
-@lru_cache
-def problems_without_solution() -> dict[str, OpenProblem]:
-    """Return the problems of the study whose solutions are unknown, by name.
-
-    The result is cached, because compiling formulas is slow.
-    """
-    return {problem.name: problem for problem in problems()}
+open_problems = lru_cache(problems)
+"""Returns the problems whose solutions are unknown. They are cached, because compiling formulas is slow."""
 
 
 def measure(
@@ -247,7 +237,7 @@ class Bounds(Statement):
 
     def settings(self, scope: Scope) -> list[BoundSetting]:
         """Return the settings for the cases of the study and for problems whose solution is unknown."""
-        found = (full_bounds if scope.full else quick_bounds)(scope.resolved())
+        found = bounds(scope.resolved(), scope.full)
         return [setting for setting in found if setting.trajectory == self.label]
 
     def measure(self, setting: BoundSetting) -> dict[str, Any]:
@@ -277,11 +267,12 @@ class Bounds(Statement):
 
         It is proportional to the number of cells times the number of time steps with which ũ is computed.
         """
-        shorter = setting.by.shorter if isinstance(setting.by, Refined) else 1
-        return 220.0 * setting.level**2 * 4**setting.refinements * self.steps(setting) * shorter
+        finer = 4**setting.by.refinements * setting.by.shorter if isinstance(setting.by, Refined) else 1
+        return 220.0 * setting.level**2 * finer * self.steps(setting)
 
     def memory(self, setting: BoundSetting) -> float:
-        return estimates.bound(setting.level, setting.refinements, setting.family)
+        refinements = setting.by.refinements if isinstance(setting.by, Refined) else 0
+        return estimates.bound(setting.level, refinements, setting.family)
 
     def steps(self, setting: BoundSetting) -> int:
         problem = resolve_problem(setting.case)
@@ -313,14 +304,11 @@ class BoundedError(Bounds):
 
     label = "bound"
     claim = "‖u(t) − u_h(t)‖_V ≤ y(t), where y is computed from u_h and an admissible stress alone"
+    rules = ABOVE, REACH
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+    def by_case(self, rows: pd.DataFrame) -> list[tuple[str, Groups]]:
         mine = rows[(rows["trajectory"] == self.label) & rows["known"]]
-        return [
-            rule.verdict(self, str(case), {"": of_case})
-            for case, of_case in mine.groupby("case", sort=False)
-            for rule in (ABOVE, REACH)
-        ]
+        return [(str(case), {"": of_case}) for case, of_case in mine.groupby("case", sort=False)]
 
 
 class EnclosedError(Bounds):

@@ -53,29 +53,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 
 from manufactured.case import Case
-from manufactured.exact import Face
 from manufactured.law import KelvinVoigt
-from manufactured.tensors import Array
 from study.fem.error_norm import FACET_POINTS
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import (
-    ENOUGH,
-    Criterion,
-    Groups,
-    Measured,
-    Observation,
-    Rule,
-    by_case,
-    change,
-    exactly,
-    largest,
-    order,
-)
-from study.ledger.verdict import Verdict
+from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, change, exactly, largest, of_errors
+from study.ledger.orders import fit
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
@@ -91,6 +76,8 @@ ROUND_OFF = 1e-11
 STEADY = Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4")
 PROVED = positive_at_most(1.0, "with the constant c of the proof")
 BOUNDS = "(5.21)", "(5.42)"
+EXPONENTS = {bound: f"γ of {bound}" for bound in BOUNDS}
+"""Names of the columns with the exponents γ: (right side of the bound) / error is predicted to grow like h^{−γ}."""
 RATE, TRACE = "‖η̇‖_{L²(0,T;V)}", "(‖σ_ν‖ ‖η_ν‖)^{1/2}"
 """The terms of the bounds that may be of lower order than the error, as names of columns."""
 LOGARITHM = "τ = 2"
@@ -116,8 +103,30 @@ class ErrorBounds(ListedNumbers):
         setup = Experiment.at(setting, MIDPOINT, steps)
         return with_h(setup.space.h, {**sides(setup), **predicted(case)})
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return [rule.verdict(self, case, groups) for case, groups in by_case(rows) for rule in rules_for(groups)]
+    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+        """Yield two criteria for each of the bounds, which depend on the predicted exponent γ of the case."""
+        (table, *_) = groups.values()
+        names = *EXPONENTS.values(), LOGARITHM
+        known = {name: float(table[name].iloc[0]) if name in table else math.nan for name in names}
+        for bound, column in EXPONENTS.items():
+            number, gamma = bound.strip("()"), known[column]
+            quantity = f"right-hand side of {bound} / error: change under refinement"
+            # The column with the prediction γ is required, so that the check is undecided if there is no prediction.
+            steady = replace(change(f"steady-{number}", quantity, STEADY, bound), columns=(bound, column))
+            if gamma > 0:
+                term = RATE if gamma == known[EXPONENTS["(5.21)"]] else TRACE
+                lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
+                window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
+                exponent = of_errors(
+                    f"growth-{number}", lower, window, term, ENOUGH, lambda h, ratio: exactly(-fit(h, ratio))
+                )
+                yield exponent, groups
+            elif bound == "(5.42)" and known[LOGARITHM] > 0:
+                changing = replace(steady, quantity=f"{quantity}, of lower order by |log h|^{{1/4}}")
+                yield Observation(changing, "a few levels cannot show a logarithm"), groups
+            else:
+                yield steady, groups
+            yield largest(f"constant-{number}", f"error / (c · right side of {bound})", PROVED, f"{bound}, c"), groups
 
 
 def predicted(case: Case) -> dict[str, float]:
@@ -128,59 +137,8 @@ def predicted(case: Case) -> dict[str, float]:
     """
     found = case.regularity
     proved = {"(5.21)": found.rate_smoothness, "(5.42)": found.proved_order}
-    growth = {exponent(bound): max(case.order - proved[bound], 0.0) for bound in BOUNDS}
+    growth = {column: max(case.order - proved[bound], 0.0) for bound, column in EXPONENTS.items()}
     return {**growth, LOGARITHM: float(found.trace == 2)}
-
-
-def exponent(bound: str) -> str:
-    """Return the name of the column with the exponent γ of a bound: bound / error is predicted to grow like h^{−γ}."""
-    return f"γ of {bound}"
-
-
-def rules_for(groups: Groups) -> Iterator[Rule]:
-    """Yield two criteria for each of the bounds (5.21) and (5.42).
-
-    They depend on the predicted exponent γ of the case, where bound / error grows like h^{−γ}.
-
-    Args:
-        groups: the measurements of a case by mesh family.
-    """
-    (table, *_) = groups.values()
-    names = *map(exponent, BOUNDS), LOGARITHM
-    known = {name: float(table[name].iloc[0]) if name in table else math.nan for name in names}
-    for bound in BOUNDS:
-        number, gamma = bound.strip("()"), known[exponent(bound)]
-        quantity = f"right-hand side of {bound} / error: change under refinement"
-        # The column with the prediction γ is required, so that the check is undecided if there is no prediction.
-        steady = replace(change(f"steady-{number}", quantity, STEADY, bound), columns=(bound, exponent(bound)))
-        if gamma > 0:
-            yield growing(f"growth-{number}", bound, gamma, RATE if gamma == known[exponent("(5.21)")] else TRACE)
-        elif bound == "(5.42)" and known[LOGARITHM] > 0:
-            lower = replace(steady, quantity=f"{quantity}, of lower order by |log h|^{{1/4}}")
-            yield Observation(lower, "a few levels cannot show a logarithm")
-        else:
-            yield steady
-        yield largest(f"constant-{number}", f"error / (c · right side of {bound})", PROVED, f"{bound}, c")
-
-
-def growing(key: str, bound: str, gamma: float, term: str) -> Criterion:
-    """Return the criterion for a bound that is of lower order than the error, so that bound / error grows like h^{−γ}.
-
-    Args:
-        key: the key of the check.
-        bound: the number of the bound in the paper.
-        gamma: the predicted exponent γ.
-        term: the column with (term of the lowest order in the bound) / error.
-    """
-    window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
-    falling = order("", "", window, term)
-
-    def measure(group: pd.DataFrame) -> Measured | None:
-        found = falling.measure(group)
-        return found and exactly(-found[0])
-
-    quantity = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
-    return Criterion(key, quantity, window, measure, (term,), ENOUGH)
 
 
 def constant(law: KelvinVoigt, T: float) -> float:
@@ -197,7 +155,19 @@ def sides(setup: Experiment) -> dict[str, float]:
     error = maximum(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)
     start, velocity = v_norm.sample(0.0), Velocity(setup.solution, setup.space)
     times, k = midpoints(T, INSTANTS), T / INSTANTS
-    works, squares, pressures = np.sum([contact_terms(setup, face, times) for face in setup.solution.faces], axis=0)
+    # The work of contact ∫ σ_ν (Π^hu_ν − u_ν) and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² over Γ3.
+    works, squares, pressures = np.zeros((3, INSTANTS))
+    mesh = setup.space.mesh
+    for face in setup.solution.faces:
+        facets = setup.space.facets(face.part)
+        rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
+        exact, nodes = setup.solution.on(face, rule.s), setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
+        nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
+        eta, pressure = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes), exact.pressure(times)
+        pressure = np.where(abs(pressure) > ROUND_OFF * exact.stress_scale(), pressure, 0.0)
+        works += np.tensordot(rule.weights, pressure * eta, axes=2)
+        squares += np.tensordot(rule.weights, eta**2, axes=2)
+        pressures += np.tensordot(rule.weights, pressure**2, axes=2)
     rate = math.sqrt(k * np.sum(velocity.interpolation_error(times) ** 2))
     common = v_norm.distance(start, start.interpolant) + rate + v_norm.distance(start, problem.u0)
     work = math.sqrt(k * np.sum(abs(works)))
@@ -207,17 +177,3 @@ def sides(setup: Experiment) -> dict[str, float]:
         **{name: value / error for name, value in {**right, RATE: rate, TRACE: trace}.items()},
         **{f"{name}, c": error / (c * value) for name, value in right.items()},
     }
-
-
-def contact_terms(setup: Experiment, face: Face, times: Array) -> Array:
-    """Return three integrals over one contact face at n times, (3, n).
-
-    They are the work of contact ∫ σ_ν (Π^hu_ν − u_ν), and the squared norms ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|².
-    """
-    mesh, facets = setup.space.mesh, setup.space.facets(face.part)
-    rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
-    exact, nodes = setup.solution.on(face, rule.s), setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
-    nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
-    eta, pressure = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes), exact.pressure(times)
-    pressure = np.where(abs(pressure) > ROUND_OFF * exact.stress_scale(), pressure, 0.0)
-    return np.array([np.tensordot(rule.weights, found, axes=2) for found in (pressure * eta, eta**2, pressure**2)])

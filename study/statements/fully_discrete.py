@@ -29,8 +29,7 @@ from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
 from manufactured.tensors import Array
-from study.ledger.criterion import ENOUGH, Criterion, Measured, Observation, exactly, judge
-from study.ledger.verdict import Verdict
+from study.ledger.criterion import ENOUGH, Criterion, Measured, Observation, exactly
 from study.ledger.window import around, at_most, between
 from study.solve.evolution import Scheme
 from study.solve.paths import path
@@ -57,36 +56,6 @@ IN_H = around(1, 0.15)
 OPEN = "the paper leaves the fully discrete error open"
 KEYS = "time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit", "sum-in-h", "sum-in-k"
 """The keys of the fitted quantities of each scheme, in the order in which ``observations`` yields them."""
-
-
-class FullyDiscrete(ListedNumbers):
-    """Measures the total error and the error in time of backward Euler, BDF2 and the midpoint rule."""
-
-    label = "beyond: fully discrete"
-    effort = 30
-    claim = "the fully discrete error is of order p in h and q in k, which the paper leaves open"
-    # The quick study leaves this statement out: nothing is judged, and every mesh needs a solution with 1024 steps.
-    full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
-
-    def measure(self, setting: Setting) -> dict[str, float]:
-        setup = Experiment.at(setting, MIDPOINT, FINEST)
-        v_norm, M, T, common = setup.v_norm, setup.problem.M, setup.problem.T, min(COUNTS)
-        # Loads are cached, because all schemes and numbers of steps have most of their times in common.
-        load = lru_cache(maxsize=None)(setup.problem.load)
-        problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
-        reference = path(problem, MIDPOINT, FINEST)[:: FINEST // common]
-        samples = [v_norm.sample(n * T / common) for n in range(common + 1)]
-        found: dict[str, float] = {}
-        for scheme in SCHEMES:
-            for count in COUNTS:
-                states = path(problem, scheme, count)[:: count // common]
-                pairs = list(zip(reference - states, samples, states, strict=True))
-                found[f"{scheme.name} {count} e"] = maximum(v_norm.distance(sample, u) for _, sample, u in pairs)
-                found[f"{scheme.name} {count} d"] = maximum(math.sqrt(v @ (M @ v)) for v, _, _ in pairs)
-        return with_h(setup.space.h, found)
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, [rule for scheme in SCHEMES for rule in observations(scheme)])
 
 
 def columns(scheme: Scheme, which: str) -> list[str]:
@@ -120,6 +89,34 @@ def observations(scheme: Scheme) -> Iterator[Observation]:
 
         named = f"{scheme.name}-{key}", f"{scheme.name}: {quantity}"
         yield Observation(Criterion(*named, window, measure, needs, ENOUGH), OPEN)
+
+
+class FullyDiscrete(ListedNumbers):
+    """Measures the total error and the error in time of backward Euler, BDF2 and the midpoint rule."""
+
+    label = "beyond: fully discrete"
+    effort = 30
+    claim = "the fully discrete error is of order p in h and q in k, which the paper leaves open"
+    rules = tuple(rule for scheme in SCHEMES for rule in observations(scheme))
+    # The quick study leaves this statement out: nothing is judged, and every mesh needs a solution with 1024 steps.
+    full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        setup = Experiment.at(setting, MIDPOINT, FINEST)
+        v_norm, M, T, common = setup.v_norm, setup.problem.M, setup.problem.T, min(COUNTS)
+        # Loads are cached, because all schemes and numbers of steps have most of their times in common.
+        load = lru_cache(maxsize=None)(setup.problem.load)
+        problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
+        reference = path(problem, MIDPOINT, FINEST)[:: FINEST // common]
+        samples = [v_norm.sample(n * T / common) for n in range(common + 1)]
+        found: dict[str, float] = {}
+        for scheme in SCHEMES:
+            for count in COUNTS:
+                states = path(problem, scheme, count)[:: count // common]
+                pairs = list(zip(reference - states, samples, states, strict=True))
+                found[f"{scheme.name} {count} e"] = maximum(v_norm.distance(sample, u) for _, sample, u in pairs)
+                found[f"{scheme.name} {count} d"] = maximum(math.sqrt(v @ (M @ v)) for v, _, _ in pairs)
+        return with_h(setup.space.h, found)
 
 
 def fitted_orders(h: Array, e: Array, d: Array) -> dict[str, Measured | None]:

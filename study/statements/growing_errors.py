@@ -151,10 +151,7 @@ def in_time(setup: Experiment, law: KelvinVoigt) -> float:
         setup: the experiment with the load and the initial value.
         law: the law that replaces the law of the experiment.
     """
-    problem = replace(
-        SemiDiscrete.of(setup.space, law, setup.problem.load, setup.problem.u0),
-        T=setup.problem.T,
-    )
+    problem = SemiDiscrete.of(setup.space, law, setup.problem.load, setup.problem.u0)
     exact = path(problem, MIDPOINT, FINEST)
     flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
     paths = [(steps, path(problem, BACKWARD_EULER, steps)) for steps in COUNTS]

@@ -13,10 +13,11 @@ H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
-import pandas as pd
 
 from manufactured.body import Body, Kind, Part
 from manufactured.exact import ExactSolution, Face
@@ -27,16 +28,14 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.criterion import (
     ENOUGH,
-    Measured,
+    Groups,
     Observation,
     Rule,
     between_levels,
-    by_case,
     consecutive,
     order,
     weighted,
 )
-from study.ledger.verdict import Verdict
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
@@ -72,6 +71,7 @@ FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": v for v, fraction in INSTANTS.it
 """Names of the interpolated functions in columns, by the keys of the checks."""
 REGULARITY = "τ"
 """Name of the column with the regularity τ of the trace: v_ν ∈ H^s(Γ3,i) for all s < τ."""
+NOT_IN_H2 = "the trace is not in H², so that (5.24) does not apply"
 SIZE, TRACE = "size of Γ3,{}", "{} on Γ3,{}"
 """Names of the columns for one contact face: its mesh size, and the interpolation error of a trace on it."""
 
@@ -108,20 +108,15 @@ class InterpolationInV(ListedNumbers):
         errors = {v: v_norm.distance(sample, sample.interpolant) for v, sample in samples.items()}
         return with_h(space.h, {**errors, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
         by_cells = around(1.0, ROOM, "least squares, weighted by the number of cells")
-        found = []
-        for case, groups in by_case(rows):
-            random, others = split_random(groups)
-            for key, v in FIELDS.items():
-                quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
-                if others:
-                    rule = consecutive(key, f"{quantity}, level by level", around(1.0, ROOM), v)
-                    found.append(rule.verdict(self, case, others))
-                if random:
-                    rule = weighted(f"{key}-random", f"{quantity}, random meshes, fitted", by_cells, v, CELLS)
-                    found.append(rule.verdict(self, case, random))
-        return found
+        random, others = split_random(groups)
+        for key, v in FIELDS.items():
+            quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
+            if others:
+                yield consecutive(key, f"{quantity}, level by level", around(1.0, ROOM), v), others
+            if random:
+                yield weighted(f"{key}-random", f"{quantity}, random meshes, fitted", by_cells, v, CELLS), random
 
 
 def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
@@ -167,46 +162,29 @@ class InterpolationOnContact(ListedNumbers):
             found |= {TRACE.format(v, i): error for v, error in on_face(case.solution, space, face).items()}
         return with_h(space.h, found)
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        found = []
-        for case, groups in by_case(rows):
-            columns = {str(column) for table in groups.values() for column in table}
-            tau = min(float(table[REGULARITY].min()) for table in groups.values())
-            found += [
-                on_trace(key, v, face, math.inf if v == SMOOTH else tau).verdict(self, case, groups)
-                for key, v in FIELDS.items()
-                for face in range(1, len(columns))
-                if {SIZE.format(face), TRACE.format(v, face)} <= columns
-            ]
-        return found
+    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+        """Yield the criteria for the orders on all faces, in the mesh size on the face.
 
-
-def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
-    """Return the criterion for the order of the interpolation error of a normal trace on one contact face.
-
-    For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is predicted. The order is in the mesh size on the face.
-
-    Args:
-        key: the key of the check, to which the number of the face is added.
-        v: the name of the interpolated function.
-        face: the number of the contact face.
-        tau: the regularity τ of the trace.
-    """
-    key, column, size = f"{key}-face-{face}", TRACE.format(v, face), SIZE.format(face)
-    quantity, claimed = f"order of ‖v_ν − Π^h v_ν‖, v = {column}", around(2.0, ROOM)
-    if tau >= 2.5:
-        in_h = consecutive(key, f"{quantity}, level by level", claimed, column)
-    elif tau > 2:
-        # Two refinements are judged together: the error in the cell of the front depends on where the front cuts it.
-        in_h = between_levels(key, f"{quantity}, over two refinements", claimed, column, 2, ENOUGH)
-    else:
-        in_h = order(key, f"{quantity}, fitted", around(tau, 0.3), column)
-
-    def measure(table: pd.DataFrame) -> Measured | None:
-        return in_h.measure(table.assign(h=table[size]))
-
-    criterion = replace(in_h, measure=measure, columns=(column, size))
-    return criterion if tau > 2 else Observation(criterion, "the trace is not in H², so that (5.24) does not apply")
+        For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is predicted.
+        """
+        columns = {str(column) for table in groups.values() for column in table}
+        of_solution = min(float(table[REGULARITY].min()) for table in groups.values())
+        claimed = around(2.0, ROOM)
+        for (name, v), face in product(FIELDS.items(), range(1, len(columns))):
+            key, column, size = f"{name}-face-{face}", TRACE.format(v, face), SIZE.format(face)
+            if not {size, column} <= columns:
+                continue
+            tau, quantity = math.inf if v == SMOOTH else of_solution, f"order of ‖v_ν − Π^h v_ν‖, v = {column}"
+            if tau >= 2.5:
+                rule = consecutive(key, f"{quantity}, level by level", claimed, column)
+            elif tau > 2:
+                # Two refinements are judged together: the error in the cell of the front depends on where it is cut.
+                rule = between_levels(key, f"{quantity}, over two refinements", claimed, column, 2, ENOUGH)
+            else:
+                rule = order(key, f"{quantity}, fitted", around(tau, 0.3), column)
+            sized = {family: table.assign(h=table.get(size, math.nan)) for family, table in groups.items()}
+            in_size = replace(rule, columns=(column, size))
+            yield (in_size if tau > 2 else Observation(in_size, NOT_IN_H2)), sized
 
 
 def induced_size(space: Space, part: Part) -> float:

@@ -320,11 +320,11 @@ the last node of a front @ study.statements.advancing_front:furthest
 - .max()  ↦  [-1]
 = front: time share, odd node; front: time share, even node
 
-the error of a front at the last node @ study.statements.advancing_front:largest_error
-- range(0, steps + 1,  ↦  range(steps, steps + 1,
+the error of a front at the last node @ study.statements.advancing_front:AdvancingFront.measure
+- range(0, 2 * steps + 1,  ↦  range(2 * steps, 2 * steps + 1,
 = front: error at one node
 
-the load at the first time @ study.statements.advancing_front:effect_of_quadrature
+the load at the first time @ study.statements.advancing_front:AdvancingFront.measure
 - midpoints(problem.T, FEW)  ↦  midpoints(problem.T, FEW)[:1]
 = front: load at one time
 """)

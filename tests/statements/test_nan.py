@@ -68,7 +68,7 @@ NOT_MEASURED = {
     "growing_errors.py: max((a * b for a, b in SWEEP))": "a constant",
     "growing_errors.py: max(FEWEST, steps_for(solution.law, solution.body.T))": "a number of steps",
     "wellposed.py: max(12, math.ceil(4 * omega * solution.body.T))": "a number of steps",
-    "advancing_front.py: max(1, steps // INSTANTS)": "a number of steps",
+    "advancing_front.py: max(1, 2 * steps // INSTANTS)": "a number of steps",
     "rollers.py: max(1, found.steps // SAMPLED_PARTS)": "a number of steps",
     "eigen.py: min(LANCZOS, len(start))": "a number of vectors",
     "fully_discrete.py: min(COUNTS)": "numbers of steps",
@@ -203,6 +203,6 @@ def test_a_share_of_the_work_of_contact_is_nan_if_it_is_on_one_level(column: str
 
 def test_a_number_of_edges_is_nan_if_it_is_on_one_level() -> None:
     group = pd.DataFrame({name: [3.0, 4.0] for name in edge_work.BRANCHES})
-    assert edge_work.rarer_kind(group)[0] == 7.0
+    assert edge_work.BOTH_KINDS.measure(group)[0] == 7.0
     group.loc[1, edge_work.BRANCHES[0]] = NAN
-    assert math.isnan(edge_work.rarer_kind(group)[0])
+    assert math.isnan(edge_work.BOTH_KINDS.measure(group)[0])

@@ -84,8 +84,8 @@ def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_th
     at_vertices = task.solution.at(mesh.p)
     viscous, total = at_vertices.law.A(at_vertices.strain_rate(time)), at_vertices.stress(time)
     for kind, listed, stress in (
-        (Kind.CONTACT, task.initial_tractions(time), viscous),
-        (Kind.LOADED, task.loads_on(time), total),
+        (Kind.CONTACT, task.tractions(Kind.CONTACT, time), viscous),
+        (Kind.LOADED, task.tractions(Kind.LOADED, time), total),
     ):
         for (part, facets), tractions in zip(task.space.on(kind), listed, strict=True):
             for vertices, found in zip(mesh.facets[:, facets].T, tractions, strict=True):

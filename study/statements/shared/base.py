@@ -6,14 +6,14 @@ on one mesh. Criteria compare the measured numbers with tolerance windows.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
 from study.fem.naming import resolve
-from study.ledger.criterion import Rule, by_family, judge
+from study.ledger.criterion import Groups, Rule, by_case, by_family
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.verdict import Verdict
 from study.statements.shared import estimates
@@ -114,8 +114,21 @@ class Statement:
         Args:
             rows: the measured rows of the data file, with the predicted orders of their cases as further columns.
         """
-        cases = [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
-        return [rule.verdict(self, case, groups) for case, groups in cases for rule in self.rules]
+        judged = ((case, pair) for case, groups in self.by_case(rows) for pair in self.rules_of(case, groups))
+        return [rule.verdict(self, case, groups) for case, (rule, groups) in judged]
+
+    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+        """Divide measured rows, and return pairs of a case and its tables of levels, by mesh family."""
+        return [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
+
+    def rules_of(self, case: str, groups: Groups) -> Iterable[tuple[Rule, Groups]]:
+        """Return the criteria for a case, each with the tables that it judges. By default ``rules`` judge all tables.
+
+        Args:
+            case: the name of the case.
+            groups: the tables of levels of this case, by mesh family.
+        """
+        return [(rule, groups) for rule in self.rules]
 
     def cost(self, setting: Any) -> float:
         """Return the expected run time of ``measure`` in µs."""
@@ -174,8 +187,8 @@ class ListedNumbers(Statement):
             if quantity != "h":
                 yield self.file, {**common, "quantity": quantity, "value": value}
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, self.rules)
+    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+        return by_case(rows)
 
     def cost(self, setting: Setting) -> float:
         """Return the expected run time of a measurement in µs, estimated from the level and the dimension."""

@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 import scipy.sparse as sps
 from scipy.sparse.linalg import eigsh
+from skfem import Basis
+from skfem.models.poisson import mass as scalar_mass
 
 from manufactured.law import KelvinVoigt
-from manufactured.tensors import Array, size
+from manufactured.tensors import size
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
 from study.statements.shared.base import SEED
@@ -35,17 +37,9 @@ def strain_product(space: Space) -> sps.csc_array:
 
 
 def mass(space: Space) -> sps.csc_array:
-    """Return the mass matrix, that is, the matrix of the L² product (u, v)_H on V^h, (dofs, dofs).
-
-    Integrals of barycentric coordinates over a cell T are exact: ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d+1)(d+2)).
-    """
-    cells, dim = space.mesh.t, space.dim
-    local = (1 + np.eye(dim + 1)) / ((dim + 1) * (dim + 2))
-    values = local[:, :, None] * space.volumes
-    rows, columns = np.broadcast_to(cells[:, None], values.shape), np.broadcast_to(cells[None], values.shape)
-    count = space.mesh.p.shape[1]
-    scalar = sps.csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
-    vector = sps.csr_array(sps.kron(scalar, np.eye(dim)))
+    """Return the mass matrix, that is, the matrix of the L² product (u, v)_H on V^h, (dofs, dofs)."""
+    scalar = scalar_mass.assemble(Basis(space.mesh, space.mesh.elem()))
+    vector = sps.csr_array(sps.kron(scalar, np.eye(space.dim)))
     return sps.csc_array(vector[space.free][:, space.free])
 
 
@@ -61,7 +55,8 @@ def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
         form: the matrix of a, positive definite.
         product: the matrix of b, positive definite.
     """
-    return float(eigsh(form, 1, product, sigma=0.0, v0=_start(form), tol=SMALLEST, return_eigenvectors=False)[0])
+    start = np.random.default_rng(SEED).standard_normal(form.shape[0])
+    return float(eigsh(form, 1, product, sigma=0.0, v0=start, tol=SMALLEST, return_eigenvectors=False)[0])
 
 
 def largest(form: sps.csc_array, product: sps.csc_array) -> float:
@@ -73,10 +68,6 @@ def largest(form: sps.csc_array, product: sps.csc_array) -> float:
         form: the matrix of a.
         product: the matrix of b, positive definite.
     """
-    start = _start(form)
+    start = np.random.default_rng(SEED).standard_normal(form.shape[0])
     vectors = min(LANCZOS, len(start))
     return float(eigsh(form, 1, product, which="LA", v0=start, tol=LARGEST, ncv=vectors, return_eigenvectors=False)[0])
-
-
-def _start(form: sps.csc_array) -> Array:
-    return np.random.default_rng(SEED).standard_normal(form.shape[0])

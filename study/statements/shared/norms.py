@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from manufactured.exact import ExactSolution
+from manufactured.exact.solution import FaceFields
 from manufactured.tensors import Array, Tensors
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines
 from study.fem.quadrature import facet_rule
@@ -131,20 +132,38 @@ class Energies:
 class ContactWork:
     """Computes the work R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), of the exact contact force on a P1 displacement v.
 
-    The normal stress σ_ν is minus the exact contact pressure. The facet rules are the same as in ``ErrorNorm``.
+    The normal stress σ_ν is minus the exact contact pressure.
+
+    Args:
+        solution: the exact solution.
+        space: the P1 displacement space V^h.
+        rough: coordinates along the contact faces towards which quadrature points are graded. By default each face has
+            its own, as in ``ErrorNorm``.
+        pressure: the function that gives the exact contact pressure on a face at a time.
     """
 
-    def __init__(self, solution: ExactSolution, space: Space) -> None:
-        self.space, self._faces = space, []
+    def __init__(
+        self,
+        solution: ExactSolution,
+        space: Space,
+        rough: tuple[float, ...] | None = None,
+        pressure: Callable[[FaceFields, float], Array] = FaceFields.pressure,
+    ) -> None:
+        self.space, self.pressure, self._faces = space, pressure, []
         for face in solution.faces:
-            facets = space.facets(face.part)
-            rule = facet_rule(space.mesh, facets, face.part, face.rough, FACET_POINTS)
-            self._faces.append((face.part.normal, space.mesh.facets[:, facets], rule, solution.on(face, rule.s)))
+            graded = face.rough if rough is None else rough
+            rule = facet_rule(space.mesh, space.facets(face.part), face.part, graded, FACET_POINTS)
+            self._faces.append((face.part.normal, rule, solution.on(face, rule.s)))
+
+    def load(self, time: float) -> Array:
+        """Return the contact force at a time as a load, that is, the linear functional v ↦ R(t; v) on V^h, (dofs,)."""
+        nodal = np.zeros_like(self.space.mesh.p)
+        for normal, rule, exact in self._faces:
+            moments = np.sum(self.pressure(exact, time) * rule.weights * rule.shapes, axis=-1)
+            ends = self.space.mesh.facets[:, rule.facets]
+            nodal -= self.space.scatter(ends, np.multiply.outer(normal, moments))
+        return self.space.interpolate(nodal)
 
     def __call__(self, v: Array, time: float) -> float:
         """Return the work R(t; v) of the contact force at a time on the P1 displacement v, (dofs,)."""
-        nodal, total = self.space.nodal(v), 0.0
-        for normal, ends, rule, exact in self._faces:
-            trace = np.einsum("an,anq->nq", np.tensordot(normal, nodal[:, ends], axes=1), rule.shapes)
-            total -= float(np.sum(exact.pressure(time) * trace * rule.weights))
-        return total
+        return float(self.load(time) @ v)

@@ -157,26 +157,19 @@ class Task:
             found.append(self.solution.on(face, s).pressure(time))
         return found
 
-    def initial_tractions(self, time: float) -> list[Array]:
-        """Return the exact viscous traction A ε(u̇) ν at the facet corners of each contact face.
+    def tractions(self, kind: Kind, time: float) -> list[Array]:
+        """Return exact tractions at the facet corners of all boundary parts of a kind.
+
+        They are the viscous traction A ε(u̇) ν on contact faces, and the surface load f_2 = σν on loaded parts. The load
+        b of a task already contains the work of f_2.
 
         Returns:
-            One array for each face: the components of the traction at the corners of each facet, (facets, corners,
+            One array for each part: the components of the traction at the corners of each facet, (facets, corners,
             components).
         """
-        return [self._tractions(part, facets, time, total=False) for part, facets in self.space.on(Kind.CONTACT)]
-
-    def loads_on(self, time: float) -> list[Array]:
-        """Return the surface load f_2 = σν at the facet corners of each loaded part of the boundary.
-
-        The load b of a task already contains the work of f_2.
-
-        Returns:
-            One array for each part: the components of f_2 at the corners of each facet, (facets, corners, components).
-        """
-        return [self._tractions(part, facets, time, total=True) for part, facets in self.space.on(Kind.LOADED)]
-
-    def _tractions(self, part: Any, facets: Array, time: float, total: bool) -> Array:
-        fields = self.solution.at(self.space.mesh.p[:, self.space.mesh.facets[:, facets]])
-        stress = fields.stress(time) if total else fields.law.A(fields.strain_rate(time))
-        return np.moveaxis(traction(stress, part.normal), [0, 1, 2], [2, 1, 0])
+        found = []
+        for part, facets in self.space.on(kind):
+            fields = self.solution.at(self.space.mesh.p[:, self.space.mesh.facets[:, facets]])
+            stress = fields.stress(time) if kind is Kind.LOADED else fields.law.A(fields.strain_rate(time))
+            found.append(np.moveaxis(traction(stress, part.normal), [0, 1, 2], [2, 1, 0]))
+        return found
