@@ -51,7 +51,7 @@ from manufactured.multiscale import FadingFace
 from manufactured.tensors import Array, Points
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.mesh import Shaken
-from study.fem.naming import resolve
+from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.fem.refining import inclusion_of, refined
 from study.fem.seminorm import composite_gauss
@@ -63,7 +63,7 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.meshes import space_of
+from study.statements.shared.meshes import space_of, split_irregular
 from study.statements.shared.norms import midpoints, norm
 
 PARTS = 3
@@ -219,7 +219,6 @@ def shaken(vertices: Sequence[Array], rng: np.random.Generator) -> list[Array]:
     return moved
 
 
-GRID = "one-diagonal"
 COARSE = 32
 """The coarsest level on which there are wave trains of all widths from h/2 to 4h."""
 
@@ -284,7 +283,7 @@ class WorkOfContact(ListedNumbers):
     effort = 5
     # The quick study leaves this statement out, because the claimed orders begin at n = 32, which takes long.
     full = (
-        *grid(("trains", "breathing-trains"), (GRID, "shaken"), (16, 32, 64, 128)),
+        *grid(("trains", "breathing-trains"), ("one-diagonal", "shaken"), (16, 32, 64, 128)),
         *grid(("trains",), ("unstructured",), (16, 32, 64, 128)),
     )
 
@@ -294,7 +293,7 @@ class WorkOfContact(ListedNumbers):
         found = error_and_excess(Resolved(case.solution, space), steps)
         total, vertices = TotalWork(case.solution), vertices_on(space)
         found["work"] = math.sqrt(total(vertices))
-        if setting.family == GRID:
+        if not family_named(setting.family).irregular:
             rng = np.random.default_rng(SEED)
             moved = zip(*(shaken(vertices, rng) for _ in range(DRAWS)), strict=True)
             works = total([np.array(of_piece) for of_piece in moved])
@@ -304,9 +303,8 @@ class WorkOfContact(ListedNumbers):
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found = []
         for case, groups in by_case(rows):
-            on_grid = {name: table for name, table in groups.items() if name == GRID}
-            irregular = {name: table for name, table in groups.items() if name != GRID}
-            found += [rule.verdict(self, case, on_grid) for rule in ON_GRIDS]
+            irregular, on_grids = split_irregular(groups)
+            found += [rule.verdict(self, case, on_grids) for rule in ON_GRIDS]
             found += [ON_IRREGULAR_MESHES.verdict(self, case, irregular)]
             found += [rule.verdict(self, case, groups) for rule in ON_ALL_MESHES]
         return found
