@@ -32,6 +32,8 @@ COMPUTING = (
     "study/ledger/pictures.py",
 )
 """The modules on which results depend. The last one rounds the numbers of pictures."""
+COLOURS = "manufactured/colours.py"
+"""A module of ``manufactured`` that is never hashed, because results do not depend on it."""
 WINDOWS = ("Window", "positive_at_most", "around", "at_least", "at_most", "between")
 """Names of the class and of the functions with which the code makes tolerance windows."""
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
@@ -61,7 +63,7 @@ def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
 
 
 def of_everything() -> str:
-    """Return the cache key of a result that depends on all code of the project, tolerance windows included."""
+    """Return the cache key of a result that depends on all code, tolerance windows included, except colours."""
     return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py"), windows=True))
 
 
@@ -91,7 +93,7 @@ def code_hash(patterns: tuple[str, ...] = COMPUTING, windows: bool = False) -> s
         patterns: patterns of file names, relative to ``ROOT``.
         windows: whether the hash depends on tolerance windows.
     """
-    files = sorted(path for pattern in patterns for path in ROOT.glob(pattern))
+    files = sorted({path for pattern in patterns for path in ROOT.glob(pattern)} - {ROOT / COLOURS})
     code = [
         (str(path.relative_to(ROOT)), without_docstrings(path.read_text(encoding="utf-8"), windows)) for path in files
     ]

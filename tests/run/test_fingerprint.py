@@ -10,7 +10,7 @@ import pytest
 
 from study.fem.naming import resolve
 from study.run import fingerprint as keys
-from study.run.fingerprint import COMPUTING, ROOT, code_hash, fingerprint, of_everything, problem
+from study.run.fingerprint import COLOURS, COMPUTING, ROOT, code_hash, fingerprint, of_everything, problem
 from study.run.plan import Plan, quick
 from study.statements.enclosure import resolve_problem
 from study.statements.prop_5_4 import FirstOrder, RateSetting
@@ -25,7 +25,7 @@ REST = ("study/ledger/text.py", "study/run/executor.py", "study/cli/run.py")
 @pytest.fixture
 def copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """Some modules of the project below another root, of which the hash is computed."""
-    for module in (*COMPUTE, *REST):
+    for module in (*COMPUTE, *REST, COLOURS):
         (tmp_path / module).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / module, tmp_path / module)
     monkeypatch.setattr(keys, "ROOT", tmp_path)
@@ -56,6 +56,7 @@ def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_n
     measured, everything = keys_after("study/statements/prop_5_4.py", "positive_at_most(0.02", "positive_at_most(0.03")
     assert measured == before[0], "a changed window measures nothing anew"
     assert everything != before[1]
+    assert keys_after(COLOURS, "BLUE", "AZURE") == before, "a changed colour computes nothing anew"
 
 
 def test_all_packages_below_the_statements_are_part_of_the_key() -> None:
