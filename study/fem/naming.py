@@ -184,7 +184,8 @@ def _from_file(reference: str) -> Any:
         raise
     except (Exception, SystemExit) as error:
         raise UsageError(
-            f"{reference} was given, but running {file} raised {type(error).__name__}: {error}; correct this file"
+            f"{reference} was given, so {file} has to run without errors; correct it, as running it raises "
+            f"{type(error).__name__}: {error}"
         ) from error
 
 
