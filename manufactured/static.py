@@ -6,9 +6,10 @@ from collections.abc import Mapping
 
 from manufactured.body import Body
 from manufactured.data import Data
+from manufactured.data.compiled_formulas import compiled
 from manufactured.data.problem_data import Formulas
+from manufactured.factor import x1, x2, x3
 from manufactured.law import Indefinite, KelvinVoigt, LawError, Linear, isotropic
-from manufactured.symbols import FormulaError, t
 
 
 class Static(Data):
@@ -18,15 +19,17 @@ class Static(Data):
     ``static``.
     """
 
+    in_time = False
 
-def static(body: Body, G: Linear, f0: Formulas, f2: Mapping[int, Formulas] | None = None) -> Static:
-    """Return the data of a static contact problem, from formulas of x1 and x2.
+
+def static(body: Body, G: Linear, f0: Formulas | None = None, f2: Mapping[int, Formulas] | None = None) -> Static:
+    """Return the data of a static contact problem, from formulas of x1, x2 (x3).
 
     Args:
         body: the body with its boundary parts; its final time is not used.
         G: the elasticity: ``plane_strain`` or ``plane_stress`` of Young's modulus and Poisson's ratio,
             ``isotropic(mu, lam)``, or any ``Linear``.
-        f0: the components of the body force.
+        f0: the components of the body force; by default 0.
         f2: a dict from numbers of parts in ``body.parts`` to the components of the traction on them.
 
     Raises:
@@ -34,17 +37,17 @@ def static(body: Body, G: Linear, f0: Formulas, f2: Mapping[int, Formulas] | Non
         LawError: G is not linear and elliptic, or G and the body have different dimensions.
 
     >>> from manufactured import unit_square
-    >>> static(unit_square(), plane_stress(E=200.0, nu=0.3), f0=(0, -1)).law.name
+    >>> static(unit_square(), plane_stress(E=200.0, nu=0.3), f2={1: (0, -1)}).law.name
     'static'
     """
     if not isinstance(G, Linear) or isinstance(G, Indefinite):
         raise LawError(
             f"a static problem needs a linear, elliptic G such as plane_stress(E, nu), got {type(G).__name__}"
         )
+    f0 = (0,) * body.dim if f0 is None else f0
+    for name, load in (("f0", f0), *((f"f2 on part {number}", load) for number, load in (f2 or {}).items())):
+        compiled(load, body.dim, name, (x1, x2, x3)[: body.dim])  # refuses t, which ``formulas`` accepts
     data = Static.formulas(body, KelvinVoigt(G, G, "static"), f0, f2)
-    formulas = (*data.formulas_of.force, *(one for _, load in data.formulas_of.loads for one in load))  # type: ignore[attr-defined]
-    if any(formula.has(t) for formula in formulas):
-        raise FormulaError("the loads of a static problem are formulas of x1 and x2, got t; fix the time")
     assert isinstance(data, Static)
     return data
 

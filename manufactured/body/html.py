@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from manufactured.body.part import Kind, Part
+from manufactured.colours import BLUE, DARK, GREY, VERMILLION
 
 WIDTH = 240
 """Width of the picture of a body in pixels."""
-COLOURS = {Kind.CLAMPED: "#444444", Kind.LOADED: "#0072b2", Kind.CONTACT: "#d55e00", Kind.INTERFACE: "#999999"}
+COLOURS = {Kind.CLAMPED: DARK, Kind.LOADED: BLUE, Kind.CONTACT: VERMILLION, Kind.INTERFACE: GREY}
 """Colours of boundary parts. Dark grey, blue and vermillion are distinguishable for people with colour blindness."""
 NAMES = {
     Kind.CLAMPED: "Γ1, clamped",

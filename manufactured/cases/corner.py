@@ -47,6 +47,7 @@ def case() -> Case:
         reason="α = 4 > 7/2 and m = 2 > 3/2 on both sides, u smooth at the corner: (5.36), order 1 by Prop. 5.4",
         pace=4,
         families=("unstructured",),
+        represents=("body", "law", "body with trace"),
     )
 
 

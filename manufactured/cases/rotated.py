@@ -36,4 +36,5 @@ def case() -> Case:
         solution=advance_recede.on(body),
         reason="nothing depends on the axes: the errors of advance-recede",
         twin=plain.name,
+        represents=("body", "body with trace"),
     )

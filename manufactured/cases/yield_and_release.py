@@ -47,4 +47,5 @@ def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: E
         reason="w and q smooth in space, u̇ Lipschitz in time: (5.36) and order 1 by Prop. 5.4, G only Lipschitz",
         pace=6,
         families=("criss-cross",),
+        represents=("law",),
     )

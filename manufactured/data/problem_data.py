@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import ClassVar
 
 import numpy as np
 import sympy as sp
@@ -46,7 +47,10 @@ class Data:
         fronts: a function from a time to lines across which f_0 jumps or has kinks at this time only.
         force_modes: a function from points to f_0 as a sum of products of functions of x and of t; None if no such sum
             is known.
+        in_time: whether the loads may depend on time.
     """
+
+    in_time: ClassVar[bool] = True
 
     body: Body
     law: KelvinVoigt
@@ -209,11 +213,12 @@ def _check_factors(law: KelvinVoigt, x: Points) -> None:
 
 def _check_forces(data: Data, inside: Points, rng: np.random.Generator) -> None:
     body = data.body
-    for time in np.linspace(0.0, body.T, TIMES):
-        _finite("f_0", data.body_force(inside)(time), inside, body.dim, f" at t = {time:.4g}")
+    for time in np.linspace(0.0, body.T, TIMES if data.in_time else 1):
+        when = f" at t = {time:.4g}" if data.in_time else ""
+        _finite("f_0", data.body_force(inside)(time), inside, body.dim, when)
         for part in body.of(Kind.LOADED):
             x = part.sample(rng, POINTS)
-            _finite("f_2", data.surface_load(part, x)(time), x, body.dim, f" at t = {time:.4g}")
+            _finite("f_2", data.surface_load(part, x)(time), x, body.dim, when)
 
 
 def _check_start(data: Data, inside: Points, rng: np.random.Generator) -> None:

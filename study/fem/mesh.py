@@ -7,11 +7,12 @@ position of the contact zone. Every point at which the boundary condition change
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import pairwise, permutations
 from math import factorial
-from typing import Protocol
+from typing import ClassVar
 
 import numpy as np
 import scipy.sparse as sps
@@ -33,25 +34,52 @@ class MeshError(ValueError):
     """Raised if a mesh does not fit the body, or cannot be made for it."""
 
 
-class MeshFamily(Protocol):
-    """The interface of mesh families: objects that make a mesh of a body for every level.
+class MeshFamily(ABC):
+    """Base class of mesh families: objects that make a mesh of a body for every level.
 
     Mesh families are the regular families {T_h} of triangulations of the paper. The mesh of level n has about n cells
-    along a side.
+    along a side. Everything that the study knows about a family is an attribute of its class.
+
+    Attributes:
+        meshes: the meshes in a few words, for the documentation.
+        least_angle: a lower bound in degrees for the angles of all cells, on the plane bodies of the catalogue, some of
+            which are sheared such that angles of 45° become 27°.
+        density: the number of cells of a plane mesh, divided by the number of cells of the one-diagonal mesh of the
+            same level. Estimates of time and memory use it.
+        uniform: whether all cells of a mesh have about the same size.
+        irregular: whether the cells of one level are not scaled copies of the cells of another level. Orders are then
+            observed in the leading term of the interpolation error instead of h.
+        random: whether vertices are moved at random, such that single orders depend on chance.
+        superclose: whether ‖Π^h u − u^h‖ has a higher order than ‖u − u^h‖, because neighbouring triangles form
+            parallelograms.
+        turns_with_body: whether the mesh of a rotated body is the rotated mesh of the body.
     """
 
+    meshes: ClassVar[str]
+    least_angle: ClassVar[float]
+    density: ClassVar[int] = 1
+    uniform: ClassVar[bool] = True
+    irregular: ClassVar[bool] = False
+    random: ClassVar[bool] = False
+    superclose: ClassVar[bool] = False
+    turns_with_body: ClassVar[bool] = True
+
     @property
+    @abstractmethod
     def name(self) -> str:
         """The name of the family in commands and tables."""
-        ...
 
+    @abstractmethod
     def serves(self, body: Body) -> bool:
         """Return whether the family can mesh the body."""
-        ...
 
+    @abstractmethod
     def __call__(self, body: Body, n: int) -> Mesh:
         """Return the mesh of level n; raise MeshError if the family cannot mesh the body at this level."""
-        ...
+
+    def cells(self, body: Body, n: int) -> int:
+        """Return the number of cells of the mesh of level n; families with a formula for it do not make the mesh."""
+        return int(self(body, n).t.shape[1])
 
 
 def require_plane(family: MeshFamily, body: Body) -> None:
@@ -155,26 +183,38 @@ def on_segment(points: Points, segment: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class OneDiagonal:
+class OneDiagonal(MeshFamily):
     """Structured meshes of n^d parallelepipeds, each divided into d! simplices that share one diagonal."""
 
     name: str = "one-diagonal"
+    meshes = "squares cut by parallel diagonals, or cubes cut into six tetrahedra that share a diagonal"
+    least_angle = 26
+    superclose = True
 
     def serves(self, body: Body) -> bool:
         return has_grids(body)
+
+    def cells(self, body: Body, n: int) -> int:
+        return factorial(body.dim) * n**body.dim
 
     def __call__(self, body: Body, n: int) -> Mesh:
         return simplicial_mesh(mapped(body, grid_vertices(n, body.dim)), kuhn(n, body.dim))
 
 
 @dataclass(frozen=True)
-class CrissCross:
+class CrissCross(MeshFamily):
     """Structured meshes of n × n quadrilaterals, each divided by both diagonals."""
 
     name: str = "criss-cross"
+    meshes = "squares cut by both diagonals"
+    least_angle = 26
+    density = 2
 
     def serves(self, body: Body) -> bool:
         return body.dim == 2 and has_grids(body)
+
+    def cells(self, body: Body, n: int) -> int:
+        return 4 * n**2
 
     def __call__(self, body: Body, n: int) -> Mesh:
         require_plane(self, body)
@@ -186,13 +226,15 @@ class CrissCross:
 
 
 @dataclass(frozen=True)
-class Alternating:
+class Alternating(MeshFamily):
     """Structured meshes of n × n quadrilaterals, each divided by one diagonal.
 
     The direction of the diagonal alternates, so every inner vertex belongs to four or to eight cells.
     """
 
     name: str = "alternating"
+    meshes = "squares cut by one diagonal, whose direction alternates"
+    least_angle = 26
 
     def serves(self, body: Body) -> bool:
         return body.dim == 2 and has_grids(body)
@@ -208,7 +250,7 @@ class Alternating:
 
 
 @dataclass(frozen=True)
-class Shaken:
+class Shaken(MeshFamily):
     """One-diagonal meshes whose vertices are moved at random.
 
     Every coordinate of a vertex changes by up to 2/d ``amplitude`` cell widths. Vertices on faces of the body, on edges
@@ -220,9 +262,15 @@ class Shaken:
     seed: int = 2002
     amplitude: float = 0.2
     name: str = "shaken"
+    meshes = "one-diagonal meshes with vertices moved at random"
+    least_angle = 12
+    irregular = random = True
 
     def serves(self, body: Body) -> bool:
         return has_grids(body)
+
+    def cells(self, body: Body, n: int) -> int:
+        return factorial(body.dim) * n**body.dim
 
     def __call__(self, body: Body, n: int) -> Mesh:
         # The grid on the unit cube is shaken, not its image, so that vertices of stretched cells move in proportion.
@@ -362,7 +410,7 @@ def _is_grid_line(images: Points, interface: Part) -> bool:
 
 
 @dataclass(frozen=True)
-class Unstructured:
+class Unstructured(MeshFamily):
     """Delaunay triangulations of random, evenly distributed points, for any polygon.
 
     Points in the interior start on a triangular lattice, each moved at random. Then ``sweeps`` times, every point moves
@@ -373,9 +421,17 @@ class Unstructured:
     seed: int = 2002
     sweeps: int = 8
     name: str = "unstructured"
+    meshes = "Delaunay triangulations of evenly distributed points"
+    least_angle = 20
+    irregular = True
+    turns_with_body = False
 
     def serves(self, body: Body) -> bool:
         return body.dim == 2
+
+    def cells(self, body: Body, n: int) -> int:
+        boundary, *others = self.points(body, n)
+        return int(boundary.shape[1] + 2 * sum(points.shape[1] for points in others) - 2)
 
     def __call__(self, body: Body, n: int) -> Mesh:
         boundary, inside, free = self.points(body, n)
@@ -398,7 +454,7 @@ class Unstructured:
 
 
 @dataclass(frozen=True)
-class Graded:
+class Graded(MeshFamily):
     """Unstructured meshes that are refined towards the points c of ``body.refine``.
 
     First an unstructured mesh is made. Then its vertices with |x − c| < R are moved by the map
@@ -420,9 +476,17 @@ class Graded:
     exponent: float = 2.5
     reach: float = 0.5
     name: str = "graded"
+    meshes = "unstructured meshes refined towards points at which the solution is singular"
+    least_angle = 8
+    uniform = False
+    irregular = True
+    turns_with_body = False
 
     def serves(self, body: Body) -> bool:
         return body.dim == 2 and len(body.refine) > 0
+
+    def cells(self, body: Body, n: int) -> int:
+        return Unstructured().cells(body, n)
 
     def __call__(self, body: Body, n: int) -> Mesh:
         if not self.serves(body):
@@ -515,21 +579,9 @@ FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstr
 """The mesh families of the study, each with its default parameters."""
 
 
-def cell_count(family: MeshFamily, body: Body, n: int) -> int:
-    """Return the number of cells of the mesh of level n, without making the mesh if the family has a formula for it."""
-    if isinstance(family, OneDiagonal | Shaken):
-        return factorial(body.dim) * n**body.dim
-    if isinstance(family, CrissCross):
-        return 4 * n**2
-    if isinstance(family, Unstructured | Graded):
-        boundary, *others = (Unstructured() if isinstance(family, Graded) else family).points(body, n)
-        return int(boundary.shape[1] + 2 * sum(points.shape[1] for points in others) - 2)
-    return int(family(body, n).t.shape[1])
-
-
 def size_of(family: MeshFamily, body: Body, n: int) -> float:
     """Return the mesh size h of level n, if possible without making the mesh; see ``size``."""
-    return float((factorial(body.dim) * body.measure / cell_count(family, body, n)) ** (1 / body.dim))
+    return float((factorial(body.dim) * body.measure / family.cells(body, n)) ** (1 / body.dim))
 
 
 # A body together with its mesh, and the check that both fit.

@@ -183,7 +183,10 @@ def _from_file(reference: str) -> Any:
     except UsageError:
         raise
     except (Exception, SystemExit) as error:
-        raise UsageError(f"{reference} cannot be made: running it gives {type(error).__name__}: {error}") from error
+        raise UsageError(
+            f"{reference} was given, so {file} has to run without errors; correct it, as running it raises "
+            f"{type(error).__name__}: {error}"
+        ) from error
 
 
 def _none_named(file: str, name: str, module: ModuleType) -> str:

@@ -17,6 +17,7 @@ from xml.sax.saxutils import escape
 
 import pandas as pd
 
+from study.fem.mesh import FAMILIES
 from study.ledger.chance import PROMISE, seeds_needed
 from study.ledger.codes import MADE, Codes
 from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_kinds, count_verdicts
@@ -112,6 +113,7 @@ def refreshed(page: Path, data: FullRun) -> str:
         statements,
         formulas,
         cases,
+        mesh_families,
         codes,
         marches,
         windows,
@@ -552,6 +554,12 @@ def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
 def cases(data: FullRun) -> str:
     """Return the number of cases as text, for a sentence."""
     return str(len(data.cases))
+
+
+def mesh_families(data: FullRun) -> str:
+    """Return the table of mesh families: name, meshes, and the least angle in the plane."""
+    rows = [[f"*{family.name}*", family.meshes, f"{family.least_angle:g}°"] for family in FAMILIES]
+    return markdown(["mesh family", "meshes", "all angles in the plane are larger than"], rows)
 
 
 def codes(data: FullRun) -> str:

@@ -1,4 +1,4 @@
-"""All colours of figures, animations and the report page, and the line style of each mesh family."""
+"""Where figures, animations and the report page use colours, and the line style of each mesh family."""
 
 from __future__ import annotations
 
@@ -7,10 +7,19 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Literal
 
-# Colours of Okabe and Ito, Color Universal Design (2008); their yellow is too light for lines.
-BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
-ORANGE, SKY, BLACK = "#E69F00", "#56B4E9", "#000000"
-GREY, DARK = "#8C8C8C", "#4D4D4D"
+import numpy as np
+from matplotlib.colors import to_hex, to_rgb
+
+from manufactured.colours import BLACK as BLACK
+from manufactured.colours import BLUE as BLUE
+from manufactured.colours import DARK as DARK
+from manufactured.colours import GREEN as GREEN
+from manufactured.colours import GREY as GREY
+from manufactured.colours import ORANGE as ORANGE
+from manufactured.colours import PURPLE as PURPLE
+from manufactured.colours import SKY as SKY
+from manufactured.colours import VERMILLION as VERMILLION
+
 OUTLINE, RIM, SURFACE = "0.35", "0.4", "0.6"
 FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
@@ -25,17 +34,42 @@ RAMPS = {
 
 Larger values have darker colours, so that figures can be read in grey; small values leave the mesh visible.
 """
-_LIGHT = {
-    "paper": "#fff", "ink": "#1a1a1a", "soft": "#595959", "rule": "#d0d0d0", "shade": "#f4f4f2", "link": "#00558a",
-    "blue": BLUE, "vermillion": VERMILLION, "green": GREEN, "ground": "#bdbdbd", "good": "#00694d", "bad": "#a84300",
-    "focus": BLUE, "rim": "#444", "text": "#1a1a1a", "halo": "#fff",
-}  # fmt: skip
-_DARK = {
-    "paper": "#16181a", "ink": "#e8e8e6", "soft": "#a9a9a6", "rule": "#44484c", "shade": "#1f2225", "link": "#7cc4f0",
-    "blue": SKY, "vermillion": "#EE8434", "green": "#2BBD93", "ground": "#5a5f63", "good": "#4fd0a8", "bad": "#ff9d5c",
-    "focus": "#7cc4f0",
-}  # fmt: skip
-PAGE = {"light": _LIGHT, "dark": _LIGHT | _DARK}
+CONTRAST = 4.5
+"""The contrast of text that the Web Content Accessibility Guidelines 2.2 ask for (criterion 1.4.3)."""
+
+
+def luminance(colour: str) -> float:
+    """Return the relative luminance of a colour #RRGGBB, from 0 for black to 1 for white, as those guidelines do."""
+    rgb = np.array(to_rgb(colour))
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    return float(linear @ (0.2126, 0.7152, 0.0722))
+
+
+def contrast(one: str, other: str) -> float:
+    """Return the contrast of two colours, from 1 to 21."""
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def readable(colour: str, background: str) -> str:
+    """Return a colour mixed with as little black or white as makes it readable as text on a background."""
+    end = np.full(3, float(luminance(background) < 0.2))
+    mixed = (to_hex((1 - share) * np.array(to_rgb(colour)) + share * end) for share in np.linspace(0, 1, 101))
+    return next(shade for shade in mixed if contrast(shade, background) >= CONTRAST)
+
+
+def _page(**greys: str) -> dict[str, str]:
+    """Return the CSS variables of a page from its greys; colours are readable on tinted lines of tables, ``shade``."""
+    hues = {"blue": BLUE, "link": BLUE, "focus": BLUE, "green": GREEN, "good": GREEN, "vermillion": VERMILLION}
+    hues |= {"bad": VERMILLION, "warn": ORANGE}
+    pictures = {"rim": "#444", "text": "#1a1a1a", "halo": "#fff"}  # the same on both pages, as ``RAMPS`` are
+    return {**pictures, **greys, **{name: readable(colour, greys["shade"]) for name, colour in hues.items()}}
+
+
+PAGE = {
+    "light": _page(paper="#fff", ink="#1a1a1a", soft="#595959", rule="#d0d0d0", shade="#f4f4f2", ground="#bdbdbd"),
+    "dark": _page(paper="#16181a", ink="#e8e8e6", soft="#a9a9a6", rule="#44484c", shade="#1f2225", ground="#5a5f63"),
+}
 """CSS variables of the report page, for light and for dark pages."""
 
 

@@ -36,8 +36,8 @@ COMPUTING = (
 """The modules on which results depend. The last one rounds the numbers of pictures."""
 SINGLE = ("manufactured/cases/*.py", "study/statements/*.py")
 """The modules of single cases and statements. A result depends only on its own case, its own statement and imports."""
-LISTS = ("manufactured/catalogue.py", "manufactured/html.py", "manufactured/body/html.py")
-"""Modules that list the cases or draw pictures in notebooks. No result depends on them."""
+LISTS = ("manufactured/catalogue.py", "manufactured/colours.py", "manufactured/html.py", "manufactured/body/html.py")
+"""Modules that list the cases, name colours or draw pictures in notebooks. No result depends on them."""
 WINDOWS = ("Window", "positive_at_most", "around", "at_least", "at_most", "between")
 """Names of the class and of the functions with which the code makes tolerance windows."""
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")

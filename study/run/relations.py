@@ -22,8 +22,8 @@ from study.ledger.codes import FOLDER, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.datafiles import CsvFile, in_series, line, since_before
 from study.run.provenance import Expectation
 from study.statements.enclosure import BOUNDS, ENCLOSURES, KEY, TIMES, resolve_problem
-from study.statements.from_rates import GRADED
 from study.statements.prop_5_4 import RATES
+from study.statements.shared.meshes import is_uniform
 
 Tables = Mapping[CsvFile, pd.DataFrame]
 Numbers = NDArray[np.float64]
@@ -225,7 +225,7 @@ def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     Graded meshes are skipped: a coarse one may equal the uniform mesh.
     """
     rates = tables[RATES]
-    place, uniform = [rates[name] for name in ("case", "scheme", "level")], rates["family"] != GRADED
+    place, uniform = [rates[name] for name in ("case", "scheme", "level")], rates["family"].map(is_uniform).astype(bool)
     for column in ("error", "discrete_error"):
         same = pd.concat([*place, rates[column].map("{:.9e}".format)], axis=1)[uniform].duplicated(keep=False)
         holds = ~same.reindex(rates.index, fill_value=False)

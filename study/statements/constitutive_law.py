@@ -24,7 +24,7 @@ from study.fem.space import Space
 from study.ledger.criterion import BOUND, ROUNDING, SHARP, Observation, largest
 from study.ledger.window import at_most
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.meshes import LAWS, named, place, space_of
+from study.statements.shared.meshes import place, representing, space_of
 from study.statements.shared.scope import REGULAR
 
 SCALES = (-3.0, 3.0)
@@ -68,7 +68,7 @@ class OfLaws(ListedNumbers):
     """Base class of statements about material laws; every law of the catalogue is tested on one mesh."""
 
     def places(self, full: bool) -> list[Setting]:
-        return place(named(*LAWS), REGULAR, (16,) if full else (8,), (4,) if full else (2,))
+        return place(representing("law"), REGULAR, (16,) if full else (8,), (4,) if full else (2,))
 
 
 class Viscosity(OfLaws):

@@ -26,7 +26,7 @@ from study.ledger.criterion import every, largest
 from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.meshes import BODIES, EVERY, IRREGULAR, named, place, space_of
+from study.statements.shared.meshes import EVERY, IRREGULAR, place, representing, space_of
 from study.statements.shared.norms import maximum, minimum
 
 SAMPLES = 40
@@ -60,7 +60,7 @@ class VertexConstraint(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = named(*BODIES)
+        bodies = representing("body")
         return place(bodies, EVERY, (8, 16), (2, 4)) if full else place(bodies, IRREGULAR, (8,), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -88,7 +88,7 @@ class Interpolant(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         if full:
             return place(catalogue(), EVERY, (8, 16), (2, 4))
-        return place(named(*BODIES), IRREGULAR, (8,), (2,))
+        return place(representing("body"), IRREGULAR, (8,), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution

@@ -67,7 +67,7 @@ from study.solve.tableau import MIDPOINT
 from study.statements.shared import estimates
 from study.statements.shared.base import EVOLVING, Setting, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import split_random
+from study.statements.shared.meshes import split_random, split_superclose
 from study.statements.shared.scope import Scope
 
 ERRORS = "pressure", "dual", "resultant"
@@ -302,7 +302,7 @@ class ContactForce(Statement):
         elif random:
             yield Observation(OF_CHANCE, FEW_EDGES), random
         for superclose, rule in DUAL_ORDERS.items():
-            if mine := {name: table for name, table in groups.items() if (name == "one-diagonal") is superclose}:
+            if mine := split_superclose(groups)[superclose]:
                 norms.append((rule, mine))
         for rule, mine in norms:
             jump = JUMP if rule.key.startswith("order") else Window()

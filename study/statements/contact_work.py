@@ -51,7 +51,7 @@ from manufactured.multiscale import FadingFace
 from manufactured.tensors import Array, Points
 from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import Shaken
-from study.fem.naming import resolve
+from study.fem.naming import family_named, resolve
 from study.fem.refining import inclusion_of, refined
 from study.fem.seminorm import composite_gauss
 from study.fem.space import Space
@@ -61,7 +61,7 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.meshes import space_of
+from study.statements.shared.meshes import space_of, split_irregular
 from study.statements.shared.norms import ContactWork, midpoints, norm
 
 PARTS = 3
@@ -185,7 +185,6 @@ def shaken(vertices: Sequence[Array], rng: np.random.Generator) -> list[Array]:
     return moved
 
 
-GRID = "one-diagonal"
 COARSE = 32
 """The coarsest level on which there are wave trains of all widths from h/2 to 4h."""
 
@@ -241,7 +240,7 @@ class WorkOfContact(ListedNumbers):
     effort = 5
     # The quick study leaves this statement out, because the claimed orders begin at n = 32, which takes long.
     full = (
-        *grid(("trains", "breathing-trains"), (GRID, "shaken"), (16, 32, 64, 128)),
+        *grid(("trains", "breathing-trains"), ("one-diagonal", "shaken"), (16, 32, 64, 128)),
         *grid(("trains",), ("unstructured",), (16, 32, 64, 128)),
     )
 
@@ -262,7 +261,7 @@ class WorkOfContact(ListedNumbers):
         error, excess = np.max(sizes, axis=0)
         total, vertices = TotalWork(solution), vertices_on(space)
         found = {"error": error, "excess": excess, "work": math.sqrt(total(vertices))}
-        if setting.family == GRID:
+        if not family_named(setting.family).irregular:
             rng = np.random.default_rng(SEED)
             moved = zip(*(shaken(vertices, rng) for _ in range(DRAWS)), strict=True)
             works = total([np.array(of_piece) for of_piece in moved])
@@ -270,7 +269,6 @@ class WorkOfContact(ListedNumbers):
         return with_h(space.h, found)
 
     def rules_of(self, case: str, groups: Groups) -> list[tuple[Rule, Groups]]:
-        on_grid = {name: table for name, table in groups.items() if name == GRID}
-        irregular = {name: table for name, table in groups.items() if name != GRID}
+        irregular, on_grid = split_irregular(groups)
         judged = (on_grid, ON_GRIDS), (irregular, (ON_IRREGULAR_MESHES,)), (groups, ON_ALL_MESHES)
         return [(rule, tables) for tables, rules in judged for rule in rules]

@@ -13,14 +13,14 @@ from __future__ import annotations
 
 import pandas as pd
 
+from study.fem.naming import family_named
 from study.ledger.criterion import ENOUGH, Observation, between_levels, by_family, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import around, at_least, at_most
 from study.statements.prop_5_4 import RATES, over
 from study.statements.shared.base import Statement
-from study.statements.shared.meshes import LEADING
+from study.statements.shared.meshes import LEADING, is_uniform
 
-GRADED = "graded"
 NEAR = around(1, 0.05, "on the finest level")
 
 
@@ -52,12 +52,10 @@ class RegularityNeeded(Statement):
             proved = at_least(float(mine["proved_order"].iloc[0]), "the order that the proof gives")
             seen = between_levels("order", "observed order on uniform meshes", proved, "error", 2, ENOUGH)
             rule = Observation(seen, "the paper claims an order only under (5.36)")
-            found.append(rule.verdict(self, str(case), by_family(mine[mine["family"] != GRADED])))
+            found.append(rule.verdict(self, str(case), by_family(mine[mine["family"].map(is_uniform)])))
         return found
 
 
-WITH_AXES = (GRADED, "unstructured")
-"""Mesh families that depend on the axes: their mesh of a rotated body is not the rotated mesh of the body."""
 SAME_MESH = ["family", "scheme", "level"]
 DIFFERENCE = "relative difference of"
 SAME = at_most(1e-10)
@@ -84,7 +82,8 @@ class Turned(Statement):
         turned = rows[rows["twin"].isin(rows["case"]) & (rows["twin"] != rows["case"])]
         for case, mine in turned.groupby("case", sort=False):
             twin = rows[rows["case"] == mine["twin"].iloc[0]][[*SAME_MESH, *names]]
-            pairs = mine[~mine["family"].isin(WITH_AXES)].merge(twin, on=SAME_MESH, suffixes=("", "_twin"))
+            turned_mesh = mine["family"].map(lambda name: family_named(name).turns_with_body)
+            pairs = mine[turned_mesh].merge(twin, on=SAME_MESH, suffixes=("", "_twin"))
             # Without a common mesh the columns are left out, so that the checks are undecided.
             compared = names if len(pairs) else []
             changes = pd.DataFrame({name: abs(pairs[name] / pairs[f"{name}_twin"] - 1) for name in compared})

@@ -39,7 +39,7 @@ from study.ledger.criterion import (
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.meshes import BODIES_WITH_LAWS, CELLS, EVERY, named, place, space_of, split_random
+from study.statements.shared.meshes import CELLS, EVERY, named, place, representing, space_of, split_random
 
 TIMES = (0.23, 0.61)
 """Times at which exact solutions are interpolated, as fractions of the final time T.
@@ -53,12 +53,6 @@ ROUND_OFF = 1e-10
 """Relative errors below this number count as round-off.
 
 They occur if a trace is zero or linear, so that it has no interpolation error."""
-TRACES = (
-    *("full-contact", "fixed-front-on-vertex", "advance-recede", "rotated", "corner", "contact-at-clamp", "hexagon"),
-    *("cube-disc", "cube-two-faces", "natural-front", "rough-trace", "moving-rough", "cube-rough", "rough-1.75"),
-    *("rough-2", "rough-2.25", "re-entrant", "junction", "softening"),
-)
-"""One case for every pair of a body and a regularity of the normal trace on Γ3."""
 ROOM = 0.15
 """Tolerance for observed orders.
 
@@ -97,7 +91,7 @@ class InterpolationInV(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         if not full:
             return place(named("no-contact", "advance-recede"), EVERY, (8, 16, 32))
-        cases = [case for case in named(*BODIES_WITH_LAWS) if case.regularity.smoothness > 1]
+        cases = [case for case in representing("body", "law", "body with law") if case.regularity.smoothness > 1]
         # Graded meshes are left out: their cells at singular points are much smaller than h, which changes the order.
         return [s for s in place(cases, EVERY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
 
@@ -150,7 +144,7 @@ class InterpolationOnContact(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         # Shaken meshes are left out: a few edges contribute most of the squared error Σ_e |e|⁵ |w''|²/120, so with
         # random lengths of edges the order varies by 0.3 from seed to seed.
-        cases = named(*(TRACES if full else ("advance-recede", "rough-2")))
+        cases = representing("body with trace") if full else named("advance-recede", "rough-2")
         without = Graded().name, Shaken().name
         return [s for s in place(cases, EVERY, (16, 32, 64), (8, 16, 24)) if s.family not in without]
 

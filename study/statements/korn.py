@@ -25,7 +25,7 @@ from study.ledger.criterion import largest as largest_of
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded
-from study.statements.shared.meshes import BODIES, BODIES_WITH_VISCOSITIES, named, place, space_of
+from study.statements.shared.meshes import place, representing, space_of
 from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"
@@ -64,7 +64,7 @@ class Korn(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = named(*BODIES)
+        bodies = representing("body")
         return place(bodies, REGULAR, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, REGULAR, (4, 8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -84,7 +84,7 @@ class Norms(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        cases = named(*BODIES_WITH_VISCOSITIES)
+        cases = representing("body", "body with viscosity")
         return place(cases, REGULAR, (8, 16, 32), (2, 4, 8)) if full else place(cases, REGULAR, (4, 8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:

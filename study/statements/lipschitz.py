@@ -37,7 +37,7 @@ from study.solve.factorisation import Cholesky
 from study.statements.constitutive_law import derivative, points, tensors
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import largest, unloaded
-from study.statements.shared.meshes import BODIES_WITH_LAWS, EVERY, named, place, space_of
+from study.statements.shared.meshes import EVERY, place, representing, space_of
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import REGULAR
 
@@ -78,7 +78,7 @@ class Lipschitz(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        cases = named(*BODIES_WITH_LAWS)
+        cases = representing("body", "law", "body with law")
         return place(cases, EVERY, (8, 16, 32), (2, 4)) if full else place(cases, REGULAR, (8, 16), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:

@@ -33,9 +33,8 @@ from study.ledger.criterion import (
 from study.ledger.orders import limit
 from study.ledger.verdict import Verdict
 from study.ledger.window import STEEPER, Window, around, at_most
-from study.statements.from_rates import GRADED
 from study.statements.prop_5_4 import EVIDENCE, SIZES, Rates
-from study.statements.shared.meshes import split_random
+from study.statements.shared.meshes import split, split_random
 
 LEVELS = ENOUGH + 1
 """Smallest number of levels that gives two observed orders over two refinements each."""
@@ -67,8 +66,7 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
         groups: the measurements of the case by mesh family.
         expected: the predicted order.
     """
-    uniform = {name: group for name, group in groups.items() if name != GRADED}
-    graded = {name: group for name, group in groups.items() if name == GRADED}
+    uniform, graded = split(groups, lambda family: family.uniform)
     falling = at_most(0.999, "on every level")
     yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
     by_chance, others = split_random(uniform)

@@ -72,7 +72,7 @@ from study.solve.tableau import MIDPOINT, SCHEMES, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import LEADING, in_leading_term, split_irregular
+from study.statements.shared.meshes import LEADING, in_leading_term, split_irregular, split_superclose
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
@@ -428,7 +428,7 @@ def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups
     yield extrapolated("order-extrapolated", "order of the error, extrapolated", limit, "error"), in_h
     yield SIZES, in_h
     for superclose, criterion in DISCRETE_ORDERS.items():
-        if mine := {name: table for name, table in groups.items() if (name == "one-diagonal") is superclose}:
+        if mine := split_superclose(groups)[superclose]:
             yield criterion, mine
     for rule in (*DISCRETE_SIZES, StartShare(), *EVIDENCE):
         yield rule, groups

@@ -53,7 +53,7 @@ from study.statements.constraint import with_trace
 from study.statements.lipschitz import STRAINS, random_function
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.meshes import IRREGULAR, LAWS, named, place, space_of
+from study.statements.shared.meshes import IRREGULAR, named, place, representing, space_of
 from study.statements.shared.norms import maximum, norm
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
@@ -95,10 +95,10 @@ class Resolvent(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        laws = named(*LAWS)
         if full:
+            laws = representing("law")
             return place(laws, IRREGULAR, (8,)) + place(laws, REGULAR, (), (2,))
-        return place(laws[:1], IRREGULAR, (8,))
+        return place(named("full-contact"), IRREGULAR, (8,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, law = space_of(setting), resolve(setting.case).solution.law

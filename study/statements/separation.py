@@ -41,7 +41,7 @@ from study.statements.admissibility import Rivals
 from study.statements.constraint import nonmembers
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.meshes import BODIES, IRREGULAR, named, place, space_of
+from study.statements.shared.meshes import IRREGULAR, named, place, representing, space_of
 from study.statements.shared.norms import maximum, minimum
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
@@ -75,10 +75,10 @@ class Separation(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = named(*BODIES)
         if full:
+            bodies = representing("body")
             return place(bodies, IRREGULAR, (8, 16)) + place(bodies, REGULAR, (), (2, 4))
-        return place(bodies[:1], IRREGULAR, (8,))
+        return place(named("full-contact"), IRREGULAR, (8,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution

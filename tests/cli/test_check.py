@@ -15,7 +15,7 @@ import pytest
 from study.cli import check
 from study.cli.main import main
 from study.controls.alarms import compare_record
-from study.fem.mesh import FAMILIES, MeshFamily, cell_count, size, size_of
+from study.fem.mesh import FAMILIES, MeshFamily, size, size_of
 from study.fem.naming import resolve
 from study.ledger.datafiles import DataError, nested_keys, planned_keys, read_uncompressed, write_csv
 from study.ledger.files import write_packed, write_text
@@ -443,5 +443,5 @@ def test_the_size_of_a_mesh_is_known_without_making_it(case: str, family: MeshFa
     for n in (6, 12) if body.dim == 3 else (8, 16, 32):
         if family.serves(body):
             mesh = family(body, n)
-            assert cell_count(family, body, n) == mesh.t.shape[1]
+            assert family.cells(body, n) == mesh.t.shape[1]
             assert size_of(family, body, n) == pytest.approx(size(mesh), rel=1e-12)

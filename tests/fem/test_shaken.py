@@ -13,12 +13,10 @@ from manufactured.exact.domain import require_inside
 from manufactured.tensors import Array, Points
 from study.fem.mesh import FAMILIES, Alternating, OneDiagonal, Shaken, cell_volumes
 from study.fem.quadrature import placed, simplex_rule
-from study.statements.shared.meshes import BODIES, fits, spacing
+from study.statements.shared.meshes import fits, representing, spacing
 from study.statements.shared.scope import serving
 
 LEVEL = {2: 24, 3: 9}
-LEAST = {"one-diagonal": 26, "criss-cross": 26, "shaken": 12, "unstructured": 20, "graded": 8}
-"""Smallest angles in degrees: of cells of 45° in bodies that are sheared to 27°, and of random ones."""
 
 
 def smallest_angle(corners: Array) -> float:
@@ -68,7 +66,7 @@ def test_two_levels_and_two_seeds_are_moved_otherwise() -> None:
         assert abs(np.corrcoef(one.ravel(), another.ravel())[0, 1]) < 0.5
 
 
-SHAPES = (*BODIES, "layered")
+SHAPES = (*(case.name for case in representing("body")), "layered")
 """Cases with the bodies of the catalogue, each once; one has interfaces."""
 
 
@@ -85,7 +83,7 @@ def test_no_cell_is_close_to_degenerate(name: str) -> None:
             if body.dim == 3:
                 assert volumes.min() > 0.2 * volumes.mean(), (family.name, n)
             else:
-                assert smallest_angle(mesh.p[:, mesh.t]) > LEAST[family.name], (family.name, n)
+                assert smallest_angle(mesh.p[:, mesh.t]) > family.least_angle, (family.name, n)
 
 
 @pytest.mark.parametrize("name", ["rotated", "hexagon", "re-entrant", "layered", "cube-two-faces"])

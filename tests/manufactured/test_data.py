@@ -15,7 +15,9 @@ from manufactured import (
     box,
     isotropic,
     named,
+    plane_stress,
     pos,
+    static,
     t,
     unit_square,
     x1,
@@ -177,6 +179,27 @@ def test_formulas_that_say_nothing_or_too_much_are_refused(make, message: str) -
 def test_data_that_no_solution_can_belong_to_are_refused(wrong, message: str) -> None:
     with pytest.raises(LoadError, match=message):
         data(**wrong).check()
+
+
+def test_a_static_problem_without_loads_has_the_solution_zero() -> None:
+    problem = static(SQUARE, plane_stress(2.0, 0.3))
+    problem.check()
+    x = np.array([[0.3], [0.6]])
+    assert not problem.body_force(x)(0.0).any()
+    assert not problem.surface_load(SQUARE.parts[RIGHT], x)(0.0).any()
+
+
+@pytest.mark.parametrize(
+    ("loads", "message"),
+    [
+        ({"f0": (t, 0)}, "^f0 has the symbols t; use x1, x2$"),
+        ({"f2": {RIGHT: (0, x1 + t)}}, "^f2 on part 1 has the symbols t; use x1, x2$"),
+        ({"f0": (sp.log(x1 - sp.Rational(1, 2)), 0)}, r"^f_0 is not finite at x = \[[^=]*\], so no stress"),
+    ],
+)
+def test_messages_about_a_static_problem_name_no_times(loads, message: str) -> None:
+    with pytest.raises((FormulaError, LoadError), match=message):
+        static(SQUARE, plane_stress(2.0, 0.3), **loads).check()
 
 
 def test_loads_of_a_wrong_shape_are_refused() -> None:

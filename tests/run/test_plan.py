@@ -13,6 +13,7 @@ from types import ModuleType
 import pytest
 
 from manufactured import Case, catalogue, named
+from manufactured.case import CaseError
 from manufactured.catalogue import NAMES
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
 from study.fem.naming import resolve
@@ -23,13 +24,12 @@ from study.statements.contact_work import WorkOfContact
 from study.statements.enclosure import resolve_problem
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
-from study.statements.interpolation import TRACES
 from study.statements.landings import Landings
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
 from study.statements.rollers import Rollers
 from study.statements.shared.base import Setting
-from study.statements.shared.meshes import BODIES, BODIES_WITH_LAWS, BODIES_WITH_VISCOSITIES, LAWS
+from study.statements.shared.meshes import representing
 from study.statements.shared.scope import Levels, Scope
 from study.statements.thm_4_2 import SameMesh
 
@@ -129,21 +129,31 @@ def law(case: Case) -> Hashable:
 
 
 @pytest.mark.parametrize(
-    ("representatives", "key"),
+    ("properties", "key"),
     [
-        (BODIES, shape),
-        (LAWS, law),
-        (BODIES_WITH_LAWS, lambda case: (shape(case), law(case))),
-        (BODIES_WITH_VISCOSITIES, lambda case: (shape(case), repr(case.solution.law.A))),
-        (TRACES, lambda case: (shape(case), case.regularity.trace)),
+        (("body",), shape),
+        (("law",), law),
+        (("body", "law", "body with law"), lambda case: (shape(case), law(case))),
+        (("body", "body with viscosity"), lambda case: (shape(case), repr(case.solution.law.A))),
+        (("body with trace",), lambda case: (shape(case), case.regularity.trace)),
     ],
+    ids=lambda item: item[-1] if isinstance(item, tuple) else "",
 )
-def test_lists_of_cases_that_stand_for_all_bodies_or_laws_have_each_of_them_once(
-    representatives: tuple[str, ...], key: Callable[[Case], Hashable]
+def test_each_body_and_each_law_is_represented_by_exactly_one_case(
+    properties: tuple[str, ...], key: Callable[[Case], Hashable]
 ) -> None:
-    keys = [key(named(name)) for name in representatives]
-    assert len(set(keys)) == len(keys)
-    assert set(keys) == {key(case) for case in catalogue()}
+    representatives: dict[Hashable, list[str]] = {key(case): [] for case in catalogue()}
+    for case in representing(*properties):
+        representatives[key(case)].append(case.name)
+    of_case = {case.name: representatives[key(case)] for case in catalogue()}
+    assert {name: found for name, found in of_case.items() if len(found) != 1} == {}, (
+        f"exactly one case must represent the {properties[-1]} of each case; see `represents` in its file"
+    )
+
+
+def test_a_case_that_represents_an_unknown_property_is_refused() -> None:
+    with pytest.raises(CaseError, match="full-contact: represents has colour; use only body, law, body with law"):
+        replace(named("full-contact"), represents=("body", "colour"))
 
 
 def test_a_case_is_made_without_making_any_other_case() -> None:

@@ -18,6 +18,8 @@ The constants come from measured peaks of the resident memory with one thread. T
 
 from __future__ import annotations
 
+from study.fem.naming import family_named
+
 MIB, KIB = 2.0**20, 2.0**10
 BASE = 384 * MIB
 PER_UNKNOWN = {2: 16 * KIB, 3: 64 * KIB}
@@ -32,7 +34,7 @@ STRESSES = 18
 
 def cells(family: str) -> int:
     """Return how many times more cells a plane mesh of a family has than a one-diagonal mesh of the same level."""
-    return 2 if family == "criss-cross" else 1
+    return family_named(family).density
 
 
 def unknowns(dim: int, n: int, family: str) -> int:

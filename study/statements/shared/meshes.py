@@ -18,42 +18,23 @@ On 8 × 8 cells with a contact front δ_n is about 1/20. Two remedies reduce thi
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 
 from manufactured.body import Body
 from manufactured.case import Case
-from manufactured.catalogue import NAMES
-from study.fem.mesh import MeshError, MeshFamily, Shaken, Unstructured, boundary_parts
+from manufactured.catalogue import catalogue
+from study.fem.mesh import MeshError, MeshFamily, boundary_parts
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.criterion import Groups
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import serving
 
-BODIES = (
-    *("full-contact", "rotated", "corner", "contact-at-clamp", "hexagon", "cube-disc", "cube-two-faces", "re-entrant"),
-    "junction",
-)
-"""One case for every pair of a body and a clamped part Γ1 in the catalogue.
-
-The lists here and below name the cases explicitly, because a new case in the catalogue must not change the cases on
-which a statement is measured.
-"""
-LAWS = (
-    *("full-contact", "advance-recede", "lift-and-land", "yield-and-release", "yield-on-a-part", "anisotropic"),
-    *("heterogeneous", "layered", "corner", "cube-disc", "cube-two-faces", "natural-front", "layered-unmet"),
-    *("softening", "double-well"),
-)
-"""One case for every material law in the catalogue."""
-MORE_VISCOSITIES = "advance-recede", "lift-and-land", "anisotropic", "heterogeneous", "layered", "layered-unmet"
-"""One case for every further viscosity tensor A on the body of the case "full-contact"."""
-BODIES_WITH_LAWS = tuple(name for name in NAMES if name in (*BODIES, *LAWS))
-"""One case for every pair of a body and a material law in the catalogue."""
-BODIES_WITH_VISCOSITIES = tuple(name for name in NAMES if name in (*BODIES, *MORE_VISCOSITIES))
-"""One case for every pair of a body and a viscosity tensor A in the catalogue."""
 IRREGULAR = "graded", "unstructured", "shaken"
-"""Mesh families without symmetry. The function ``place`` uses the first one that can mesh the body."""
+"""Mesh families without symmetry. The function ``place`` uses the first one that can mesh the body.
+
+The families are named explicitly, because a new family must not change the meshes on which a statement is measured."""
 EVERY = ()
 """An empty preference, with which the function ``place`` uses all mesh families that can mesh the body."""
 COARSEST = 16
@@ -63,6 +44,11 @@ COARSEST = 16
 def named(*names: str) -> list[Case]:
     """Return the cases of the catalogue with the given names."""
     return [resolve(name) for name in names]
+
+
+def representing(*properties: str) -> list[Case]:
+    """Return the cases of the catalogue that represent at least one of the given properties (``Case.represents``)."""
+    return [case for case in catalogue() if not set(properties).isdisjoint(case.represents)]
 
 
 def space_of(setting: Setting) -> Space:
@@ -128,26 +114,40 @@ LEADING = "predicted_interpolation"
 
 
 def is_random(family: str) -> bool:
-    """Return whether the meshes of a family are random: its name is "shaken", possibly followed by "-" and a seed."""
-    return family.partition("-")[0] == Shaken().name
+    """Return whether the meshes of the family with a name are random."""
+    return family_named(family).random
+
+
+def is_uniform(family: str) -> bool:
+    """Return whether all cells of a mesh of the family with a name have about the same size."""
+    return family_named(family).uniform
+
+
+def split(groups: Groups, belongs: Callable[[MeshFamily], bool]) -> tuple[Groups, Groups]:
+    """Split measurements by mesh family into those on the families for which ``belongs`` is true, and all others."""
+    found = {name: table for name, table in groups.items() if belongs(family_named(name))}
+    return found, {name: table for name, table in groups.items() if name not in found}
 
 
 def split_random(groups: Groups) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on random (shaken) meshes and those on all other meshes."""
-    random = {name: table for name, table in groups.items() if is_random(name)}
-    return random, {name: table for name, table in groups.items() if name not in random}
+    """Split measurements by mesh family into those on random meshes and those on all other meshes."""
+    return split(groups, lambda family: family.random)
+
+
+def split_superclose(groups: Groups) -> dict[bool, Groups]:
+    """Return the measurements on meshes on which u^h is superclose (True), and those on all other meshes (False)."""
+    return dict(zip((True, False), split(groups, lambda family: family.superclose), strict=True))
 
 
 def split_irregular(groups: Groups) -> tuple[Groups, Groups]:
-    """Split measurements by mesh family into those on irregular (shaken, unstructured) meshes and all others."""
-    irregular = {name: table for name, table in groups.items() if is_random(name) or name == Unstructured().name}
-    return irregular, {name: table for name, table in groups.items() if name not in irregular}
+    """Split measurements by mesh family into those on irregular meshes and all others."""
+    return split(groups, lambda family: family.irregular)
 
 
 def in_leading_term(groups: Groups) -> Groups:
     """Return measurements by mesh family, with another measure of mesh size than h on irregular meshes.
 
-    On shaken and unstructured meshes, the leading term of the interpolation error replaces the values in the column h.
+    On irregular meshes, the leading term of the interpolation error replaces the values in the column h.
     """
     irregular, others = split_irregular(groups)
     return others | {name: table.assign(h=table[LEADING]) for name, table in irregular.items()}

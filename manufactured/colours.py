@@ -1,0 +1,6 @@
+"""The colours of all pictures. Results do not depend on this module, see ``LISTS`` in ``study.run.fingerprint``."""
+
+# Colours of Okabe and Ito, Color Universal Design (2008); their yellow is too light for lines.
+BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
+ORANGE, SKY, BLACK = "#E69F00", "#56B4E9", "#000000"
+GREY, DARK = "#8C8C8C", "#4D4D4D"
