@@ -51,14 +51,12 @@ class Jet:
         if order not in self._compiled:
             orders = [(*key, self.in_time) for key in keys]
             self._compiled[order] = derivatives(self.expression, (*self.variables, t), orders)
-        values = self._compiled[order](*points, time)
-        return {key: _filled(value, shape) for key, value in zip(keys, values, strict=True)}
+        found: Values = {}
+        for key, value in zip(keys, self._compiled[order](*points, time), strict=True):
+            # A formula need not contain all variables, so its value may have fewer axes than points and times.
+            found[key] = value if np.shape(value) == shape else np.broadcast_to(value, shape)
+        return found
 
     def rate(self) -> Jet:
         """Return the object that evaluates the time derivative of the formula."""
         return replace(self, in_time=self.in_time + 1)
-
-
-def _filled(value: Array | float, shape: tuple[int, ...]) -> Array:
-    """Extend the value of a formula to the shape of all points and times; formulas may not contain all variables."""
-    return value if isinstance(value, np.ndarray) and value.shape == shape else np.broadcast_to(value, shape)

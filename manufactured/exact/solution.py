@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, reduce
+from operator import methodcaller
 
 import numpy as np
 import sympy as sp
@@ -140,7 +140,7 @@ class Fields:
 
     def __init__(self, solution: ExactSolution, x: Points) -> None:
         self.solution, self.x = solution, x
-        self._parts: list[ContributionAtPoints] = [part.at(x) for part in (*solution.faces, *solution.others)]
+        self._parts: list[ContributionAtPoints] = [*map(methodcaller("at", x), (*solution.faces, *solution.others))]
 
     @cached_property
     def law(self) -> PointLaw:
@@ -154,26 +154,26 @@ class Fields:
     def _law(self, time: Array | complex) -> PointLaw:
         return self._law_at_times if np.ndim(time) else self.law
 
-    def _total(self, field: Callable[[ContributionAtPoints], Array], time: Array | complex) -> Array:
-        """Return the sum of a quantity, such as the strain, over all displacement fields."""
+    def _total(self, method: str, time: Array | complex, rate: bool = False) -> Array:
+        """Return the sum of a quantity, such as "strain", or of its rate, over all displacement fields."""
         require_times(self.solution.body.T, time)
-        return reduce(np.add, map(field, self._parts))
+        return reduce(np.add, map(methodcaller(method, time, rate), self._parts))
 
     def displacement(self, time: Array | complex) -> Vectors:
         """Return the displacement u, (d, ...)."""
-        return self._total(lambda part: part.displacement(time), time)
+        return self._total("displacement", time)
 
     def velocity(self, time: Array | complex) -> Vectors:
         """Return the velocity u̇, (d, ...)."""
-        return self._total(lambda part: part.displacement(time, rate=True), time)
+        return self._total("displacement", time, rate=True)
 
     def strain(self, time: Array | complex) -> Tensors:
         """Return the strain ε(u), (D, ...)."""
-        return self._total(lambda part: part.strain(time), time)
+        return self._total("strain", time)
 
     def strain_rate(self, time: Array | complex) -> Tensors:
         """Return the strain rate ε(u̇), (D, ...)."""
-        return self._total(lambda part: part.strain(time, rate=True), time)
+        return self._total("strain", time, rate=True)
 
     def modes(self) -> list[Modes]:
         """Return ε(u) as sums of products, one sum for each displacement field; points are in the order of ``x``."""
@@ -181,7 +181,7 @@ class Fields:
 
     def strain_gradient(self, time: Array | complex) -> Array:
         """Return the derivatives ∂_j of the strain ε(u), (D, d, ...)."""
-        return self._total(lambda part: part.strain_gradient(time), time)
+        return self._total("strain_gradient", time)
 
     def stress(self, time: Array | complex) -> Tensors:
         """Return the stress σ = A ε(u̇) + G ε(u) of (2.1), (D, ...)."""
@@ -189,7 +189,7 @@ class Fields:
 
     def body_force(self, time: Array | complex) -> Vectors:
         """Return the body force f_0 = −Div σ of (2.2), with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
-        rate_gradient = self._total(lambda part: part.strain_gradient(time, rate=True), time)
+        rate_gradient = self._total("strain_gradient", time, rate=True)
         law = self._law(time)
         slope = law.A.gradient(lambda: self.strain_rate(time), rate_gradient)
         slope = slope + law.G.gradient(lambda: self.strain(time), self.strain_gradient(time))

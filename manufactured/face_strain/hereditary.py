@@ -151,11 +151,15 @@ class _ContactIntervals:
         self.touched = np.nonzero(used)[1]
         self.points = points[:, self.touched]
         self.entry, self.exit = entry[used], exit_[used]
+        # For each order: the integrals from the entry into contact as functions of time, and their values at the exit.
         self._found: dict[int, tuple[Started, Values]] = {}
 
     def subtract(self, totals: Values, time: Array | complex, order: int) -> None:
         """Subtract the integrals up to one or several times from the strains ``totals``, for every derivative."""
-        started, whole = self._started(order)
+        if order not in self._found:
+            started = self.integral.started(self.points, self.entry, self.exit, order)
+            self._found[order] = started, started.upto(self.exit, np.arange(self.exit.size))
+        started, whole = self._found[order]
         times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
         now = times.real
         over, when = np.nonzero(exit_ <= now)
@@ -172,10 +176,3 @@ class _ContactIntervals:
             places = self.touched[touching] * len(times) + when
             for index, total in totals.items():
                 total.reshape(-1)[places] -= found[index]
-
-    def _started(self, order: int) -> tuple[Started, Values]:
-        """Return the integrals from the entry into contact, as functions of time, and their values at the exit."""
-        if order not in self._found:
-            started = self.integral.started(self.points, self.entry, self.exit, order)
-            self._found[order] = started, started.upto(self.exit, np.arange(self.exit.size))
-        return self._found[order]
