@@ -375,9 +375,20 @@ class Majorant:
 
     def _interval(self, terms: Terms, y: float) -> Interval:
         """Return the error bound on one time interval, from its terms and the bound y at its start."""
-        moduli, piece, step = self.discretisation.moduli, terms.piece, terms.step()
-        k, mean = step.k, step.mean
+        d, moduli, piece, step = self.discretisation, self.discretisation.moduli, terms.piece, terms.step()
+        k, mean, missed = step.k, step.mean, terms.missed
         at_b, inside = grow(y, moduli.values, step)
+        # The contributions of the cells and of time to the increase of y. Only their proportions matter, because they
+        # are scaled below so that their sum is the increase.
+        weights = moduli.weights(d.data.body.T)
+        squares = weights @ mean.residual
+        changing = part_that_changes(weights @ terms.residual, squares)
+        added = k * proportional((np.sqrt(squares) + np.sqrt(mean.oscillation)) ** 2)
+        cells = added * (1 - changing) + k * missed.in_cells
+        by_contact = np.hypot(y, np.sqrt(2 * k * mean.contact)) - y
+        of_edges = terms.contact_on_edges / max(mean.contact, np.finfo(float).tiny)
+        np.add.at(cells, d.cells_at_contact, by_contact * of_edges)
+        shares = Shares(cells, float(added @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
         return Interval(
             piece.a,
             piece.b,
@@ -388,25 +399,9 @@ class Majorant:
             contact=k * mean.contact,
             oscillation=k * float(np.linalg.norm(np.sqrt(mean.oscillation))),
             bending=k * terms.bending,
-            missed=k * terms.missed.everywhere,
-            shares=self._shares(terms, step, y).scaled_to(at_b - moduli.decay(k) * y),
+            missed=k * missed.everywhere,
+            shares=shares.scaled_to(at_b - moduli.decay(k) * y),
         )
-
-    def _shares(self, terms: Terms, step: Step, y: float) -> Shares:
-        """Return the contributions of the cells and of time to the increase of the error bound y on one time interval.
-
-        Only their proportions matter, because ``_interval`` scales them so that their sum is the increase.
-        """
-        d, k, mean, missed = self.discretisation, step.k, step.mean, terms.missed
-        weights = d.moduli.weights(d.data.body.T)
-        squares = weights @ mean.residual
-        changing = part_that_changes(weights @ terms.residual, squares)
-        added = k * proportional((np.sqrt(squares) + np.sqrt(mean.oscillation)) ** 2)
-        cells = added * (1 - changing) + k * missed.in_cells
-        by_contact = np.hypot(y, np.sqrt(2 * k * mean.contact)) - y
-        of_edges = terms.contact_on_edges / max(mean.contact, np.finfo(float).tiny)
-        np.add.at(cells, d.cells_at_contact, by_contact * of_edges)
-        return Shares(cells, float(added @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:

@@ -280,8 +280,7 @@ class Parabola:
 
     def at(self, time: float) -> Array:
         """Return the displacement ũ(t) at a time a ≤ t ≤ b, (dofs,)."""
-        x = (time - self.a) / (self.b - self.a)
-        return (1 - x) ** 2 * self.start + 2 * x * (1 - x) * self.control + x**2 * self.end
+        return self.blossom(time, time)
 
     def blossom(self, s: float, t: float) -> Array:
         """Return the middle Bernstein coefficient of the parabola restricted to the time interval from s to t."""

@@ -88,19 +88,6 @@ class Potential:
     cone: int = 0
     radius: float = 0.0
 
-    def linear(self, strain: Tensors) -> Array:
-        """Return the linear term g of the potential for the previous strain ε_{n−1}, (D, cells) → (p, cells).
-
-        It consists of the strain ``released(strain)``, followed by (r, 0) for the entries (ρ, z).
-        """
-        rest = np.zeros((self.cone, strain.shape[1]))
-        rest[:1] = self.radius
-        return np.vstack([self.released(strain), rest])
-
-    def strain(self, y: Array, old: Tensors) -> Tensors:
-        """Return the new strain ε_n from the solution y of a step, (p, cells), and the strain ε_{n−1}, (D, cells)."""
-        return self.released(old) + _act(self.compliance, y[: len(old)])
-
 
 def _act(blocks: Array, values: Array) -> Array:
     """Multiply a vector by a matrix on every cell: (cells, p, r), (r, cells) → (p, cells)."""
@@ -237,11 +224,15 @@ class Programme:
         Raises:
             StressError: the solver failed.
         """
-        cells, dofs = len(self.root), self.dofs
+        cells, dofs, potential = len(self.root), self.dofs, self.potential
         # The unit of stresses is a typical stress of the step, from the load and from the previous strain times C.
         size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.compliance
         unit = size or 1.0
-        slope = self.root * self.potential.linear(old)
+        # The linear term of the potential is the released strain, followed by (r, 0) for the entries (ρ, z) of y.
+        released = potential.released(old)
+        rest = np.zeros((potential.cone, cells))
+        rest[:1] = potential.radius
+        slope = self.root * np.vstack([released, rest])
         self.q[: slope.size] = slope.T.ravel() / (unit * self.compliance)
         self.b[:dofs] = load / unit
         self.solver.update(q=self.q, b=self.b)
@@ -260,7 +251,8 @@ class Programme:
         # The duality gap is the sum of products of slacks and multipliers. They lie in dual cones, so no term is
         # negative, and no digits cancel.
         gap = unit**2 * self.compliance * float(np.dot(solution.s, solution.z))
-        return StressState(time, self.potential.stress @ y, self.potential.strain(y, old), u, multipliers, gap)
+        strain = released + _act(potential.compliance, y[: len(old)])
+        return StressState(time, potential.stress @ y, strain, u, multipliers, gap)
 
 
 @dataclass(frozen=True, eq=False)

@@ -289,13 +289,14 @@ class Measurement:
             solver=contact_solver(experiment.space),
         )
 
+        def relative(steps: int) -> float:
+            drift = maximum(math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps))
+            return (abs(raised - error) + drift) / error
+
         steps = RESPONSE
-        while True:
-            norms = [math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)]
-            found = (abs(raised - error) + maximum(norms)) / error
-            if not found > NEGLIGIBLE or steps >= 2 * experiment.steps:
-                return found
+        while (found := relative(steps)) > NEGLIGIBLE and steps < 2 * experiment.steps:
             steps = min(MORE * steps, 2 * experiment.steps)
+        return found
 
 
 # Criteria for both propositions: the error has the right size, it is the error of u^h, and the influence of time steps,
