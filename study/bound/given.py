@@ -120,13 +120,12 @@ def true_error(
     """Return the function (t, nodal values) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown."""
     if case is None:
         return None
-    u_h, exact = computed.on(coarse), case.solution
-
-    def error(time: float, values: Array) -> float:
-        rough = (*coarse.data.lines, *coarse.data.fronts(time))
-        return math.sqrt(squared_distances(coarse, lambda x: exact.at(x).strain(time), u_h(time), rough).sum())
-
-    return error
+    u_h, exact, data = computed.on(coarse), case.solution, coarse.data
+    return lambda time, _: math.sqrt(
+        squared_distances(
+            coarse, lambda x: exact.at(x).strain(time), u_h(time), (*data.lines, *data.fronts(time))
+        ).sum()
+    )
 
 
 # The remaining functions check the arrays of a displacement that another program has computed.
@@ -170,7 +169,7 @@ def given(
         times, u = np.array([0.0, data.body.T]), np.concatenate([u, u])
     times = _checked_times(times, data.body.T)
     points, triangles, u, remarks = _joined(points, triangles, u)
-    _check_box(points, data.body)
+    _check_box(points[np.unique(triangles[:, :3])], data.body)
     mesh, nodes, degree = _mesh(data.body, points, triangles)
     moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
     if moved > ROUNDING * float(np.ptp(points, axis=0).max()):
@@ -267,12 +266,12 @@ def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, 
     return points, triangles, u, remarks
 
 
-def _check_box(points: Points, body: Body) -> None:
-    """Raise BoundError if the mesh and the body differ in size, for example in their unit of length, or in position.
+def _check_box(vertices: Array, body: Body) -> None:
+    """Raise BoundError if a mesh with given vertices, (n, 2), differs from the body in size, unit or position.
 
     Their bounding boxes are compared first, because all other messages about the mesh assume that these agree.
     """
-    (low, high), (start, end) = ((p.min(axis=0), p.max(axis=0)) for p in (points, body.vertices.T))
+    (low, high), (start, end) = ((p.min(axis=0), p.max(axis=0)) for p in (vertices, body.vertices.T))
     size, wanted = high - low, end - start
     if (np.maximum(abs(low - start), abs(high - end)) <= SAME_SIZE * wanted.max()).all():
         return
@@ -282,7 +281,7 @@ def _check_box(points: Points, body: Body) -> None:
     elif abs(ratios - 1).max() <= SAME_SIZE:
         remedy = f"The mesh is shifted by {_shown(low - start)}: give both in the same coordinates"
     else:
-        factor, than = (ratios[0], "larger") if ratios[0] > 1 else (1 / ratios[0], "smaller")
+        factor, than = (ratios.mean(), "larger") if ratios.mean() > 1 else (1 / ratios.mean(), "smaller")
         remedy = f"The mesh is {than} than the body by the factor {factor:.4g}: give both in the same unit of length"
     raise BoundError(
         f"the mesh does not fit the body: the mesh reaches from x = {_shown(low)} to {_shown(high)}, the body from "

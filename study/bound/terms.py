@@ -258,11 +258,18 @@ class Majorant:
         Raises:
             BoundError: the velocity ũ̇ jumps at a knot.
         """
-        smooth, last = _without_jumps(pieces), None
-        while block := list(islice(smooth, self._together)):
+        remaining, last = iter(pieces), None
+        while block := list(islice(remaining, self._together)):
             if last is None:
-                first = block[0]
-                last = self.knots([first.a], first.start[None], first.rate(end=False)[None])
+                first, before = block[0], block[0].rate(end=False)
+                last = self.knots([first.a], first.start[None], before[None])
+            for piece in block:
+                rate = piece.rate(end=False)
+                if abs(rate - before).max() > ROUNDING * abs(rate).max():
+                    raise BoundError(
+                        f"ũ̇ jumps at t = {piece.a:.6g}: the nodes of a trajectory have to be equally spaced in time"
+                    )
+                before = piece.rate(end=True)
             ends, rates = (np.array(each) for each in zip(*((p.end, p.rate(end=True)) for p in block), strict=True))
             knots = last + self.knots([piece.b for piece in block], ends, rates)
             yield from self._block(block, knots)
@@ -414,16 +421,3 @@ def part_that_changes(products: Array, squares: Array) -> Array:
     # The mean of a parabola is the mean of its three coefficients, because each Bernstein polynomial has the mean 1/3.
     means = products.sum(axis=(0, 1)) / 9
     return np.clip(1 - np.divide(means, squares, out=np.ones_like(squares), where=squares > 0), 0.0, 1.0)
-
-
-def _without_jumps(pieces: Iterable[Parabola]) -> Iterator[Parabola]:
-    """Yield ũ on every time interval; raise BoundError if the velocity ũ̇ jumps between two intervals."""
-    before: Array | None = None
-    for piece in pieces:
-        rate = piece.rate(end=False)
-        if before is not None and abs(rate - before).max() > ROUNDING * abs(rate).max():
-            raise BoundError(
-                f"ũ̇ jumps at t = {piece.a:.6g}: the nodes of a trajectory have to be equally spaced in time"
-            )
-        before = piece.rate(end=True)
-        yield piece

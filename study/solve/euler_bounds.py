@@ -68,26 +68,16 @@ class EulerBounds:
     kappa: float
     growth: float
 
-    def a_priori(self, longest: float, product: float) -> float:
-        """Return the error bound that needs only the data.
-
-        Args:
-            longest: the length k of the longest step.
-            product: the product P = Π_n (1 − γk_n)⁻¹ over all steps.
-        """
-        T, z, variation = self.flow.problem.T, self.flow.first, self.flow.variation
-        half = self.kappa * T / 2
-        terms = (1 / math.sqrt(2) + half) * z + (2 + half) * variation
-        return longest * product / (1 - self.growth * longest) * terms
-
     def by_data(self, nodes: Array) -> float:
         """Return the error bound that needs only the data, for steps between given nodes of the fine grid.
 
         Args:
             nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
         """
-        steps = np.diff(nodes * self._interval)
-        return self.a_priori(float(steps.max()), float(np.prod(1 / (1 - self.growth * steps))))
+        steps, half = np.diff(nodes * self._interval), self.kappa * self.flow.problem.T / 2
+        longest, product = float(steps.max()), float(np.prod(1 / (1 - self.growth * steps)))
+        terms = (1 / math.sqrt(2) + half) * self.flow.first + (2 + half) * self.flow.variation
+        return longest * product / (1 - self.growth * longest) * terms
 
     def by_solution(self, nodes: Array, states: Array) -> float:
         """Return the error bound that is computed from the solution by backward Euler.

@@ -185,17 +185,13 @@ class Programme:
         self.root = np.sqrt(space.volumes)
         self.compliance = float(np.linalg.norm(potential.compliance, 2, axis=(1, 2)).max())
 
-        def every_cell(matrix: Array) -> sps.csr_array:
-            return sps.csr_array(sps.kron(sps.eye_array(cells), matrix))
-
-        def cell_by_cell(blocks: Array) -> sps.csr_array:
-            return sps.csr_array(sps.bsr_array((blocks, np.arange(cells), np.arange(cells + 1))))
-
         by_cells = np.arange(D * cells).reshape(D, cells).T.ravel()
         B = sps.csr_array(sps.diags_array(np.repeat(self.root, D)) @ space.E[by_cells])
-        equilibrium = every_cell(potential.stress).T @ B
-        in_cones = every_cell(np.eye(p)[p - potential.cone :])
-        hessian = sps.block_diag([cell_by_cell(potential.quadratic / self.compliance), sps.csr_array((m, m))])
+        equilibrium = sps.csr_array(sps.kron(sps.eye_array(cells), potential.stress)).T @ B
+        in_cones = sps.csr_array(sps.kron(sps.eye_array(cells), np.eye(p)[p - potential.cone :]))
+        blocks = potential.quadratic / self.compliance
+        of_cells = sps.csr_array(sps.bsr_array((blocks, np.arange(cells), np.arange(cells + 1))))
+        hessian = sps.block_diag([of_cells, sps.csr_array((m, m))])
         # Clarabel expects the form: min ½ xᵀPx + qᵀx subject to Ax + s = b, with s in a product of cones.
         constraints = sps.block_array([[equilibrium.T, N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
         cones = [clarabel.ZeroConeT(space.dofs)]
@@ -204,14 +200,10 @@ class Programme:
         self.q = np.zeros(p * cells + m)
         self.b = np.zeros(constraints.shape[0])
         P, A = sps.csc_matrix(sps.triu(hessian)), sps.csc_matrix(constraints)
-
-        def solver(aim: Accuracy) -> clarabel.DefaultSolver:
-            return clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(aim, ENOUGH))
-
-        self.solver = solver(AIM)
+        self.solver = clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(AIM, ENOUGH))
         # If rounding stops the iteration before AIM, its last iterate is not its best one. So a second solver stops at
         # ENOUGH.
-        self.retry = partial(solver, ENOUGH)
+        self.retry = partial(clarabel.DefaultSolver, P, self.q, A, self.b, cones, settings(ENOUGH, ENOUGH))
 
     def __call__(self, time: float, load: Array, old: Tensors) -> StressState:
         """Solve one time step and return the state at its end.

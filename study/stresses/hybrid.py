@@ -206,18 +206,15 @@ class Equilibrium:
             v: the moments.
             shifted: the moments v minus the given moments ``normal``.
         """
-        found = _times(self._everywhere(shifted)[..., self.numbers], self._of_moments) - known
+        # The moments of all edges are the unknown ones, and zeros on Γ1.
+        all_shifted, moments = np.zeros((2, *v.shape[:-1], self.total))
+        all_shifted[..., self.free], moments[..., self.free] = shifted, v
+        found = _times(all_shifted[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(
             values + self.space.combined(found[..., : self._tractions.start]),
             tractions + found[..., self._tractions].reshape(tractions.shape),
-            self._everywhere(v).reshape(*v.shape[:-1], -1, self.space.degree + 1, 2),
+            moments.reshape(*v.shape[:-1], -1, self.space.degree + 1, 2),
         )
-
-    def _everywhere(self, v: Array) -> Array:
-        """Extend the unknown moments by zeros on Γ1 to the moments of all edges, (..., 2 n · edges)."""
-        m = np.zeros((*v.shape[:-1], self.total))
-        m[..., self.free] = v
-        return m
 
     def pressure(self, stress: EquilibratedStress) -> Array:
         """Return the contact pressure −τ_ν ≥ 0 as Bernstein coefficients on the edges of Γ3, (..., edges, n)."""
