@@ -220,7 +220,16 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
             f"this 3D solution is not smooth at {', '.join(names)}, but cells are cut and graded in 2D only; use a "
             "contact face without `rough`, a material without `steps` and a solution without `singular`"
         )
-    found = [_touching(mesh, line) for line in lines] + [_around(mesh, point) for point in points]
+    found = [_touching(mesh, line) for line in lines]
+    for point in points:
+        apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
+        vertex = int(apart.argmin())
+        if apart[vertex] > TOUCHING * np.sqrt(cell_volumes(mesh).sum()):
+            raise MeshError(
+                f"the solution is singular at {tuple(point)}, which is not a vertex of the mesh (the nearest is "
+                f"{apart[vertex]:.3g} away); make it a vertex of the body"
+            )
+        found.append(np.flatnonzero((mesh.t == vertex).any(axis=0)))
     owner = np.full(mesh.t.shape[1], -1)
     for i, cells in enumerate(found):
         taken = cells[owner[cells] >= 0]
@@ -240,19 +249,6 @@ def _touching(mesh: Mesh, line: Line) -> Array:
     distance = (np.array(line.direction) @ mesh.p - line.offset)[mesh.t]
     near = TOUCHING * (distance.max(axis=0) - distance.min(axis=0))
     return np.flatnonzero((distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near))
-
-
-def _around(mesh: Mesh, point: Point) -> Array:
-    """Return the numbers of the cells that have a given point as a vertex."""
-    apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
-    vertex = int(apart.argmin())
-    here = np.flatnonzero((mesh.t == vertex).any(axis=0))
-    if apart[vertex] > TOUCHING * np.sqrt(cell_volumes(mesh).sum()):
-        raise MeshError(
-            f"the solution is singular at {tuple(point)}, which is not a vertex of the mesh (the nearest is "
-            f"{apart[vertex]:.3g} away); make it a vertex of the body"
-        )
-    return here
 
 
 def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
