@@ -54,7 +54,8 @@ class Jet:
         found: Values = {}
         for key, value in zip(keys, self._compiled[order](*points, time), strict=True):
             # A formula need not contain all variables, so its value may have fewer axes than points and times.
-            found[key] = value if np.shape(value) == shape else np.broadcast_to(value, shape)
+            full = isinstance(value, np.ndarray) and value.shape == shape
+            found[key] = value if full else np.broadcast_to(value, shape)
         return found
 
     def rate(self) -> Jet:
