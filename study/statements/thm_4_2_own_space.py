@@ -53,7 +53,7 @@ from manufactured.law import Linear
 from manufactured.regularity import Regularity
 from manufactured.tensors import Array, Tensors, Vectors
 from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
-from study.fem.mesh import Graded, MeshFamily, barycentric, size
+from study.fem.mesh import Graded, MeshFamily, size
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
@@ -68,7 +68,7 @@ from study.solve.tableau import BDF2, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement, grid
 from study.statements.shared.meshes import ALONG, CELLS, is_random
-from study.stresses.composite import alfeld_split, bernstein
+from study.stresses.composite import alfeld_split, barycentric, bernstein
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
 from study.stresses.stress_space import StressSpace
 
@@ -186,10 +186,10 @@ class Exact:
 
     def __init__(self, solution: ExactSolution, space: StressSpace) -> None:
         self.space = space
-        mesh, _ = alfeld_split(space.mesh)
+        mesh, corners = alfeld_split(space.mesh)
         self._blocks = []
         for rule in rules(solution, mesh, max(DEGREE, 2 * space.degree)):
-            shapes = bernstein(space.degree, barycentric(mesh, rule.cells, rule.points))
+            shapes = bernstein(space.degree, barycentric(corners[:, :, rule.cells], rule.points))
             weighted = np.moveaxis(shapes * rule.weights, 1, 0)
             best = np.linalg.solve(weighted @ np.moveaxis(shapes, 0, -1), weighted)
             self._blocks.append((rule.cells, rule.weights, shapes, best, solution.at(rule.points)))

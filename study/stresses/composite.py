@@ -243,3 +243,18 @@ def alfeld_split(mesh: Mesh) -> tuple[Mesh, Points]:
     cells = np.stack([vertices[[a, b, 3]] for a, b in SIDES], axis=2).reshape(3, -1)
     points = np.hstack([mesh.p, mesh.p[:, mesh.t].mean(axis=1)])
     return MeshTri(points, np.ascontiguousarray(cells)), points[:, cells]
+
+
+def barycentric(corners: Points, x: Points) -> Array:
+    """Return the barycentric coordinates of q points in each of n triangles.
+
+    Args:
+        corners: the vertices of the triangles, (2, 3, n).
+        x: the points, (2, n, q).
+
+    Returns:
+        The barycentric coordinates, (3, n, q).
+    """
+    edges = np.moveaxis(corners[:, :2] - corners[:, 2:], 2, 0)
+    found = np.einsum("nvd,dnq->vnq", np.linalg.inv(edges), x - corners[:, 2][..., None])
+    return np.concatenate([found, 1 - found.sum(axis=0, keepdims=True)])

@@ -20,10 +20,9 @@ import numpy as np
 from manufactured.body import Kind, Part
 from manufactured.data import Data, ForceInTime
 from manufactured.tensors import Array, Points, Vectors
-from study.fem.mesh import barycentric
 from study.fem.moments import StrainSums, amplitudes_of
 from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
-from study.stresses.composite import alfeld_split, bernstein, triangle_mass
+from study.stresses.composite import alfeld_split, barycentric, bernstein, triangle_mass
 from study.stresses.stress_space import StressSpace
 
 DEGREE = 4
@@ -109,7 +108,7 @@ class ProjectedLoads:
 
     def __init__(self, data: Data, space: StressSpace, raised: int = 0) -> None:
         self.space, self.data = space, data
-        self._thirds, _ = alfeld_split(space.mesh)
+        self._thirds, self._corners = alfeld_split(space.mesh)
         self._degree = max(DEGREE, 2 * space.degree) + raised
         self._lines = [Line(*line) for line in data.lines]
         self._cut = np.concatenate([*rough_cells(self._thirds, self._lines, data.points), np.empty(0, dtype=int)])
@@ -130,10 +129,11 @@ class ProjectedLoads:
 
     def _block(self, rule: CellRule) -> _Block:
         mesh, degree = self.space.mesh, self.space.degree
-        local = barycentric(self._thirds, rule.cells, rule.points)
+        # Not ``fem.mesh.barycentric``, because the mesh sorts the vertices of its cells.
+        local = barycentric(self._corners[:, :, rule.cells], rule.points)
         # The subtriangles 3 n, 3 n + 1 and 3 n + 2 belong to the cell n.
-        whole = lambda: bernstein(degree, barycentric(mesh, rule.cells // 3, rule.points))  # noqa: E731
-        return _Block(rule, bernstein(degree - 1, local), whole)
+        cells = mesh.p[:, mesh.t[:, rule.cells // 3]]
+        return _Block(rule, bernstein(degree - 1, local), lambda: bernstein(degree, barycentric(cells, rule.points)))
 
     @cached_property
     def _blocks(self) -> list[tuple[_Block, ForceInTime]]:
