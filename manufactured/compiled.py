@@ -20,11 +20,11 @@ def power(x: Array, exponent: float) -> Array:
         return np.sqrt(x)
     if exponent != int(exponent) or not 1 <= exponent <= 12:
         return x**exponent
-    half, odd = divmod(int(exponent), 2)
-    if half == 0:
-        return x
-    square = power(x * x, half)
-    return square * x if odd else square
+    # Binary exponentiation: each bit after the leading one squares the result, and a bit 1 multiplies it by x.
+    found = x
+    for bit in bin(int(exponent))[3:]:
+        found = found * found * x if bit == "1" else found * found
+    return found
 
 
 def truncated_power(x: Array, exponent: float) -> Array:

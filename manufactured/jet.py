@@ -51,12 +51,12 @@ class Jet:
         if order not in self._compiled:
             orders = [(*key, self.in_time) for key in keys]
             self._compiled[order] = derivatives(self.expression, (*self.variables, t), orders)
-        values = self._compiled[order](*points, time)
-        # A formula that does not contain all variables has fewer values than there are points and times.
-        return {
-            key: value if np.shape(value) == shape else np.broadcast_to(value, shape)
-            for key, value in zip(keys, values, strict=True)
-        }
+        found: Values = {}
+        for key, value in zip(keys, self._compiled[order](*points, time), strict=True):
+            # A formula need not contain all variables, so its value may have fewer axes than points and times.
+            full = isinstance(value, np.ndarray) and value.shape == shape
+            found[key] = value if full else np.broadcast_to(value, shape)
+        return found
 
     def rate(self) -> Jet:
         """Return the object that evaluates the time derivative of the formula."""

@@ -11,6 +11,7 @@ import sympy as sp
 from manufactured.body import Part
 from manufactured.contact.lifting_terms import COMBINATIONS, first_indices, plus, strain_terms
 from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, relaxation_rate
+from manufactured.face_strain.strain_on_face import StrainAtPoints
 from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt, LawError, Linear, NonSymmetric
 from manufactured.modes import Modes
@@ -223,6 +224,7 @@ class ContactFace:
         return Lifting(self, x)
 
 
+@dataclass(frozen=True, eq=False)
 class _Traces:
     """Evaluates the displacement u_n and the strain (q, r) on a face at fixed points, with derivatives along the face.
 
@@ -230,8 +232,9 @@ class _Traces:
     If ``rate`` is true, it returns these derivatives of the time derivatives of u_n, q and r.
     """
 
-    def __init__(self, face: ContactFace, s: Array) -> None:
-        self.face, self.s, self.strain = face, s, face.strain.at(s)
+    face: ContactFace
+    s: Array
+    strain: StrainAtPoints
 
     def __call__(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
         inward = self.face.gap_rate_jet if rate else self.face.inward_jet
@@ -257,7 +260,7 @@ class Lifting:
         if not self.reach.all():
             places, self.y = places[:, self.reach], self.y[self.reach]
         self.s, self.where = distinct(places)
-        self.on_face = _Traces(face, self.s)
+        self.on_face = _Traces(face, self.s, face.strain.at(self.s))
         self._functions: dict[tuple[str, int], Array] = {}
 
     def _profile(self, name: str, derivative: int) -> Array:

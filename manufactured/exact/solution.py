@@ -140,7 +140,7 @@ class Fields:
 
     def __init__(self, solution: ExactSolution, x: Points) -> None:
         self.solution, self.x = solution, x
-        self._parts: list[ContributionAtPoints] = [part.at(x) for part in (*solution.faces, *solution.others)]
+        self._parts: list[ContributionAtPoints] = [*map(methodcaller("at", x), (*solution.faces, *solution.others))]
 
     @cached_property
     def law(self) -> PointLaw:

@@ -151,6 +151,7 @@ class _ContactIntervals:
         self.touched = np.nonzero(used)[1]
         self.points = points[:, self.touched]
         self.entry, self.exit = entry[used], exit_[used]
+        # For each order: the integrals from the entry into contact as functions of time, and their values at the exit.
         self._found: dict[int, tuple[Started, Values]] = {}
 
     def subtract(self, totals: Values, time: Array | complex, order: int) -> None:

@@ -71,16 +71,19 @@ class BoundedSolution:
     remarks: tuple[str, ...] = ()
 
     @property
+    def bounds(self) -> list[Enclosure]:
+        """All bounds that were computed. Each of them holds, so the sharper one may be used for each end."""
+        return [self.enclosure, *([self.plain] if self.plain else [])]
+
+    @property
     def error(self) -> tuple[float, float]:
         """Interval that contains the largest error max_t ‖u(t) − u_h(t)‖_V; each end is the sharper of two bounds."""
-        both = [self.enclosure, *([self.plain] if self.plain else [])]
-        return max(one.lowest for one in both), min(one.highest for one in both)
+        return max(one.lowest for one in self.bounds), min(one.highest for one in self.bounds)
 
     @property
     def norm(self) -> tuple[float, float]:
         """Interval that contains the norm max_t ‖u(t)‖_V; each end is the sharper of two bounds."""
-        both = [self.enclosure, *([self.plain] if self.plain else [])]
-        return max(one.norm[0] for one in both), min(one.norm[1] for one in both)
+        return max(one.norm[0] for one in self.bounds), min(one.norm[1] for one in self.bounds)
 
     @property
     def relative(self) -> tuple[float, float]:

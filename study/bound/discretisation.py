@@ -57,7 +57,15 @@ class Discretisation:
 
     def __post_init__(self) -> None:
         refuse_unserved(self.data)
-        refuse_jumps_in_cells(self.data, self.mesh)
+        # The quadrature on cells assumes smooth coefficients.
+        for direction, offset in self.data.law.steps:
+            distance = (np.array(direction) @ self.mesh.p - offset)[self.mesh.t]
+            near = ON_VERTEX * np.ptp(distance, axis=0)
+            if ((distance.min(axis=0) < -near) & (distance.max(axis=0) > near)).any():
+                raise BoundError(
+                    f"A or G jumps across the line {direction}·x = {offset:g}, which runs through cells of the mesh; "
+                    "list it as an interface of the body, so that meshes follow it, or take a level that meets it"
+                )
         self.moduli  # an unusable law is refused here, before anything is computed  # noqa: B018
 
     @cached_property
@@ -114,11 +122,7 @@ class Discretisation:
 
     def load(self, time: float) -> Array:
         """Return the load vector (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} of the projected loads at a time, (dofs,)."""
-        return self.functional(self.snapshot(time).loads)
-
-    def functional(self, loads: Loads) -> Array:
-        """Return the load vector (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} of projected loads, (dofs,)."""
-        space, V = self.stresses, self.displacements
+        loads, space, V = self.snapshot(time).loads, self.stresses, self.displacements
         force = space.volumes[:, None, None] * (self._moments @ loads.force.reshape(space.cells, -1, 2))
         places, moments = [V.numbers.T.ravel()], [force.reshape(-1, 2)]
         for _, edges in space.on(Kind.LOADED):
@@ -226,18 +230,6 @@ def refuse_unserved(data: Data) -> None:
             "without one"
         )
     require_units(data)
-
-
-def refuse_jumps_in_cells(data: Data, mesh: Mesh) -> None:
-    """Raise BoundError if A or G jumps inside a cell, because the quadrature on cells assumes smooth coefficients."""
-    for direction, offset in data.law.steps:
-        distance = (np.array(direction) @ mesh.p - offset)[mesh.t]
-        near = ON_VERTEX * np.ptp(distance, axis=0)
-        if ((distance.min(axis=0) < -near) & (distance.max(axis=0) > near)).any():
-            raise BoundError(
-                f"A or G jumps across the line {direction}·x = {offset:g}, which runs through cells of the mesh; "
-                "list it as an interface of the body, so that meshes follow it, or take a level that meets it"
-            )
 
 
 def check_force(case: Case | None) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -62,7 +62,9 @@ def read(path: Path | str, name: str | None = None) -> Field:
         if kind == ".npz":
             return _npz(path)
         if kind == ".pvd":
-            return _together(path, _pvd(path), name)
+            entries = [entry.attrib for entry in ET.parse(path).getroot().iter("DataSet")]
+            files = ((float(entry["timestep"]), _meshio().read(path.parent / entry["file"])) for entry in entries)
+            return _together(path, files, name)
         if kind in (".xdmf", ".xmf"):
             return _together(path, _xdmf(path), name)
         return _together(path, [(None, _meshio().read(path))], name)
@@ -91,12 +93,6 @@ def _meshio() -> Any:
     return meshio
 
 
-def _pvd(path: Path) -> Iterator[tuple[float | None, Any]]:
-    """Yield the times and the meshes of the files that a ParaView collection (.pvd) lists."""
-    for entry in ET.parse(path).getroot().iter("DataSet"):
-        yield float(entry.attrib["timestep"]), _meshio().read(path.parent / entry.attrib["file"])
-
-
 def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
     """Yield the times and meshes of an .xdmf file. Without a time series, yield its one mesh and the time None."""
     meshio = _meshio()
@@ -112,9 +108,7 @@ def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
             yield time, meshio.Mesh(points, cells, point_data=values)
 
 
-def _together(
-    path: Path, meshes: Iterator[tuple[float | None, Any]] | list[tuple[None, Any]], name: str | None
-) -> Field:
+def _together(path: Path, meshes: Iterable[tuple[float | None, Any]], name: str | None) -> Field:
     """Join the displacements at all times into one ``Field``; raise BoundError if the mesh changes in time."""
     first: Any = None
     times, values = [], []

@@ -38,6 +38,8 @@ from study.solve.steps import require_steps
 
 LEAST_STEPS = 16
 """The number of time steps of ũ is chosen as if u_h had at least this many time steps."""
+SAME_SIZE = 0.01
+"""Two lengths count as equal if their relative difference is below this number, when bodies and meshes are compared."""
 SINGLE = 1e-6
 """Relative accuracy of the numbers in files, which may be in single precision."""
 EQUAL = 1e-9
@@ -95,7 +97,14 @@ def bounded_displacement(
         found = bounded_static(coarse, computed, refined.refinements, progress)
     else:
         require_steps(refined.shorter * computed.steps)
-        error, why = true_error(case, coarse, computed), no_plain_bound(coarse, computed)
+        u_h, V, steps = computed.on(coarse), coarse.displacements, np.diff(computed.times)
+        normal = V.N @ np.array([u_h(time) for time in computed.times]).T
+        why = ""
+        if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
+            why = "its time steps are not equal"
+        elif normal.max(initial=0.0) > INSIDE * abs(computed.nodes).max():
+            why = f"u_h {'penetrates' if computed.degree == 1 else 'of degree 2 may penetrate'} the foundation"
+        error = true_error(case, coarse, computed)
         plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
         remarks = (NO_PLAIN.format(why=why),) if why else ()
         found = BoundedSolution(computed, plain, enclose(coarse, computed, refined, error, progress), remarks)
@@ -105,30 +114,18 @@ def bounded_displacement(
     return replace(found, remarks=(*computed.remarks, *found.remarks, *([whole] if computed.offset else [])))
 
 
-def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
-    """Return the reason why no error bound can be computed from u_h alone, or an empty text if one can be computed."""
-    steps = np.diff(computed.times)
-    if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
-        return "its time steps are not equal"
-    u_h, V = computed.on(coarse), coarse.displacements
-    if (V.N @ np.array([u_h(time) for time in computed.times]).T).max(initial=0.0) > INSIDE * abs(computed.nodes).max():
-        return f"u_h {'penetrates' if computed.degree == 1 else 'of degree 2 may penetrate'} the foundation"
-    return ""
-
-
 def true_error(
     case: Case | None, coarse: Discretisation, computed: GivenDisplacement
 ) -> Callable[[float, Array], float] | None:
     """Return the function (t, nodal values) ↦ ‖u(t) − u_h(t)‖_V, or None if the exact solution is unknown."""
     if case is None:
         return None
-    u_h, exact = computed.on(coarse), case.solution
-
-    def error(time: float, values: Array) -> float:
-        rough = (*coarse.data.lines, *coarse.data.fronts(time))
-        return math.sqrt(squared_distances(coarse, lambda x: exact.at(x).strain(time), u_h(time), rough).sum())
-
-    return error
+    u_h, exact, data = computed.on(coarse), case.solution, coarse.data
+    return lambda time, _: math.sqrt(
+        squared_distances(
+            coarse, lambda x: exact.at(x).strain(time), u_h(time), (*data.lines, *data.fronts(time))
+        ).sum()
+    )
 
 
 # The remaining functions check the arrays of a displacement that another program has computed.
@@ -172,6 +169,7 @@ def given(
         times, u = np.array([0.0, data.body.T]), np.concatenate([u, u])
     times = _checked_times(times, data.body.T)
     points, triangles, u, remarks = _joined(points, triangles, u)
+    _check_box(points[np.unique(triangles[:, :3])], data.body)
     mesh, nodes, degree = _mesh(data.body, points, triangles)
     moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
     if moved > ROUNDING * float(np.ptp(points, axis=0).max()):
@@ -266,6 +264,29 @@ def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, 
         points, u, triangles = points[first], u[:, first], label[triangles]
         remarks.append(f"{count - joined} points that repeat others were joined")
     return points, triangles, u, remarks
+
+
+def _check_box(vertices: Array, body: Body) -> None:
+    """Raise BoundError if a mesh with given vertices, (n, 2), differs from the body in size, unit or position.
+
+    Their bounding boxes are compared first, because all other messages about the mesh assume that these agree.
+    """
+    (low, high), (start, end) = ((p.min(axis=0), p.max(axis=0)) for p in (vertices, body.vertices.T))
+    size, wanted = high - low, end - start
+    if (np.maximum(abs(low - start), abs(high - end)) <= SAME_SIZE * wanted.max()).all():
+        return
+    ratios = size / wanted
+    if np.ptp(ratios) > SAME_SIZE * ratios.max() or not ratios.all():
+        remedy = "It is the mesh of another body"
+    elif abs(ratios - 1).max() <= SAME_SIZE:
+        remedy = f"The mesh is shifted by {_shown(low - start)}: give both in the same coordinates"
+    else:
+        factor, than = (ratios.mean(), "larger") if ratios.mean() > 1 else (1 / ratios.mean(), "smaller")
+        remedy = f"The mesh is {than} than the body by the factor {factor:.4g}: give both in the same unit of length"
+    raise BoundError(
+        f"the mesh does not fit the body: the mesh reaches from x = {_shown(low)} to {_shown(high)}, the body from "
+        f"x = {_shown(start)} to {_shown(end)}. {remedy}"
+    )
 
 
 def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, int]:

@@ -159,19 +159,19 @@ def _of_log(u: Pair, order: int) -> list[Pair]:
     return [value, *(_scaled((-1) ** (j - 1) / j, _power(u, -j)) for j in range(1, order + 1))]
 
 
-def _cosine(u: Pair) -> Pair:
-    """Return the range of cos on intervals; it contains ±1 if a maximum or minimum lies in the interval."""
-    with np.errstate(invalid="ignore"):
-        ends = _monotone(u, np.cos)
-    tops = np.floor(u[1] / (2 * np.pi)) >= np.ceil(u[0] / (2 * np.pi))
-    bottoms = np.floor((u[1] - np.pi) / (2 * np.pi)) >= np.ceil((u[0] - np.pi) / (2 * np.pi))
-    return np.where(bottoms, -1.0, ends[0]), np.where(tops, 1.0, ends[1])
-
-
 def _of_cosine(u: Pair, order: int, shift: float = 0.0) -> list[Pair]:
     """Return the ranges of the Taylor coefficients of cos(x + shift); each derivative adds π/2 to the shift."""
-    shifts = [shift + j * np.pi / 2 for j in range(order + 1)]
-    return [_scaled(1 / math.factorial(j), _cosine((u[0] + c, u[1] + c))) for j, c in enumerate(shifts)]
+    found = []
+    for j in range(order + 1):
+        low, high = u[0] + (shift + j * np.pi / 2), u[1] + (shift + j * np.pi / 2)
+        with np.errstate(invalid="ignore"):
+            ends = _monotone((low, high), np.cos)
+        # The range contains ±1 if a maximum or minimum of cos lies in the interval.
+        tops = np.floor(high / (2 * np.pi)) >= np.ceil(low / (2 * np.pi))
+        bottoms = np.floor((high - np.pi) / (2 * np.pi)) >= np.ceil((low - np.pi) / (2 * np.pi))
+        cosine = np.where(bottoms, -1.0, ends[0]), np.where(tops, 1.0, ends[1])
+        found.append(_scaled(1 / math.factorial(j), cosine))
+    return found
 
 
 def _of_sinh(u: Pair, order: int, shift: int = 0) -> list[Pair]:
@@ -207,21 +207,12 @@ def _of_polynomials(value: Pair, derivative: Polynomial, order: int) -> list[Pai
     return found
 
 
-def _of_tanh(u: Pair, order: int) -> list[Pair]:
-    return _of_polynomials(_monotone(u, np.tanh), Polynomial([1.0, 0.0, -1.0]), order)
-
-
 def _of_tan(u: Pair, order: int) -> list[Pair]:
     # tan is increasing between two poles, so its range follows from its values at the ends. Intervals with a pole are
     # replaced by (−∞, ∞).
     poles = np.floor(u[0] / np.pi + 0.5) != np.floor(u[1] / np.pi + 0.5)
     ends = np.tan(np.where(poles, 0.0, u[0])), np.tan(np.where(poles, 0.0, u[1]))
     return [_or_line(poles, range_) for range_ in _of_polynomials(ends, Polynomial([1.0, 0.0, 1.0]), order)]
-
-
-def _of_cot(u: Pair, order: int) -> list[Pair]:
-    """Return the ranges of the Taylor coefficients of cot x = −tan(x − π/2)."""
-    return [(-high, -low) for low, high in _of_tan((u[0] - np.pi / 2, u[1] - np.pi / 2), order)]
 
 
 KNOWN: dict[type, Callable[[Pair, int], list[Pair]]] = {
@@ -231,9 +222,10 @@ KNOWN: dict[type, Callable[[Pair, int], list[Pair]]] = {
     sp.sin: lambda u, order: _of_cosine(u, order, -np.pi / 2),
     sp.sinh: _of_sinh,
     sp.cosh: lambda u, order: _of_sinh(u, order, 1),
-    sp.tanh: _of_tanh,
+    sp.tanh: lambda u, order: _of_polynomials(_monotone(u, np.tanh), Polynomial([1.0, 0.0, -1.0]), order),
     sp.tan: _of_tan,
-    sp.cot: _of_cot,
+    # cot x = −tan(x − π/2)
+    sp.cot: lambda u, order: [(-high, -low) for low, high in _of_tan((u[0] - np.pi / 2, u[1] - np.pi / 2), order)],
 }
 """For each function of one variable, how to compute the ranges of its Taylor coefficients."""
 
@@ -368,12 +360,8 @@ def _products(variables: int, order: int) -> tuple[Array, Array, Array]:
     """
     keys = indices(variables, order)
     place = {key: number for number, key in enumerate(keys)}
-
-    def total(a: Index, b: Index) -> Index:
-        return tuple(map(sum, zip(a, b, strict=True)))
-
-    found = [(place[total(a, b)], i, j) for i, a in enumerate(keys) for j, b in enumerate(keys) if total(a, b) in place]
-    k, i, j = np.array(sorted(found)).T
+    pairs = [(tuple(map(sum, zip(a, b, strict=True))), i, j) for i, a in enumerate(keys) for j, b in enumerate(keys)]
+    k, i, j = np.array(sorted((place[total], i, j) for total, i, j in pairs if total in place)).T
     return i, j, k
 
 

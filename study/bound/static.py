@@ -62,29 +62,6 @@ def compute_static(discretisation: Discretisation) -> DiscreteSolution:
     return DiscreteSolution(space, np.array([u, u]), data.body.T)
 
 
-def bound_static(fine: StaticDiscretisation, v: Array) -> tuple[float, Shares, Evidence]:
-    """Bound the error ‖u − ũ‖ of an admissible displacement ũ in the energy norm.
-
-    Args:
-        fine: the problem and the spaces on the mesh of ũ.
-        v: the coefficients of ũ, of degree 2, (dofs,).
-
-    Returns:
-        The bound y, the contributions of the cells to y, and whether y is guaranteed.
-    """
-    snapshot, sampling, T = fine.snapshot(0.0), fine.sampling, fine.data.body.T
-    missed = sampling.missed(fine.oscillation, 0.0, T)
-    stress = fine.nearest_stress(snapshot.loads, fine.elastic(v), v)
-    products = np.maximum(-fine.equilibrium.pressure(stress) * fine.normal_moments(v), 0.0).sum(axis=1)
-    squares = (np.sqrt(fine.squares(stress.values)) + fine.oscillation(snapshot.left_out) + missed.cells) ** 2
-    R, c = math.sqrt(squares.sum()) + missed.everywhere, float(products.sum())
-    y = R / 2 + math.sqrt(R**2 / 4 + c)
-    cells = proportional(squares) + missed.in_cells
-    np.add.at(cells, fine.cells_at_contact, (y - R) * products / max(c, np.finfo(float).tiny))
-    poor = sampling.worst(0.0, T) if missed.everywhere > POOR * y else ""
-    return y, Shares(cells, 0.0).scaled_to(y), Evidence(sampling.reasons, poor)
-
-
 def enclose_static(coarse: Discretisation, computed: Computed, refinements: int | None) -> tuple[Enclosure, Shares]:
     """Return lower and upper bounds of the error of a static displacement u_h, and the contributions of the cells.
 
@@ -104,7 +81,19 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     else:
         V = fine.displacements
         v, _ = Signorini(fine.M, V.N, V.free_points)(fine.load(0.0))
-    y, shares, evidence = bound_static(fine, v)
+    # The bound y of ‖u − ũ‖, from the stress σ̃, and the contributions of the cells to y.
+    snapshot, sampling, T = fine.snapshot(0.0), fine.sampling, fine.data.body.T
+    missed = sampling.missed(fine.oscillation, 0.0, T)
+    stress = fine.nearest_stress(snapshot.loads, fine.elastic(v), v)
+    products = np.maximum(-fine.equilibrium.pressure(stress) * fine.normal_moments(v), 0.0).sum(axis=1)
+    squares = (np.sqrt(fine.squares(stress.values)) + fine.oscillation(snapshot.left_out) + missed.cells) ** 2
+    R, c = math.sqrt(squares.sum()) + missed.everywhere, float(products.sum())
+    y = R / 2 + math.sqrt(R**2 / 4 + c)
+    cells = proportional(squares) + missed.in_cells
+    np.add.at(cells, fine.cells_at_contact, (y - R) * products / max(c, np.finfo(float).tiny))
+    shares = Shares(cells, 0.0).scaled_to(y)
+    evidence = Evidence(sampling.reasons, sampling.worst(0.0, T) if missed.everywhere > POOR * y else "")
+    # Both ends for ‖u − u_h‖.
     d, size = float(fine.norm(v - u_h)), float(fine.norm(v))
     require_visible(fine.data, d + y, bool(fine.load(0.0).any()))
     y, above = max(y, SMALLEST) if y > 0 else y, np.array([d + y])

@@ -258,11 +258,18 @@ class Majorant:
         Raises:
             BoundError: the velocity ũ̇ jumps at a knot.
         """
-        smooth, last = _without_jumps(pieces), None
-        while block := list(islice(smooth, self._together)):
+        remaining, last = iter(pieces), None
+        while block := list(islice(remaining, self._together)):
             if last is None:
-                first = block[0]
-                last = self.knots([first.a], first.start[None], first.rate(end=False)[None])
+                first, before = block[0], block[0].rate(end=False)
+                last = self.knots([first.a], first.start[None], before[None])
+            for piece in block:
+                rate = piece.rate(end=False)
+                if abs(rate - before).max() > ROUNDING * abs(rate).max():
+                    raise BoundError(
+                        f"ũ̇ jumps at t = {piece.a:.6g}: the nodes of a trajectory have to be equally spaced in time"
+                    )
+                before = piece.rate(end=True)
             ends, rates = (np.array(each) for each in zip(*((p.end, p.rate(end=True)) for p in block), strict=True))
             knots = last + self.knots([piece.b for piece in block], ends, rates)
             yield from self._block(block, knots)
@@ -375,9 +382,20 @@ class Majorant:
 
     def _interval(self, terms: Terms, y: float) -> Interval:
         """Return the error bound on one time interval, from its terms and the bound y at its start."""
-        moduli, piece, step = self.discretisation.moduli, terms.piece, terms.step()
-        k, mean = step.k, step.mean
+        d, moduli, piece, step = self.discretisation, self.discretisation.moduli, terms.piece, terms.step()
+        k, mean, missed = step.k, step.mean, terms.missed
         at_b, inside = grow(y, moduli.values, step)
+        # The contributions of the cells and of time to the increase of y. Only their proportions matter, because they
+        # are scaled below so that their sum is the increase.
+        weights = moduli.weights(d.data.body.T)
+        squares = weights @ mean.residual
+        changing = part_that_changes(weights @ terms.residual, squares)
+        added = k * proportional((np.sqrt(squares) + np.sqrt(mean.oscillation)) ** 2)
+        cells = added * (1 - changing) + k * missed.in_cells
+        by_contact = np.hypot(y, np.sqrt(2 * k * mean.contact)) - y
+        of_edges = terms.contact_on_edges / max(mean.contact, np.finfo(float).tiny)
+        np.add.at(cells, d.cells_at_contact, by_contact * of_edges)
+        shares = Shares(cells, float(added @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
         return Interval(
             piece.a,
             piece.b,
@@ -388,25 +406,9 @@ class Majorant:
             contact=k * mean.contact,
             oscillation=k * float(np.linalg.norm(np.sqrt(mean.oscillation))),
             bending=k * terms.bending,
-            missed=k * terms.missed.everywhere,
-            shares=self._shares(terms, step, y).scaled_to(at_b - moduli.decay(k) * y),
+            missed=k * missed.everywhere,
+            shares=shares.scaled_to(at_b - moduli.decay(k) * y),
         )
-
-    def _shares(self, terms: Terms, step: Step, y: float) -> Shares:
-        """Return the contributions of the cells and of time to the increase of the error bound y on one time interval.
-
-        Only their proportions matter, because ``_interval`` scales them so that their sum is the increase.
-        """
-        d, k, mean, missed = self.discretisation, step.k, step.mean, terms.missed
-        weights = d.moduli.weights(d.data.body.T)
-        squares = weights @ mean.residual
-        changing = part_that_changes(weights @ terms.residual, squares)
-        added = k * proportional((np.sqrt(squares) + np.sqrt(mean.oscillation)) ** 2)
-        cells = added * (1 - changing) + k * missed.in_cells
-        by_contact = np.hypot(y, np.sqrt(2 * k * mean.contact)) - y
-        of_edges = terms.contact_on_edges / max(mean.contact, np.finfo(float).tiny)
-        np.add.at(cells, d.cells_at_contact, by_contact * of_edges)
-        return Shares(cells, float(added @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
 
 
 def part_that_changes(products: Array, squares: Array) -> Array:
@@ -419,16 +421,3 @@ def part_that_changes(products: Array, squares: Array) -> Array:
     # The mean of a parabola is the mean of its three coefficients, because each Bernstein polynomial has the mean 1/3.
     means = products.sum(axis=(0, 1)) / 9
     return np.clip(1 - np.divide(means, squares, out=np.ones_like(squares), where=squares > 0), 0.0, 1.0)
-
-
-def _without_jumps(pieces: Iterable[Parabola]) -> Iterator[Parabola]:
-    """Yield ũ on every time interval; raise BoundError if the velocity ũ̇ jumps between two intervals."""
-    before: Array | None = None
-    for piece in pieces:
-        rate = piece.rate(end=False)
-        if before is not None and abs(rate - before).max() > ROUNDING * abs(rate).max():
-            raise BoundError(
-                f"ũ̇ jumps at t = {piece.a:.6g}: the nodes of a trajectory have to be equally spaced in time"
-            )
-        before = piece.rate(end=True)
-        yield piece

@@ -233,34 +233,29 @@ class Refined:
         return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse
 
     def nodes(self, fine: Discretisation, computed: Computed) -> Iterator[tuple[float, Array]]:
-        data, V, steps = fine.data, fine.displacements, self.shorter * computed.steps
+        data, V, G = fine.data, fine.displacements, fine.data.law.G
         stress = data.law.A.at(V.points)(data.initial(V.points))
         # The initial value must be admissible (N v ≤ 0). Among these functions it is the best approximation of u_0 in
         # ‖·‖_V.
         start, _ = Signorini(fine.M, V.N, V.free_points)(V.functional(stress))
-        for state in MIDPOINT.march(quadratic_problem(fine, start), steps):
+        factor = G.factor(V.points)
+        problem = SemiDiscrete(
+            M=fine.M,
+            reference=V.form(G.reference, factor),
+            remainder=remainder(V, G, factor),
+            N=V.N,
+            load=fine.load,
+            u0=start,
+            T=data.body.T,
+            solver=partial(Signorini, x=V.free_points),
+            growth=data.law.growth,
+        )
+        for state in MIDPOINT.march(problem, self.shorter * computed.steps):
             yield state.time, state.u
 
 
 Trajectory = SmoothedInTime | Refined
 """A way to compute the displacement ũ. ``name`` is the entry in the column ``trajectory`` of ``bounds.csv``."""
-
-
-def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete:
-    """Return the semi-discrete problem (Problem 5.1) for displacements of degree 2, with projected loads P f."""
-    G, V = discretisation.data.law.G, discretisation.displacements
-    factor = G.factor(V.points)
-    return SemiDiscrete(
-        M=discretisation.M,
-        reference=V.form(G.reference, factor),
-        remainder=remainder(V, G, factor),
-        N=V.N,
-        load=discretisation.load,
-        u0=u0,
-        T=discretisation.data.body.T,
-        solver=partial(Signorini, x=V.free_points),
-        growth=discretisation.data.law.growth,
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,8 +275,7 @@ class Parabola:
 
     def at(self, time: float) -> Array:
         """Return the displacement ũ(t) at a time a ≤ t ≤ b, (dofs,)."""
-        x = (time - self.a) / (self.b - self.a)
-        return (1 - x) ** 2 * self.start + 2 * x * (1 - x) * self.control + x**2 * self.end
+        return self.blossom(time, time)
 
     def blossom(self, s: float, t: float) -> Array:
         """Return the middle Bernstein coefficient of the parabola restricted to the time interval from s to t."""

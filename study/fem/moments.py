@@ -43,7 +43,14 @@ def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]
     # The returned function stores only these references. A reference to the modes would keep their large arrays in
     # memory.
     each = [part.amplitudes for part in modes]
-    return lambda time, rate: np.concatenate([of(time, rate).ravel() for of in each])
+
+    def amplitudes(time: float, rate: bool) -> Amplitudes:
+        found = []
+        for of in each:
+            found.append(of(time, rate).ravel())
+        return np.concatenate(found)
+
+    return amplitudes
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from functools import lru_cache, partial
 from itertools import pairwise
 
 import numpy as np
+from scipy.special import factorial
 from skfem import Mesh
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefTet, RefTri
@@ -156,7 +157,11 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
     xi, w = gauss(points)
     places, of_pieces = [], []
     for left, right in pairwise(nodes):
-        graded = [_close(end, rough, high - low)[:, None] for end in (left, right)]
+        # Whether an end of the piece is one of the coordinates ``rough``, up to round-off.
+        graded = [
+            np.any([abs(end - c) <= TOUCHING * (high - low) for c in (*rough, np.inf)], axis=0)[:, None]
+            for end in (left, right)
+        ]
         length = (right - left)[:, None]
         power = np.where(graded[0] | graded[1], GRADING, 1)
         local, jacobian = xi**power, power * xi ** (power - 1.0) * w
@@ -166,11 +171,6 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
     place = np.concatenate(places, axis=1)
     first = (ends[1][:, None] - place) / (ends[1] - ends[0])[:, None]
     return FacetRule(facets, place[None], np.stack([first, 1 - first]), np.concatenate(of_pieces, axis=1))
-
-
-def _close(s: Array, rough: tuple[float, ...], length: Array) -> Array:
-    """Return for each coordinate s whether it equals one of the coordinates ``rough`` up to round-off."""
-    return np.any([abs(s - c) <= TOUCHING * length for c in rough] or [np.zeros(s.shape, dtype=bool)], axis=0)
 
 
 # Cells in 2D in which the integrand is not smooth: how they are found, and their quadrature rules.
@@ -220,7 +220,16 @@ def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> l
             f"this 3D solution is not smooth at {', '.join(names)}, but cells are cut and graded in 2D only; use a "
             "contact face without `rough`, a material without `steps` and a solution without `singular`"
         )
-    found = [_touching(mesh, line) for line in lines] + [_around(mesh, point) for point in points]
+    found = [_touching(mesh, line) for line in lines]
+    for point in points:
+        apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
+        vertex = int(apart.argmin())
+        if apart[vertex] > TOUCHING * np.sqrt(cell_volumes(mesh).sum()):
+            raise MeshError(
+                f"the solution is singular at {tuple(point)}, which is not a vertex of the mesh (the nearest is "
+                f"{apart[vertex]:.3g} away); make it a vertex of the body"
+            )
+        found.append(np.flatnonzero((mesh.t == vertex).any(axis=0)))
     owner = np.full(mesh.t.shape[1], -1)
     for i, cells in enumerate(found):
         taken = cells[owner[cells] >= 0]
@@ -240,19 +249,6 @@ def _touching(mesh: Mesh, line: Line) -> Array:
     distance = (np.array(line.direction) @ mesh.p - line.offset)[mesh.t]
     near = TOUCHING * (distance.max(axis=0) - distance.min(axis=0))
     return np.flatnonzero((distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near))
-
-
-def _around(mesh: Mesh, point: Point) -> Array:
-    """Return the numbers of the cells that have a given point as a vertex."""
-    apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
-    vertex = int(apart.argmin())
-    here = np.flatnonzero((mesh.t == vertex).any(axis=0))
-    if apart[vertex] > TOUCHING * np.sqrt(cell_volumes(mesh).sum()):
-        raise MeshError(
-            f"the solution is singular at {tuple(point)}, which is not a vertex of the mesh (the nearest is "
-            f"{apart[vertex]:.3g} away); make it a vertex of the body"
-        )
-    return here
 
 
 def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
@@ -464,7 +460,10 @@ def _correction(barycentric: Array, weights: Array) -> Array:
         weights: the original weights, (q,).
     """
     degree = (math.isqrt(8 * len(weights) + 1) - 3) // 2
-    monomials, integrals = _monomials(degree)
+    # The monomials λ^α with |α| = degree span the polynomials of this degree. Their mean values on a triangle follow
+    # from ∫_T λ^α dx = 2|T| α!/(|α| + 2)!.
+    monomials = np.array([(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)])
+    integrals = 2 * factorial(monomials).prod(axis=1) / factorial(degree + 2)
     products = np.ones((barycentric.shape[1], len(monomials), len(weights)))
     for lam, exponents in zip(barycentric, monomials.T, strict=True):
         powers = lam[:, None] ** np.arange(degree + 1)[:, None]
@@ -472,17 +471,3 @@ def _correction(barycentric: Array, weights: Array) -> Array:
     missing = integrals - products @ weights
     multipliers = np.linalg.solve((products * weights) @ np.swapaxes(products, 1, 2), missing[..., None])
     return weights * (np.swapaxes(multipliers, 1, 2) @ products)[:, 0]
-
-
-@lru_cache
-def _monomials(degree: int) -> tuple[Array, Array]:
-    """Return exponents and mean values on a triangle of monomials λ^α that span the polynomials of a degree.
-
-    These are the monomials with |α| = degree; their integrals are ∫_T λ^α dx = 2|T| α!/(|α| + 2)!.
-
-    Returns:
-        The exponents α, (k, 3), and the mean values, (k,).
-    """
-    exponents = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
-    means = [2 * math.prod(map(math.factorial, each)) / math.factorial(degree + 2) for each in exponents]
-    return np.array(exponents), np.array(means)

@@ -44,28 +44,20 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
         if not large.size:
             return mesh, inclusion
         finer = mesh.refined(large)
-        inclusion = sps.csr_array(_midpoint_values(mesh, finer) @ inclusion)
+        old, new = mesh.p.shape[1], finer.p.shape[1]
+        distance, edge = cKDTree(mesh.p[:, mesh.facets].mean(axis=1).T).query(finer.p[:, old:].T)
+        if not (np.array_equal(finer.p[:, :old], mesh.p) and np.all(distance < 1e-12)):
+            raise ValueError("the finer mesh must have the old vertices first, then midpoints of old edges")
+        # A P1 function has the mean of its values at both ends of an edge at the midpoint of the edge.
+        ends = mesh.facets[:, edge]
+        rows = np.concatenate([np.arange(old), np.tile(np.arange(old, new), 2)])
+        columns = np.concatenate([np.arange(old), ends.ravel()])
+        values = np.concatenate([np.ones(old), np.full(ends.size, 0.5)])
+        inclusion = sps.csr_array(sps.csr_array((values, (rows, columns)), shape=(new, old)) @ inclusion)
         mesh = finer
     raise ValueError(
         f"{large.size} cells are still larger than wanted after {MOST} refinements; ask for a positive, larger size"
     )
-
-
-def _midpoint_values(mesh: Mesh, finer: Mesh) -> sps.csr_array:
-    """Return the matrix that interpolates P1 functions to a refined mesh whose new vertices halve edges.
-
-    It maps values at the vertices of ``mesh`` to values at the vertices of ``finer``.
-    """
-    old, new = mesh.p.shape[1], finer.p.shape[1]
-    middles = mesh.p[:, mesh.facets].mean(axis=1)
-    distance, edge = cKDTree(middles.T).query(finer.p[:, old:].T)
-    if not (np.array_equal(finer.p[:, :old], mesh.p) and np.all(distance < 1e-12)):
-        raise ValueError("the finer mesh must have the old vertices first, then midpoints of old edges, but has not")
-    ends = mesh.facets[:, edge]
-    rows = np.concatenate([np.arange(old), np.tile(np.arange(old, new), 2)])
-    columns = np.concatenate([np.arange(old), ends.ravel()])
-    values = np.concatenate([np.ones(old), np.full(ends.size, 0.5)])
-    return sps.csr_array((values, (rows, columns)), shape=(new, old))
 
 
 def inclusion_of(space: Space, finer: Space, nodal: sps.csr_array) -> sps.csr_array:

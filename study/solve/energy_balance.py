@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from manufactured.law import Combined, Elasticity, LawError, Linear, NonSymmetric
 from manufactured.tensors import Array, Tensors
@@ -69,13 +70,8 @@ def balance(times: Array, powers: Sequence[Power]) -> dict[str, Array]:
         It is not zero, because the time scheme does not conserve energy exactly and powers are integrated by the
         trapezoidal rule.
     """
-
-    def since_start(name: str) -> Array:
-        values = np.array([getattr(power, name) for power in powers])
-        return np.concatenate([[0.0], np.cumsum(np.diff(times) * (values[1:] + values[:-1]) / 2)])
-
-    stored = np.array([power.stored for power in powers])
-    dissipated, contact, work = since_start("viscous"), since_start("contact"), since_start("load")
+    stored, *rates = np.array([(power.stored, power.viscous, power.contact, power.load) for power in powers]).T
+    dissipated, contact, work = cumulative_trapezoid(rates, times, initial=0.0)
     return {
         "times": times,
         "stored": stored,

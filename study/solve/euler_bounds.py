@@ -68,26 +68,16 @@ class EulerBounds:
     kappa: float
     growth: float
 
-    def a_priori(self, longest: float, product: float) -> float:
-        """Return the error bound that needs only the data.
-
-        Args:
-            longest: the length k of the longest step.
-            product: the product P = Π_n (1 − γk_n)⁻¹ over all steps.
-        """
-        T, z, variation = self.flow.problem.T, self.flow.first, self.flow.variation
-        half = self.kappa * T / 2
-        terms = (1 / math.sqrt(2) + half) * z + (2 + half) * variation
-        return longest * product / (1 - self.growth * longest) * terms
-
     def by_data(self, nodes: Array) -> float:
         """Return the error bound that needs only the data, for steps between given nodes of the fine grid.
 
         Args:
             nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
         """
-        steps = self._steps(nodes)
-        return self.a_priori(float(steps.max()), float(np.prod(1 / (1 - self.growth * steps))))
+        steps, half = np.diff(nodes * self._interval), self.kappa * self.flow.problem.T / 2
+        longest, product = float(steps.max()), float(np.prod(1 / (1 - self.growth * steps)))
+        terms = (1 / math.sqrt(2) + half) * self.flow.first + (2 + half) * self.flow.variation
+        return longest * product / (1 - self.growth * longest) * terms
 
     def by_solution(self, nodes: Array, states: Array) -> float:
         """Return the error bound that is computed from the solution by backward Euler.
@@ -96,31 +86,23 @@ class EulerBounds:
             nodes: the indices of t_0, …, t_N in the fine grid, (N + 1,).
             states: the displacements U_0, …, U_N, (N + 1, n).
         """
-        problem, steps = self.flow.problem, self._steps(nodes)
+        problem, steps = self.flow.problem, np.diff(nodes * self._interval)
         rates = np.diff(states, axis=0) / steps[:, None]
         viscous = (problem.M @ rates.T).T
         elastic = np.array([problem.elastic(u) for u in states[1:]])
         work = np.sum((self.flow.loads[nodes[1:]] - elastic - viscous) * rates, axis=1)
         speeds = np.sqrt(np.sum(viscous * rates, axis=1))
-        growth = np.exp(self.growth * (problem.T - self._time(nodes[:-1])))
-        delays = np.array([self._delay(begin, end) for begin, end in pairwise(nodes.tolist())])
+        growth = np.exp(self.growth * (problem.T - nodes[:-1] * self._interval))
+        # Upper bounds of ∫ ‖f(t) − f(t_n)‖ dt over the steps. On each interval of the fine grid, the larger of the
+        # values at its ends is used.
+        delays = np.empty(len(steps))
+        for n, (begin, end) in enumerate(pairwise(nodes.tolist())):
+            away = self.flow.distance(np.arange(begin, end + 1), np.full(end + 1 - begin, end))
+            delays[n] = np.maximum(away[1:], away[:-1]).sum() * self._interval
         root = math.sqrt(max(float(np.sum((growth * steps) ** 2 * work)), 0.0))
         return root + float(np.sum(growth * (delays + self.kappa * steps**2 * speeds / 2)))
 
-    def _time(self, nodes: Array) -> Array:
-        return nodes * (self.flow.problem.T / (len(self.flow.loads) - 1))
-
-    def _steps(self, nodes: Array) -> Array:
-        """Return the step sizes k_1, …, k_N between given nodes of the fine grid."""
-        return np.diff(self._time(nodes))
-
-    def _delay(self, begin: int, end: int) -> float:
-        """Return an upper bound of ∫ ‖f(t) − f(t_n)‖ dt over the step that ends at t_n.
-
-        On each interval of the fine grid, the larger of the values at its ends is used.
-
-        Args:
-            begin, end: the indices of the ends of the step in the grid.
-        """
-        away = self.flow.distance(np.arange(begin, end + 1), np.full(end + 1 - begin, end))
-        return float(np.maximum(away[1:], away[:-1]).sum()) * self.flow.problem.T / (len(self.flow.loads) - 1)
+    @property
+    def _interval(self) -> float:
+        """The length of an interval of the fine grid in time."""
+        return self.flow.problem.T / (len(self.flow.loads) - 1)

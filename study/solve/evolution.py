@@ -19,7 +19,6 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial, reduce
 from operator import add
-from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sps
@@ -146,19 +145,8 @@ def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[t
         before = [*before, state.u][-scheme.kept :]
 
 
-class Scheme(Protocol):
-    """The interface of time schemes for the semi-discrete problem, such as ``Tableau``."""
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def order(self) -> float: ...
-
-    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
-        """Solve the problem and yield the states at t_0, t_1, …, t_steps."""
-        ...
-
-
+Scheme = Tableau
+"""A time scheme for the semi-discrete problem."""
 FIXED_POINT = ROUNDING / 10
 """The iteration for a nonlinear law stops at this relative distance from the fixed point, in the norm of M.
 
@@ -276,7 +264,7 @@ class ContactStep:
         """Return the relative residual of a step, which the attribute ``State.residual`` describes."""
         defect = self.S @ u + self.forces @ multipliers - b
         normal = self.problem.N @ u - self.problem.gap
-        size, force = _largest(u), _largest(multipliers)
+        size, force = (max(float(abs(v).max(initial=0.0)), TINY) for v in (u, multipliers))
         parts = (
             math.sqrt(defect @ defect) / max(math.sqrt(b @ b), TINY),
             float(normal.max(initial=0.0)) / size,
@@ -285,8 +273,3 @@ class ContactStep:
         )
         # NumPy's maximum is NaN if any value is NaN, whereas Python's max may hide a NaN.
         return float(np.max(parts))
-
-
-def _largest(v: Array) -> float:
-    """Return the largest absolute value of a vector, or TINY if the vector is 0."""
-    return max(float(v.max(initial=0.0)), -float(v.min(initial=0.0)), TINY)

@@ -43,7 +43,8 @@ class Cholesky:
     """
 
     def __init__(self, S: sps.csc_array, last: Sequence[int] | Integers = (), x: Points | None = None) -> None:
-        order = minimum_degree(S) if x is None else nested_dissection(S, x)
+        # SuperLU's minimum degree order needs no points.
+        order = np.argsort(superlu(S, "MMD_AT_PLUS_A").perm_c) if x is None else nested_dissection(S, x)
         at_end = np.zeros(len(order), dtype=bool)
         at_end[np.asarray(last, dtype=np.int64)] = True
         self.order = np.concatenate([order[~at_end[order]], order[at_end[order]]])
@@ -89,11 +90,6 @@ def superlu(matrix: sps.csc_array, permc_spec: str = "NATURAL") -> SuperLU:
         return splu(sps.csc_matrix(matrix), permc_spec=permc_spec, diag_pivot_thresh=0.0, options=options)
     except RuntimeError as error:
         raise np.linalg.LinAlgError(f"the matrix is not positive definite: {error}") from error
-
-
-def minimum_degree(S: sps.csc_array) -> Integers:
-    """Return an order of the unknowns that keeps the factors sparse: SuperLU's minimum degree order, (n,)."""
-    return np.argsort(superlu(S, "MMD_AT_PLUS_A").perm_c)
 
 
 def nested_dissection(S: sps.csc_array, x: Points) -> Integers:

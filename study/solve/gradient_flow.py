@@ -51,14 +51,9 @@ class GradientFlow:
     loads: Array
 
     @cached_property
-    def riesz(self) -> Cholesky:
-        """The Cholesky factorisation of the matrix M of (·,·)_V; a call maps b to M⁻¹b."""
-        return Cholesky(self.problem.M)
-
-    @cached_property
     def representers(self) -> Array:
         """The Riesz representers of the loads in V^h at the times of the grid, (m + 1, n)."""
-        return np.array([self.riesz(load) for load in self.loads])
+        return Cholesky(self.problem.M)(self.loads)
 
     def distance(self, i: Array, j: Array) -> Array:
         """Return the distances ‖f(t_i) − f(t_j)‖_V of loads at times of the grid, (k,).

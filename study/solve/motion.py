@@ -16,13 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from manufactured.exact import ExactSolution
-from manufactured.law import Elasticity, PointLaw
 from manufactured.tensors import Array, Tensors, identity
 from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space, on_cells
 from study.solve.energy_balance import Power, balance, density
-from study.solve.evolution import SemiDiscrete, State, velocities
+from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.tableau import BDF2
 
 
@@ -93,27 +92,23 @@ class Motion:
         cells = on_cells(space, solution.law)
         found = []
         for state, velocity in velocities(problem, BDF2, steps):
-            found.append(_frame(space, solution.law.G, cells, problem, state, velocity))
+            strain, rate = space.strain(state.u), space.strain(velocity)
+            viscous, elastic = cells.A(rate), cells.G(strain)
+            power = Power(
+                stored=float(space.volumes @ density(solution.law.G, strain, elastic)),
+                elastic=float(space.volumes @ np.sum(elastic * rate, axis=0)),
+                viscous=float(space.volumes @ np.sum(viscous * rate, axis=0)),
+                contact=float(state.multipliers @ (problem.N @ velocity)),
+                load=float(problem.load(state.time) @ velocity),
+            )
+            normal = problem.N @ state.u - problem.gap
+            found.append(Frame(state.time, state.u, velocity, viscous + elastic, normal, state.multipliers, power))
             notify()
         return cls(solution, family.name, level, space, found)
 
     def balance(self) -> dict[str, Array]:
         """Return the energy balance at the times of the frames; see ``study.solve.energy_balance.balance``."""
         return balance(np.array([frame.time for frame in self.frames]), [frame.power for frame in self.frames])
-
-
-def _frame(space: Space, G: Elasticity, cells: PointLaw, problem: SemiDiscrete, state: State, velocity: Array) -> Frame:
-    strain, rate = space.strain(state.u), space.strain(velocity)
-    viscous, elastic = cells.A(rate), cells.G(strain)
-    power = Power(
-        stored=float(space.volumes @ density(G, strain, elastic)),
-        elastic=float(space.volumes @ np.sum(elastic * rate, axis=0)),
-        viscous=float(space.volumes @ np.sum(viscous * rate, axis=0)),
-        contact=float(state.multipliers @ (problem.N @ velocity)),
-        load=float(problem.load(state.time) @ velocity),
-    )
-    normal = problem.N @ state.u - problem.gap
-    return Frame(state.time, state.u, velocity, viscous + elastic, normal, state.multipliers, power)
 
 
 def von_mises(stress: Tensors) -> Array:

@@ -142,7 +142,14 @@ class Multigrid:
         """
         self.held, self.free = held, np.ones(self.A.shape[0])
         self.free[self.bounded[held]] = 0
-        self.cut = without(self.A, self.free)
+        # The rows and columns of the held unknowns are set to zero, in the blocks that contain such unknowns.
+        A, free = self.A, self.free.reshape(-1, self.A.blocksize[0])
+        row = np.repeat(np.arange(len(free)), np.diff(A.indptr))
+        met = free.min(axis=1) == 0
+        touched = np.flatnonzero(met[row] | met[A.indices])
+        data = A.data.copy()
+        data[touched] *= free[row[touched], :, None] * free[A.indices[touched], None, :]
+        self.cut = sps.bsr_array((data, A.indices, A.indptr), shape=A.shape)
 
     def _corrected(self, w: Array, r: Array, reduction: float) -> tuple[Array, NDArray[np.bool_]]:
         """Return the iterate after one correction, (n,), and for each row of N whether to hold its unknown, (m,).
@@ -189,22 +196,6 @@ def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Call
     np.random.set_state(state)
     coarse = MultilevelSolver(made[1:], coarse_solver="pinv").aspreconditioner().matvec if made[1:] else None
     return made[0], coarse
-
-
-def without(A: sps.bsr_array, free: Array) -> sps.bsr_array:
-    """Return a matrix with the rows and columns of some unknowns set to zero.
-
-    Args:
-        A: the matrix.
-        free: 0 for these unknowns and 1 for all others, (n,).
-    """
-    free = free.reshape(-1, A.blocksize[0])
-    row = np.repeat(np.arange(len(free)), np.diff(A.indptr))
-    met = free.min(axis=1) == 0
-    touched = np.flatnonzero(met[row] | met[A.indices])
-    data = A.data.copy()
-    data[touched] *= free[row[touched], :, None] * free[A.indices[touched], None, :]
-    return sps.bsr_array((data, A.indices, A.indptr), shape=A.shape)
 
 
 def rigid_motions(x: Points) -> Array:

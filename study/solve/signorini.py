@@ -19,7 +19,7 @@ Large problems in 3D are solved by multigrid instead (``study.solve.solver_choic
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sps
@@ -30,11 +30,8 @@ from scipy.optimize import nnls
 from manufactured.tensors import Array, Points
 from study.solve.factorisation import Cholesky
 
-
-class ContactSolver(Protocol):
-    """The interface of contact solvers: a function from a load b, (n,), to u, (n,), and contact forces λ, (m,)."""
-
-    def __call__(self, b: Array) -> tuple[Array, Array]: ...
+ContactSolver = Callable[[Array], tuple[Array, Array]]
+"""A contact solver: a function from a load b, (n,), to the displacement u, (n,), and contact forces λ, (m,)."""
 
 
 class Signorini:

@@ -88,19 +88,6 @@ class Potential:
     cone: int = 0
     radius: float = 0.0
 
-    def linear(self, strain: Tensors) -> Array:
-        """Return the linear term g of the potential for the previous strain ε_{n−1}, (D, cells) → (p, cells).
-
-        It consists of the strain ``released(strain)``, followed by (r, 0) for the entries (ρ, z).
-        """
-        rest = np.zeros((self.cone, strain.shape[1]))
-        rest[:1] = self.radius
-        return np.vstack([self.released(strain), rest])
-
-    def strain(self, y: Array, old: Tensors) -> Tensors:
-        """Return the new strain ε_n from the solution y of a step, (p, cells), and the strain ε_{n−1}, (D, cells)."""
-        return self.released(old) + _act(self.compliance, y[: len(old)])
-
 
 def _act(blocks: Array, values: Array) -> Array:
     """Multiply a vector by a matrix on every cell: (cells, p, r), (r, cells) → (p, cells)."""
@@ -198,17 +185,13 @@ class Programme:
         self.root = np.sqrt(space.volumes)
         self.compliance = float(np.linalg.norm(potential.compliance, 2, axis=(1, 2)).max())
 
-        def every_cell(matrix: Array) -> sps.csr_array:
-            return sps.csr_array(sps.kron(sps.eye_array(cells), matrix))
-
-        def cell_by_cell(blocks: Array) -> sps.csr_array:
-            return sps.csr_array(sps.bsr_array((blocks, np.arange(cells), np.arange(cells + 1))))
-
         by_cells = np.arange(D * cells).reshape(D, cells).T.ravel()
         B = sps.csr_array(sps.diags_array(np.repeat(self.root, D)) @ space.E[by_cells])
-        equilibrium = every_cell(potential.stress).T @ B
-        in_cones = every_cell(np.eye(p)[p - potential.cone :])
-        hessian = sps.block_diag([cell_by_cell(potential.quadratic / self.compliance), sps.csr_array((m, m))])
+        equilibrium = sps.csr_array(sps.kron(sps.eye_array(cells), potential.stress)).T @ B
+        in_cones = sps.csr_array(sps.kron(sps.eye_array(cells), np.eye(p)[p - potential.cone :]))
+        blocks = potential.quadratic / self.compliance
+        of_cells = sps.csr_array(sps.bsr_array((blocks, np.arange(cells), np.arange(cells + 1))))
+        hessian = sps.block_diag([of_cells, sps.csr_array((m, m))])
         # Clarabel expects the form: min ½ xᵀPx + qᵀx subject to Ax + s = b, with s in a product of cones.
         constraints = sps.block_array([[equilibrium.T, N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
         cones = [clarabel.ZeroConeT(space.dofs)]
@@ -217,14 +200,10 @@ class Programme:
         self.q = np.zeros(p * cells + m)
         self.b = np.zeros(constraints.shape[0])
         P, A = sps.csc_matrix(sps.triu(hessian)), sps.csc_matrix(constraints)
-
-        def solver(aim: Accuracy) -> clarabel.DefaultSolver:
-            return clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(aim, ENOUGH))
-
-        self.solver = solver(AIM)
+        self.solver = clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(AIM, ENOUGH))
         # If rounding stops the iteration before AIM, its last iterate is not its best one. So a second solver stops at
         # ENOUGH.
-        self.retry = partial(solver, ENOUGH)
+        self.retry = partial(clarabel.DefaultSolver, P, self.q, A, self.b, cones, settings(ENOUGH, ENOUGH))
 
     def __call__(self, time: float, load: Array, old: Tensors) -> StressState:
         """Solve one time step and return the state at its end.
@@ -237,11 +216,15 @@ class Programme:
         Raises:
             StressError: the solver failed.
         """
-        cells, dofs = len(self.root), self.dofs
+        cells, dofs, potential = len(self.root), self.dofs, self.potential
         # The unit of stresses is a typical stress of the step, from the load and from the previous strain times C.
         size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.compliance
         unit = size or 1.0
-        slope = self.root * self.potential.linear(old)
+        # The linear term of the potential is the released strain, followed by (r, 0) for the entries (ρ, z) of y.
+        released = potential.released(old)
+        rest = np.zeros((potential.cone, cells))
+        rest[:1] = potential.radius
+        slope = self.root * np.vstack([released, rest])
         self.q[: slope.size] = slope.T.ravel() / (unit * self.compliance)
         self.b[:dofs] = load / unit
         self.solver.update(q=self.q, b=self.b)
@@ -260,7 +243,8 @@ class Programme:
         # The duality gap is the sum of products of slacks and multipliers. They lie in dual cones, so no term is
         # negative, and no digits cancel.
         gap = unit**2 * self.compliance * float(np.dot(solution.s, solution.z))
-        return StressState(time, self.potential.stress @ y, self.potential.strain(y, old), u, multipliers, gap)
+        strain = released + _act(potential.compliance, y[: len(old)])
+        return StressState(time, potential.stress @ y, strain, u, multipliers, gap)
 
 
 @dataclass(frozen=True, eq=False)

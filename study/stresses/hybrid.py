@@ -127,7 +127,7 @@ class Equilibrium:
                 ``contact``.
         """
         values, tractions = self.space.lift(loads.force)
-        known = self._released(values) + self.space.tested(strain)
+        known = self.space.tested(act(self.compliance, values) + strain)
         return self._corrected(loads, values, tractions, known, normal)
 
     def nearest(self, loads: Loads, target: Tensors, normal: Array) -> EquilibratedStress:
@@ -144,12 +144,13 @@ class Equilibrium:
         """
         values, tractions = self.space.lift(loads.force)
         values -= target
-        return self._corrected(loads, values, tractions, self._released(values), normal)
+        known = self.space.tested(act(self.compliance, values))
+        return self._corrected(loads, values, tractions, known, normal)
 
     def balance(self, loads: Loads) -> EquilibratedStress:
         """Return the stress with the least norm (C⁻¹τ, τ)_Q that balances loads and has no traction on Γ3, τν = 0."""
         values, tractions = self.space.lift(loads.force)
-        known, g = self._condensed(loads, tractions, self._released(values))
+        known, g = self._condensed(loads, tractions, self.space.tested(act(self.compliance, values)))
         v = self.solve.factor(g)
         return self._joined(values, tractions, known, v, v)
 
@@ -174,15 +175,6 @@ class Equilibrium:
         v, _ = self.solve(g)
         return self._joined(values, tractions, known, v, v - shift)
 
-    def _released(self, values: Tensors) -> Array:
-        """Return the integrals ∫_T C⁻¹τ·σ of a stress τ with the p basis stresses σ of every cell, for which Div σ = 0.
-
-        The shape is (3, ..., cells, Q) → (..., cells, p).
-        """
-        if self.compliance.ndim == 2:
-            return self.space.tested(values, self.compliance)
-        return self.space.tested(act(self.compliance, values))
-
     def _condensed(self, loads: Loads, tractions: Array, known: Array) -> tuple[Array, Array]:
         """Eliminate the stresses on every cell (static condensation), which leaves a problem for the moments.
 
@@ -206,18 +198,15 @@ class Equilibrium:
             v: the moments.
             shifted: the moments v minus the given moments ``normal``.
         """
-        found = _times(self._everywhere(shifted)[..., self.numbers], self._of_moments) - known
+        # The moments of all edges are the unknown ones, and zeros on Γ1.
+        all_shifted, moments = np.zeros((2, *v.shape[:-1], self.total))
+        all_shifted[..., self.free], moments[..., self.free] = shifted, v
+        found = _times(all_shifted[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(
             values + self.space.combined(found[..., : self._tractions.start]),
             tractions + found[..., self._tractions].reshape(tractions.shape),
-            self._everywhere(v).reshape(*v.shape[:-1], -1, self.space.degree + 1, 2),
+            moments.reshape(*v.shape[:-1], -1, self.space.degree + 1, 2),
         )
-
-    def _everywhere(self, v: Array) -> Array:
-        """Extend the unknown moments by zeros on Γ1 to the moments of all edges, (..., 2 n · edges)."""
-        m = np.zeros((*v.shape[:-1], self.total))
-        m[..., self.free] = v
-        return m
 
     def pressure(self, stress: EquilibratedStress) -> Array:
         """Return the contact pressure −τ_ν ≥ 0 as Bernstein coefficients on the edges of Γ3, (..., edges, n)."""

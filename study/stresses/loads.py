@@ -117,11 +117,19 @@ class ProjectedLoads:
 
     def __call__(self, time: float) -> Loads:
         if self._last is None or self._last[0] != time:
-            self._last = time, self._loads(time)
+            space = self.space
+            force = np.empty((3 * space.cells, space.degree * (space.degree + 1) // 2, 2))
+            for block, values in self._evaluated(time):
+                force[block.rule.cells] = block.projected(values)
+            surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
+            for part in self._parts:
+                surface[part.edges] = part.projected(part.load(time))
+            self._last = time, Loads(force.reshape(space.cells, 3, -1, 2), surface)
         return self._last[1]
 
     def _block(self, rule: CellRule) -> _Block:
         mesh, degree = self.space.mesh, self.space.degree
+        # Not ``fem.mesh.barycentric``, because the mesh sorts the vertices of its cells.
         local = barycentric(self._corners[:, :, rule.cells], rule.points)
         # The subtriangles 3 n, 3 n + 1 and 3 n + 2 belong to the cell n.
         cells = mesh.p[:, mesh.t[:, rule.cells // 3]]
@@ -149,16 +157,6 @@ class ProjectedLoads:
         fronts = [Line(*line) for line in self.data.fronts(time)]
         for rule in sliced_rules(self._thirds, fronts, self._cut, self._degree):
             yield self._block(rule), self.data.body_force(rule.points)(time)
-
-    def _loads(self, time: float) -> Loads:
-        space = self.space
-        force = np.empty((3 * space.cells, space.degree * (space.degree + 1) // 2, 2))
-        for block, values in self._evaluated(time):
-            force[block.rule.cells] = block.projected(values)
-        surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
-        for part in self._parts:
-            surface[part.edges] = part.projected(part.load(time))
-        return Loads(force.reshape(space.cells, 3, -1, 2), surface)
 
     def at(self, time: float) -> Snapshot:
         """Return the projected loads P f_0 and P f_2 at a time, and norms of the part f − P f that is left out."""
@@ -242,7 +240,13 @@ class _Edges:
     """The edges of one part of Γ2, with a quadrature rule and the traction f_2 at its points."""
 
     def __init__(self, data: Data, space: StressSpace, part: Part, edges: Array) -> None:
-        crossings = _crossings(data, part)
+        # The positions at which the part crosses lines where the data are not smooth.
+        found = []
+        for direction, offset in data.lines:
+            slope, start = np.dot(direction, part.tangent), np.dot(direction, part.start)
+            if abs(slope) > PARALLEL and 0 < (offset - start) / slope < part.measure:
+                found.append(float((offset - start) / slope))
+        crossings = tuple(sorted(found))
         graded = partial(facet_rule, space.mesh, edges, part, crossings)
         rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
         self.edges, self.weights = edges, rule.weights
@@ -271,13 +275,3 @@ def _divided(rule: FacetRule) -> FacetRule:
     moved = s[:, :1] + slope[:, None] * (places - first[:, :1])
     weights = np.tile(rule.weights / EDGE_PARTS, EDGE_PARTS)
     return FacetRule(rule.facets, moved[None], np.stack([places, 1 - places]), weights)
-
-
-def _crossings(data: Data, part: Part) -> tuple[float, ...]:
-    """Return the sorted positions at which a boundary part crosses lines where the data are not smooth."""
-    found = []
-    for direction, offset in data.lines:
-        slope, start = np.dot(direction, part.tangent), np.dot(direction, part.start)
-        if abs(slope) > PARALLEL and 0 < (offset - start) / slope < part.measure:
-            found.append(float((offset - start) / slope))
-    return tuple(sorted(found))

@@ -220,23 +220,16 @@ def cell_constants(F: Array, compliance: Array, q: int) -> Array:
         q: the degree of the polynomials to which loads are orthogonal.
     """
     size = np.sqrt(abs(np.linalg.det(F)))
-    shapes = (by_length(F) / size[:, None, None]).reshape(-1, 4)
+    # The vertices are sorted by the lengths of the opposite sides.
+    corners = F @ CORNERS
+    opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
+    corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
+    shapes = ((corners[:, :, 1:] - corners[:, :, :1]) / size[:, None, None]).reshape(-1, 4)
     leading = np.take_along_axis(shapes, abs(shapes).argmax(axis=1)[:, None], axis=1)
     shapes, where = np.unique(np.round(shapes * np.sign(leading), 12), axis=0, return_inverse=True)
     blocks = np.array_split(shapes.reshape(-1, 2, 2), max(1, len(shapes) // BLOCK))
     found = [balancing_in_cell(q).constants(block, compliance, 1 / abs(np.linalg.det(block))) for block in blocks]
     return np.sqrt(4 / 3) * np.concatenate(found)[where] * size
-
-
-def by_length(F: Array) -> Array:
-    """Return matrices F of the same cells with their vertices sorted by the lengths of the opposite sides.
-
-    The shape is (cells, 2, 2) → (cells, 2, 2).
-    """
-    corners = F @ CORNERS
-    opposite = np.linalg.norm(corners[:, :, [2, 0, 1]] - corners[:, :, [1, 2, 0]], axis=1)
-    sorted_corners = np.take_along_axis(corners, np.argsort(opposite, axis=1, kind="stable")[:, None], axis=2)
-    return sorted_corners[:, :, 1:] - sorted_corners[:, :, :1]
 
 
 def side_constants(F: Array, compliance: Array, side: int) -> Array:

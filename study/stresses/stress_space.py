@@ -169,18 +169,16 @@ class StressSpace(MeshedBody):
         """The quadrature weights of a cell divided by its area, which are the same for all cells, (Q,)."""
         return self.weights[0] / self.volumes[0]
 
-    def tested(self, values: Tensors, C: Array | None = None) -> Array:
-        """Return the integrals of a strain ε, or of C ε, times each basis function σ with Div σ = 0 on every cell.
+    def tested(self, values: Tensors) -> Array:
+        """Return the integrals of a strain ε times each basis function σ with Div σ = 0 on every cell.
 
         Args:
             values: the strain ε at the quadrature points, (3, ..., cells, Q).
-            C: a constant tensor in Mandel form, (3, 3).
 
         Returns:
-            The integrals ∫_T σ·ε or ∫_T σ·Cε, (..., cells, p).
+            The integrals ∫_T σ·ε, (..., cells, p).
         """
-        back = self.volumes[:, None, None] * self._piola.swapaxes(1, 2)
-        pulled = (back if C is None else back @ C) @ np.moveaxis(values, 0, -2)
+        pulled = (self.volumes[:, None, None] * self._piola.swapaxes(1, 2)) @ np.moveaxis(values, 0, -2)
         return pulled.reshape(*pulled.shape[:-2], -1) @ (np.tile(self.shares, 3)[:, None] * self._reference)
 
     def combined(self, coefficients: Array) -> Tensors:

@@ -89,7 +89,7 @@ def test_the_shares_of_cells_and_of_time_are_linear_in_the_part_that_changes(mon
         monkeypatch.setattr(
             "study.bound.terms.part_that_changes", lambda products, squares: np.full_like(squares, part)
         )
-        return Majorant(d)._shares(terms, terms.step(), 0.0)
+        return Majorant(d)._interval(terms, 0.0).shares
 
     none, quarter, all_of_it = shares(0.0), shares(0.25), shares(1.0)
     assert quarter.cells == pytest.approx(0.75 * none.cells + 0.25 * all_of_it.cells)

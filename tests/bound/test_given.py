@@ -205,7 +205,19 @@ def curved(p: Array, c: Array) -> dict[str, Array]:
 
 FAULTS: dict[str, tuple[Callable[..., dict[str, Array]], str]] = {
     "hole": (lambda p, c, at, u: {"triangles": c[1:]}, r"does not cover the body: . sides .* near x = \("),
-    "other body": (lambda p, c, at, u: {"points": p * [1.0, 2.0]}, "does not cover the body|cells cover 2"),
+    "other body": (lambda p, c, at, u: {"points": p * [1.0, 2.0]}, r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
+    "metres": (
+        lambda p, c, at, u: {"points": p / 1000},
+        "mesh is smaller than the body by the factor 1000: give both",
+    ),
+    "millimetres": (
+        lambda p, c, at, u: {"points": 1000 * p + 7},
+        "is larger than the body by the factor 1000",
+    ),
+    "shifted": (
+        lambda p, c, at, u: {"points": p + [0.0, -0.5]},
+        r"is shifted by \(0, -0.5\): give both",
+    ),
     "other boundary": (
         lambda p, c, at, u: {"points": with_value(p, np.isclose(p, [0.5, 0]).all(axis=1), [0.5, 0.2])},
         r"does not cover the body: .* near x = \(",
