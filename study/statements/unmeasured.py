@@ -113,7 +113,8 @@ class WithoutRow(Listed):
         ("notation", "(2.8)–(2.13)", "products, spaces, strains, normal and tangential components",
          "definitions; a wrong product and a wrong strain are among the deliberate defects of (3.6)"),
         ("sets", "(2.15), (2.16)", "V and K", "definitions; the checks of K^h judge K^h = V^h ∩ K in the code"),
-        ("inclusion", "(2.18)", "u̇ + Au ∋ f", "the problem of Thm 2.2, whose rows solve it for A = ∂ψ_K + B"),
+        ("inclusion", "(2.18)", "u̇ + Au ∋ f",
+         "the inclusion of Thm 2.2; the checks of Thm 2.2 measure its solution for A = ∂ψ_K + B"),
         ("data", "(3.4)", "f_0 ∈ W^{1,1}(0,T;H) and f_2 ∈ W^{1,1}(0,T;L²(Γ2)^d)",
          "an assumption, used through (3.8), which is judged; literally it asks for smoothness in space that few "
          "moving fronts have"),
