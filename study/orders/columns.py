@@ -72,8 +72,10 @@ class Series:
         ignored = f"; ignored: {', '.join(self.ignored)}" if self.ignored else ""
         growing = ",".join(name for name, kind in self.ignored.items() if kind == GROWING)
         if growing:
-            ignored += f" (the whole numbers of {growing} do not fall as h falls, so they are taken as numbers of cells, "
-            ignored += f"iterations or seconds; --columns '{growing}' judges them as errors)"
+            ignored += (
+                f" (the whole numbers of {growing} do not fall as h falls, so they are taken as numbers of cells, "
+                f"iterations or seconds; --columns '{growing}' judges them as errors)"
+            )
         return f"read as {self.form}; size: {self.size}; errors: {', '.join(self.errors)}{ignored}"
 
 
