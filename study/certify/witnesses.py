@@ -170,7 +170,11 @@ class StressEncoder:
 
     def loads(self, a: Fraction, b: Fraction) -> list[Load]:
         """Return the loads f̃ of the checker for a time interval [a, b], as three Bernstein coefficients in time."""
-        inside = [self._force(control) for control in self._exact.controls(a, b)]
+        controls = [self._exact.on_cells(control) for control in self._exact.controls(a, b)]
+        inside = [
+            np.array(found, dtype=float).reshape(-1, 6, 2) / 2.0**LOAD_BITS if found else np.zeros((len(self.J), 6, 2))
+            for found in controls
+        ]
         first, middle, last = (self._surface(t) for t in (a, (a + b) / 2, b))
         outside = [first, 2 * middle - (first + last) / 2, last]
         return [Load(f, g) for f, g in zip(inside, outside, strict=True)]
@@ -178,11 +182,6 @@ class StressEncoder:
     @cached_property
     def _exact(self) -> checker.Loads:
         return checker.Loads(self.problem, self.exact, LOAD_BITS)
-
-    def _force(self, control: list[checker.Poly]) -> Array:
-        """Return the body force ``Load.force`` for one Bernstein coefficient of f_0 in time."""
-        found = np.array(self._exact.on_cells(control), dtype=float) / 2.0**LOAD_BITS
-        return found.reshape(-1, 6, 2) if found.size else np.zeros((len(self.J), 6, 2))
 
     def _surface(self, time: Fraction) -> Array:
         """Return the traction ``Load.surface`` at a time.

@@ -62,7 +62,10 @@ def do_check(options: argparse.Namespace) -> int:
     in_part, unchecked = not_compared(options.out, compared)
     for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
         if paths:
-            print(folded(f"{what}, {len(paths)} files: {by_folder(paths)}"))
+            folders = dict.fromkeys(path.parent for path in paths)
+            names = {folder: " ".join(path.name for path in paths if path.parent == folder) for folder in folders}
+            listed = "; ".join(f"{folder}/: {of}" for folder, of in names.items())
+            print(folded(f"{what}, {len(paths)} files: {listed}"))
     return code
 
 
@@ -152,10 +155,3 @@ def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list
     tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
     in_part = {directory / name for name in (*IN_PART, *tables)}
     return [path for path in rest if path in in_part], [path for path in rest if path not in in_part]
-
-
-def by_folder(paths: list[Path]) -> str:
-    """Return the names of files as text, grouped by folder."""
-    folders = dict.fromkeys(path.parent for path in paths)
-    names = {folder: " ".join(path.name for path in paths if path.parent == folder) for folder in folders}
-    return "; ".join(f"{folder}/: {of}" for folder, of in names.items())

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from copy import copy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import count, islice, pairwise
 from types import SimpleNamespace
@@ -208,12 +208,11 @@ def in_places(right: Any) -> Any:
     return solver
 
 
-def springs(right: Any) -> Any:
-    """Deliberate defect: the foundation consists of elastic springs instead of being rigid.
+springs = replaced_by(lambda S, N: freed(Signorini)(sps.csc_array(S + 100.0 / N.shape[0] * (N.T @ N)), N))
+"""Deliberate defect: the foundation consists of elastic springs instead of being rigid.
 
-    The springs have a fixed stiffness. They pull the body back where it leaves the foundation.
-    """
-    return lambda S, N: freed(right)(sps.csc_array(S + 100.0 / N.shape[0] * (N.T @ N)), N)
+The springs have a fixed stiffness. They pull the body back where it leaves the foundation.
+"""
 
 
 class RandomSearch(Signorini):
@@ -401,12 +400,11 @@ The error of the time discretisation is estimated by the difference of the two s
 """
 
 
-def every_other_state(companion: Function) -> Function:
-    """Deliberate defect: the stress solution with half as many time steps is copied from the one with all time steps.
+every_other_state = replaced_by(lambda experiment: islice(experiment.march(), 1, None, 2))
+"""Deliberate defect: the stress solution with half as many time steps is copied from the one with all time steps.
 
-    The error of the time discretisation is estimated by their difference, which is now 0.
-    """
-    return lambda experiment: islice(experiment.march(), 1, None, 2)
+The error of the time discretisation is estimated by their difference, which is now 0.
+"""
 
 
 # Defects of the data of an experiment.
@@ -460,9 +458,8 @@ start_at_the_end = depending("problem.u0", lambda setup: replaced_by(setup.v_nor
 """Deliberate defect: the computation starts from the displacement at the final time instead of the initial one."""
 
 
-def start_outside(problem: Any) -> Any:
-    """Deliberate defect: the initial displacement moves parts of the contact boundary into the foundation."""
-    return replace(problem, u0=problem.u0 + 10 * problem.N.T @ np.ones(problem.N.shape[0]))
+start_outside = depending("u0", lambda problem: lambda u0: u0 + 10 * problem.N.T @ np.ones(problem.N.shape[0]))
+"""Deliberate defect: the initial displacement moves parts of the contact boundary into the foundation."""
 
 
 start_at_projection = depending("problem.u0", lambda setup: replaced_by(projection(setup, 0.0)))
@@ -504,11 +501,6 @@ def _v_norm(setup: Any, **methods: Any) -> Any:
     return replace(setup, v_norm=overridden(ErrorNorm(setup.solution, setup.space), **methods))
 
 
-def norm_of_l2(setup: Any) -> Any:
-    """Deliberate defect: errors are measured in the norm of L² instead of the energy norm."""
-    return _v_norm(setup, distance=_l2_distance(setup))
-
-
 def _l2_distance(setup: Any) -> Function:
     basis = Basis(setup.space.mesh, ElementTriP1(), intorder=DEGREE)
     exact = setup.solution.at(np.asarray(basis.global_coordinates()))
@@ -518,6 +510,10 @@ def _l2_distance(setup: Any) -> Function:
         return float(np.sqrt(np.sum((exact.displacement(sample.time) - computed) ** 2 * basis.dx)))
 
     return distance
+
+
+norm_of_l2 = depending("v_norm.distance", lambda setup: replaced_by(_l2_distance(setup)))
+"""Deliberate defect: errors are measured in the norm of L² instead of the energy norm."""
 
 
 def norm_of_h1(setup: Any) -> Any:
@@ -609,14 +605,16 @@ def load_off(amount: Callable[[float], float]) -> Replacement:
 # Defects that make diagnostics, such as a residual, too small.
 
 
-def balance_alone(residual: Function) -> Function:
-    """Deliberate defect: the residual of a contact problem only tests the balance of forces.
+balance_alone = replaced_by(
+    lambda step, u, multipliers, b: float(
+        np.linalg.norm(step.S @ u + step.forces @ multipliers - b) / np.linalg.norm(b)
+    )
+)
+"""Deliberate defect: the residual of a contact problem only tests the balance of forces.
 
-    It ignores whether contact forces press or pull, whether they act only where the gap is closed, and whether the gap
-    is negative.
-    """
-    size = np.linalg.norm
-    return lambda step, u, multipliers, b: float(size(step.S @ u + step.forces @ multipliers - b) / size(b))
+It ignores whether contact forces press or pull, whether they act only where the gap is closed, and whether the gap
+is negative.
+"""
 
 
 def every_second_time(measure: Function) -> Function:
@@ -786,9 +784,8 @@ def off_contact(right: Space) -> dict[str, Any]:
     return {"N": sps.csr_array(sps.vstack([right.N[:-1], row]))}
 
 
-def ungraded(graded: Function) -> Function:
-    """Deliberate defect: meshes that should be finer at a corner are not."""
-    return lambda family, body, n: Unstructured()(body, n)
+ungraded = replaced_by(lambda family, body, n: Unstructured()(body, n))
+"""Deliberate defect: meshes that should be finer at a corner are not."""
 
 
 def over_vertices(h1_product: Function) -> Function:
@@ -799,14 +796,15 @@ def over_vertices(h1_product: Function) -> Function:
 # Defects of material laws.
 
 
+@dataclass(frozen=True)
 class Misstated:
     """A changed operator of a material law that still states the constants of the correct operator.
 
     Such constants are for example the ellipticity constant and the Lipschitz constant.
     """
 
-    def __init__(self, right: Any, change: Replacement) -> None:
-        self.right, self.change = right, change
+    right: Any
+    change: Replacement
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.right, name)
@@ -964,13 +962,15 @@ The correct search continues from these pairs to the worst pair.
 """
 
 
-def cut_off(projected: Function) -> Function:
-    """Deliberate defect: the projection onto the admissible displacements does not minimise the energy norm.
+cut_off = replaced_by(
+    lambda problem, u: (
+        u - problem.N.T @ np.linalg.solve((problem.N @ problem.N.T).toarray(), np.maximum(problem.N @ u, 0.0))
+    )
+)
+"""Deliberate defect: the projection onto the admissible displacements does not minimise the energy norm.
 
-    Instead, it sets positive normal displacements at vertices of the contact boundary to 0.
-    """
-    products: Function = lambda N: (N @ N.T).toarray()  # noqa: E731
-    return lambda problem, u: u - problem.N.T @ np.linalg.solve(products(problem.N), np.maximum(problem.N @ u, 0.0))
+Instead, it sets positive normal displacements at vertices of the contact boundary to 0.
+"""
 
 
 law_alone = result(lambda pair: overridden(pair, bound=0.0, distance=0.0))
@@ -1039,12 +1039,11 @@ load_of_before = arguments(lambda problem, times: (replace(problem, load=late(pr
 """Deliberate defect: backward Euler at time t uses the load at time t − T/8, where T is the final time."""
 
 
-def norm_of_nodal_values(furthest: Function) -> Function:
-    """Deliberate defect: the distance of two solutions is measured in nodal values instead of the energy norm.
+norm_of_nodal_values = replaced_by(lambda problem, one, other: float(np.linalg.norm(one - other, axis=1).max()))
+"""Deliberate defect: the distance of two solutions is measured in nodal values instead of the energy norm.
 
-    It is the largest Euclidean norm, over all times, of the differences of nodal values.
-    """
-    return lambda problem, one, other: float(np.linalg.norm(one - other, axis=1).max())
+It is the largest Euclidean norm, over all times, of the differences of nodal values.
+"""
 
 
 constant_halved = arguments(lambda flow, kappa, growth: (flow, kappa / 2, growth))

@@ -130,7 +130,9 @@ class Columns:
             self.roles[name] = self._role_by_numbers(name, original)
         self.size = self._size_column()
         self.roles |= {name: GROWING for name in self.names if self.roles[name] == "unknown" and self._grows(name)}
-        self.errors = [name for name in self.names if self._is_error(name)]
+        filled = [name for name, values in self.values.items() if any(value is not None for value in values)]
+        recognised = [name for name in filled if self.roles[name] in ("error", "unknown") and name != self.size]
+        self.errors = [name for name in self.names if name in options.columns] if options.columns else recognised
 
     def _role_by_numbers(self, name: str, original: str) -> str:
         """Return the role of a column, guessed from its name and corrected by its numbers.
@@ -165,12 +167,6 @@ class Columns:
             counts = kind in ("count", "total") or (kind not in SIZES and (sizes > 1).all())
             values = values[np.argsort(sizes if counts else -sizes, kind="stable")]
         return bool((np.diff(values) >= 0).all())
-
-    def _is_error(self, name: str) -> bool:
-        if self.options.columns:
-            return name in self.options.columns
-        filled = any(value is not None for value in self.values[name])
-        return self.roles[name] in ("error", "unknown") and name != self.size and filled
 
     def _size_column(self) -> str | None:
         """Return the name of the column of mesh sizes; None if there is none."""

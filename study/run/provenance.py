@@ -176,11 +176,6 @@ class Expectation:
         """The names of users' cases whose files no longer exist."""
         return {str(line["case"]) for line in self.lines} - set(self.cases)
 
-    def proposition(self, case: str) -> str:
-        """Return the proposition whose assumptions a case satisfies; an empty text if the case is not in the run."""
-        statements = [line["statements"] for line in self.lines if line["case"] == case]
-        return str(statements[0]).partition(", ")[0] if statements else ""
-
 
 def relative_reference(reference: str, directory: Path) -> str:
     """Return a case FILE.py:NAME with its path relative to a directory.

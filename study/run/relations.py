@@ -109,7 +109,8 @@ def at_most(file: str, table: pd.DataFrame, column: str, bound: pd.Series, what:
 def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """Check that each row of ``rates.csv`` names the proposition whose assumptions its case satisfies."""
     rates = tables[RATES]
-    expected = rates["case"].map(expectation.proposition)
+    named = {line["case"]: str(line["statements"]).partition(", ")[0] for line in expectation.lines}
+    expected = rates["case"].map(named).fillna("")
     yield from breaches(RATES.name, rates, "claim", rates["claim"] == expected, expected)
 
 
@@ -191,32 +192,25 @@ def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """Check that the column h in all files is the size of the mesh with this family and level."""
+
     known: dict[tuple[object, str, int], float] = {}
     for file, table in tables.items():
-        if "h" in table:
-            expected = [_size(known, expectation, *mesh) for mesh in table[["case", "family", "level"]].to_numpy()]
-            wanted = pd.Series(expected, dtype=float)
-            yield from equal(file.name, table, "h", wanted.where(wanted.notna(), table["h"]))
-
-
-def _size(
-    known: dict[tuple[object, str, int], float], expectation: Expectation, case: str, family: str, n: int
-) -> float:
-    """Return the size of a mesh; NaN if the file of the case no longer exists.
-
-    Parameters:
-        known: (shape of a body, mesh family, level) ↦ mesh size. Each size is computed once and stored here.
-        expectation: the cases of the run.
-        case, family, n: the case, the mesh family and the level.
-    """
-    if case in expectation.gone:
-        return float("nan")
-    body = expectation.cases[case].solution.body if case in expectation.cases else resolve_problem(case).data.body
-    shape = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
-    key = (shape, family, n)
-    if key not in known:
-        known[key] = size_of(family_named(family), body, n)
-    return known[key]
+        if "h" not in table:
+            continue
+        expected = []
+        for case, family, n in table[["case", "family", "level"]].to_numpy():
+            if case in expectation.gone:
+                expected.append(float("nan"))
+                continue
+            found = expectation.cases.get(case)
+            body = found.solution.body if found else resolve_problem(case).data.body
+            # Each mesh is made once for all bodies of the same shape.
+            key = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces)), family, n
+            if key not in known:
+                known[key] = size_of(family_named(family), body, n)
+            expected.append(known[key])
+        wanted = pd.Series(expected, dtype=float)
+        yield from equal(file.name, table, "h", wanted.where(wanted.notna(), table["h"]))
 
 
 def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
