@@ -228,10 +228,11 @@ class StressEncoder:
         """
         layout, T, unit = self.layout, self.tractions(stress), 2.0**bits
         n = np.array([self.exact.along(edge) for edge in layout.contact])[:, None, ::-1] * [1, -1] / self.exact.h
-        tau = np.round(np.minimum((self._turned(T, layout.contact) * n).sum(axis=2) / (n * n).sum(axis=2), 0) * unit)
+        mine, others = (self._flipped(T[self._numbers(edges)], edges) for edges in (layout.contact, layout.free))
+        tau = np.round(np.minimum((mine * n).sum(axis=2) / (n * n).sum(axis=2), 0) * unit)
         loaded = np.round(load.surface * unit)
         modes, units = np.array(checker.MODES), unit / 2.0 ** (coarse * (np.arange(4)[:, None] > 1))
-        free = np.round(np.linalg.solve(modes.T, self._turned(T, layout.free)) * units)
+        free = np.round(np.linalg.solve(modes.T, others) * units)
         rounded = np.zeros_like(T)
         parts = ((layout.contact, tau[..., None] * n / unit), (layout.loaded, loaded / unit))
         for edges, values in (*parts, (layout.free, modes.T @ (free / units))):
@@ -242,15 +243,6 @@ class StressEncoder:
     def _numbers(self, edges: list[Edge]) -> list[int]:
         """Return the numbers of edges that are given by their two vertices, in any order."""
         return [self.number[min(edge), max(edge)] for edge in edges]
-
-    def _turned(self, T: Array, edges: list[Edge]) -> Array:
-        """Return the tractions of given edges, in the direction from the first to the second vertex of each edge.
-
-        Args:
-            T: the tractions of all edges, as ``tractions`` returns them.
-            edges: pairs of vertices.
-        """
-        return self._flipped(T[self._numbers(edges)], edges)
 
     @staticmethod
     def _flipped(values: Array, edges: list[Edge]) -> Array:

@@ -92,11 +92,6 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
     return path, given(data, **vars(field), steps=options.steps, nearest=options.nearest)
 
 
-def _level(u_h: GivenDisplacement) -> int:
-    """Return the level of a mesh: how many cells of its size fit along a side of a square with the area of the body."""
-    return max(1, round(math.sqrt(u_h.body.measure) / u_h.h))
-
-
 def _row(
     store: Store, data: Data, case: Case | None, number: int, path: Path, u_h: GivenDisplacement, refined: Refined
 ) -> dict[str, Any]:
@@ -116,6 +111,7 @@ def _row(
     if stored is not None:
         return stored
     found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
-    record = bounded.record(_level(u_h), found)
+    # The level is the number of cells of this size along a side of a square with the area of the body.
+    record = bounded.record(max(1, round(math.sqrt(u_h.body.measure) / u_h.h)), found)
     store.save(key, cache_key, record)
     return record

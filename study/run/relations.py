@@ -94,18 +94,6 @@ def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series, room
     yield from breaches(file, table, column, holds, expected.map("{:.12g}".format))
 
 
-def at_most(file: str, table: pd.DataFrame, column: str, bound: pd.Series, what: str) -> Iterator[Breach]:
-    """Yield the cells of a column that are larger than a bound; rows without a bound are skipped.
-
-    Parameters:
-        file, table, column: name and content of the file, and the column.
-        bound: the bound for each row.
-        what: the bound in words.
-    """
-    holds = ~(table[column] > bound + DIGITS * abs(bound))
-    yield from breaches(file, table, column, holds, bound.map(f"at most {{:.12g}}, {what}".format))
-
-
 def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """Check that each row of ``rates.csv`` names the proposition whose assumptions its case satisfies."""
     rates = tables[RATES]
@@ -163,10 +151,11 @@ def triangles(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     initial time must be at most the largest error.
     """
     rates, sides = tables[RATES], ["error", "interpolation_error", "discrete_error"]
-    for side in sides:
-        others = rates[[other for other in sides if other != side]].sum(axis=1)
-        yield from at_most(RATES.name, rates, side, others, "the sum of the two other errors")
-    yield from at_most(RATES.name, rates, "initial_error", rates["error"], "the largest error")
+    bounds = {side: rates[[other for other in sides if other != side]].sum(axis=1) for side in sides}
+    for column, bound in {**bounds, "initial_error": rates["error"]}.items():
+        what = "the largest error" if column == "initial_error" else "the sum of the two other errors"
+        holds = ~(rates[column] > bound + DIGITS * abs(bound))
+        yield from breaches(RATES.name, rates, column, holds, bound.map(f"at most {{:.12g}}, {what}".format))
     at_0 = rates["at"] <= ORIGIN * rates["k"] * rates["steps"]
     starts = rates.assign(initial_error=rates["initial_error"].where(at_0, rates["error"]))
     yield from equal(RATES.name, starts, "initial_error", rates["error"])
