@@ -44,7 +44,15 @@ def do_check(options: argparse.Namespace) -> int:
         0 if everything agrees, 1 if a check fails or a repeated measurement differs, 3 if a check is undecided. A file
         with an unexpected content raises an error, for which the command returns 2.
     """
-    _require_sample(options)
+    check_jobs(options.jobs)
+    known_undecided(options.undecided)
+    tolerance_from(options)
+    if options.again is None and options.seed is not None:
+        raise UsageError("--seed chooses the rows of --again: give --again N with it")
+    if options.again is not None and options.again < 1:
+        raise UsageError(f"--again must be 1 or more rows, got {options.again}")
+    if options.seed is not None and options.seed < 0:
+        raise UsageError(f"--seed must be 0 or more, got {options.seed}")
     with Store(options.out).steady():
         verified = verify(options.out)
         found = verdicts(options.out)
@@ -67,21 +75,6 @@ def do_check(options: argparse.Namespace) -> int:
             listed = "; ".join(f"{folder}/: {of}" for folder, of in names.items())
             print(folded(f"{what}, {len(paths)} files: {listed}"))
     return code
-
-
-def _require_sample(options: argparse.Namespace) -> None:
-    """Raise UsageError for options that cannot be used, before anything is computed."""
-    check_jobs(options.jobs)
-    known_undecided(options.undecided)
-    tolerance_from(options)
-    if options.again is None:
-        if options.seed is not None:
-            raise UsageError("--seed chooses the rows of --again: give --again N with it")
-        return
-    if options.again < 1:
-        raise UsageError(f"--again must be 1 or more rows, got {options.again}")
-    if options.seed is not None and options.seed < 0:
-        raise UsageError(f"--seed must be 0 or more, got {options.seed}")
 
 
 def _again(options: argparse.Namespace) -> int:

@@ -146,16 +146,13 @@ class Equivalence(Titled):
 
     Attributes:
         case: name of the case.
-        family: name of the mesh family.
-        level: number of cells along a unit length.
-        steps: number of steps of backward Euler.
+        family, level, steps: the mesh family, the number of cells along a unit length, and the number of steps of
+            backward Euler.
     """
 
     TITLE = "{0.case}"
+    family, level, steps = "one-diagonal", 4, 8
     case: str
-    family: str = "one-diagonal"
-    level: int = 4
-    steps: int = 8
 
     def verdicts(self, defect: Callable[[Sides], Sides]) -> list[Verdict]:
         sides = defect(Sides.of(resolve(self.case).solution, family_named(self.family), self.level))

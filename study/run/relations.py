@@ -81,16 +81,15 @@ def breaches(file: str, table: pd.DataFrame, column: str, holds: pd.Series, expe
         yield Breach(file, int(row), column, table[column].iloc[row], str(expected.iloc[row]))
 
 
-def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series, room: float = DIGITS) -> Iterator[Breach]:
+def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series) -> Iterator[Breach]:
     """Yield the cells of a column that differ from their expected values.
 
     Parameters:
         file, table, column: name and content of the file, and the column.
         expected: the expected values; NaN if the cell must be empty.
-        room: relative and absolute tolerance.
     """
     stands, wanted = table[column].to_numpy(dtype=float), expected.to_numpy(dtype=float)
-    holds = pd.Series(np.isclose(stands, wanted, rtol=room, atol=room, equal_nan=True))
+    holds = pd.Series(np.isclose(stands, wanted, rtol=DIGITS, atol=DIGITS, equal_nan=True))
     yield from breaches(file, table, column, holds, expected.map("{:.12g}".format))
 
 
