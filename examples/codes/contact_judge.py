@@ -63,6 +63,8 @@ GOOD = EXACT_CLASS, CONSISTENT = "exact for P1", "consistent"
 UNPACK = {".xz": lzma.decompress, ".gz": gzip.decompress}
 REPORTS = "pressure", "forces", "status", "resultant"
 ODD = "is multiplied by the factor"
+TOLERANCE = "tolerance"
+"""Key of the cause that the solver stops too early."""
 
 
 class TaskError(ValueError):
@@ -258,9 +260,22 @@ def answer(task: Task, make: Callable, scale: float = 1.0) -> np.ndarray:
     step, u, result = make(task.scaled(scale) if scale != 1 else task), scale * task.start(), []
     for n in range(task.count):
         load, stress = task.step(n, u)
-        u = np.asarray(step(scale * load, stress if task.marches else scale * stress), float)
+        given = step(scale * load, stress if task.marches else scale * stress)
+        u = as_array(given, task.vertices.shape, f"the result of step {n + 1} of {task.name}", "vertices, components")
         result.append(u / scale)
     return np.array(result)
+
+
+def as_array(values: Any, shape: tuple[int, ...], what: str, axes: str) -> np.ndarray:
+    """Return values as an array of floats; TaskError, which names ``what`` and its axes, if it has another shape."""
+    try:
+        array = np.asarray(values, float)
+    except (TypeError, ValueError) as error:
+        raise TaskError(f"{what} is no array of numbers ({error}), expected the shape {shape}: {axes}") from error
+    if array.shape != shape:
+        turned = "; it may be transposed" if array.shape[-2:] == shape[:-3:-1] and array.ndim == len(shape) else ""
+        raise TaskError(f"{what} has the shape {array.shape}, expected {shape}: {axes}{turned}")
+    return array
 
 
 def write_answer(directory: Path, task: Task, u: np.ndarray, **reports: np.ndarray) -> None:
@@ -287,7 +302,10 @@ def _numbers(path: Path, shape: tuple[int, ...]) -> np.ndarray:
     try:
         values = np.loadtxt(path, ndmin=2)
     except (OSError, ValueError) as error:
-        raise TaskError(f"there is no answer {path} that can be read: {error}") from error
+        words = path.read_text(errors="replace").split() if path.is_file() else []
+        comma = next((word for word in words if "," in word), None)
+        why = f"{comma!r} has a comma; write decimal points, and blanks between the numbers" if comma else error
+        raise TaskError(f"there is no answer {path} that can be read: {why}") from error
     if values.size != np.prod(shape):
         raise TaskError(f"{path} has {values.size} numbers, expected {shape[0]} lines of {math.prod(shape[1:])}")
     return values.reshape(shape)
@@ -407,12 +425,17 @@ def judge_reports(task: Task, u: np.ndarray, reports: dict[str, np.ndarray]) -> 
         return []
     equations, result = Equations(task, u / task.scale), []
     lam, mass = equations.lam, task.constraints()[2]
-    for name, wanted in (("forces", lam), ("pressure", lam / mass), ("resultant", task.sums(lam))):
-        if name in reports:
-            mine = np.reshape(reports[name], wanted.shape) / task.scale
-            result.append(Report(name, *_compare(task, name, mine, wanted)))
-    if "status" in reports:
-        status, vertices = np.reshape(reports["status"], lam.shape) != 0, task.constraints()[0]
+    rights = {"forces": lam, "pressure": lam / mass, "resultant": task.sums(lam)}
+    axes = {name: "steps, contact vertices" for name in REPORTS} | {"resultant": "steps, pieces of Γ3"}
+    given = {
+        name: as_array(values, rights.get(name, lam).shape, f"reported {name} of {task.name}", axes[name])
+        for name, values in reports.items()
+    }
+    for name, wanted in rights.items():
+        if name in given:
+            result.append(Report(name, *_compare(task, name, given[name] / task.scale, wanted)))
+    if "status" in given:
+        status, vertices = given["status"] != 0, task.constraints()[0]
         missed = ~status & (lam > AGREES * abs(lam).max())
         invented = status & (equations.gap < -AGREES * abs(equations.u).max())
         faults = []
@@ -505,9 +528,7 @@ def diagnose(tasks: list[Task], answers: list[np.ndarray]) -> Diagnosis:
         causes = {one.key: max(one, two or one, key=lambda c: c.rank) for one, two in same if two or not again}
     if named := _name(list(causes.values())):
         return named
-    size = equations.size(equations.total)
-    where = f"forces of {size:.2g} of the load are left" if size > EQUATIONS_HOLD else "the contact algorithm differs"
-    return Diagnosis(_solver_tolerance(equations, exact) or f"No single cause that was tried explains it: {where}")
+    return _solver_tolerance(equations, exact, max((one.without for one in causes.values()), default=np.inf))
 
 
 def _name(causes: list[Cause]) -> Diagnosis | None:
@@ -534,8 +555,8 @@ def _not_held(equations: Equations, exact: np.ndarray) -> Diagnosis | None:
     wrong = on_clamp > AGREES
     if not wrong.any():
         return None
-    if moved := _name([_rigid_motion(task, u, exact)]):
-        return moved
+    if explained := _name([_rigid_motion(task, u, exact), *_other_formats(equations, largest)]):
+        return explained
     free = equations.left(equations.full)
     free[:, task.clamped] = wrong * equations.full[:, task.clamped]
     certain = size > SINGULAR or equations.size(free) <= CERTAIN
@@ -554,6 +575,24 @@ def _not_held(equations: Equations, exact: np.ndarray) -> Diagnosis | None:
     else:
         sentence += f"; u on Γ1 is up to {on_clamp.max():.2g} of {of}"
     return Diagnosis(sentence, {f"clamp {what} {vertices.all()}": f"on Γ1 {words}"} if certain else {}, certain)
+
+
+def _other_formats(equations: Equations, largest: float) -> Iterator[Cause]:
+    """Yield the causes that the numbers of the answer stand for something else, so that u on Γ1 is not zero.
+
+    ``largest`` is the largest displacement of the exact solution. In a march, the history may follow from the right
+    displacements or from the numbers of the answer (as in ``answer``).
+    """
+    task, u = equations.task, equations.u
+    by_component = u.reshape(task.count, task.dim, -1).swapaxes(1, 2)
+    order = "the answer has all u_x before all u_y, expected vertex after vertex"
+    places = "the answer has deformed coordinates, expected displacements"
+    without = max(abs(u[:, task.clamped]).max() / largest, equations.size(equations.total))
+    for key, sentence, other in (("order", order, by_component), ("places", places, u - task.vertices / task.scale)):
+        held = abs(other[:, task.clamped]).max() / largest
+        for history, before in (("right", None), ("answer", equations.before)):
+            left = equations.size(equations.left(equations.forces(u=other, before=before)))
+            yield Cause(f"{key}:{history}", sentence, float(max(held, left)), float(without))
 
 
 def _rigid_motion(task: Task, u: np.ndarray, exact: np.ndarray) -> Cause:
@@ -749,13 +788,9 @@ class Equations:
             yield f"load {by}", f"the load {words} is used", self.full - self.load + self.load[steps]
             if not task.marches:
                 yield f"stress {by}", f"the initial stress {words} is used", {"stress": self.stress[steps]}
-        by_axis = u.reshape(task.count, task.dim, -1).swapaxes(1, 2)
         yield "components", "u_x and u_y are exchanged in the answer", {"u": u[..., [1, 0, 2][: task.dim]]}
         for axis in range(task.dim):
             yield f"sign {axis}", f"u_{'xyz'[axis]} has the reversed sign", {"u": u * (1 - 2 * np.eye(task.dim)[axis])}
-        yield "order", "the answer has all u_x before all u_y, expected vertex after vertex", {"u": by_axis}
-        places = u - task.vertices / task.scale
-        yield "places", "the answer has deformed coordinates, expected displacements", {"u": places}
         if task.count > 1:
             yield "increments", "the answer has increments, expected totals", {"u": np.cumsum(u, axis=0)}
         if task.marches:
@@ -813,19 +848,30 @@ def factor_words(factor: float) -> str:
     return next((words for value, words in known.items() if abs(factor - value) < 1e-4), f"{ODD} {factor:.4g}")
 
 
-def _solver_tolerance(equations: Equations, exact: np.ndarray) -> str:
-    """Return that the solver stopped early where a small difference has no structure in space; "" otherwise."""
+def _solver_tolerance(equations: Equations, exact: np.ndarray, contact: float) -> Diagnosis:
+    """Return that the solver stopped early, for a small difference without structure in space; or that no cause fits.
+
+    ``contact`` is the difference of the contact forces over the largest, where the equations inside the body hold.
+    """
     task, apart = equations.task, equations.u - exact
     size, left = abs(apart).max() / abs(exact).max(), equations.size(equations.total)
-    if size > 0.01 or left <= EQUATIONS_HOLD or equations.only_on_contact():
-        return ""
+    if left <= EQUATIONS_HOLD:
+        if contact <= HINTED:
+            differ = f"no other cause that was tried fits, and contact forces differ by {contact:.0e} of the largest"
+            return Diagnosis(f"Perhaps: the iterations for contact stop too early: {differ}")
+        return Diagnosis("No single cause that was tried explains it: the contact algorithm differs")
+    unknown = Diagnosis(f"No single cause that was tried explains it: forces of {left:.2g} of the load are left")
+    if size > 0.01 or equations.only_on_contact():
+        return unknown
     share = np.bincount(task.cells.ravel(), np.repeat(task.volumes / (task.dim + 1), task.dim + 1))
     a = np.trace(task.A, axis1=1, axis2=2).mean() / task.A.shape[1]
     rough = [task.norm(task.strain(v)) / max(np.sqrt(a * share @ (v**2).sum(axis=1)), 1e-300) for v in apart]
     numbers = f"displacements differ by {size:.0e} of the largest, forces of {left:.0e} of the load are left everywhere"
+    words = "the solver stops too early"
     if max(rough) * task.data["h"] > ROUGH:
-        return f"Most likely: the solver stops too early, at too large a tolerance: {numbers}, without pattern in space"
-    return f"Perhaps: the solver stops too early: {numbers}" if left < 0.01 else ""
+        sentence = f"Most likely: {words}, at too large a tolerance: {numbers}, without pattern in space"
+        return Diagnosis(sentence, {TOLERANCE: words})
+    return Diagnosis(f"Perhaps: {words}: {numbers}") if left < 0.01 else unknown
 
 
 class ContactProblem:
@@ -912,6 +958,8 @@ def _wrong_laws(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]
             k = float((problem.lam * area * gap).sum() / max(((area * gap) ** 2).sum(), 1e-300))
             sentence = f"contact is by springs{pull} (a penalty) of stiffness {k:.4g} {words}"
             yield f"springs {words}:{pull}", sentence, k * area * gap if k > 1e-9 else right
+    areas = problem.each(problem.free + problem.initial - problem.mass / problem.task.scale)
+    yield "gap areas", "the areas of the contact vertices are taken for the initial gaps", areas
     if problem.initial.any():
         for by, words in ((-1, "taken with the reversed sign"), (0, "forgotten"), (2, "counted twice")):
             free = problem.free + (1 - by) * problem.initial
@@ -921,6 +969,12 @@ def _wrong_laws(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]
         yield "late:forces", f"{words} forces are those of the step before", np.concatenate([0 * right[:1], right[:-1]])
         late = problem.each(starts=[problem.pressed[0], *(right[:-1] > 0)], updates=0)
         yield "late:vertices", f"{words} vertices are those of the step before", late
+        only, first = np.arange(len(right))[:, None] == 0, [problem.pressed[0]] * len(right)
+        yield "first:only", "contact acts in the first step only", only * right
+        yield "first:missing", "contact is missing in the first step", ~only * right
+        yield "first:forces", "the contact forces of the first step are kept in all steps", right[:1] + 0 * right
+        kept = "the vertices in contact are found in the first step only and kept in all steps"
+        yield "first:vertices", kept, problem.each(starts=first, updates=0)
 
 
 def _wrong_sets(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]]:
@@ -1062,11 +1116,13 @@ def assess(
     answers are names of tasks ↦ u, (steps, n, d); reports names of tasks ↦ what ``judge_reports`` takes.
     """
     groups: dict = defaultdict(lambda: defaultdict(list))
+    answers = dict(answers)
     for task in tasks:
         data, shape = task.data, (task.count, *task.vertices.shape)
-        if task.name not in answers or np.shape(answers[task.name]) != shape:
-            given = f"has the shape {np.shape(answers[task.name])}" if task.name in answers else "is missing"
-            raise TaskError(f"the answer to {task.name} {given}, expected {shape}: steps, vertices, components")
+        axes, what = "steps, vertices, components", f"the answer to {task.name}"
+        if task.name not in answers:
+            raise TaskError(f"{what} is missing, expected {shape}: {axes}")
+        answers[task.name] = as_array(answers[task.name], shape, what, axes)
         groups[data["case"], data["family"], data["mode"]][data["level"]].append(task)
     return [_judgement(key, levels, answers, reports or {}) for key, levels in groups.items()]
 
@@ -1076,22 +1132,23 @@ def _judgement(key: tuple, levels: dict, answers: dict, reports: dict) -> Judgem
     numbers = sorted(levels)
     first = [levels[n][0] for n in numbers]
     h = [task.data["h"] for task in first]
-    errors = [measure(task, np.asarray(answers[task.name], float)) for task in first]
+    errors = [measure(task, answers[task.name]) for task in first]
     pairs_of = [(levels[n][:2], one.best) for n, one in zip(numbers, errors, strict=True) if len(levels[n]) > 1]
     apart = [(answers[a.name] / a.scale - answers[b.name] / b.scale, a, best) for (a, b), best in pairs_of]
     invariance = max((a.norm(a.strain(v)) / best for both, a, best in apart for v in both), default=float("nan"))
     last = [order(h, [getattr(one, name) for one in errors]) for name in ("error", "best", "distance", "pressure")]
     verdict, why = judged(h, errors)
     differing = [task for task, one in zip(first, errors, strict=True) if not one.share <= EXACT]
-    values = [np.asarray(answers[task.name], float) for task in differing]
-    cause = diagnose(differing, values) if differing else Diagnosis("")
+    cause = diagnose(differing, [answers[task.name] for task in differing]) if differing else Diagnosis("")
     clamp = any(key.startswith("clamp") for key in cause.causes)
     if cause.is_fault(errors[-1].share) and (verdict == "undecided" or clamp):
         verdict = "wrong"
+    if verdict == "undecided" and TOLERANCE in cause.causes:
+        why += "; first reduce the tolerance of the solver"
     if cause.certain and verdict == "wrong":
         why = "; or ".join(cause.causes.values())
-    every = [(task, np.asarray(answers[task.name], float)) for n in numbers for task in levels[n]]
-    told = [report for task, u in every for report in judge_reports(task, u, reports.get(task.name, {}))]
+    every = [task for n in numbers for task in levels[n]]
+    told = [one for task in every for one in judge_reports(task, answers[task.name], reports.get(task.name, {}))]
     own = tested(first[-1]), *last, invariance, cause.sentence, told, cause.causes
     return Judgement(*key, numbers, errors, verdict, why, *own)
 

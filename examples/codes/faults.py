@@ -200,6 +200,13 @@ def _late(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
     return active_set(W, free, held, updates=0)
 
 
+def _first_step_only(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+    """λ of the right contact problem in the first step, 0 in all others."""
+    first = not memory
+    memory["solved"] = True
+    return active_set(W, free) if first else 0 * free
+
+
 def changed(change: Callable[[Task, np.ndarray, dict], np.ndarray]) -> Callable:
     """An adapter that writes something else than its displacements: change(task, u, memory)."""
 
@@ -334,11 +341,17 @@ FAULTS = (
     Fault("vertices never released", in_contact(lambda W, g, _: active_set(W, g, release=False)), "never released"),
     Fault("active set updated once", in_contact(lambda W, g, _: active_set(W, g, updates=1)), "updated only once"),
     Fault("contact one step late", in_contact(_late), "contact is one step late"),
+    Fault("contact in the first step only", in_contact(_first_step_only), "contact acts in the first step only"),
     Fault("contact forces halved", in_contact(lambda W, g, _: 0.5 * active_set(W, g)), "0.5 times the right"),
     Fault("contact forces 1 % too large", in_contact(lambda W, g, _: 1.01 * active_set(W, g)), "1.01 times the right"),
     Fault("mean gap of each facet", in_contact(right, rows=_facet_means), "mean gap of each facet"),
     Fault("initial gap forgotten", gap_times(0.0), "the initial gap is forgotten"),
     Fault("initial gap with the other sign", gap_times(-1.0), "initial gap is taken with the reversed sign"),
+    Fault(
+        "areas of vertices taken for the initial gap",
+        misread(lambda task: {"gaps": lambda: [mass for *_, mass in task.pieces()]}),
+        "the areas of the contact vertices are taken",
+    ),
     Fault("springs of 30, not scaled with *h*", springs(lambda task: 30.0), "springs"),
     Fault("equal springs at all vertices", _equal_springs, "whatever its area"),
     Fault(
@@ -353,6 +366,16 @@ FAULTS = (
     ),
     Fault("the body moved by 0.01", changed(lambda task, u, _: u + 0.01), "moved rigidly by (0.01, 0.01)"),
     Fault("u of the step before written", changed(_step_before), "step before are written"),
+    Fault(
+        "all u_x written before all u_y",
+        changed(lambda task, u, _: u.T.reshape(u.shape)),
+        "the answer has all u_x before all u_y",
+    ),
+    Fault(
+        "deformed coordinates written",
+        changed(lambda task, u, _: u + task.vertices),
+        "the answer has deformed coordinates",
+    ),
     Fault("u in other units", changed(lambda task, u, _: 1000 * u), "1000 times the right ones"),
     Fault("solver stopped at $10^{-4}$", changed(_noise), "solver stops too early"),
 )

@@ -213,7 +213,13 @@ def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple
     """
     blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
     unknowns = 4 * len(mesh.points) + 1
-    rows, right = zip(*(_triangle(linear, constant) for linear, constant in blocks), strict=True)
+    # Clarabel expects the upper triangle of a matrix by columns, with off-diagonal entries multiplied by √2.
+    rows, right = [], []
+    for linear, constant in blocks:
+        i, j = np.array([(i, j) for j in range(len(constant)) for i in range(j + 1)]).T
+        scale = np.where(i == j, 1.0, np.sqrt(2))
+        rows.append(sps.csr_matrix(-scale[:, None] * linear[i, j]))
+        right.append(scale * constant[i, j])
     cones = [clarabel.PSDTriangleConeT(len(constant)) for _, constant in blocks]
     settings = clarabel.DefaultSettings()
     settings.verbose = False
@@ -262,14 +268,3 @@ def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
             if side.load:
                 block[[0, 1], [0, 1], -1] -= 1
             yield block, -MARGIN * np.eye(2)
-
-
-def _triangle(linear: Array, constant: Array) -> tuple[sps.csr_matrix, Array]:
-    """Return a condition ``constant + linear · x`` ⪰ 0 as a matrix and a right-hand side for the solver Clarabel.
-
-    The format is the upper triangle by columns, with off-diagonal entries multiplied by √2.
-    """
-    entries = [(i, j) for j in range(len(constant)) for i in range(j + 1)]
-    scale = np.array([1.0 if i == j else np.sqrt(2) for i, j in entries])
-    rows, columns = zip(*entries, strict=True)
-    return sps.csr_matrix(-scale[:, None] * linear[rows, columns]), scale * constant[rows, columns]

@@ -11,9 +11,7 @@ boundary moves along the part, to a fraction of its length with denominator 2^b.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -200,51 +198,28 @@ def in_doubles(mesh: checker.Mesh) -> Mesh:
     return simplicial_mesh(points, np.array([cell.v for cell in mesh.cells]).T)
 
 
-@dataclass(frozen=True, eq=False)
 class Twins:
     """One mesh in two programs: translates numbers of vertices, edges and cells between the checker and scikit-fem.
 
-    Attributes:
+    Args:
         skfem: the mesh in scikit-fem.
         exact: the same mesh in the checker, with rational vertices. Its vertices, edges and cells are called exact.
+
+    Attributes:
+        triangles: the numbers of the vertices of the exact cells in the checker, (cells, 3).
+        vertices, edges, cells: for each exact vertex, edge or cell, its number in scikit-fem.
+        corners: for each corner of an exact cell, its position 0, 1 or 2 in the cell of scikit-fem, (cells, 3).
+        turned: for each exact edge, whether its vertex of lower number comes second in scikit-fem, (edges,).
     """
 
-    skfem: Mesh
-    exact: checker.Mesh
-
-    @property
-    def triangles(self) -> Array:
-        """The numbers of the vertices of the cells in the checker, (cells, 3)."""
-        return np.array([cell.v for cell in self.exact.cells])
-
-    @cached_property
-    def vertices(self) -> Array:
-        """For each vertex of the checker, the number of this vertex in scikit-fem, (vertices,)."""
-        points = np.array(self.exact.points, dtype=float) / self.exact.h
-        return cKDTree(self.skfem.p.T).query(points)[1]
-
-    @cached_property
-    def edges(self) -> Array:
-        """For each edge of the checker, the number of this edge in scikit-fem, (edges,)."""
-        known = {frozenset(ends): n for n, ends in enumerate(self.skfem.facets.T.tolist())}
-        return np.array([known[frozenset(ends)] for ends in self.vertices[np.array(self.exact.edges)].tolist()])
-
-    @cached_property
-    def cells(self) -> Array:
-        """For each cell of the checker, the number of this cell in scikit-fem, (cells,)."""
-        known = {frozenset(corners): n for n, corners in enumerate(self.skfem.t.T.tolist())}
-        mine = self.vertices[self.triangles].tolist()
-        return np.array([known[frozenset(corners)] for corners in mine])
-
-    @cached_property
-    def corners(self) -> Array:
-        """For each corner of a cell of the checker, its position 0, 1 or 2 in the cell of scikit-fem, (cells, 3)."""
-        theirs = self.skfem.t.T[self.cells]
-        mine = self.vertices[self.triangles]
-        return (theirs[:, None, :] == mine[:, :, None]).argmax(axis=2)
-
-    @cached_property
-    def turned(self) -> Array:
-        """For each edge of the checker, whether its vertex of lower number comes second in scikit-fem, (edges,)."""
-        first = self.vertices[np.array(self.exact.edges)[:, 0]]
-        return self.skfem.facets[0, self.edges] != first
+    def __init__(self, skfem: Mesh, exact: checker.Mesh) -> None:
+        self.skfem, self.exact = skfem, exact
+        self.triangles: Array = np.array([cell.v for cell in exact.cells])
+        self.vertices: Array = cKDTree(skfem.p.T).query(np.array(exact.points, dtype=float) / exact.h)[1]
+        ends, corners = self.vertices[np.array(exact.edges)], self.vertices[self.triangles]
+        edge_of = {frozenset(pair): n for n, pair in enumerate(skfem.facets.T.tolist())}
+        cell_of = {frozenset(three): n for n, three in enumerate(skfem.t.T.tolist())}
+        self.edges: Array = np.array([edge_of[frozenset(pair)] for pair in ends.tolist()])
+        self.cells: Array = np.array([cell_of[frozenset(three)] for three in corners.tolist()])
+        self.corners: Array = (skfem.t.T[self.cells][:, None, :] == corners[:, :, None]).argmax(axis=2)
+        self.turned: Array = skfem.facets[0, self.edges] != ends[:, 0]

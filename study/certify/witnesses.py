@@ -170,7 +170,11 @@ class StressEncoder:
 
     def loads(self, a: Fraction, b: Fraction) -> list[Load]:
         """Return the loads f̃ of the checker for a time interval [a, b], as three Bernstein coefficients in time."""
-        inside = [self._force(control) for control in self._exact.controls(a, b)]
+        controls = [self._exact.on_cells(control) for control in self._exact.controls(a, b)]
+        inside = [
+            np.array(found, dtype=float).reshape(-1, 6, 2) / 2.0**LOAD_BITS if found else np.zeros((len(self.J), 6, 2))
+            for found in controls
+        ]
         first, middle, last = (self._surface(t) for t in (a, (a + b) / 2, b))
         outside = [first, 2 * middle - (first + last) / 2, last]
         return [Load(f, g) for f, g in zip(inside, outside, strict=True)]
@@ -178,11 +182,6 @@ class StressEncoder:
     @cached_property
     def _exact(self) -> checker.Loads:
         return checker.Loads(self.problem, self.exact, LOAD_BITS)
-
-    def _force(self, control: list[checker.Poly]) -> Array:
-        """Return the body force ``Load.force`` for one Bernstein coefficient of f_0 in time."""
-        found = np.array(self._exact.on_cells(control), dtype=float) / 2.0**LOAD_BITS
-        return found.reshape(-1, 6, 2) if found.size else np.zeros((len(self.J), 6, 2))
 
     def _surface(self, time: Fraction) -> Array:
         """Return the traction ``Load.surface`` at a time.
@@ -229,10 +228,11 @@ class StressEncoder:
         """
         layout, T, unit = self.layout, self.tractions(stress), 2.0**bits
         n = np.array([self.exact.along(edge) for edge in layout.contact])[:, None, ::-1] * [1, -1] / self.exact.h
-        tau = np.round(np.minimum((self._turned(T, layout.contact) * n).sum(axis=2) / (n * n).sum(axis=2), 0) * unit)
+        mine, others = (self._flipped(T[self._numbers(edges)], edges) for edges in (layout.contact, layout.free))
+        tau = np.round(np.minimum((mine * n).sum(axis=2) / (n * n).sum(axis=2), 0) * unit)
         loaded = np.round(load.surface * unit)
         modes, units = np.array(checker.MODES), unit / 2.0 ** (coarse * (np.arange(4)[:, None] > 1))
-        free = np.round(np.linalg.solve(modes.T, self._turned(T, layout.free)) * units)
+        free = np.round(np.linalg.solve(modes.T, others) * units)
         rounded = np.zeros_like(T)
         parts = ((layout.contact, tau[..., None] * n / unit), (layout.loaded, loaded / unit))
         for edges, values in (*parts, (layout.free, modes.T @ (free / units))):
@@ -243,15 +243,6 @@ class StressEncoder:
     def _numbers(self, edges: list[Edge]) -> list[int]:
         """Return the numbers of edges that are given by their two vertices, in any order."""
         return [self.number[min(edge), max(edge)] for edge in edges]
-
-    def _turned(self, T: Array, edges: list[Edge]) -> Array:
-        """Return the tractions of given edges, in the direction from the first to the second vertex of each edge.
-
-        Args:
-            T: the tractions of all edges, as ``tractions`` returns them.
-            edges: pairs of vertices.
-        """
-        return self._flipped(T[self._numbers(edges)], edges)
 
     @staticmethod
     def _flipped(values: Array, edges: list[Edge]) -> Array:

@@ -6,8 +6,7 @@ Each mesh is written when it is finished, so that the command continues after Ct
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ import pandas as pd
 
 from manufactured.static import Static
 from study.bound import adaptive, bounded
-from study.bound.adaptive import Adapted, Stage
+from study.bound.adaptive import Stage
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.common import listed
@@ -57,11 +56,19 @@ def do_adapt(options: argparse.Namespace) -> int:
             # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
             # with another tolerance.
             cache_key = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
-            results.append(_stage(store, number, cache_key, partial(adaptive.adapted, data, case, stage, scheme)))
+            path = adaptive.stage_file(store.directory, number)
+
+            def compute(stage: Stage = stage, number: int = number, path: Path = path) -> dict[str, Any]:
+                found = adaptive.adapted(data, case, stage, scheme)
+                shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
+                bounded.write_displacement(path, found.computed, **shares)
+                return adaptive.record(number, found)
+
+            results.append(store.cached(f"adapted-{number}", cache_key, compute, path))
             rows = adaptive.table([one["row"] for one in results])
             table = write_text(store.directory / "adaptive.csv", rows.to_csv(index=False))
             print(f"mesh {number}: {stage.cells} cells, bound {up(rows['bound'].iloc[-1], adaptive.SHOWN)}", flush=True)
-            with np.load(adaptive.stage_file(store.directory, number)) as arrays:
+            with np.load(path) as arrays:
                 following = adaptive.next_stage(stage, arrays["shares"], float(arrays["in_time"]))
                 edges, closed = adaptive.contact_edges(data, stage.mesh, arrays["u"][-1])
             reached = tolerance.reached(rows.iloc[-1])
@@ -81,27 +88,6 @@ def do_adapt(options: argparse.Namespace) -> int:
     sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
     print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, norm)) + "\n")
     return OK if reached and all(one["inside"] for one in results if case) else FAILED
-
-
-def _stage(store: Store, number: int, cache_key: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
-    """Return the results on one mesh: read them if they are stored, otherwise compute and store them.
-
-    Parameters:
-        store: the result directory.
-        number: number of the mesh.
-        cache_key: cache key of the results.
-        compute: function that computes the results.
-    """
-    key, path = f"adapted-{number}", adaptive.stage_file(store.directory, number)
-    stored = store.load(key, cache_key) if path.is_file() else None
-    if stored is not None:
-        return stored
-    found = compute()
-    shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
-    bounded.write_displacement(path, found.computed, **shares)
-    record = adaptive.record(number, found)
-    store.save(key, cache_key, record)
-    return record
 
 
 def _limit(stage: Stage, cells: int) -> str:

@@ -6,7 +6,6 @@ Levels are meshes from coarse to fine. Finished levels are stored, so that the c
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -62,9 +61,16 @@ def do_bound(options: argparse.Namespace) -> int:
     with store.locked():
         kept = []
         for level, steps in plan.items():
+
+            def compute(level: int = level, steps: int = steps) -> dict[str, Any]:
+                solve = partial(bounded.bounded_solution, data, case, family, level, scheme, steps, refined)
+                found = with_progress(f"level {level}", data.body.T, solve)
+                bounded.write_displacement(bounded.trajectory_file(store.directory, level), found.computed)
+                return bounded.record(level, found)
+
             made_by = of_problem(data, case, (family, level, scheme, steps, refined, static))
-            compute = partial(bounded.bounded_solution, data, case, family, level, scheme, steps, refined)
-            kept.append(_level(store, level, made_by, compute, data.body.T))
+            trajectory = bounded.trajectory_file(store.directory, level)
+            kept.append(store.cached(f"level-{level}", made_by, compute, trajectory))
         table = bounded.levels([one["row"] for one in kept])
         over_time = pd.concat([pd.DataFrame(one["series"]) for one in kept])
         written = bounded.write(store.directory, table, over_time)
@@ -76,26 +82,3 @@ def do_bound(options: argparse.Namespace) -> int:
     found = bounded.text(name, table, over_time, sentences, bounded.norm_of(data))
     print(f"\n{found}\n")
     return OK if case is None or all(one["inside"] for one in kept) else FAILED
-
-
-def _level(
-    store: Store, level: int, made_by: str, compute: Callable[..., bounded.BoundedSolution], T: float
-) -> dict[str, Any]:
-    """Return the results on one level: read them if they are stored, otherwise compute and store them.
-
-    Parameters:
-        store: the result directory.
-        level: number of cells along a unit length.
-        made_by: cache key of the results.
-        compute: function that computes the results.
-        T: final time.
-    """
-    key, trajectory = f"level-{level}", bounded.trajectory_file(store.directory, level)
-    kept = store.load(key, made_by) if trajectory.is_file() else None
-    if kept is not None:
-        return kept
-    found = with_progress(f"level {level}", T, compute)
-    bounded.write_displacement(trajectory, found.computed)
-    record = bounded.record(level, found)
-    store.save(key, made_by, record)
-    return record

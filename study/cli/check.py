@@ -44,7 +44,15 @@ def do_check(options: argparse.Namespace) -> int:
         0 if everything agrees, 1 if a check fails or a repeated measurement differs, 3 if a check is undecided. A file
         with an unexpected content raises an error, for which the command returns 2.
     """
-    _require_sample(options)
+    check_jobs(options.jobs)
+    known_undecided(options.undecided)
+    tolerance_from(options)
+    if options.again is None and options.seed is not None:
+        raise UsageError("--seed chooses the rows of --again: give --again N with it")
+    if options.again is not None and options.again < 1:
+        raise UsageError(f"--again must be 1 or more rows, got {options.again}")
+    if options.seed is not None and options.seed < 0:
+        raise UsageError(f"--seed must be 0 or more, got {options.seed}")
     with Store(options.out).steady():
         verified = verify(options.out)
         found = verdicts(options.out)
@@ -62,23 +70,11 @@ def do_check(options: argparse.Namespace) -> int:
     in_part, unchecked = not_compared(options.out, compared)
     for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
         if paths:
-            print(folded(f"{what}, {len(paths)} files: {by_folder(paths)}"))
+            folders = dict.fromkeys(path.parent for path in paths)
+            names = {folder: " ".join(path.name for path in paths if path.parent == folder) for folder in folders}
+            listed = "; ".join(f"{folder}/: {of}" for folder, of in names.items())
+            print(folded(f"{what}, {len(paths)} files: {listed}"))
     return code
-
-
-def _require_sample(options: argparse.Namespace) -> None:
-    """Raise UsageError for options that cannot be used, before anything is computed."""
-    check_jobs(options.jobs)
-    known_undecided(options.undecided)
-    tolerance_from(options)
-    if options.again is None:
-        if options.seed is not None:
-            raise UsageError("--seed chooses the rows of --again: give --again N with it")
-        return
-    if options.again < 1:
-        raise UsageError(f"--again must be 1 or more rows, got {options.again}")
-    if options.seed is not None and options.seed < 0:
-        raise UsageError(f"--seed must be 0 or more, got {options.seed}")
 
 
 def _again(options: argparse.Namespace) -> int:
@@ -152,10 +148,3 @@ def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list
     tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
     in_part = {directory / name for name in (*IN_PART, *tables)}
     return [path for path in rest if path in in_part], [path for path in rest if path not in in_part]
-
-
-def by_folder(paths: list[Path]) -> str:
-    """Return the names of files as text, grouped by folder."""
-    folders = dict.fromkeys(path.parent for path in paths)
-    names = {folder: " ".join(path.name for path in paths if path.parent == folder) for folder in folders}
-    return "; ".join(f"{folder}/: {of}" for folder, of in names.items())

@@ -92,11 +92,6 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
     return path, given(data, **vars(field), steps=options.steps, nearest=options.nearest)
 
 
-def _level(u_h: GivenDisplacement) -> int:
-    """Return the level of a mesh: how many cells of its size fit along a side of a square with the area of the body."""
-    return max(1, round(math.sqrt(u_h.body.measure) / u_h.h))
-
-
 def _row(
     store: Store, data: Data, case: Case | None, number: int, path: Path, u_h: GivenDisplacement, refined: Refined
 ) -> dict[str, Any]:
@@ -111,11 +106,11 @@ def _row(
     """
     arrays = (u_h.mesh.p, u_h.mesh.t, u_h.times, u_h.nodes)
     content = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
-    key, cache_key = f"displacement-{number}", of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
-    stored = store.load(key, cache_key)
-    if stored is not None:
-        return stored
-    found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
-    record = bounded.record(_level(u_h), found)
-    store.save(key, cache_key, record)
-    return record
+
+    def compute() -> dict[str, Any]:
+        found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
+        # The level is the number of cells of this size along a side of a square with the area of the body.
+        return bounded.record(max(1, round(math.sqrt(u_h.body.measure) / u_h.h)), found)
+
+    cache_key = of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
+    return store.cached(f"displacement-{number}", cache_key, compute)

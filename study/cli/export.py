@@ -13,7 +13,6 @@ from study.ledger.files import UsageError
 from study.run.executor import available, require
 from study.run.plan import quick
 from study.run.tasks import (
-    Data,
     TaskStore,
     frozen,
     march,
@@ -41,36 +40,31 @@ def do_export(options: argparse.Namespace) -> int:
         _check(options, case)
         families = [family_named(name) for name in options.family] if options.family else quick().families_of(case)
         wanted += [Task(case, family, level) for family in families for level in options.levels]
+    marches = options.mode == "march"
     for task in wanted:
-        _check_mesh(options, task)
+        steps = options.steps or task.level if marches else len(options.instants or FROZEN_TIMES)
+        need = estimates.task(task.solution.body.dim, task.level, task.family.name, steps)
+        require(f"level {task.level}", need, available())
+        boundary_parts(task.space.mesh, task.solution.body)
     for case in cases:
         prove(case.solution, f"case {case.name}")
     with TaskStore(options.out).locked():
         for task in wanted:
             # A ``Task`` keeps its mesh and factorisations. A new one for each file frees the memory of the one before.
-            path = write_task(options.out, _data(Task(task.case, task.family, task.level), options))
+            fresh = Task(task.case, task.family, task.level)
+            if marches:
+                data = march(fresh, options.steps or task.level, options.scale)
+            else:
+                data = frozen(fresh, _instants(options, task.case), options.scale)
+            if options.foundation is not None:
+                data = with_foundation(data, options.foundation)
+            path = write_task(options.out, data)
             print(f"{path}  {path.stat().st_size / 1000:.1f} kB")
     return OK
 
 
-def _data(task: Task, options: argparse.Namespace) -> Data:
-    if options.mode == "frozen":
-        data = frozen(task, _instants(options, task.case), options.scale)
-    else:
-        data = march(task, options.steps or task.level, options.scale)
-    return data if options.foundation is None else with_foundation(data, options.foundation)
-
-
 def _instants(options: argparse.Namespace, case: Case) -> list[float]:
     return options.instants or [case.solution.body.T * part for part in FROZEN_TIMES]
-
-
-def _check_mesh(options: argparse.Namespace, task: Task) -> None:
-    """Raise an error if a mesh needs too much memory, or does not fit the boundary parts of the body."""
-    steps = (options.steps or task.level) if options.mode == "march" else len(_instants(options, task.case))
-    need = estimates.task(task.solution.body.dim, task.level, task.family.name, steps)
-    require(f"level {task.level}", need, available())
-    boundary_parts(task.space.mesh, task.solution.body)
 
 
 def _check(options: argparse.Namespace, case: Case) -> None:

@@ -42,7 +42,12 @@ def do_figures(options: argparse.Namespace) -> int:
     """Draw all figures of the data, or only the figures of some cases, or only the overviews; return 0."""
     check_jobs(options.jobs)
     output = Output(options.use, tuple(options.format or ()), options.dpi, options.style)
-    check_output(output)
+    if output.dpi is not None and not 10 <= output.dpi <= 2400:
+        raise UsageError(f"--dpi must be 10 to 2400, got {output.dpi:g}")
+    with in_style(output):
+        latex = rcParams["pgf.texsystem"]
+    if "pgf" in output.suffixes and not shutil.which(latex):
+        raise UsageError(f"--format pgf needs {latex}, which is not installed: install LaTeX, or choose another format")
     read_provenance(options.out)
 
     def chosen(directory: Path) -> list[Drawing]:
@@ -54,13 +59,3 @@ def do_figures(options: argparse.Namespace) -> int:
     with Processes(options.jobs) as executor, Store(options.out).steady():
         print(folded(f"written: {listed(draw(options.out, executor, chosen, output))}"))
     return OK
-
-
-def check_output(output: Output) -> None:
-    """Raise UsageError if a style file cannot be used, a resolution is out of range, or pgf is wanted without LaTeX."""
-    if output.dpi is not None and not 10 <= output.dpi <= 2400:
-        raise UsageError(f"--dpi must be 10 to 2400, got {output.dpi:g}")
-    with in_style(output):
-        latex = rcParams["pgf.texsystem"]
-    if "pgf" in output.suffixes and not shutil.which(latex):
-        raise UsageError(f"--format pgf needs {latex}, which is not installed: install LaTeX, or choose another format")

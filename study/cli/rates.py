@@ -15,7 +15,7 @@ from study.ledger.files import write_text
 from study.orders import OrderError, observed_orders
 from study.orders.columns import Options, Series, read_series
 from study.orders.reading import MAX_BYTES
-from study.orders.report import Judged, as_json, as_junit, as_markdown, as_text, exit_code, plot
+from study.orders.report import Judged, as_json, as_junit, as_markdown, as_text, exit_code, finite, plot
 from study.orders.sequences import OrderResult, grid_convergence
 
 
@@ -25,31 +25,28 @@ def do_rates(options: argparse.Namespace) -> int:
     Returns:
         0 if all orders hold or none is expected, 1 if one fails, 2 for bad input, 3 if one is undecided.
     """
-    try:
-        return _rates(options)
-    except OrderError as error:
-        # ``refusals`` cannot handle this error: it imports packages that the extra ``[orders]`` does not install.
-        print(f"study: {error}", file=sys.stderr)
-        return USAGE
-
-
-def _rates(options: argparse.Namespace) -> int:
     judging = {name: getattr(options, name) for name in ("expected", "at_least", "junit", "markdown", "plot")}
     given = [f"--{name.replace('_', '-')}" for name, value in judging.items() if value is not None]
-    if options.values and given:
-        raise OrderError(f"with --values the columns have no expected order: leave out {', '.join(given)}")
-    columns = tuple(options.columns.split(",")) if options.columns else ()
-    reading = Options(options.dim, options.size, options.ratio, columns, signed=options.values)
+    file = ""
+    # ``refusals`` cannot handle these errors: it imports packages that the extra ``[orders]`` does not install.
     try:
+        if options.values and given:
+            raise OrderError(f"with --values the columns have no expected order: leave out {', '.join(given)}")
+        columns = tuple(options.columns.split(",")) if options.columns else ()
+        reading = Options(options.dim, options.size, options.ratio, columns, signed=options.values)
+        file = f"{options.file}: "
         tables = read_series(_read(options.file), reading)
         judged = [] if options.values else _judged(tables, options)
+        file = ""
+        values = _values(tables, options.json) if options.values else ""
+        if options.plot:
+            plot(judged, options.plot)
     except OrderError as error:
-        raise OrderError(f"{options.file}: {error}") from None
+        print(f"study: {file}{error}", file=sys.stderr)
+        return USAGE
     if options.values:
-        print(_values(tables, options.json))
+        print(values)
         return OK
-    if options.plot:
-        plot(judged, options.plot)
     if options.junit:
         write_text(options.junit, as_junit(judged))
     if options.markdown:
@@ -110,8 +107,7 @@ def _values(tables: list[Series], as_json: bool) -> str:
     }
     if as_json:
         entries = [{"name": name} | asdict(result) for name, result in found.items()]
-        finite = [{key: None if value != value else value for key, value in entry.items()} for entry in entries]
-        return json.dumps(finite, indent=2, ensure_ascii=False)
+        return json.dumps(finite(entries), indent=2, ensure_ascii=False)
     lines = []
     for name, result in found.items():
         line = f"{name}: {result.kind}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -120,21 +120,14 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
         if not had or not given - had:
             continue
         if had - given:
-            print(
-                f"study: {directory} has {case.name} on the levels {spaced(had)}: {spaced(given - had)} added",
-                file=sys.stderr,
-            )
+            old, new = (" ".join(map(str, sorted(levels))) for levels in (had, given - had))
+            print(f"study: {directory} has {case.name} on the levels {old}: {new} added", file=sys.stderr)
         scope = replace(scope, own=(*scope.own, (case.name, Levels(tuple(sorted(had | given))))))
         if case.solution.body.dim == 2:
             scope = replace(scope, equivalence=tuple(sorted(compared | {*scope.equivalence})))
         else:
             scope = replace(scope, solid_equivalence=tuple(sorted(compared | {*scope.solid_equivalence})))
     return scope
-
-
-def spaced(levels: Iterable[int]) -> str:
-    """Return levels as a text, in increasing order and separated by blanks."""
-    return " ".join(map(str, sorted(levels)))
 
 
 def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) -> str:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any, Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -46,9 +46,6 @@ class Baseline(Protocol[S]):
     compared by value, so that defects with the same setting share the measurement without a defect.
     """
 
-    def __str__(self) -> str: ...
-    def __hash__(self) -> int: ...
-
     def verdicts(self, defect: Callable[[S], S]) -> list[Verdict]:
         """Measure in this setting with a defect; return the checks about which the study or the paper claims something.
 
@@ -61,6 +58,16 @@ class Baseline(Protocol[S]):
 Defect = Callable[[Experiment], Experiment]
 OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation(), InitialGap()
 """The statements that are judged by rows of ``rates.csv``, which has the errors of displacements."""
+
+
+class Titled:
+    """A setting whose text is its title and its levels; {0} in the title is the setting."""
+
+    TITLE: ClassVar[str]
+
+    def __str__(self) -> str:
+        levels = getattr(self, "levels", None) or (getattr(self, "level", ""),)
+        return f"{self.TITLE.format(self)}, n = {' '.join(map(str, levels))}"
 
 
 def experiment(case: Case, family: str, level: int) -> Experiment:
@@ -134,23 +141,18 @@ class ContactSweep:
 
 
 @dataclass(frozen=True)
-class Equivalence:
+class Equivalence(Titled):
     """The comparison of the displacement formulation with the stress formulation on one mesh (Theorem 4.2).
 
     Attributes:
         case: name of the case.
-        family: name of the mesh family.
-        level: number of cells along a unit length.
-        steps: number of steps of backward Euler.
+        family, level, steps: the mesh family, the number of cells along a unit length, and the number of steps of
+            backward Euler.
     """
 
+    TITLE = "{0.case}"
+    family, level, steps = "one-diagonal", 4, 8
     case: str
-    family: str = "one-diagonal"
-    level: int = 4
-    steps: int = 8
-
-    def __str__(self) -> str:
-        return f"{self.case}, n = {self.level}"
 
     def verdicts(self, defect: Callable[[Sides], Sides]) -> list[Verdict]:
         sides = defect(Sides.of(resolve(self.case).solution, family_named(self.family), self.level))
@@ -165,7 +167,7 @@ class Equivalence:
 
 
 @dataclass(frozen=True)
-class StressSweep:
+class StressSweep(Titled):
     """The convergence of the stress formulation, solved without displacements, for one case (Theorem 4.2).
 
     Attributes:
@@ -174,12 +176,10 @@ class StressSweep:
         levels: numbers of cells along a unit length, coarse to fine.
     """
 
+    TITLE = "stresses of {0.case}"
     case: str
     family: str = "one-diagonal"
     levels: tuple[int, ...] = (8, 16)
-
-    def __str__(self) -> str:
-        return f"stresses of {self.case}, n = {' '.join(map(str, self.levels))}"
 
     def verdicts(self, defect: Callable[[own.StressExperiment], own.StressExperiment]) -> list[Verdict]:
         case, family = resolve(self.case), family_named(self.family)
@@ -196,7 +196,7 @@ Measure = Callable[[Setting], Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
-class Listing:
+class Listing(Titled):
     """The measurement of any other statement for one case on a few levels of one mesh family.
 
     Attributes:
@@ -205,13 +205,11 @@ class Listing:
         levels: numbers of cells along a unit length, coarse to fine.
     """
 
+    TITLE = "{0.statement.label} for {0.case}"
     statement: ListedNumbers
     case: str
     family: str
     levels: tuple[int, ...]
-
-    def __str__(self) -> str:
-        return f"{self.statement.label} for {self.case}, n = {' '.join(map(str, self.levels))}"
 
     def verdicts(self, defect: Callable[[Measure], Measure]) -> list[Verdict]:
         measure, rows = defect(self.statement.measure), []
@@ -240,7 +238,7 @@ def turned(solution: ExactSolution, angle: float) -> ExactSolution:
 
 
 @dataclass(frozen=True)
-class Twins:
+class Twins(Titled):
     """The comparison of errors on a rotated body with errors on the same body without the rotation.
 
     Attributes:
@@ -249,11 +247,9 @@ class Twins:
             may agree by chance.
     """
 
+    TITLE = "{0.case} and its twin"
     case: str
     levels: tuple[int, ...]
-
-    def __str__(self) -> str:
-        return f"{self.case} and its twin, n = {' '.join(map(str, self.levels))}"
 
     def verdicts(self, defect: Defect) -> list[Verdict]:
         rows = []
@@ -264,7 +260,7 @@ class Twins:
 
 
 @dataclass(frozen=True)
-class TwoWays:
+class TwoWays(Titled):
     """The comparison of errors on one mesh with the same errors computed by a second, independent solver.
 
     Attributes:
@@ -272,11 +268,9 @@ class TwoWays:
         level: number of cells along a unit length.
     """
 
+    TITLE = "{0.case} computed again"
     case: str
     level: int
-
-    def __str__(self) -> str:
-        return f"{self.case} computed again, n = {self.level}"
 
     def verdicts(self, defect: Defect) -> list[Verdict]:
         setup = defect(experiment(resolve(self.case), "one-diagonal", self.level))

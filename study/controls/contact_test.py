@@ -84,23 +84,6 @@ class ContactTest:
     family: str
     jobs: tuple[Job, ...]
 
-    @classmethod
-    def of(cls, plan: Plan, reference: str) -> ContactTest:
-        """Return the test for a case: its measurements on the finest levels of one mesh family that is not random.
-
-        The number of levels is the smallest that suffices for a verdict on an observed order.
-
-        Parameters:
-            plan: the plan of the run.
-            reference: the case as FILE.py:NAME.
-        """
-        case = resolve(reference)
-        family = regular(case).name
-        levels = plan.scope.levels_of(case).all[-least_levels(case.proposition) :]
-        jobs = [job for job in plan.jobs if isinstance(job.statement, Rates | ContactForce)]
-        mine = [job for job in jobs if (job.setting.case, job.setting.family) == (reference, family)]
-        return cls(reference, family, tuple(job for job in mine if job.setting.level in levels))
-
     def defective(self, defect: str) -> list[DefectiveJob]:
         """Return the measurements of this test, to be made with the named defect."""
         return [DefectiveJob(job.statement, job.setting, defect) for job in self.jobs]
@@ -146,8 +129,25 @@ def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
 
 
 def contact_tests(plan: Plan) -> list[ContactTest]:
-    """Return one test for each user's case in a plan, if contact occurs in its exact solution."""
-    return [ContactTest.of(plan, one) for one in plan.scope.cases if is_own(one) and touches(resolve(one).solution)]
+    """Return one test for each user's case in a plan, if contact occurs in its exact solution.
+
+    A test has the measurements of its case on the finest levels of one mesh family that is not random. The number of
+    levels is the smallest that suffices for a verdict on an observed order.
+    """
+    found = []
+    for reference in plan.scope.cases:
+        case = resolve(reference)
+        if is_own(reference) and touches(case.solution):
+            place, levels = (reference, regular(case).name), plan.scope.levels_of(case).all
+            jobs = [
+                job
+                for job in plan.jobs
+                if isinstance(job.statement, Rates | ContactForce)
+                and (job.setting.case, job.setting.family) == place
+                and job.setting.level in levels[-least_levels(case.proposition) :]
+            ]
+            found.append(ContactTest(*place, tuple(jobs)))
+    return found
 
 
 def write_contact_test(tests: Sequence[ContactTest], store: Store) -> list[Path]:

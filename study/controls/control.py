@@ -6,7 +6,7 @@ The functions in this file replace parts of the study: attributes of an object, 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager
 from copy import copy
 from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import reduce
@@ -61,21 +61,19 @@ class Control:
         inside = [change for change in self.changes if ":" not in change[0]]
         return reduce(lambda found, change: replaced(found, *change), inside, measured)
 
-    def patched(self) -> AbstractContextManager[None]:
-        """Return a context manager within which this defect replaces names in modules."""
-        return patched([change for change in self.changes if ":" in change[0]])
-
 
 @contextmanager
 def patched(changes: Iterable[tuple[str, Replacement]]) -> Iterator[None]:
     """Replace names in modules by wrong objects within a ``with`` block.
 
     Parameters:
-        changes: pairs (place, replacement). Each place has a colon and is described in ``Control``.
+        changes: pairs (place, replacement), as described in ``Control``. Places without a colon are skipped.
     """
     with ExitStack() as stack:
         for place, replacement in changes:
-            module, _, path = place.partition(":")
+            module, colon, path = place.partition(":")
+            if not colon:
+                continue
             *inside, name = path.split(".")
             package = "study" if "." in module else "study.statements"
             owner = reduce(getattr, inside, import_module(f"{package}.{module}"))

@@ -20,6 +20,7 @@ large positions occur. A thousand checks and 150 seeds take 200 kB, compressed.
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
@@ -37,6 +38,8 @@ from study.ledger.window import SMALL
 DIGITS = ascii_letters + digits + "+-"
 NONE = ".."
 """The two characters that stand for a seed on which a check was not judged."""
+ENCODED = re.compile(r"(?:\.\.|[a-zA-Z0-9+-]{2})*")
+"""Matches encoded positions: two characters for each seed."""
 START = ":"
 """A character before the encoded positions in a line, so that no program reads them as a number."""
 NO_RULES = "-"
@@ -173,7 +176,8 @@ class Record:
         damaged: list[Known] = []
         for label, key, case, rule, low, high, packed_places in lines.itertuples(index=False, name=None):
             text = packed_places.removeprefix(START)
-            damaged += [] if _sound(text, len(draws)) else [(label, key, case, rule)]
+            if len(text) > 2 * len(draws) or not ENCODED.fullmatch(text):
+                damaged.append((label, key, case, rule))
             found[label, key, case, rule] = Line(low, high, text.rstrip(NONE[0]))
         if damaged or len({draw.seed for draw in draws}) < len(draws) or len(found) < len(lines):
             what = " ".join(damaged[0]) if damaged else "a repeated seed or row"
@@ -260,9 +264,3 @@ class Record:
 def fingerprint(content: object) -> str:
     """Return the letter r and nine hexadecimal digits of the SHA-256 of the text of an object."""
     return "r" + hashlib.sha256(repr(content).encode()).hexdigest()[:9]
-
-
-def _sound(places: str, seeds: int) -> bool:
-    """Return whether a text encodes positions for at most ``seeds`` seeds, with two characters for each."""
-    pairs = [places[i : i + 2] for i in range(0, len(places), 2)]
-    return len(pairs) <= seeds and all(pair == NONE or (len(pair) == 2 and set(pair) <= set(DIGITS)) for pair in pairs)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from copy import copy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import count, islice, pairwise
 from types import SimpleNamespace
@@ -71,6 +71,45 @@ def zeroed(*quantities: str) -> Replacement:
     return result(lambda found: {**found, **dict.fromkeys(quantities, 0.0)})
 
 
+def arguments(change: Function) -> Replacement:
+    """Deliberate defect: a function is called with other arguments; ``change`` returns them, given the correct ones."""
+    return lambda right: lambda *given: right(*change(*given))
+
+
+def items(change: Function) -> Replacement:
+    """Deliberate defect: the items that a function of an experiment returns are changed.
+
+    Args:
+        change: function that returns the wrong item, given its number, the correct item and the experiment.
+    """
+    return lambda right: lambda setup: (change(n, item, setup) for n, item in enumerate(right(setup)))
+
+
+def depending(place: str, wrong: Callable[[Any], Replacement]) -> Replacement:
+    """Deliberate defect: one attribute of an experiment is replaced in a way that depends on the experiment.
+
+    Args:
+        place: name of the attribute, as in ``study.controls.control.replaced``.
+        wrong: function that returns the replacement of the attribute, given the experiment.
+    """
+    return lambda setup: replaced(setup, place, wrong(setup))
+
+
+def in_calls(wrong: Replacement, defective: Callable[[int], bool]) -> Replacement:
+    """Deliberate defect: a function is replaced in some of its calls.
+
+    Args:
+        wrong: replacement of the function.
+        defective: function that tells, given the number of a call, counted from 0, whether the call is wrong.
+    """
+
+    def change(right: Function) -> Function:
+        calls, other = count(), wrong(right)
+        return lambda *given: (other if defective(next(calls)) else right)(*given)
+
+    return change
+
+
 def in_one_call(call: int, change: Function) -> Replacement:
     """Deliberate defect: the result of a function is changed in one of its calls.
 
@@ -78,12 +117,7 @@ def in_one_call(call: int, change: Function) -> Replacement:
         call: number of this call, counted from 0.
         change: function that returns the wrong result, given the correct one.
     """
-
-    def wrong(right: Function) -> Function:
-        calls = count()
-        return lambda *given: (change if next(calls) == call else lambda value: value)(right(*given))
-
-    return wrong
+    return in_calls(result(change), lambda n: n == call)
 
 
 def at_time(time: float, change: Function) -> Replacement:
@@ -104,23 +138,17 @@ def row_times(calls: tuple[int, ...], row: int, factor: float) -> Replacement:
         row: index of the time.
         factor: the factor.
     """
-
-    def wrong(right: Function) -> Function:
-        number = count()
-
-        def found(*given: Any) -> Any:
-            values = np.array(right(*given))
-            if not calls or next(number) in calls:
-                values[row] *= factor
-            return values
-
-        return found
-
-    return wrong
+    in_row = result(lambda values: values * np.where(np.arange(len(values)) == row, factor, 1.0)[:, None])
+    return in_calls(in_row, lambda call: not calls or call in calls)
 
 
 def _when(condition: Any, change: Function, value: Any) -> Any:
     return change(value) if condition else value
+
+
+def late(right: Function, delay: float) -> Function:
+    """Return a function of time with the correct value at t − delay for the time t, or at 0 if this is negative."""
+    return lambda time: right(np.maximum(time - delay, 0.0))
 
 
 energy = result(lambda norm: norm**2 / 2)
@@ -140,12 +168,8 @@ def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
         rule: function that returns the contact forces. Its arguments are the solver and the gaps that would exist
             without contact forces.
     """
-
-    def solver(S: Any, N: Any, *points: Any) -> Any:
-        made = Signorini(S, N)
-        return overridden(made, complementarity=lambda gap: rule(made, gap))
-
-    return replaced_by(solver)
+    solver = type("WrongSolver", (Signorini,), {"complementarity": rule})
+    return replaced_by(lambda S, N, *points: solver(S, N))
 
 
 def solution(change: Callable[[Signorini, Any], Any]) -> Replacement:
@@ -154,7 +178,6 @@ def solution(change: Callable[[Signorini, Any], Any]) -> Replacement:
     Args:
         change: function that returns both, given the correct solver and the right-hand side b.
     """
-
     return replaced_by(lambda S, N, *points: partial(change, Signorini(S, N)))
 
 
@@ -165,22 +188,13 @@ def shifted_gap(by: float) -> Replacement:
 
 def forces_times(factor: float) -> Replacement:
     """Deliberate defect: the contact forces are multiplied by ``factor``; the displacement is correct."""
-
-    def change(solver: Signorini, b: Any) -> Any:
-        u, forces = solver(b)
-        return u, factor * forces
-
-    return solution(change)
-
-
-def unconstrained(solver: Signorini, b: Any) -> Any:
-    """Return the displacement without contact, for the right-hand side b, and contact forces that are all 0."""
-    return solver.factor(b), np.zeros(solver.N.shape[0])
+    scaled = result(lambda found: (found[0], factor * found[1]))
+    return replaced_by(lambda S, N, *points: scaled(Signorini(S, N)))
 
 
 held = contact(lambda solver, gap: solver.multipliers_on(np.ones_like(solver.active), gap))
 one_iteration = contact(lambda solver, gap: solver.multipliers_on(gap > 0, gap))
-freed = solution(unconstrained)
+freed = solution(lambda solver, b: (solver.factor(b), np.zeros(solver.N.shape[0])))
 no_multipliers = solution(lambda solver, b: (solver.factor(b), np.zeros(0)))
 
 
@@ -188,23 +202,17 @@ def in_places(right: Any) -> Any:
     """Deliberate defect: contact is only imposed at every other vertex of the contact boundary."""
 
     def solver(S: Any, N: Any, *points: Any) -> Any:
-        made, forces = Signorini(S, N[::2]), np.zeros(N.shape[0])
-
-        def solve(b: Any) -> Any:
-            u, forces[::2] = made(b)
-            return u, forces.copy()
-
-        return solve
+        chosen = sps.eye_array(N.shape[0], format="csr")[::2]
+        return result(lambda found: (found[0], chosen.T @ found[1]))(Signorini(S, chosen @ N))
 
     return solver
 
 
-def springs(right: Any) -> Any:
-    """Deliberate defect: the foundation consists of elastic springs instead of being rigid.
+springs = replaced_by(lambda S, N: freed(Signorini)(sps.csc_array(S + 100.0 / N.shape[0] * (N.T @ N)), N))
+"""Deliberate defect: the foundation consists of elastic springs instead of being rigid.
 
-    The springs have a fixed stiffness. They pull the body back where it leaves the foundation.
-    """
-    return lambda S, N: freed(right)(sps.csc_array(S + 100.0 / N.shape[0] * (N.T @ N)), N)
+The springs have a fixed stiffness. They pull the body back where it leaves the foundation.
+"""
 
 
 class RandomSearch(Signorini):
@@ -227,16 +235,13 @@ def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
         part: the step is chosen among this fraction of all time steps of the experiment, from the first step on.
     """
 
-    def change(setup: Any) -> Any:
-        call = node(which, int(part * setup.steps))
+    def solver(setup: Any) -> Replacement:
+        call = node(which, int(part * setup.steps)) - 1
+        return replaced_by(
+            lambda S, N, *points: in_calls(replaced_by(wrong(Signorini)(S, N)), lambda n: n == call)(Signorini(S, N))
+        )
 
-        def solver(S: Any, N: Any, *points: Any) -> Any:
-            solve, other, calls = Signorini(S, N), wrong(Signorini)(S, N), count(1)
-            return lambda b: (other if next(calls) == call else solve)(b)
-
-        return replaced(setup, "problem.solver", replaced_by(solver))
-
-    return change
+    return depending("problem.solver", solver)
 
 
 # Time schemes that return wrong solutions.
@@ -259,11 +264,7 @@ def marching(march: Callable[[Any, Any, int], Iterator[Any]]) -> Replacement:
     Args:
         march: function that returns the wrong states, given the correct scheme, a problem and a number of time steps.
     """
-    return lambda scheme: SimpleNamespace(
-        name=scheme.name,
-        order=scheme.order,
-        march=lambda problem, steps: march(scheme, problem, steps),
-    )
+    return lambda scheme: SimpleNamespace(name=scheme.name, order=scheme.order, march=partial(march, scheme))
 
 
 def states(change: Callable[[Any, int, Any, int], Any]) -> Replacement:
@@ -273,11 +274,29 @@ def states(change: Callable[[Any, int, Any, int], Any]) -> Replacement:
         change: function that returns the changed state, given the state, its number, the problem and the number of time
             steps.
     """
+    return marching(
+        lambda scheme, problem, steps: (
+            change(state, n, problem, steps) for n, state in enumerate(scheme.march(problem, steps))
+        )
+    )
 
-    def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
-        return (change(state, n, problem, steps) for n, state in enumerate(scheme.march(problem, steps)))
 
-    return marching(march)
+def states_of_some(defective: Callable[[Any, int, Any, int], bool], **factors: float) -> Replacement:
+    """Deliberate defect: parts of some of the states that the time scheme of an experiment computes are too large.
+
+    Args:
+        defective: function that tells which states are changed. Its arguments are the experiment, the number of the
+            state, the problem that is solved and the number of time steps.
+        factors: name of an attribute of the state ↦ its factor.
+    """
+    return depending(
+        "scheme",
+        lambda setup: states(
+            lambda state, n, problem, steps: (
+                _times_parts(state, factors) if defective(setup, n, problem, steps) else state
+            )
+        ),
+    )
 
 
 def solving(alter: Callable[[SemiDiscrete], SemiDiscrete]) -> Replacement:
@@ -298,16 +317,9 @@ def state_off(which: str, halvings: int, **factors: float) -> Replacement:
             step is halved this many times has the defect.
         factors: name of an attribute of the state ↦ its factor.
     """
-
-    def change(setup: Any) -> Any:
-        defective = int(setup.steps * 2**halvings)
-
-        def changed(state: Any, n: int, problem: Any, steps: int) -> Any:
-            return _times_parts(state, factors) if steps == defective and n == node(which, steps) else state
-
-        return replaced(setup, "scheme", states(changed))
-
-    return change
+    return states_of_some(
+        lambda setup, n, _, steps: steps == int(setup.steps * 2**halvings) and n == node(which, steps), **factors
+    )
 
 
 def _times_parts(state: Any, factors: dict[str, float]) -> Any:
@@ -320,15 +332,9 @@ def rival_off(which: str) -> Replacement:
     Args:
         which: "first", "odd", "even" or "last", as for ``node``.
     """
-
-    def change(setup: Any) -> Any:
-        def changed(state: Any, n: int, problem: Any, steps: int) -> Any:
-            off = problem is not setup.problem and n == node(which, steps)
-            return _times_parts(state, {"u": 1.001}) if off else state
-
-        return replaced(setup, "scheme", states(changed))
-
-    return change
+    return states_of_some(
+        lambda setup, n, problem, steps: problem is not setup.problem and n == node(which, steps), u=1.001
+    )
 
 
 def displacement_off(which: str, right_first: int) -> Replacement:
@@ -338,18 +344,11 @@ def displacement_off(which: str, right_first: int) -> Replacement:
         which: "first", "odd", "even" or "last", as for ``node``.
         right_first: number of first calls of the scheme that have no defect.
     """
+    wrong = states(lambda state, n, _, steps: _times_parts(state, {"u": 10.0}) if n == node(which, steps) else state)
 
     def change(scheme: Any) -> Any:
-        calls = count()
-        wrong = states(
-            lambda state, n, _, steps: _times_parts(state, {"u": 10.0}) if n == node(which, steps) else state
-        )
-
-        def march(right: Any, problem: Any, steps: int) -> Iterator[Any]:
-            found: Iterator[Any] = (right if next(calls) < right_first else wrong(right)).march(problem, steps)
-            return found
-
-        return marching(march)(scheme)
+        march = in_calls(replaced_by(wrong(scheme).march), lambda call: call >= right_first)(scheme.march)
+        return overridden(wrong(scheme), march=march)
 
     return change
 
@@ -360,14 +359,10 @@ def coarse_forces(change: Callable[[Any], Any]) -> Replacement:
     Args:
         change: function that returns the wrong contact forces, given the correct ones.
     """
-
-    def changed(setup: Any) -> Any:
-        def alter(state: Any, n: int, problem: Any, steps: int) -> Any:
-            return replace(state, multipliers=change(state.multipliers)) if steps < setup.steps else state
-
-        return replaced(setup, "scheme", states(alter))
-
-    return changed
+    alter = lambda state: replace(state, multipliers=change(state.multipliers))  # noqa: E731
+    return depending(
+        "scheme", lambda setup: states(lambda state, n, _, steps: _when(steps < setup.steps, alter, state))
+    )
 
 
 def off_in_turns(forces: Any) -> Any:
@@ -375,44 +370,41 @@ def off_in_turns(forces: Any) -> Any:
     return forces + 0.01 * (-1.0) ** np.arange(len(forces)) * forces.max()
 
 
-def _last_state(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
-    *_, last = scheme.march(problem, steps)
-    yield last
+def one_step_behind(states: Iterator[Any]) -> Iterator[Any]:
+    """Return states, each with the displacement of the state before; the first state is unchanged."""
+    first, *others = states
+    return iter([first, *(replace(state, u=before.u) for before, state in pairwise((first, *others)))])
 
 
-def _one_behind(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
-    first, *states = scheme.march(problem, steps)
-    yield first
-    for before, state in pairwise((first, *states)):
-        yield replace(state, u=before.u)
-
-
-last_state, one_behind = marching(_last_state), marching(_one_behind)
+last_state = marching(lambda scheme, problem, steps: iter([*scheme.march(problem, steps)][-1:]))
+one_behind = marching(lambda scheme, problem, steps: one_step_behind(scheme.march(problem, steps)))
 without_residual = states(lambda state, *where: replace(state, residual=lambda: 0.0))
 no_viscosity = solving(lambda problem: replace(problem, M=0 * problem.M))
 no_elasticity = solving(lambda problem: replace(problem, reference=0 * problem.reference))
 swapped = solving(lambda problem: replace(problem, M=problem.reference, reference=problem.M))
 
 
-def companion_is_the_run(setup: Any) -> Any:
-    """Deliberate defect: the solution with time step k is copied from the solution with time step k/2.
+companion_is_the_run = depending(
+    "scheme",
+    lambda setup: marching(
+        lambda scheme, problem, steps: (
+            islice(scheme.march(problem, 2 * steps), 0, None, 2)
+            if steps == setup.steps
+            else scheme.march(problem, steps)
+        )
+    ),
+)
+"""Deliberate defect: the solution with time step k is copied from the solution with time step k/2.
 
-    The error of the time discretisation is estimated by the difference of the two solutions, which is now 0.
-    """
-
-    def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
-        halved = steps == setup.steps
-        return islice(scheme.march(problem, 2 * steps), 0, None, 2) if halved else scheme.march(problem, steps)
-
-    return replaced(setup, "scheme", marching(march))
+The error of the time discretisation is estimated by the difference of the two solutions, which is now 0.
+"""
 
 
-def every_other_state(companion: Function) -> Function:
-    """Deliberate defect: the stress solution with half as many time steps is copied from the one with all time steps.
+every_other_state = replaced_by(lambda experiment: islice(experiment.march(), 1, None, 2))
+"""Deliberate defect: the stress solution with half as many time steps is copied from the one with all time steps.
 
-    The error of the time discretisation is estimated by their difference, which is now 0.
-    """
-    return lambda experiment: islice(experiment.march(), 1, None, 2)
+The error of the time discretisation is estimated by their difference, which is now 0.
+"""
 
 
 # Defects of the data of an experiment.
@@ -428,9 +420,8 @@ def no_contact(problem: Any) -> Any:
     return replace(problem, N=problem.N[:0], gap=0.0, solver=freed(problem.solver))
 
 
-def constraint_relaxed(setup: Any) -> Any:
-    """Deliberate defect: the body may enter the foundation by √h, where h is the mesh size."""
-    return replaced(setup, "problem.solver", shifted_gap(math.sqrt(setup.space.h)))
+constraint_relaxed = depending("problem.solver", lambda setup: shifted_gap(math.sqrt(setup.space.h)))
+"""Deliberate defect: the body may enter the foundation by √h, where h is the mesh size."""
 
 
 def nearest_axis(N: Any) -> Any:
@@ -442,10 +433,8 @@ def nearest_axis(N: Any) -> Any:
     return N
 
 
-def load_late(setup: Any) -> Any:
-    """Deliberate defect: the load at time t is the load of the time step before, at t − k."""
-    k = setup.problem.T / setup.steps
-    return replaced(setup, "problem.load", lambda load: lambda t: load(max(t - k, 0.0)))
+load_late = depending("problem.load", lambda setup: lambda load: late(load, setup.problem.T / setup.steps))
+"""Deliberate defect: the load at time t is the load of the time step before, at t − k."""
 
 
 def contact_work_times(factor: float) -> Replacement:
@@ -453,9 +442,8 @@ def contact_work_times(factor: float) -> Replacement:
 
     The load of a case follows from its exact solution, and this term is part of it. Errors are measured correctly.
     """
-
-    wrong = other_contact_work(factor)(ErrorNorm)
-    return lambda setup: replaced(setup, "problem.load", replaced_by(wrong(setup.solution, setup.space).load))
+    v_norm = other_contact_work(factor)(ErrorNorm)
+    return depending("problem.load", lambda setup: replaced_by(v_norm(setup.solution, setup.space).load))
 
 
 def other_contact_work(factor: float) -> Replacement:
@@ -463,35 +451,23 @@ def other_contact_work(factor: float) -> Replacement:
 
     The replacement concerns the class ``ErrorNorm``, which measures errors and also computes loads.
     """
-
-    def make(v_norm: type[ErrorNorm]) -> Function:
-        def made(*given: Any) -> Any:
-            found = v_norm(*given)
-            right = found._contact_work
-            return overridden(found, _contact_work=lambda *amplitudes: factor * right(*amplitudes))
-
-        return made
-
-    return make
+    return result(lambda v_norm: overridden(v_norm, _contact_work=times(factor)(v_norm._contact_work)))
 
 
-def start_at_the_end(setup: Any) -> Any:
-    """Deliberate defect: the computation starts from the displacement at the final time instead of the initial one."""
-    return replaced(setup, "problem.u0", replaced_by(setup.v_norm.sample(setup.problem.T).interpolant))
+start_at_the_end = depending("problem.u0", lambda setup: replaced_by(setup.v_norm.sample(setup.problem.T).interpolant))
+"""Deliberate defect: the computation starts from the displacement at the final time instead of the initial one."""
 
 
-def start_outside(problem: Any) -> Any:
-    """Deliberate defect: the initial displacement moves parts of the contact boundary into the foundation."""
-    return replace(problem, u0=problem.u0 + 10 * problem.N.T @ np.ones(problem.N.shape[0]))
+start_outside = depending("u0", lambda problem: lambda u0: u0 + 10 * problem.N.T @ np.ones(problem.N.shape[0]))
+"""Deliberate defect: the initial displacement moves parts of the contact boundary into the foundation."""
 
 
-def start_at_projection(setup: Any) -> Any:
-    """Deliberate defect: the computation starts from the best approximation of the initial displacement.
+start_at_projection = depending("problem.u0", lambda setup: replaced_by(projection(setup, 0.0)))
+"""Deliberate defect: the computation starts from the best approximation of the initial displacement.
 
-    The correct start is the interpolant. The best approximation is the projection in the energy norm, for a viscosity
-    that is constant in space.
-    """
-    return replaced(setup, "problem.u0", replaced_by(projection(setup, 0.0)))
+The correct start is the interpolant. The best approximation is the projection in the energy norm, for a viscosity that
+is constant in space.
+"""
 
 
 def clamp_one_cell_short(setup: Any) -> Any:
@@ -525,11 +501,6 @@ def _v_norm(setup: Any, **methods: Any) -> Any:
     return replace(setup, v_norm=overridden(ErrorNorm(setup.solution, setup.space), **methods))
 
 
-def norm_of_l2(setup: Any) -> Any:
-    """Deliberate defect: errors are measured in the norm of L² instead of the energy norm."""
-    return _v_norm(setup, distance=_l2_distance(setup))
-
-
 def _l2_distance(setup: Any) -> Function:
     basis = Basis(setup.space.mesh, ElementTriP1(), intorder=DEGREE)
     exact = setup.solution.at(np.asarray(basis.global_coordinates()))
@@ -539,6 +510,10 @@ def _l2_distance(setup: Any) -> Function:
         return float(np.sqrt(np.sum((exact.displacement(sample.time) - computed) ** 2 * basis.dx)))
 
     return distance
+
+
+norm_of_l2 = depending("v_norm.distance", lambda setup: replaced_by(_l2_distance(setup)))
+"""Deliberate defect: errors are measured in the norm of L² instead of the energy norm."""
 
 
 def norm_of_h1(setup: Any) -> Any:
@@ -585,14 +560,11 @@ def interpolant_off(which: str) -> Replacement:
     Args:
         which: "first", "odd", "even" or "last", as for ``node``.
     """
-
     five = lambda found: replace(found, interpolant=5.0 * found.interpolant)  # noqa: E731
-
-    def change(setup: Any) -> Any:
-        at_node: Function = lambda time: np.isclose(time, _time(which, setup))  # noqa: E731
-        return replaced(setup, "v_norm.sample", lambda right: lambda time: _when(at_node(time), five, right(time)))
-
-    return change
+    return depending(
+        "v_norm.sample",
+        lambda setup: lambda right: lambda time: _when(np.isclose(time, _time(which, setup)), five, right(time)),
+    )
 
 
 def interpolation_error_off(which: str, factor: float) -> Replacement:
@@ -603,16 +575,11 @@ def interpolation_error_off(which: str, factor: float) -> Replacement:
         factor: the factor.
     """
 
-    def change(setup: Any) -> Any:
-        right = setup.v_norm.distance
+    def distance(setup: Any, right: Function, sample: Any, v: Any) -> float:
+        off = v is sample.interpolant and np.isclose(sample.time, _time(which, setup))
+        return float((factor if off else 1.0) * right(sample, v))
 
-        def distance(sample: Any, v: Any) -> float:
-            off = v is sample.interpolant and np.isclose(sample.time, _time(which, setup))
-            return float((factor if off else 1.0) * right(sample, v))
-
-        return replaced(setup, "v_norm.distance", replaced_by(distance))
-
-    return change
+    return depending("v_norm.distance", lambda setup: lambda right: partial(distance, setup, right))
 
 
 def _time(which: str, setup: Any) -> float:
@@ -638,14 +605,16 @@ def load_off(amount: Callable[[float], float]) -> Replacement:
 # Defects that make diagnostics, such as a residual, too small.
 
 
-def balance_alone(residual: Function) -> Function:
-    """Deliberate defect: the residual of a contact problem only tests the balance of forces.
+balance_alone = replaced_by(
+    lambda step, u, multipliers, b: float(
+        np.linalg.norm(step.S @ u + step.forces @ multipliers - b) / np.linalg.norm(b)
+    )
+)
+"""Deliberate defect: the residual of a contact problem only tests the balance of forces.
 
-    It ignores whether contact forces press or pull, whether they act only where the gap is closed, and whether the gap
-    is negative.
-    """
-    size = np.linalg.norm
-    return lambda step, u, multipliers, b: float(size(step.S @ u + step.forces @ multipliers - b) / size(b))
+It ignores whether contact forces press or pull, whether they act only where the gap is closed, and whether the gap
+is negative.
+"""
 
 
 def every_second_time(measure: Function) -> Function:
@@ -664,30 +633,11 @@ def every_second_time(measure: Function) -> Function:
     return found
 
 
-def at_the_last_time(parallelogram: Function) -> Function:
-    """Deliberate defect: the parallelogram law, which tests computed norms, is tested at the last time only."""
-    return lambda found: parallelogram(replace(found, history=found.history[:, -1:]))
+at_the_last_time = arguments(lambda found: (replace(found, history=found.history[:, -1:]),))
+"""Deliberate defect: the parallelogram law, which tests computed norms, is tested at the last time only."""
 
 
 # Defects of the comparison of the displacement formulation with the stress formulation on the same mesh.
-
-
-def stress_from_displacement(sides: Any) -> Any:
-    """Deliberate defect: the stress of the displacement formulation replaces the stress of the stress formulation.
-
-    The two stresses then agree perfectly, which proves nothing.
-    """
-    honest = sides.stresses(sides.displacements)
-    return replace(sides, stresses=lambda problem: Derived.compared(honest, problem))
-
-
-def compared_with_itself(sides: Any) -> Any:
-    """Deliberate defect: the displacement and the stress formulation are both given the same stress.
-
-    This stress follows from the computed displacement by the material law.
-    """
-    derived = Derived.compared(sides.stresses(sides.displacements), sides.displacements)
-    return replace(sides, stresses=lambda problem: derived)
 
 
 def stresses(change: Function) -> Replacement:
@@ -696,12 +646,26 @@ def stresses(change: Function) -> Replacement:
     Args:
         change: function that returns the wrong problem, given the correct one.
     """
+    return depending("stresses", lambda sides: returns(change(sides.stresses(sides.displacements))))
 
-    def changed(sides: Any) -> Any:
-        wrong = change(sides.stresses(sides.displacements))
-        return replace(sides, stresses=lambda problem: wrong)
 
-    return changed
+stress_from_displacement = depending(
+    "stresses", lambda sides: replaced_by(partial(Derived.compared, sides.stresses(sides.displacements)))
+)
+"""Deliberate defect: the stress of the displacement formulation replaces the stress of the stress formulation.
+
+The two stresses then agree perfectly, which proves nothing.
+"""
+
+
+compared_with_itself = depending(
+    "stresses",
+    lambda sides: returns(Derived.compared(sides.stresses(sides.displacements), sides.displacements)),
+)
+"""Deliberate defect: the displacement and the stress formulation are both given the same stress.
+
+This stress follows from the computed displacement by the material law.
+"""
 
 
 def stress_march(change: Callable[[Iterator[Any], int], Iterator[Any]]) -> Replacement:
@@ -725,27 +689,16 @@ def step_times(which: str, **factors: float) -> Replacement:
     )
 
 
-def _displacement_late(states: Iterator[Any], steps: int) -> Iterator[Any]:
-    before = None
-    for state in states:
-        yield state if before is None else replace(state, u=before)
-        before = state.u
-
-
 stress_gaps = stresses(lambda problem: replace(problem, N=problem.N[::2]))
-displacement_late = stress_march(_displacement_late)
-stress_load_late = stresses(
-    lambda problem: replaced(problem, "load", lambda load: lambda t: load(max(t - problem.space.body.T / 8, 0.0)))
-)
+displacement_late = stress_march(lambda states, steps: one_step_behind(states))
+stress_load_late = stresses(depending("load", lambda problem: lambda load: late(load, problem.space.body.T / 8)))
 
 
 # Defects of the stress formulation when it is solved without displacements, on a stress space of equilibrium elements.
 
 
-def law_swapped(setup: Any) -> Any:
-    """Deliberate defect: the viscosity and the elasticity tensor are swapped in the stress formulation."""
-    law = setup.data.law
-    return replaced(setup, "data.law", replaced_by(replace(law, A=law.G, G=law.A)))
+law_swapped = depending("data.law", lambda setup: lambda law: replace(law, A=law.G, G=law.A))
+"""Deliberate defect: the viscosity and the elasticity tensor are swapped in the stress formulation."""
 
 
 def no_surface_load(part: Any, x: Any) -> Function:
@@ -753,11 +706,11 @@ def no_surface_load(part: Any, x: Any) -> Function:
     return lambda time: np.zeros((*x.shape, *np.shape(time)))
 
 
-def surface_load_late(setup: Any) -> Any:
-    """Deliberate defect: the traction at time t is the traction of the time step before, at t − k."""
-    k = setup.data.body.T / setup.steps
-    late = lambda right: lambda part, x: lambda time: right(part, x)(np.maximum(time - k, 0.0))  # noqa: E731
-    return replaced(setup, "data.surface_load", late)
+surface_load_late = depending(
+    "data.surface_load",
+    lambda setup: lambda right: lambda part, x: late(right(part, x), setup.data.body.T / setup.steps),
+)
+"""Deliberate defect: the traction at time t is the traction of the time step before, at t − k."""
 
 
 def without_viscosity(velocities: Function) -> Function:
@@ -765,10 +718,10 @@ def without_viscosity(velocities: Function) -> Function:
     return lambda *given: ((state, 0 * velocity) for state, velocity in velocities(*given))
 
 
-def companion_off(companion: Function) -> Function:
-    """Deliberate defect: in the computation with half as many time steps, one stress is five times too large."""
-    five = lambda state: replaced(state, "stress.values", lambda values: 5 * values)  # noqa: E731
-    return lambda setup: (_when(n == 2, five, state) for n, state in enumerate(companion(setup)))
+companion_off = items(
+    lambda n, state, _: replaced(state, "stress.values", lambda stress: (5 if n == 2 else 1) * stress)
+)
+"""Deliberate defect: in the computation with half as many time steps, one stress is five times too large."""
 
 
 def inadmissible_once(kind: str, call: int) -> Replacement:
@@ -780,7 +733,7 @@ def inadmissible_once(kind: str, call: int) -> Replacement:
         call: number of the time step. The violation is this number of thousandths of the largest traction.
     """
 
-    def spoiled(space: Any, state: Any) -> Any:
+    def spoiled(space: Any, state: Any) -> tuple[Any, Any]:
         tractions = state.stress.tractions.copy()
         where = {"misses f_2": Kind.LOADED, "tangential": Kind.CONTACT, "pulls": Kind.CONTACT}
         on = np.flatnonzero(space.mesh.f2t[1] >= 0) if kind == "jumps" else space.on(where[kind])[0][1]
@@ -790,13 +743,9 @@ def inadmissible_once(kind: str, call: int) -> Replacement:
             tractions[cell, side, :, 0] = little
         else:
             tractions[cell, side, :, 1] += little
-        return replaced(state, "stress.tractions", replaced_by(tractions))
+        return space, replaced(state, "stress.tractions", replaced_by(tractions))
 
-    def wrong(inadmissible: Function) -> Function:
-        calls = count()
-        return lambda space, state: inadmissible(space, spoiled(space, state) if next(calls) == call else state)
-
-    return wrong
+    return in_calls(arguments(spoiled), lambda n: n == call)
 
 
 # Defects of finite-element spaces and meshes.
@@ -830,9 +779,8 @@ def off_contact(right: Space) -> dict[str, Any]:
     return {"N": sps.csr_array(sps.vstack([right.N[:-1], row]))}
 
 
-def ungraded(graded: Function) -> Function:
-    """Deliberate defect: meshes that should be finer at a corner are not."""
-    return lambda family, body, n: Unstructured()(body, n)
+ungraded = replaced_by(lambda family, body, n: Unstructured()(body, n))
+"""Deliberate defect: meshes that should be finer at a corner are not."""
 
 
 def over_vertices(h1_product: Function) -> Function:
@@ -843,14 +791,15 @@ def over_vertices(h1_product: Function) -> Function:
 # Defects of material laws.
 
 
+@dataclass(frozen=True)
 class Misstated:
     """A changed operator of a material law that still states the constants of the correct operator.
 
     Such constants are for example the ellipticity constant and the Lipschitz constant.
     """
 
-    def __init__(self, right: Any, change: Replacement) -> None:
-        self.right, self.change = right, change
+    right: Any
+    change: Replacement
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.right, name)
@@ -930,28 +879,16 @@ def no_work_on_loaded(work_on: Function) -> Function:
     return lambda kind, *given: (0.0 if kind is Kind.LOADED else 1.0) * work_on(kind, *given)
 
 
-def no_rate(on_cells: Function) -> Function:
-    """Deliberate defect: computed stresses lack the viscous part, which depends on the strain rate."""
-
-    def found(*given: Any) -> Any:
-        right = on_cells(*given)
-        return SimpleNamespace(stress=lambda rate, strain: right.stress(0 * rate, strain))
-
-    return found
+no_rate = result(lambda cells: SimpleNamespace(stress=arguments(lambda rate, strain: (0 * rate, strain))(cells.stress)))
+"""Deliberate defect: computed stresses lack the viscous part, which depends on the strain rate."""
 
 
-def half_a_step_late(discrete_stresses: Function) -> Function:
-    """Deliberate defect: computed stresses are compared with exact ones half a time step later."""
-    return lambda setup: (
-        (time + setup.problem.T / setup.steps / 2, stress) for time, stress in discrete_stresses(setup)
-    )
+half_a_step_late = items(lambda n, pair, setup: (pair[0] + setup.problem.T / setup.steps / 2, pair[1]))
+"""Deliberate defect: computed stresses are compared with exact ones half a time step later."""
 
 
-def stress_off_at_an_instant(discrete_stresses: Function) -> Function:
-    """Deliberate defect: the computed stress is ten times too large at the fifth of the times."""
-    return lambda setup: (
-        (time, (10 if n == 4 else 1) * stress) for n, (time, stress) in enumerate(discrete_stresses(setup))
-    )
+stress_off_at_an_instant = items(lambda n, pair, _: (pair[0], (10 if n == 4 else 1) * pair[1]))
+"""Deliberate defect: the computed stress is ten times too large at the fifth of the times."""
 
 
 def exact_displacement(change: Function, time: float | None = None) -> Replacement:
@@ -961,7 +898,7 @@ def exact_displacement(change: Function, time: float | None = None) -> Replaceme
         change: function that returns the wrong displacement, given the correct one.
         time: the time at which it is changed, relative to the final time; None for all times.
     """
-    return lambda over_time: lambda trace, solution: over_time(trace, _changed(solution, "displacement", time, change))
+    return arguments(lambda trace, solution: (trace, _changed(solution, "displacement", time, change)))
 
 
 def exact_solution(method: str, time: float, change: Function) -> Replacement:
@@ -976,15 +913,11 @@ def exact_solution(method: str, time: float, change: Function) -> Replacement:
 
 
 def _changed(solution: Any, method: str, time: float | None, change: Function) -> Any:
-    def at(x: Any) -> Any:
-        right = getattr(solution.at(x), method)
+    def evaluated(right: Function, *given: Any) -> Any:
+        return _when(time is None or np.isclose(given[-1], time * solution.body.T), change, right(*given))
 
-        def evaluated(*given: Any) -> Any:
-            return _when(time is None or np.isclose(given[-1], time * solution.body.T), change, right(*given))
-
-        return SimpleNamespace(**{method: evaluated})
-
-    return SimpleNamespace(body=solution.body, at=at)
+    fields = result(lambda at_x: SimpleNamespace(**{method: partial(evaluated, getattr(at_x, method))}))
+    return SimpleNamespace(body=solution.body, at=fields(solution.at))
 
 
 def interpolant_late(sample: Function) -> Function:
@@ -1017,29 +950,29 @@ def opposite_work(compare: Function) -> Function:
     return found
 
 
-def random_only(quotients: Function) -> Function:
-    """Deliberate defect: a largest quotient is searched among random pairs only.
+random_only = result(lambda quotients: islice(quotients, 10))
+"""Deliberate defect: a largest quotient is searched among random pairs only.
 
-    The correct search continues from these pairs to the worst pair.
-    """
-    return lambda *given: islice(quotients(*given), 10)
-
-
-def cut_off(projected: Function) -> Function:
-    """Deliberate defect: the projection onto the admissible displacements does not minimise the energy norm.
-
-    Instead, it sets positive normal displacements at vertices of the contact boundary to 0.
-    """
-    products: Function = lambda N: (N @ N.T).toarray()  # noqa: E731
-    return lambda problem, u: u - problem.N.T @ np.linalg.solve(products(problem.N), np.maximum(problem.N @ u, 0.0))
+The correct search continues from these pairs to the worst pair.
+"""
 
 
-def law_alone(pair: Any) -> Any:
-    """Deliberate defect: the computed stress follows from the displacement by the material law alone.
+cut_off = replaced_by(
+    lambda problem, u: (
+        u - problem.N.T @ np.linalg.solve((problem.N @ problem.N.T).toarray(), np.maximum(problem.N @ u, 0.0))
+    )
+)
+"""Deliberate defect: the projection onto the admissible displacements does not minimise the energy norm.
 
-    This stress does not balance the loads, as it must in the tested identity.
-    """
-    return lambda *given: overridden(pair(*given), bound=0.0, distance=0.0)
+Instead, it sets positive normal displacements at vertices of the contact boundary to 0.
+"""
+
+
+law_alone = result(lambda pair: overridden(pair, bound=0.0, distance=0.0))
+"""Deliberate defect: the computed stress follows from the displacement by the material law alone.
+
+This stress does not balance the loads, as it must in the tested identity.
+"""
 
 
 def rival(name: str, solver: Any) -> Replacement:
@@ -1066,15 +999,12 @@ def rival_stress_off(stresses: Function) -> Function:
 
     The other solvers are compared with the solver of the study, ``Signorini``.
     """
-    return lambda setup: [
-        (1.001 if n == 6 and setup.solver is not Signorini else 1.0) * stress
-        for n, stress in enumerate(stresses(setup))
-    ]
+    off = items(lambda n, stress, setup: (1 + 0.001 * (n == 6 and setup.solver is not Signorini)) * stress)
+    return result(list)(off(stresses))  # type: ignore[no-any-return]
 
 
-def unweighted(facet_rule: Function) -> Function:
-    """Deliberate defect: integrals over boundary edges are sums over quadrature points without weights."""
-    return result(lambda rule: replace(rule, weights=1 + 0 * rule.weights))(facet_rule)  # type: ignore[no-any-return]
+unweighted = result(lambda rule: replace(rule, weights=1 + 0 * rule.weights))
+"""Deliberate defect: integrals over boundary edges are sums over quadrature points without weights."""
 
 
 def body_load_off(right: Function) -> Function:
@@ -1092,7 +1022,7 @@ def known_error(call: int, factor: float) -> Replacement:
         call: number of this time, counted from 0.
         factor: the factor.
     """
-    return result(lambda error: in_one_call(call, lambda value: factor * value)(error))
+    return result(in_one_call(call, lambda value: factor * value))
 
 
 def larger(*names: str) -> Function:
@@ -1100,24 +1030,19 @@ def larger(*names: str) -> Function:
     return lambda course: _times_parts(course, dict.fromkeys(names, 1e6))
 
 
-def load_of_before(euler: Function) -> Function:
-    """Deliberate defect: backward Euler at time t uses the load at time t − T/8, where T is the final time."""
-    return lambda problem, times: euler(
-        replace(problem, load=lambda t: problem.load(max(t - problem.T / 8, 0.0))), times
-    )
+load_of_before = arguments(lambda problem, times: (replace(problem, load=late(problem.load, problem.T / 8)), times))
+"""Deliberate defect: backward Euler at time t uses the load at time t − T/8, where T is the final time."""
 
 
-def norm_of_nodal_values(furthest: Function) -> Function:
-    """Deliberate defect: the distance of two solutions is measured in nodal values instead of the energy norm.
+norm_of_nodal_values = replaced_by(lambda problem, one, other: float(np.linalg.norm(one - other, axis=1).max()))
+"""Deliberate defect: the distance of two solutions is measured in nodal values instead of the energy norm.
 
-    It is the largest Euclidean norm, over all times, of the differences of nodal values.
-    """
-    return lambda problem, one, other: float(np.linalg.norm(one - other, axis=1).max())
+It is the largest Euclidean norm, over all times, of the differences of nodal values.
+"""
 
 
-def constant_halved(bounds: Function) -> Function:
-    """Deliberate defect: error bounds of backward Euler use half of the Lipschitz constant ``kappa``."""
-    return lambda flow, kappa, growth: bounds(flow, kappa / 2, growth)
+constant_halved = arguments(lambda flow, kappa, growth: (flow, kappa / 2, growth))
+"""Deliberate defect: error bounds of backward Euler use half of the Lipschitz constant ``kappa``."""
 
 
 def always_steps(most: int) -> Replacement:
@@ -1135,6 +1060,5 @@ def always_steps(most: int) -> Replacement:
     )
 
 
-def near_vertices(spikes: Function) -> Function:
-    """Deliberate defect: a field with spikes at vertices is shifted by an eighth of the smallest spike radius."""
-    return lambda x, last: spikes(x + 4.0**-last / 8, last)
+near_vertices = arguments(lambda x, last: (x + 4.0**-last / 8, last))
+"""Deliberate defect: a field with spikes at vertices is shifted by an eighth of the smallest spike radius."""

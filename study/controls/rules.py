@@ -54,7 +54,12 @@ def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
                     sorted(text for case, text in some if verdict.case in (case, ALL)) for some in settings
                 )
                 if measured == wanted and verdict.verdict not in UNCLAIMED:
-                    found[row_of(verdict)] = fingerprint([_texts(verdict), measured])
+                    # The name of the mesh family is left out, because it contains the seed. Numbers have six digits,
+                    # which are the same on all machines.
+                    quantity = verdict.quantity.removesuffix(f", {verdict.family} meshes")
+                    numbers = verdict.observed, verdict.low, verdict.high, verdict.window_low, verdict.window_high
+                    texts = [*row_of(verdict), quantity, verdict.expected, verdict.verdict]
+                    found[row_of(verdict)] = fingerprint([[*texts, *(f"{one:.6g}" for one in numbers)], measured])
     return found
 
 
@@ -84,17 +89,6 @@ def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
             chance = np.array([int(digits[:8], 16) / 2**31 - 1 for digits in hashes])
             found[column] = size * np.exp(SCATTER * chance)
     return found
-
-
-def _texts(verdict: Verdict) -> list[str]:
-    """Return the texts and numbers of a verdict for its fingerprint.
-
-    The name of the mesh family is left out, because it contains the seed. Numbers have six digits, which are the same
-    on all machines.
-    """
-    words = [*row_of(verdict), verdict.quantity.removesuffix(f", {verdict.family} meshes"), verdict.expected]
-    numbers = verdict.observed, verdict.low, verdict.high, verdict.window_low, verdict.window_high
-    return [*words, verdict.verdict, *(f"{number:.6g}" for number in numbers)]
 
 
 def _settings(plan: Plan, statement: Statement) -> list[tuple[str, str]]:

@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 
 from study.controls import table
 from study.controls.baselines import Baseline
-from study.controls.control import Control
+from study.controls.control import Control, patched
 from study.ledger.files import write_text
 from study.ledger.text import cell, is_narrow
 from study.ledger.verdict import FAILS, HOLDS, Verdict
@@ -194,7 +194,7 @@ def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict
     """Measure in a setting, with the defect of ``control`` if one is given, and return the checks."""
     if control is None:
         return setting.verdicts(lambda measured: measured)
-    with control.patched():
+    with patched(control.changes):
         return setting.verdicts(control)
 
 

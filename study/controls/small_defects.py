@@ -80,18 +80,7 @@ def changed(place: str, change: Callable[[Any, float], Any]) -> Callable[[Experi
     return lambda setup, amount: replaced(setup, place, lambda right: change(right, amount))
 
 
-def shear(tensor: Linear) -> Array:
-    """Return the shear part 2μ I of an isotropic tensor with the shear modulus μ, (D, D)."""
-    return (tensor.matrix[0, 0] - tensor.matrix[0, 1]) * np.eye(len(tensor.matrix))
-
-
-def bulk(tensor: Linear) -> Array:
-    """Return the volumetric part λ 1 ⊗ 1 of an isotropic tensor with the first Lamé constant λ, (D, D)."""
-    unit = identity(tensor.dim)
-    return tensor.matrix[0, 1] * np.multiply.outer(unit, unit)
-
-
-def modulus(matrix: str, tensor: str, part: Callable[[Linear], Array]) -> Callable[[Experiment, float], Experiment]:
+def modulus(matrix: str, tensor: str, name: str) -> Callable[[Experiment, float], Experiment]:
     """Return a function for ``SmallDefect.apply`` that makes an elastic or viscous modulus too large.
 
     With the relative size δ, the solver uses 1 + δ times the modulus; the exact solution is unchanged.
@@ -100,12 +89,14 @@ def modulus(matrix: str, tensor: str, part: Callable[[Linear], Array]) -> Callab
         matrix: the matrix that the solver builds from the tensor: "M" for the viscosity A, "reference" for the
             elasticity G.
         tensor: "A" or "G".
-        part: function that returns the part of the tensor that is proportional to the modulus, (D, D).
+        name: "μ" for the shear modulus, "λ" for the first Lamé constant of the isotropic tensor.
     """
 
     def apply(setup: Experiment, amount: float) -> Experiment:
         law: Linear = getattr(setup.solution.law, tensor)
-        wrong = amount * setup.space.form(part(law), means(setup.space, law.factor))
+        unit, lam = identity(law.dim), law.matrix[0, 1]
+        parts = {"μ": (law.matrix[0, 0] - lam) * np.eye(len(law.matrix)), "λ": lam * np.multiply.outer(unit, unit)}
+        wrong = amount * setup.space.form(parts[name], means(setup.space, law.factor))
         altered = solving(lambda problem: replaced(problem, matrix, lambda right: right + wrong))
         return replaced(setup, "scheme", altered)
 
@@ -119,10 +110,10 @@ DEFECTS = (
     SmallDefect("body force f_0", loaded_by(body_force)),
     SmallDefect("contact load", loaded_by(contact_load)),
     SmallDefect("contact force λ", changed("problem.solver", lambda right, amount: forces_times(1 + amount)(right))),
-    SmallDefect("μ of A", modulus("M", "A", shear)),
-    SmallDefect("λ of A", modulus("M", "A", bulk)),
-    SmallDefect("μ of G", modulus("reference", "G", shear)),
-    SmallDefect("λ of G", modulus("reference", "G", bulk)),
+    SmallDefect("μ of A", modulus("M", "A", "μ")),
+    SmallDefect("λ of A", modulus("M", "A", "λ")),
+    SmallDefect("μ of G", modulus("reference", "G", "μ")),
+    SmallDefect("λ of G", modulus("reference", "G", "λ")),
     START,
     SmallDefect("time t", changed("problem.load", lambda load, amount: lambda time: load((1 - amount) * time))),
 )

@@ -26,6 +26,8 @@ _FORTRAN = re.compile(r"(?<=[\d.])[dDqQ](?=[-+]?\d)")
 _NO_LETTER = re.compile(r"([-+]?\d*\.\d+)([-+]\d{3})")
 _GROUPED = re.compile(r"[-+]?\d{1,3}(?:[ '’]\d{3})+(?:\.\d*)?")
 _POINTS_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}(?:\.\d{3})+")
+WHOLE = re.compile(r"\d+(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+")
+"""Matches a whole number, also as pandas writes it in a table of floats: 512, 512.0, 1 024, 1,024."""
 ALONG_SIDES = re.compile(r"(\d+)(?:\s*[x×]\s*\1)+")
 _POWER_IN_BRACKETS = re.compile(r"^([-+]?\d*\.?\d+)\(([-+]\d{1,3})\)")
 _REMARK = re.compile(r"(.*[\d.%])\s*(?:\([^()]*\)|±.*|\+/-.*|\\pm.*)")
@@ -99,12 +101,17 @@ def uses_decimal_commas(cells: list[str]) -> bool | None:
 
 # Patterns for names of columns.
 
-_COUNTED = r"cells|elements|elems?|dofs?|unknowns|nodes|points|vertices|degrees of freedom|grid ?points"
+_COUNTED = (
+    r"cells|elements|elems?|dofs?|unknowns|nodes|points|vertices|degrees of freedom|grid ?points|"
+    r"zellen|elemente|knoten|punkte|unbekannte|freiheitsgrade|mailles|cellules|[ée]l[ée]ments|n(?:oe|œ)uds|inconnues|ddl|"
+    r"celdas|elementos|nodos|inc[óo]gnitas|celle|elementi|nodi|incognite"
+)
+_NUMBER_OF = r"n|number of|no of|total|anzahl(?: der)?|(?:nombre|nb|n[úu]mero)(?: de?| di)?"
 _KINDS = {
     "size": r"hs?|h ?max|h ?min|max ?h|lc|d[xyz]|δ ?[xyz]|delta ?[xyz]|(?:mesh|grid|cell|element) "
     r"?(?:size|width|spacing)(?: hs?)?|spacing|resolution (?:k?m|deg)|1/n",
     "count": r"ns?|n ?[xyz] ?[1-3]?|1/h|resolution|cells per (?:side|unit length|direction)",
-    "total": rf"(?:n |n|number of |no of |total )?(?:(?:active )?(?:{_COUNTED}))(?: total)?",
+    "total": rf"(?:(?:{_NUMBER_OF}) |n)?(?:(?:active )?(?:{_COUNTED}))(?: total)?",
     "step": r"dt|δ ?t|delta ?t|tau|τ|(?:time ?step(?: size)?|step ?size)(?: (?:dt|δ ?t|τ|tau))?",
     "level": r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|refinements?|refine",
 }
@@ -119,7 +126,9 @@ _ERROR = r"err|fehler|erreur|norm|l ?(?:1|2|inf|∞)\b|h ?[12]\b|linf|l∞|rmse|
 _OTHER = (
     r"\b(?:time|times|cpu|wall|runtime|elapsed|seconds|mem|memory|cond|condition|kappa|nnz|iter|iters|iteration|iterations|"
     r"its|niter|newton|cg|gmres|degree|deg|cfl|speedup|efficiency|effectivity|procs|cores|ranks|threads|index|row|id|seed|"
-    r"steps?|cells|dofs?|ndofs?|elements|nodes|points|step|mesh|grid)\b|^(?:t|i|j|k|#|no|nr|)$"
+    r"steps?|cells|dofs?|ndofs?|elements|nodes|points|step|mesh|grid|"
+    r"\w*(?:zeit|dauer|iterationen|schritte)|temps|dur[ée]e|it[ée]rations|tiempo|iteraciones|tempo|iterazioni)\b|"
+    r"^(?:t|i|j|k|#|no|nr|)$"
 )
 _THEORY = r"\b(?:expected|theory|theoretical|predicted)\b"
 

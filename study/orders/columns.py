@@ -10,9 +10,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from .cells import ALONG_SIDES, SIZES, role, to_number
+from .cells import ALONG_SIDES, SIZES, WHOLE, role, to_number
 from .reading import RawTable, read_tables
 from .sequences import SAME_SIZE, OrderError, consecutive_orders
+
+GROWING = "growing"
+"""Role of a column of whole numbers that do not fall as the mesh gets finer."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,12 @@ class Series:
     def recognised(self) -> str:
         """One line about how the table was read: its form, the mesh sizes, the errors and the ignored columns."""
         ignored = f"; ignored: {', '.join(self.ignored)}" if self.ignored else ""
+        growing = ",".join(name for name, kind in self.ignored.items() if kind == GROWING)
+        if growing:
+            ignored += (
+                f" (the whole numbers of {growing} do not fall as h falls, so they are taken as numbers of cells, "
+                f"iterations or seconds; --columns '{growing}' judges them as errors)"
+            )
         return f"read as {self.form}; size: {self.size}; errors: {', '.join(self.errors)}{ignored}"
 
 
@@ -120,7 +129,10 @@ class Columns:
         for name, original in zip(self.names, table.names, strict=True):
             self.roles[name] = self._role_by_numbers(name, original)
         self.size = self._size_column()
-        self.errors = [name for name in self.names if self._is_error(name)]
+        self.roles |= {name: GROWING for name in self.names if self.roles[name] == "unknown" and self._grows(name)}
+        filled = [name for name, values in self.values.items() if any(value is not None for value in values)]
+        recognised = [name for name in filled if self.roles[name] in ("error", "unknown") and name != self.size]
+        self.errors = [name for name in self.names if name in options.columns] if options.columns else recognised
 
     def _role_by_numbers(self, name: str, original: str) -> str:
         """Return the role of a column, guessed from its name and corrected by its numbers.
@@ -138,17 +150,23 @@ class Columns:
         if kind == "count" and numbers in _indices(len(numbers)):
             sizes = [other for other in self.names if other != name and self.roles[other] in ("size", "count", "total")]
             return "other" if sizes else kind
-        if kind == "unknown" and all(cell.strip().isdigit() for cell in self.cells[name]):
-            steps = np.diff([math.nan if value is None else value for value in numbers])
-            if len(steps) and ((steps > 0).all() or ((steps == 0).all() and numbers[0])):
-                return "other"
         return kind
 
-    def _is_error(self, name: str) -> bool:
-        if self.options.columns:
-            return name in self.options.columns
-        filled = any(value is not None for value in self.values[name])
-        return self.roles[name] in ("error", "unknown") and name != self.size and filled
+    def _grows(self, name: str) -> bool:
+        """Return whether a column has whole numbers that do not fall as the mesh gets finer, and that are not all 0.
+
+        Numbers of cells and unknowns, iterations and seconds grow in this way, whatever their name and its language.
+        Only numbers without decimal point and exponent count, so that a growing error such as 2.0e+3 is judged.
+        """
+        cells, values = self.cells[name], np.array(self.values[name], dtype=float)
+        if len(values) < 2 or not values.any() or not all(WHOLE.fullmatch(cell.strip()) for cell in cells):
+            return False
+        if self.size is not None:
+            sizes = np.array(self.values[self.size], dtype=float)
+            kind = self.roles[self.size]
+            counts = kind in ("count", "total") or (kind not in SIZES and (sizes > 1).all())
+            values = values[np.argsort(sizes if counts else -sizes, kind="stable")]
+        return bool((np.diff(values) >= 0).all())
 
     def _size_column(self) -> str | None:
         """Return the name of the column of mesh sizes; None if there is none."""

@@ -664,15 +664,15 @@ def _lists(lines: list[Line]) -> list[RawTable]:
         count = sum(other == name or other.startswith(f"{name} (") for other in groups[-1])
         groups[-1][f"{name} ({count + 1})" if count else name] = values
     alone = _LIST.fullmatch(text.strip(" ;\n")) is not None
-    return [_from_lists(columns, lines[0].number) for columns in groups if len(columns) > 1 or (alone and columns)]
-
-
-def _from_lists(columns: dict[str, list[str]], line: int) -> RawTable:
-    length = max(map(len, columns.values()))
-    if min(map(len, columns.values())) < length - 1:
-        sizes = ", ".join(f"{name} has {len(values)}" for name, values in columns.items())
-        raise OrderError(f"lists of different lengths: {sizes}; expected one value for each mesh in every list")
-    return _from_columns("lists", {name: [""] * (length - len(v)) + v for name, v in columns.items()}, line)
+    tables = []
+    for columns in (columns for columns in groups if len(columns) > 1 or (alone and columns)):
+        longest = max(map(len, columns.values()))
+        if min(map(len, columns.values())) < longest - 1:
+            sizes = ", ".join(f"{name} has {len(values)}" for name, values in columns.items())
+            raise OrderError(f"lists of different lengths: {sizes}; expected one value for each mesh in every list")
+        filled = {name: [""] * (longest - len(values)) + values for name, values in columns.items()}
+        tables.append(_from_columns("lists", filled, lines[0].number))
+    return tables
 
 
 _PAIR = re.compile(

@@ -77,15 +77,16 @@ def as_json(judged: Judged) -> list[dict[str, Any]]:
         table = {key: getattr(series, key) for key in ("caption", "form", "label", "size", "ignored")}
         for result in results:
             entry = asdict(result)
-            found.append(_finite(entry | entry.pop("expectation") | {"table": table}))
+            found.append(finite(entry | entry.pop("expectation") | {"table": table}))
     return found
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """Return nested data with None in place of numbers that are not finite, which JSON cannot write."""
     if isinstance(value, dict):
-        return {key: _finite(entry) for key, entry in value.items()}
+        return {key: finite(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(entry) for entry in value]
+        return [finite(entry) for entry in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

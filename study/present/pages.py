@@ -447,7 +447,8 @@ def _judged(rows: pd.DataFrame, noun: str) -> str:
         return REPORTED
     holding = rows[rows["verdict"] == HOLDS].apply(kind, axis=1) if count[HOLDS] else pd.Series(dtype=str)
     safe = int((~holding.isin(CAN_FAIL)).sum())
-    them = "they" if safe == len(rows) else f"{safe} of them"
+    # "They" are all checks that the sentence counts; rows without a verdict are not counted.
+    them = "they" if safe == sum(count[verdict] for verdict in CLAIMED) else f"{safe} of them"
     rest = f"; {them} can fail only if the program is wrong" if safe else ""
     return f"{worst[0]}: {verdicts_in_words(rows, noun)}{rest}"
 

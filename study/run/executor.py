@@ -352,12 +352,10 @@ def identity(references: Sequence[str]) -> dict[str, str]:
     """
     for cached in (resolve, resolve_problem, problem):
         cached.cache_clear()
-    problems = {reference: _problem(reference) for reference in references}
+    problems = {}
+    for reference in references:
+        try:
+            problems[reference] = problem(reference)
+        except UsageError as error:
+            problems[reference] = str(error)
     return {**versions(), "study": version("signorini-study"), "code": code_hash(), **problems}
-
-
-def _problem(reference: str) -> str:
-    try:
-        return problem(reference)
-    except UsageError as error:
-        return str(error)

@@ -46,8 +46,10 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
         plan: the plan of the run.
         directory: the result directory, to which the paths of users' cases are relative.
     """
-    scope = plan.scope
-    names = [relative_reference(name, directory) for name in scope.cases]
+    scope, names = plan.scope, []
+    for reference in scope.cases:
+        file, colon, name = reference.rpartition(":")
+        names.append(f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference)
     own = {name: describe(case) for name, case in zip(names, scope.resolved(), strict=True) if ":" in name}
     return {
         "format": FORMAT,
@@ -165,7 +167,11 @@ class Expectation:
                 f"`{made_by(directory)}` with the same options writes it again; finished measurements are kept"
             )
         scope, own = record["scope"], record["own_cases"]
-        references = [resolve_path(reference, directory) for reference in scope["cases"]]
+        references: list[str | None] = []
+        for reference in scope["cases"]:
+            file, colon, name = reference.rpartition(":")
+            path = (directory / file).resolve()
+            references.append(reference if not colon else f"{path}:{name}" if path.is_file() else None)
         cases = [resolve(reference) if reference else None for reference in references]
         lines = [describe(case) if case else own[name] for case, name in zip(cases, scope["cases"], strict=True)]
         plan = None if None in references else Plan.of(read_scope({**scope, "cases": tuple(references)}))
@@ -175,39 +181,6 @@ class Expectation:
     def gone(self) -> set[str]:
         """The names of users' cases whose files no longer exist."""
         return {str(line["case"]) for line in self.lines} - set(self.cases)
-
-    def proposition(self, case: str) -> str:
-        """Return the proposition whose assumptions a case satisfies; an empty text if the case is not in the run."""
-        statements = [line["statements"] for line in self.lines if line["case"] == case]
-        return str(statements[0]).partition(", ")[0] if statements else ""
-
-
-def relative_reference(reference: str, directory: Path) -> str:
-    """Return a case FILE.py:NAME with its path relative to a directory.
-
-    The name of a case of the catalogue is returned unchanged.
-    """
-    file, colon, name = reference.rpartition(":")
-    return f"{Path(os.path.relpath(file, directory)).as_posix()}:{name}" if colon else reference
-
-
-def resolve_path(reference: str, directory: Path) -> str | None:
-    """Return a case FILE.py:NAME with its full path.
-
-    The name of a case of the catalogue is returned unchanged.
-
-    Parameters:
-        reference: the case; its path is relative to ``directory``.
-        directory: the result directory.
-
-    Returns:
-        The case, or None if its file no longer exists.
-    """
-    file, colon, name = reference.rpartition(":")
-    if not colon:
-        return reference
-    path = (directory / file).resolve()
-    return f"{path}:{name}" if path.is_file() else None
 
 
 def read_scope(values: Mapping[str, Any]) -> Scope:

@@ -81,35 +81,23 @@ def breaches(file: str, table: pd.DataFrame, column: str, holds: pd.Series, expe
         yield Breach(file, int(row), column, table[column].iloc[row], str(expected.iloc[row]))
 
 
-def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series, room: float = DIGITS) -> Iterator[Breach]:
+def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series) -> Iterator[Breach]:
     """Yield the cells of a column that differ from their expected values.
 
     Parameters:
         file, table, column: name and content of the file, and the column.
         expected: the expected values; NaN if the cell must be empty.
-        room: relative and absolute tolerance.
     """
     stands, wanted = table[column].to_numpy(dtype=float), expected.to_numpy(dtype=float)
-    holds = pd.Series(np.isclose(stands, wanted, rtol=room, atol=room, equal_nan=True))
+    holds = pd.Series(np.isclose(stands, wanted, rtol=DIGITS, atol=DIGITS, equal_nan=True))
     yield from breaches(file, table, column, holds, expected.map("{:.12g}".format))
-
-
-def at_most(file: str, table: pd.DataFrame, column: str, bound: pd.Series, what: str) -> Iterator[Breach]:
-    """Yield the cells of a column that are larger than a bound; rows without a bound are skipped.
-
-    Parameters:
-        file, table, column: name and content of the file, and the column.
-        bound: the bound for each row.
-        what: the bound in words.
-    """
-    holds = ~(table[column] > bound + DIGITS * abs(bound))
-    yield from breaches(file, table, column, holds, bound.map(f"at most {{:.12g}}, {what}".format))
 
 
 def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """Check that each row of ``rates.csv`` names the proposition whose assumptions its case satisfies."""
     rates = tables[RATES]
-    expected = rates["case"].map(expectation.proposition)
+    named = {line["case"]: str(line["statements"]).partition(", ")[0] for line in expectation.lines}
+    expected = rates["case"].map(named).fillna("")
     yield from breaches(RATES.name, rates, "claim", rates["claim"] == expected, expected)
 
 
@@ -162,10 +150,11 @@ def triangles(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     initial time must be at most the largest error.
     """
     rates, sides = tables[RATES], ["error", "interpolation_error", "discrete_error"]
-    for side in sides:
-        others = rates[[other for other in sides if other != side]].sum(axis=1)
-        yield from at_most(RATES.name, rates, side, others, "the sum of the two other errors")
-    yield from at_most(RATES.name, rates, "initial_error", rates["error"], "the largest error")
+    bounds = {side: rates[[other for other in sides if other != side]].sum(axis=1) for side in sides}
+    for column, bound in {**bounds, "initial_error": rates["error"]}.items():
+        what = "the largest error" if column == "initial_error" else "the sum of the two other errors"
+        holds = ~(rates[column] > bound + DIGITS * abs(bound))
+        yield from breaches(RATES.name, rates, column, holds, bound.map(f"at most {{:.12g}}, {what}".format))
     at_0 = rates["at"] <= ORIGIN * rates["k"] * rates["steps"]
     starts = rates.assign(initial_error=rates["initial_error"].where(at_0, rates["error"]))
     yield from equal(RATES.name, starts, "initial_error", rates["error"])
@@ -191,32 +180,25 @@ def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """Check that the column h in all files is the size of the mesh with this family and level."""
+
     known: dict[tuple[object, str, int], float] = {}
     for file, table in tables.items():
-        if "h" in table:
-            expected = [_size(known, expectation, *mesh) for mesh in table[["case", "family", "level"]].to_numpy()]
-            wanted = pd.Series(expected, dtype=float)
-            yield from equal(file.name, table, "h", wanted.where(wanted.notna(), table["h"]))
-
-
-def _size(
-    known: dict[tuple[object, str, int], float], expectation: Expectation, case: str, family: str, n: int
-) -> float:
-    """Return the size of a mesh; NaN if the file of the case no longer exists.
-
-    Parameters:
-        known: (shape of a body, mesh family, level) ↦ mesh size. Each size is computed once and stored here.
-        expectation: the cases of the run.
-        case, family, n: the case, the mesh family and the level.
-    """
-    if case in expectation.gone:
-        return float("nan")
-    body = expectation.cases[case].solution.body if case in expectation.cases else resolve_problem(case).data.body
-    shape = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
-    key = (shape, family, n)
-    if key not in known:
-        known[key] = size_of(family_named(family), body, n)
-    return known[key]
+        if "h" not in table:
+            continue
+        expected = []
+        for case, family, n in table[["case", "family", "level"]].to_numpy():
+            if case in expectation.gone:
+                expected.append(float("nan"))
+                continue
+            found = expectation.cases.get(case)
+            body = found.solution.body if found else resolve_problem(case).data.body
+            # Each mesh is made once for all bodies of the same shape.
+            key = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces)), family, n
+            if key not in known:
+                known[key] = size_of(family_named(family), body, n)
+            expected.append(known[key])
+        wanted = pd.Series(expected, dtype=float)
+        yield from equal(file.name, table, "h", wanted.where(wanted.notna(), table["h"]))
 
 
 def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:

@@ -15,7 +15,7 @@ from study.fem.mesh import MeshFamily
 from study.ledger.files import write_text
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.run import executor
-from study.solve.motion import Frame, Motion, von_mises
+from study.solve.motion import Motion, von_mises
 from study.statements import pictures
 from study.statements.shared import estimates
 from study.statements.shared.scope import regular
@@ -81,17 +81,13 @@ def mesh_series(motion: Motion, every: int) -> MeshSeries:
     and ``von_mises``.
     """
     weights, mesh = pictures.contact_weights(motion.space), motion.space.mesh
-    return MeshSeries(mesh.p, mesh.t, [_fields(motion, frame, weights) for frame in motion.frames[::every]])
-
-
-def _fields(motion: Motion, frame: Frame, weights: Array) -> MeshFields:
-    nodal = motion.space.nodal
-    contact = dict(_on_contact(motion, {"gap": -frame.normal, "pressure": frame.multipliers / weights}))
-    return MeshFields(
-        frame.time,
-        {"displacement": nodal(frame.u), "velocity": nodal(frame.velocity), **contact},
-        {"stress": full(frame.stress), "von_mises": von_mises(frame.stress)},
-    )
+    nodal, fields = motion.space.nodal, []
+    for frame in motion.frames[::every]:
+        contact = dict(_on_contact(motion, {"gap": -frame.normal, "pressure": frame.multipliers / weights}))
+        at_vertices = {"displacement": nodal(frame.u), "velocity": nodal(frame.velocity), **contact}
+        on_cells = {"stress": full(frame.stress), "von_mises": von_mises(frame.stress)}
+        fields.append(MeshFields(frame.time, at_vertices, on_cells))
+    return MeshSeries(mesh.p, mesh.t, fields)
 
 
 def _on_contact(motion: Motion, values: dict[str, Array]) -> Iterator[tuple[str, Array]]:

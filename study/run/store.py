@@ -13,7 +13,7 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -176,6 +176,20 @@ class Store:
         if (content.get("key"), content.get("fingerprint"), content.get("sha256")) != expected:
             return None
         return result if isinstance(result, dict) else None
+
+    def cached(self, key: str, fingerprint: str, compute: Callable[[], dict[str, Any]], *files: Path) -> dict[str, Any]:
+        """Return the stored result of a job; if it is missing, compute and store it.
+
+        Parameters:
+            key, fingerprint: name of the job, and cache key of its result.
+            compute: function that returns the result and writes the files.
+            files: files that belong to the result. If one is missing, everything is computed again.
+        """
+        stored = self.load(key, fingerprint) if all(file.is_file() for file in files) else None
+        if stored is None:
+            stored = compute()
+            self.save(key, fingerprint, stored)
+        return stored
 
     @staticmethod
     def read(path: Path) -> dict[str, Any] | None:

@@ -120,6 +120,10 @@ def _head(task: Task, mode: str, scale: float) -> Data:
     space, law = task.space, task.solution.law
     mesh, clamped = space.mesh, [space.vertices(part) for part, _ in space.on(Kind.CLAMPED)]
     numbers: Data = {}
+    counts = [len(vertices) for _, vertices in space.contact]
+    gaps: list[Data] = [{} for _ in counts]
+    if task.solution.has_initial_gap:
+        gaps = [{"gap": scale * gap} for gap in np.split(task.gap, np.cumsum(counts)[:-1])]
     for name, tensor in (("A", law.A), ("G", law.G)):
         factor = means(space, tensor.factor)
         one = np.ptp(factor) == 0 and factor[0] == 1
@@ -138,24 +142,13 @@ def _head(task: Task, mode: str, scale: float) -> Data:
         "clamped": np.unique(np.concatenate(clamped)),
         "contact": [
             {"normal": part.normal, "facets": mesh.facets[:, space.facets(part)].T, "vertices": vertices} | gap
-            for (part, vertices), gap in zip(space.contact, _gaps(task, scale), strict=True)
+            for (part, vertices), gap in zip(space.contact, gaps, strict=True)
         ],
         "loaded": [
             {"normal": part.normal, "facets": mesh.facets[:, facets].T} for part, facets in space.on(Kind.LOADED)
         ],
         "law": numbers,
     }
-
-
-def _gaps(task: Task, scale: float) -> list[Data]:
-    """Return a dictionary for each contact face, with the initial gap at its vertices as the entry ``gap``.
-
-    If there is no initial gap, the dictionaries are empty.
-    """
-    counts = [len(vertices) for _, vertices in task.space.contact]
-    if not task.solution.has_initial_gap:
-        return [{} for _ in counts]
-    return [{"gap": scale * gap} for gap in np.split(task.gap, np.cumsum(counts)[:-1])]
 
 
 def oriented(points: Array, cells: Array) -> Array:
@@ -271,21 +264,17 @@ def write_task(directory: Path, data: dict[str, Any]) -> Path:
     scale = "" if data["scale"] == 1 else f"-times-{data['scale']:g}"
     path = directory / f"{data['case']}-{data['family']}-{data['mode']}-{data['level']}{scale}.json.xz"
     packed = lzma.compress(json.dumps(plain(data), separators=(",", ":")).encode())
-    sums = _sums(directory / SUMS) | {path.name: hashlib.sha256(packed).hexdigest()}
-    write_whole(path, lambda part: part.write_bytes(packed))
-    write_text(directory / SUMS, "".join(f"{sums[name]}  {name}\n" for name in sorted(sums)))
-    return path
-
-
-def _sums(path: Path) -> dict[str, str]:
-    """Return the checksums in a file that ``sha256sum`` can read, as a dictionary: name of a file ↦ checksum."""
-    sums = {}
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines() if path.exists() else [], 1):
-        parts = line.split()
-        if len(parts) != 2:
-            raise StoreError(f"{path}, line {number}: found {line!r}, expected a checksum and a file: remove the line")
+    sums, listed = {}, directory / SUMS
+    for number, line in enumerate(listed.read_text(encoding="utf-8").splitlines() if listed.exists() else [], 1):
+        if len(parts := line.split()) != 2:
+            raise StoreError(
+                f"{listed}, line {number}: found {line!r}, expected a checksum and a file: remove the line"
+            )
         sums[parts[1]] = parts[0]
-    return sums
+    sums[path.name] = hashlib.sha256(packed).hexdigest()
+    write_whole(path, lambda part: part.write_bytes(packed))
+    write_text(listed, "".join(f"{sums[name]}  {name}\n" for name in sorted(sums)))
+    return path
 
 
 def plain(value: Any, digits: int = DIGITS) -> Any:

@@ -107,6 +107,9 @@ def test_the_catalogue_is_listed_as_text_and_as_json(capsys) -> None:
     listed = json.loads(capsys.readouterr().out)
     assert {"case", "dimension", "law", "zone", "regularity", "expected_order", "statements"} <= set(listed[0])
     assert all(entry["case"] in text for entry in listed)
+    assert main(["export", "unheard-of"]) == 2
+    named = capsys.readouterr().err.rpartition(":")[2].replace(",", " ").split()
+    assert all(f"{name} " in text or f"{name}," in text or f"{name}\n" in text for name in named)
 
 
 @pytest.fixture

@@ -168,6 +168,64 @@ def test_a_singular_matrix_is_called_singular_and_its_consequences_are_left_out(
     assert judge.notes(found) == [found.cause]
 
 
+def kept(solve: Any) -> Any:
+    """A contact solver that stores the result of ``solve`` in the first step and calls it no more."""
+    return lambda W, free, memory: memory.setdefault("kept", solve(W, free))
+
+
+def vertices_kept(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+    return judge.active_set(W, free, memory.setdefault("held", judge.active_set(W, free) > 0), updates=0)
+
+
+def not_in_the_first_step(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+    return judge.active_set(W, free) if memory.setdefault("step", []) or memory["step"].append(1) else 0 * free
+
+
+FIRST_STEP = {
+    "contact acts in the first step only": faults._first_step_only,
+    "contact is missing in the first step": not_in_the_first_step,
+    "the contact forces of the first step are kept in all steps": kept(judge.active_set),
+    "the vertices in contact are found in the first step only and kept": vertices_kept,
+}
+
+
+@pytest.mark.parametrize("steps", [0, 4])
+@pytest.mark.parametrize("cause", FIRST_STEP)
+def test_contact_that_differs_in_the_first_step_is_named(cause: str, steps: int) -> None:
+    found = judged(faults.in_contact(FIRST_STEP[cause]), exported("parabolic-gap", 8, steps))
+    assert cause in found.cause
+    assert found.verdict == "wrong"
+
+
+@pytest.mark.parametrize("case", ["layered", "cube-disc"])
+@pytest.mark.parametrize("steps", [0, 3])
+@pytest.mark.parametrize("name", ["all u_x written before all u_y", "deformed coordinates written"])
+def test_an_answer_that_is_not_in_the_expected_format_is_named_before_the_clamp(name, steps, case) -> None:
+    fault = next(fault for fault in faults.FAULTS if fault.name == name)
+    found = judged(fault.make, exported(case, 4, steps))
+    assert f"Most likely: {fault.cause}" in found.cause
+    assert found.verdict == "wrong"
+
+
+def projected_gauss_seidel(W: np.ndarray, free: np.ndarray, _: dict) -> np.ndarray:
+    """λ after a few sweeps, which are too few."""
+    lam = np.zeros(len(free))
+    for _ in range(5):
+        for i in range(len(free)):
+            lam[i] = max(0, lam[i] + (free[i] - W[i] @ lam) / W[i, i])
+    return lam
+
+
+def test_a_solver_that_stops_early_is_named_and_an_undecided_code_is_told_to_mend_it_first() -> None:
+    noise = next(fault for fault in faults.FAULTS if fault.name.startswith("solver stopped"))
+    found = judged(noise.make, exported("layered", 4), exported("layered"))
+    assert found.verdict == "undecided"
+    assert found.why.endswith("3 meshes are needed; first reduce the tolerance of the solver")
+    found = judged(faults.in_contact(projected_gauss_seidel), exported("layered"))
+    assert found.verdict == "undecided"
+    assert "Perhaps: the iterations for contact stop too early" in found.cause
+
+
 @pytest.mark.parametrize("by", [2**0.5, 0.5**0.5, 2.0, 0.5])
 @pytest.mark.parametrize("steps", [0, 3])
 def test_a_wrong_shear_strain_in_stiffness_and_initial_stress_is_named(by: float, steps: int) -> None:

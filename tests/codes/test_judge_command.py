@@ -102,6 +102,10 @@ DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
     "law of another shape": (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
     "no answer": (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "no answer"),
     "words in an answer": (lambda place: next(place.glob("answers/*/u.txt")).write_text("a b"), "no answer"),
+    "decimal comma": (
+        lambda place: next(place.glob("answers/*/u.txt")).write_text("0,5 1,25"),
+        "'0,5' has a comma; write decimal points, and blanks between the numbers",
+    ),
     "short answer": (lambda place: next(place.glob("answers/*/u.txt")).write_text("1 2 3"), "3 numbers, expected 1"),
     "short report": (
         lambda place: next(place.glob("answers/*/u.txt")).with_name("forces.txt").write_text("1"),
@@ -204,6 +208,31 @@ def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tm
     assert names == {"full-contact-one-diagonal-frozen-4.json.xz", "hexagon-unstructured-frozen-4.json.xz"}
     assert main(["export", "full-contact", "full-contact", "--out", str(tmp_path)]) == 2
     assert "give each case once" in capsys.readouterr().err
+
+
+WRONG_ARRAYS: dict[str, tuple[Any, str]] = {
+    "transposed": (lambda u: np.swapaxes(u, 1, 2), "has the shape (1, 2, 25), expected (1, 25, 2): steps, vertices"),
+    "transposed, said": (lambda u: np.swapaxes(u, 1, 2), "components; it may be transposed"),
+    "flat": (lambda u: u.ravel(), "has the shape (50,), expected (1, 25, 2)"),
+    "without the steps": (lambda u: u[0], "has the shape (25, 2), expected (1, 25, 2)"),
+    "words": (lambda u: "many", "is no array of numbers"),
+    "lists of other lengths": (lambda u: [[1.0], [1.0, 2.0]], "is no array of numbers"),
+    "nothing": (lambda u: None, "expected (1, 25, 2)"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_ARRAYS)
+def test_arrays_of_another_shape_are_refused_in_words(name: str, packed: Path) -> None:
+    (task,), (change, words) = judge.read_tasks(packed), WRONG_ARRAYS[name]
+    u = judge.answer(task, this_study.make)
+    with pytest.raises(judge.TaskError) as refused:
+        judge.assess([task], {task.name: change(u)})
+    assert words in str(refused.value)
+    assert str(refused.value).startswith(f"the answer to {task.name} ")
+    with pytest.raises(judge.TaskError, match=r"the result of step 1 of .* expected"):
+        judge.answer(task, lambda task: lambda load, stress: [change(u)])
+    with pytest.raises(judge.TaskError, match=r"reported pressure of .*: steps, contact vertices"):
+        judge.assess([task], {task.name: u}, {task.name: {"pressure": change(u)}})
 
 
 def test_loads_of_another_size_scale_the_gap_too(packed: Path) -> None:

@@ -21,7 +21,7 @@ import pytest
 from manufactured import examine
 from study.cli.main import main
 from study.controls.baselines import Equivalence, Sweep, turned
-from study.controls.control import Control
+from study.controls.control import Control, patched
 from study.controls.replacements import no_contact
 from study.controls.run_controls import NO_DEFECT, Outcome, alike, controls_text, outcomes, settings, work
 from study.controls.table import CONTROLS, ELASTICITY, FULL, MEMBERS, MOVING
@@ -144,7 +144,7 @@ def test_the_committed_controls_are_those_of_the_list_and_all_did_their_duty() -
 
 def test_a_mistake_in_the_code_is_undone() -> None:
     right = Measurement.quadrature_change
-    with named("blind: quadrature").patched():
+    with patched(named("blind: quadrature").changes):
         assert Measurement.quadrature_change is not right
     assert Measurement.quadrature_change is right
 

@@ -358,3 +358,60 @@ def test_many_rows_and_many_columns_are_read_within_seconds(tmp_path, capsys) ->
     assert main(["rates", str(tmp_path / "wide"), "--expected", "1"]) == 0
     assert time.process_time() - start < 15
     assert "all 2000 columns: 2000 holds" in capsys.readouterr().out
+
+
+ERRORS_OF_ORDER_2 = ["1e-1", "2.5e-2", "6.25e-3", "1.5625e-3"]
+COUNTS = ["32", "128", "512", "2048"]
+
+
+@pytest.mark.parametrize("finest_first", [False, True])
+@pytest.mark.parametrize(
+    "name",
+    ["Zellen", "Anzahl Elemente", "cells", "N", "nombre d'inconnues", "nœuds", "número de nodos", "nodi", "ddl",
+     "Iterationen", "Rechenzeit", "temps", "Größe", "taille", "size", "количество ячеек", "セル数", "#T", "nel", "ne"],
+)  # fmt: skip
+@pytest.mark.parametrize("counts", [COUNTS, ["32.0", "128.0", "512.0", "2048.0"], ["9", "9", "10", "12"]])
+def test_whole_numbers_that_grow_as_the_errors_fall_are_no_errors(name, counts, finest_first, tmp_path, capsys) -> None:
+    rows = sorted(zip(["1/4", "1/8", "1/16", "1/32"], counts, ERRORS_OF_ORDER_2, strict=True), reverse=finest_first)
+    (tmp_path / "table").write_text("\n".join(";".join(row) for row in [("h", name, "error"), *rows]))
+    assert main(["rates", str(tmp_path / "table"), "--expected", "2"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert f"errors: error; ignored: {name}" in said
+
+
+def test_a_column_that_is_ignored_because_of_its_numbers_is_explained_and_can_be_judged(tmp_path, capsys) -> None:
+    (tmp_path / "table").write_text("h,Größe,error\n.4,32,.16\n.2,128,.04\n.1,512,.01\n")
+    assert main(["rates", str(tmp_path / "table"), "--expected", "2"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "ignored: Größe (the whole numbers of Größe do not fall as h falls, so they are taken as numbers of" in said
+    assert "--columns 'Größe' judges them as errors" in said
+    assert main(["rates", str(tmp_path / "table"), "--expected", "2", "--columns", "Größe"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "numbers", "code"),
+    [
+        ("wrong pixels", ["64", "16", "4", "1"], 0),
+        ("wrong pixels", ["64", "32", "16", "8"], 1),
+        ("error in cells", ["1", "2", "4", "8"], 1),
+        ("velocity", ["2.0e+0", "3.0e+1", "4.0e+2", "5.0e+3"], 1),
+        ("velocity", ["1.5", "2.5", "4", "8"], 1),
+        ("wrong pixels", ["0", "0", "0", "0"], 0),
+    ],
+)
+def test_whole_numbers_that_fall_and_numbers_that_grow_without_being_whole_are_judged(
+    name, numbers, code, tmp_path, capsys
+) -> None:
+    rows = zip(["1/4", "1/8", "1/16", "1/32"], numbers, ERRORS_OF_ORDER_2, strict=True)
+    (tmp_path / "table").write_text("\n".join(";".join(row) for row in [("h", name, "error"), *rows]))
+    assert main(["rates", str(tmp_path / "table"), "--expected", "2"]) == code
+    assert f"errors: {name}, error" in " ".join(capsys.readouterr().out.split())
+
+
+def test_whole_numbers_alone_are_not_dropped_in_silence(tmp_path, capsys) -> None:
+    (tmp_path / "table").write_text("h,Größe\n.4,32\n.2,128\n.1,512\n")
+    assert main(["rates", str(tmp_path / "table")]) == 2
+    assert "no column of errors among h (size), Größe (growing): name one with --columns" in capsys.readouterr().err
+    (tmp_path / "table").write_text("Zellen,error\n32,.16\n128,.04\n512,.01\n")
+    assert main(["rates", str(tmp_path / "table")]) == 2
+    assert "column Zellen is a count" in capsys.readouterr().err
