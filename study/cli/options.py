@@ -96,9 +96,12 @@ def _figures(figures: argparse.ArgumentParser) -> None:
     which = figures.add_mutually_exclusive_group()
     which.add_argument("--case", nargs="+", metavar="NAME", help="only the figures of these cases")
     which.add_argument("--overview", action="store_true", help="only the figures that show all cases together")
+    which.add_argument("--only", nargs="+", metavar="NAME", help="only these figures, such as zone-hexagon")
     figures.add_argument("--dpi", type=_finite, metavar="N", help="dots per inch of PNG files")
     style = "Matplotlib style file, replaces entries of the style of the study; figure.figsize sets the column width"
     figures.add_argument("--style", type=Path, metavar="FILE", help=style)
+    data = "result directory whose data are drawn (default: that of --out, which also receives the figures)"
+    figures.add_argument("--data", type=Path, metavar="DIR", help=data)
     _spread(figures)
 
 

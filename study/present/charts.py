@@ -27,8 +27,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from study.ledger.codes import GRADES, Codes
 from study.ledger.orders import RatesError, fit, orders
-from study.ledger.text import interval
-from study.present.drawing import column_width, entry, legend, mathtext, page_width, small
+from study.ledger.text import above, below, interval
+from study.present.drawing import column_width, entry, is_slide, legend, mathtext, page_width, small
 from study.present.notation import counted
 from study.present.palette import (
     BLACK,
@@ -192,6 +192,7 @@ class Chart:
         subplots: the pairs of axes.
         legend: the columns of the legend.
         caption: says what is drawn and what to see, with numbers.
+        headline: the main result in a sentence, for slides, which have no caption.
         columns: the number of columns of the grid that the subplots fill row by row; if it is 0, the subplots are
             drawn one above the other.
     """
@@ -200,6 +201,7 @@ class Chart:
     subplots: Sequence[Subplot]
     legend: Sequence[Sequence[LegendEntry]]
     caption: str
+    headline: str = ""
     columns: int = 0
 
 
@@ -216,8 +218,11 @@ _BAND = 0.35
 
 
 def draw_chart(chart: Chart) -> Figure:
-    """Return the Matplotlib figure of a chart."""
-    return _draw_grid(chart) if chart.columns else _draw_column(chart)
+    """Return the Matplotlib figure of a chart; slides have its headline."""
+    figure = _draw_grid(chart) if chart.columns else _draw_column(chart)
+    if is_slide() and chart.headline:
+        figure.suptitle(textwrap.fill(chart.headline, 64))
+    return figure
 
 
 def _draw_column(chart: Chart) -> Figure:
@@ -317,6 +322,10 @@ NEGLIGIBLE = 1e-3
 become too long."""
 MOST_COLUMNS = 5
 """The largest number of columns of the chart with a subplot for each case."""
+HEADING = LegendEntry("mesh family", Style(DARK, stroke="none"))
+"""Heading of the mesh families in a legend."""
+ORDER_ROOM = 0.15
+"""Observed orders may be smaller than the proved order by this number, as in the checks of Proposition 5.4."""
 
 
 def by_family(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
@@ -490,7 +499,7 @@ def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
         f"What to see: {'; '.join(seen)}."
     )
     summary = "error of every case against the mesh size, both logarithmic"
-    return Chart(summary, subplots, [_family_legend(styles)], caption, columns)
+    return Chart(summary, subplots, [_family_legend(styles)], caption, columns=columns)
 
 
 def order_differences(rates: pd.DataFrame, expected: Mapping[str, float]) -> pd.DataFrame:
@@ -539,15 +548,19 @@ def orders_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart | 
         Curve(rows["predicted"].to_numpy() + shifts[str(family)], rows["observed"].to_numpy(), dots[str(family)])
         for family, rows in table.groupby("family")
     ]
+    x, y = Axis("predicted order", 0.0, top), Axis("observed order, last two refinements", 0.0, top)
+    largest = above(float(table["difference"].abs().max()), 2)
     return Chart(
-        "observed order of convergence against the predicted order, a point for each case and mesh family",
-        [Subplot("", Axis("predicted order", 0.0, top), Axis("observed order", 0.0, top), [diagonal, *curves])],
-        [_family_legend(dots), [LegendEntry("observed = predicted", diagonal.style)]],
+        "observed order of convergence over the last two refinements against the predicted order, a point for each "
+        "case and mesh family",
+        [Subplot("", x, y, [diagonal, *curves])],
+        [[HEADING, *_family_legend(dots)], [LegendEntry("observed = predicted", diagonal.style)]],
         "Observed order of max_t ‖u − u^h‖_V over the last two refinements against the order that the regularity of "
         f"the solution predicts, for {_all_cases(set(rates['case']))}; mesh families are drawn next to each other. "
         "What to see: how near to the diagonal the points lie; observed minus predicted order is "
         f"{table['difference'].min():+.2f} to {table['difference'].max():+.2f} for "
         f"{counted(len(table), 'sequence')} of meshes.",
+        f"Over the last two refinements, observed and predicted orders differ by at most {largest}",
     )
 
 
@@ -573,7 +586,7 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
     ends, cases = np.array([rates["h"].min(), rates["h"].max()]), rates["case"].unique()
     line = Curve(ends, ends, Style(GREY))
     values = np.concatenate([curve.y for curve in relative])
-    x, legend = log_axis("mesh size", ends, symbol="h"), [*_family_legend(styles), LegendEntry("C h", line.style)]
+    x = log_axis("mesh size", ends, symbol="h")
     finest_meshes = ", ".join(f"{min(ratios):.2f} … {max(ratios):.2f} ({family})" for family, ratios in last.items())
     y = log_axis("error / C", ends, *(curve.y for curve in scaled))
     return Chart(
@@ -582,13 +595,25 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
             Subplot("", x, y, [line, *scaled]),
             Subplot("", x, linear_axis("error / (C h)", values), relative, rules=(1.0,)),
         ],
-        [legend[::2], legend[1::2]],
+        [[HEADING, *_family_legend(styles)], [LegendEntry("C h, not fitted", line.style)]],
         f"The errors max_t ‖u − u^h‖_V of {_all_cases(cases)} of Prop. 5.4 on all mesh families, each divided by its "
         "constant C. C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh, which "
         "follows from second derivatives of u; nothing is fitted. What to see: all fall on the line C h; error / (C h) "
         f"lies between {values.min():.2f} and {values.max():.2f}, on the finest meshes of a case in {finest_meshes}. "
         "It tends to 1 where u^h is superclose to Π^h u, and to less where u^h is nearer to u than Π^h u is.",
+        _order_in_words(rates),
     )
+
+
+def _order_in_words(rates: pd.DataFrame) -> str:
+    """Return the orders of the errors of smooth solutions over the last two refinements, and whether they are O(h)."""
+    cases = rates.groupby(["scheme", "case"], sort=False)
+    found = [order for _, rows in cases for order in finest_orders(rows, refinements=2).values()]
+    if not found:
+        return ""
+    result = "The error is O(h)" if min(found) >= 1 - ORDER_ROOM else "On these meshes the error is not O(h)"
+    observed = f"observed orders {below(min(found), 2)} to {above(max(found), 2)}"
+    return f"{result}: {observed} in {_all_cases(rates['case'].unique())}, over the last two refinements"
 
 
 def enclosure_charts(series: pd.DataFrame) -> Iterator[tuple[str, Chart]]:

@@ -100,18 +100,27 @@ def drawings(directory: Path) -> list[Drawing]:
     return found
 
 
-def drawings_of(directory: Path, cases: Sequence[str]) -> list[Drawing]:
-    """Return the figures of the named cases without drawing them.
+def drawings_of(
+    directory: Path, cases: Sequence[str] = (), names: Sequence[str] = (), slides: bool = False
+) -> list[Drawing]:
+    """Return the figures of the named cases, or the figures with some names, without drawing them.
+
+    Parameters:
+        directory: a result directory.
+        cases, names: names of cases and of figures; without both, all figures are returned.
+        slides: whether only figures that can be read on a slide are returned.
 
     Raises:
-        UsageError: the data have no figures of a case.
+        UsageError: there is no figure of a case, or with a name.
         DataError: a data file is missing or damaged.
     """
-    found = drawings(directory)
-    known = dict.fromkeys(drawing.case for drawing in found if drawing.case)
-    if unknown := [case for case in cases if case not in known]:
-        raise UsageError(f"--case {unknown[0]}: {directory} has no such case, only {', '.join(known)}")
-    return [drawing for drawing in found if drawing.case in cases]
+    found = for_slides(drawings(directory)) if slides else drawings(directory)
+    for option, kind, of, wanted in (("--case", "case", "case", cases), ("--only", "figure", "name", names)):
+        known = list(dict.fromkeys(getattr(drawing, of) for drawing in found if getattr(drawing, of)))
+        if unknown := [name for name in wanted if name not in known]:
+            raise UsageError(f"{option} {unknown[0]}: {directory} has no such {kind}, only {', '.join(known)}")
+        found = [drawing for drawing in found if not wanted or getattr(drawing, of) in wanted]
+    return found
 
 
 def overview(directory: Path) -> list[Drawing]:
