@@ -277,7 +277,6 @@ def test_figures_are_drawn_by_name_from_one_directory_into_another(
     assert not (alone / "figures").exists()
     assert figures("--only", "order") == 2
     assert re.search(rf"--only order: {alone} has no such figure, only .*orders", capsys.readouterr().err)
-    assert figures("--only", "convergence", "--for", "slides") == 2
 
 
 def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(measured: Path, tmp_path: Path) -> None:
