@@ -99,11 +99,8 @@ def encode_letters(text: str) -> str:
 
 def prose(text: str) -> str:
     """Return text without formulas, such as a name, as LaTeX; characters that are not Latin are shown by their code."""
-
-    def is_latin(c: str) -> bool:
-        return c.isascii() or ("LATIN" in unicodedata.name(c, "") and ord(c) < 0x180)
-
-    return "".join(_PROSE.get(c) or (c if is_latin(c) else rf"\texttt{{U+{ord(c):04X}}}") for c in text)
+    latin = {c for c in text if c.isascii() or ("LATIN" in unicodedata.name(c, "") and ord(c) < 0x180)}
+    return "".join(_PROSE.get(c) or (c if c in latin else rf"\texttt{{U+{ord(c):04X}}}") for c in text)
 
 
 def counted(number: int, noun: str) -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from dataclasses import dataclass
 from hashlib import sha256
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -120,51 +120,6 @@ LETTERS = {
 """Table or place on the page ↦ the symbols that occur there, with their meanings."""
 
 
-@dataclass(frozen=True)
-class LedgerGroup:
-    """One statement in the ledger of the report page, with its checks.
-
-    Attributes:
-        label: the label of the statement.
-        says: the statement in words.
-        counts: verdict ↦ number of checks.
-        judges: the code files that judge the statement.
-        rows: the checks, with the columns ``LEDGER``.
-    """
-
-    label: str
-    says: str
-    counts: dict[str, int]
-    judges: list[str]
-    rows: list[list[str]]
-
-
-@dataclass(frozen=True)
-class CasePage:
-    """One case on the report page.
-
-    Attributes:
-        name: the name of the case.
-        facts: name ↦ text of each property of the case.
-        counts: verdict ↦ number of checks.
-        observed: the smallest and the largest observed order as text.
-        strip: data of the small picture that compares orders on a horizontal axis: the position of the predicted order,
-            and for each mesh family the position of the observed order with a colour.
-        charts: the charts as HTML.
-        film: the data of the animation, from ``read_film``.
-        tables: captions and tables.
-    """
-
-    name: str
-    facts: dict[str, str]
-    counts: dict[str, int]
-    observed: str
-    strip: tuple[float, list[tuple[float, str]]]
-    charts: list[Markup]
-    film: dict[str, Any]
-    tables: list[tuple[str, Table]]
-
-
 def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
     """Write the report page ``directory/report.html`` from the files in ``directory/data``, and return its path.
 
@@ -182,9 +137,10 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
     claims, rates = read_claims(directory), read_rates(directory)
     smooth = rates[rates["claim"] == "Prop. 5.4"]
     judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
-    # A label with two statements gives two groups.
-    groups = [
-        LedgerGroup(label, says, count_verdicts(rows), judges.get(label, []), rows[LEDGER].to_numpy().tolist())
+    # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
+    groups: list[dict[str, Any]] = [
+        {"label": label, "says": says, "counts": count_verdicts(rows), "judges": judges.get(label, [])}
+        | {"rows": rows[LEDGER].to_numpy().tolist()}
         for label, says, rows in by_claim(ledger_table(directory).cells)
     ]
     cases = case_pages(directory, claims, rates)
@@ -195,15 +151,15 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         counts=count_verdicts(claims),
         conclusion=conclusion(count_verdicts(claims), orders_text(directory)),
         # The page opens with the 2D case that has the most contact faces.
-        shown=max(cases, key=lambda case: (len(case.film["view"]) == 2) * len(case.film["faces"])),
+        shown=max(cases, key=lambda case: (len(case["film"]["view"]) == 2) * len(case["film"]["faces"])),
         collapsed=svg_chart(collapsed_chart(smooth)) if len(smooth) else "",
         rows=len(claims),
         groups=groups,
-        labels=list(dict.fromkeys(group.label for group in groups)),
+        labels=list(dict.fromkeys(group["label"] for group in groups)),
         # A row is about a case, or about a place in the paper.
-        places=list(dict.fromkeys(row[0] for group in groups for row in group.rows if row[0])),
+        places=list(dict.fromkeys(row[0] for group in groups for row in group["rows"] if row[0])),
         cases=cases,
-        names={case.name for case in cases},
+        names={case["name"] for case in cases},
         families=family_styles(rates["family"]),
         bounds=bounds_table(directory),
         controls=controls_table(directory),
@@ -226,8 +182,16 @@ def _files(directory: Path) -> Table:
     return Table("files", columns, pd.DataFrame(rows))
 
 
-def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[CasePage]:
+def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[dict[str, Any]]:
     """Return the texts, charts and tables of each case on the report page, in the order of ``cases.csv``.
+
+    The entries of a case are
+
+    * ``name``; ``facts``, the properties of the case; ``counts``, the number of checks with each verdict;
+    * ``observed``: the smallest and the largest observed order as text;
+    * ``strip``: a small picture that compares orders on a horizontal axis: the position of the predicted order, and for
+      each mesh family the position of the observed order with a colour;
+    * ``charts`` as HTML; ``film``, the data of the animation, from ``read_film``; ``tables`` with their captions.
 
     Parameters:
         directory: the directory of a run.
@@ -262,16 +226,16 @@ def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> li
             "proved order": "" if pd.isna(fact["proved_order"]) else f"{float(fact['proved_order']):.4g}",
             "why": fact["reason"],
         }
-        page = CasePage(
-            name=name,
-            facts=facts,
-            counts=count_verdicts(verdicts),
-            observed=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
-            strip=(_strip(expected), [(_strip(order), styles[family].colour) for family, order in found.items()]),
-            charts=list(map(svg_chart, charts)),
-            film=read_film(directory, name),
-            tables=[(caption, table) for caption, table in mine if table.rows],
-        )
+        page = {
+            "name": name,
+            "facts": facts,
+            "counts": count_verdicts(verdicts),
+            "observed": " – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
+            "strip": (_strip(expected), [(_strip(order), styles[family].colour) for family, order in found.items()]),
+            "charts": list(map(svg_chart, charts)),
+            "film": read_film(directory, name),
+            "tables": [(caption, table) for caption, table in mine if table.rows],
+        }
         pages.append(page)
     return pages
 
@@ -327,7 +291,7 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
         "widest": scale.gap,
         "arrow": ARROW,
         "foundation": THICKNESS,
-        "view": scale.view.axes.tolist(),
+        "view": scale.view.tolist(),
         "faces": list(map(_face, picture.faces)),
     }
 
@@ -368,12 +332,12 @@ def svg_chart(chart: Chart) -> Markup:
         parts += _svg_subplot(subplot, top, top + height, subplot is chart.subplots[-1])
         bottom, top = top + height, top + height + BETWEEN
     legend = []
-    for entry in (entry for column in chart.legend for entry in column):
-        symbol = f'<path class="band" d="M-10,-5H10V5H-10z" fill="{_ink(entry.style)}"/>'
-        if entry.style.stroke != "band":
-            symbol = _line("M-10,0H10", entry.style) + _marker(0, 0, entry.style)
+    for text, style in chain.from_iterable(chart.legend):
+        symbol = f'<path class="band" d="M-10,-5H10V5H-10z" fill="{_ink(style)}"/>'
+        if style.stroke != "band":
+            symbol = _line("M-10,0H10", style) + _marker(0, 0, style)
         icon = f'<svg viewBox="-10 -6 20 12" aria-hidden="true">{symbol}</svg>'
-        legend.append(f"<span>{icon}<span>{typeset(entry.text)}</span></span>")
+        legend.append(f"<span>{icon}<span>{typeset(text)}</span></span>")
     return Markup(
         '<figure class="chart">\n<svg viewBox="0 0 360 {}" role="img" aria-label="{}">\n{}\n</svg>\n'
         '<p class="legend">{}</p>\n<figcaption>{}</figcaption>\n</figure>\n'
@@ -453,5 +417,5 @@ def _ink(style: Style) -> str:
 
 
 def _label(axis: Axis) -> Markup:
-    symbol = Markup(' <tspan font-style="italic">{}</tspan>').format(axis.symbol) if axis.symbol else Markup("")
-    return typeset_svg(axis.label) + symbol
+    symbol = Markup(' <tspan font-style="italic">{}</tspan>').format(axis.symbol)
+    return typeset_svg(axis.label) + (symbol if axis.symbol else Markup(""))
