@@ -349,7 +349,7 @@ def draw_map(axes: Axes, face: Polygon, instant: int, name: str, top: float) -> 
     levels = np.linspace(0, top, MAP_LEVELS + 1)
     style: dict[str, Any] = {"cmap": ramp(name), "norm": BoundaryNorm(levels, 256)}
     axes.tricontourf(Triangulation(*face.s, face.facets.corners.T), exact, levels, **style)
-    axes.scatter(*face.s, s=5, c=computed, zorder=2, edgecolors=RIM, linewidths=0.2, **style)
+    axes.scatter(face.s[0], face.s[1], s=5, c=computed, zorder=2, edgecolors=RIM, linewidths=0.2, **style)
     _draw_front(axes, face, face.level[instant])
 
 
