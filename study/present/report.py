@@ -249,14 +249,6 @@ def _face(face: FaceHistory) -> dict[str, Any]:
 
 LEFT, RIGHT, TOP, HEIGHTS, BETWEEN, BELOW = 58, 350, 10, (222, 120), 14, 38
 """In SVG units: the left, right and upper end of the subplots, their heights, and the space between and below them."""
-MARKERS = {
-    "o": "M-3.5,0a3.5,3.5 0 1,0 7,0a3.5,3.5 0 1,0 -7,0z",
-    "s": "M-3,-3h6v6h-6z",
-    "^": "M0,-4L3.8,3H-3.8z",
-    "v": "M0,4L3.8,-3H-3.8z",
-    "D": "M0,-4.2L4.2,0L0,4.2L-4.2,0z",
-}
-"""Matplotlib's name of a marker ↦ its SVG path around the origin. All other markers are drawn as circles."""
 
 
 def svg_chart(chart: Chart) -> Markup:
@@ -266,7 +258,7 @@ def svg_chart(chart: Chart) -> Markup:
         panels.append(_svg_shapes(subplot, top, top + height))
         top += height + BETWEEN
     template, ends = PAGES.get_template("chart.html"), {"left": LEFT, "right": RIGHT, "below": BELOW}
-    return Markup(template.render(chart=chart, panels=panels, markers=MARKERS, ink=_ink, **ends) + "\n")
+    return Markup(template.render(chart=chart, panels=panels, ink=_ink, **ends) + "\n")
 
 
 def _svg_shapes(subplot: Subplot, top: float, bottom: float) -> dict[str, Any]:
