@@ -326,12 +326,6 @@ def expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
     return found
 
 
-def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
-    """Return rows sorted by levels, with the observed orders of a column in the new column ``order``."""
-    ordered = series.sort_values("level")
-    return ordered.assign(order=since_before(ordered["h"].to_numpy(), ordered[column].to_numpy()))
-
-
 def count_caught(controls: pd.DataFrame) -> tuple[int, int]:
     """Return how many of the deliberate defects in ``controls.csv`` were noticed, and how many there are."""
     injected = controls[controls["caught"] != ""]

@@ -28,7 +28,6 @@ from study.present.picture import (
     Segment,
     caps,
     misplaced_length,
-    misplaced_nodes,
     outside,
     strands,
 )
@@ -277,7 +276,8 @@ def draw_fronts(picture: Picture) -> Figure:
 
 def caption_fronts(picture: Picture) -> str:
     """Return the caption of ``draw_fronts``."""
-    wrong = [misplaced_nodes(face) for face in picture.polygons]
+    # Nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
+    wrong = [(face.touching != face.inside)[1:].sum(axis=1) for face in picture.polygons]
     face, worst = max(zip(picture.polygons, wrong, strict=True), key=lambda pair: int(pair[1].max()))
     when = int(np.argmax(worst))
     seen = (

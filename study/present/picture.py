@@ -370,14 +370,6 @@ def misplaced_length(face: Segment, times: Array) -> Array:
     return np.array(lengths) * (len(face.s) - 1) / float(np.ptp(face.s))
 
 
-def misplaced_nodes(face: Polygon) -> Array:
-    """Return the number of nodes of a face in 3D on the wrong side of the front, at all times after the first.
-
-    These are nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
-    """
-    return np.asarray((face.touching != face.inside)[1:].sum(axis=1))
-
-
 def outside(face: FaceHistory, times: Array) -> NDArray[np.bool_]:
     """Return whether each node of a face is in contact outside the exact zone at each time, (times, nodes).
 

@@ -30,7 +30,7 @@ from study.present.charts import (
 )
 from study.present.notation import typeset, typeset_svg
 from study.present.outcome import conclusion, orders_text
-from study.present.palette import BLACK, DARK, Style, family_styles
+from study.present.palette import family_styles
 from study.present.picture import FaceHistory, Polygon, Segment, over_time, picture_path, read_record, with_every_shape
 from study.present.tables import (
     Table,
@@ -258,7 +258,7 @@ def svg_chart(chart: Chart) -> Markup:
         panels.append(_svg_shapes(subplot, top, top + height))
         top += height + BETWEEN
     template, ends = PAGES.get_template("chart.html"), {"left": LEFT, "right": RIGHT, "below": BELOW}
-    return Markup(template.render(chart=chart, panels=panels, ink=_ink, **ends) + "\n")
+    return Markup(template.render(chart=chart, panels=panels, palette=palette, **ends) + "\n")
 
 
 def _svg_shapes(subplot: Subplot, top: float, bottom: float) -> dict[str, Any]:
@@ -294,8 +294,3 @@ def _svg_shapes(subplot: Subplot, top: float, bottom: float) -> dict[str, Any]:
         "triangle": points(*subplot.triangle.corners.T) if subplot.triangle else [],
         "curves": [(path(places), places, style) for places, style in curves],
     }
-
-
-def _ink(style: Style) -> str:
-    """Return the SVG colour of a style; black and dark grey become the colour of the text, also on dark pages."""
-    return "currentColor" if style.colour in (BLACK, DARK) else style.colour

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.ledger.datafiles import read_claims, read_csv, read_rates, with_order
+from study.ledger.datafiles import read_claims, read_csv, read_rates, since_before
 from study.ledger.files import write_text
 from study.ledger.text import cell
 from study.present.article import article
@@ -268,9 +268,10 @@ def stress_table(directory: Path) -> Table:
         *numbers(displacement="multipliers", primal_stress="to σ(u^h)", primal_displacement="to u^h"),
     ]
     rows = _read(directory, "stresses.csv", [*first, *last, *numbers(h="h", time_share="time")])
-    series = [with_order(frame, "stress") for _, frame in rows.groupby(["case", "family"], sort=False)]
-    shown = pd.concat(series) if series else rows.assign(order=[])
-    shown = shown.assign(time_share_percent=100 * shown["time_share"])
+    shown = rows.assign(order=math.nan, time_share_percent=100 * rows["time_share"])
+    series = [frame.sort_values("level") for _, frame in shown.groupby(["case", "family"], sort=False)]
+    series = [one.assign(order=since_before(one["h"].to_numpy(), one["stress"].to_numpy())) for one in series]
+    shown = pd.concat(series) if series else shown
     columns = [*first, *numbers(ORDER, order="order"), *last, *numbers(time_share_percent="time, %")]
     return Table.of("stresses", columns, shown, grouped=2)
 
