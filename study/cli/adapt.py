@@ -22,7 +22,8 @@ from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError, write_text
 from study.ledger.text import folded, up
-from study.present.figures import AdaptedMesh, adapted_mesh, draw_one
+from study.present.drawing import draw_one
+from study.present.figures import AdaptedMesh, adapted_mesh
 from study.run.executor import GIB, available
 from study.run.fingerprint import of_problem
 from study.run.store import Store

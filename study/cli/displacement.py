@@ -24,7 +24,8 @@ from study.cli.options import FAILED, OK
 from study.fem.naming import resolve_data
 from study.ledger.files import UsageError
 from study.ledger.text import folded
-from study.present.figures import draw_one, enclosure
+from study.present.drawing import draw_one
+from study.present.figures import enclosure
 from study.run.executor import GIB, available
 from study.run.fingerprint import of_problem
 from study.run.store import Store

@@ -110,6 +110,7 @@ CLUSTER = (
     "code on the scheduler, the workers and this machine: use it only in a network that you trust, or with TLS"
 )
 FORMATS = "formats (default: png pdf svg for articles, png pdf for slides, svg png for the web)"
+DRAWN = "result directory whose data are drawn (default: that of --out, which also receives the figures)"
 STYLE = "Matplotlib style file, replaces entries of the style of the study; figure.figsize sets the column width"
 USE = "article: 3.5 in wide, into DIR/figures (default); slides: 16:9, 1920 px; web: SVG; both into DIR/figures/USE"
 COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
@@ -239,9 +240,11 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         [
             option("--case", nargs="+", metavar="NAME", help="only the figures of these cases"),
             option("--overview", action="store_true", help="only the figures that show all cases together"),
+            option("--only", nargs="+", metavar="NAME", help="only these figures, such as zone-hexagon"),
         ],
         option("--dpi", type=_finite, metavar="N", help="dots per inch of PNG files"),
         option("--style", type=Path, metavar="FILE", help=STYLE),
+        option("--data", type=Path, metavar="DIR", help=DRAWN),
         JOBS,
         out(),
     ]),

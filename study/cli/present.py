@@ -13,7 +13,7 @@ from study.cli.options import OK
 from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.present.drawing import Drawing, Output, in_style
-from study.present.figures import drawings, drawings_of, for_slides
+from study.present.figures import drawings_of
 from study.present.report import write_report
 from study.present.tables import write_tables
 from study.run.executor import Processes
@@ -39,7 +39,7 @@ def do_report(options: argparse.Namespace) -> int:
 
 
 def do_figures(options: argparse.Namespace) -> int:
-    """Draw all figures of the data, or only the figures of some cases, or only the overviews; return 0."""
+    """Draw all figures of the data, or those that ``--case``, ``--overview`` or ``--only`` choose; return 0."""
     check_jobs(options.jobs)
     output = Output(options.use, tuple(options.format or ()), options.dpi, options.style)
     if output.dpi is not None and not 10 <= output.dpi <= 2400:
@@ -48,14 +48,13 @@ def do_figures(options: argparse.Namespace) -> int:
         latex = rcParams["pgf.texsystem"]
     if "pgf" in output.suffixes and not shutil.which(latex):
         raise UsageError(f"--format pgf needs {latex}, which is not installed: install LaTeX, or choose another format")
-    read_provenance(options.out)
+    data = options.data or options.out
+    read_provenance(data)
 
-    def chosen(directory: Path) -> list[Drawing]:
-        found = drawings_of(directory, options.case) if options.case else drawings(directory)
-        if options.overview:
-            found = [drawing for drawing in found if not drawing.case]
-        return for_slides(found) if options.use == "slides" else found
+    def chosen(_: Path) -> list[Drawing]:
+        found = drawings_of(data, options.case or (), options.only or (), options.use == "slides")
+        return [drawing for drawing in found if not (options.overview and drawing.case)]
 
-    with Processes(options.jobs) as executor, Store(options.out).steady():
+    with Processes(options.jobs) as executor, Store(data).steady():
         print(folded(f"written: {listed(draw(options.out, executor, chosen, output))}"))
     return OK

@@ -92,16 +92,6 @@ class Codes:
             found.append(dict(zip(KEY, key, strict=True)) | {"classes": text} | orders | worst)
         return pd.DataFrame(found)
 
-    def on_meshes(self) -> pd.DataFrame:
-        """Return ``errors`` with two more columns: the version of the code, and the class of the series.
-
-        If a code cannot express a problem, it has a row of NaN for each mesh on which other codes were run.
-        """
-        told = self.classes[[*SERIES, "version", "class"]]
-        meshes = self.errors[MESH].drop_duplicates()
-        left_out = told[told["class"] == NOT_EXPRESSED].merge(meshes, on=MESH[:2])
-        return pd.concat([self.errors.merge(told, on=SERIES, how="left"), left_out], ignore_index=True)
-
 
 @dataclass(frozen=True)
 class OtherErrors(CsvFile):
@@ -116,10 +106,17 @@ class OtherErrors(CsvFile):
     def read(self, directory: Path) -> pd.DataFrame:
         """Return the errors of all codes in one table with the columns ``mode`` and ``label``; empty without data.
 
-        The column ``mode`` is FROZEN for static problems and MARCH for problems in time.
+        The column ``mode`` is FROZEN for static problems and MARCH for problems in time. If a code cannot express a
+        problem, it has a row of NaN for each mesh on which other codes were run.
         """
-        modes = {FROZEN: Codes.read(directory, FOLDER), MARCH: Codes.read(directory, MARCHES)}
-        found = [codes.on_meshes().assign(mode=mode, label=self.label) for mode, codes in modes.items() if codes]
+        found = []
+        for mode, folder in ((FROZEN, FOLDER), (MARCH, MARCHES)):
+            if codes := Codes.read(directory, folder):
+                told = codes.classes[[*SERIES, "version", "class"]]
+                meshes = codes.errors[MESH].drop_duplicates()
+                left_out = told[told["class"] == NOT_EXPRESSED].merge(meshes, on=MESH[:2])
+                both = pd.concat([codes.errors.merge(told, on=SERIES, how="left"), left_out], ignore_index=True)
+                found.append(both.assign(mode=mode, label=self.label))
         return pd.concat(found, ignore_index=True)[[*self.columns]] if found else pd.DataFrame(columns=[*self.columns])
 
 

@@ -7,6 +7,7 @@ import json
 import math
 import textwrap
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from itertools import zip_longest
 from pathlib import Path
@@ -337,32 +338,24 @@ def as_text(found: Comparison) -> str:
 
     The text has the changed verdicts, a block for each file, and a summary.
     """
-    lines = (textwrap.fill(line, 80, subsequent_indent=" " * 8, break_on_hyphens=False) for line in _lines(found))
-    return "\n".join(lines).replace("\u00a0", " ")
-
-
-def _lines(found: Comparison) -> Iterator[str]:
-    """Yield the lines of the report on a comparison; long lines are not yet wrapped."""
-    yield f"verdicts: {len(found.verdicts) or 'none'} changed"
-    yield from _listed(found.verdicts, SHOWN_VERDICTS)
-    yield ""
+    lines = [f"verdicts: {len(found.verdicts) or 'none'} changed", *_listed(found.verdicts, SHOWN_VERDICTS), ""]
     same = [file for file in found.files if file.state == IDENTICAL and "/" in file.name]
     for file in found.files:
         if file not in same:
-            yield f"{file.name}: {file.state}" + f", only in {file.only}" * bool(file.only)
+            lines.append(f"{file.name}: {file.state}" + f", only in {file.only}" * bool(file.only))
         for difference in file.differences[: SHOWN_PLACES if "/" in file.name else None]:
             text = f"{difference.what}: {difference.differing}"
             if difference.compared:
                 text += f" of {difference.compared} differ, {difference.beyond} beyond tolerance"
             largest = difference.cells[0]["relative"]
-            yield f"  {text}" if largest is None else f"  {text}; largest {largest:.1e}"
-            yield from _listed(difference.cells, 1 if difference.compared else SHOWN_ROWS)
-    if same:
-        yield f"pictures/: {len(same)} {IDENTICAL}"
+            lines.append(f"  {text}" if largest is None else f"  {text}; largest {largest:.1e}")
+            lines += _listed(difference.cells, 1 if difference.compared else SHOWN_ROWS)
+    lines += [f"pictures/: {len(same)} {IDENTICAL}"] if same else []
     count, size = found.states, f"{found.tolerance.relative:g} relative + {found.tolerance.absolute:g}"
     told = f"{count[IDENTICAL]} identical, {count[WITHIN]} within {size}, {count[DIFFERS]} differ"
-    yield ""
-    yield f"{len(found.files)} files: {told}, {count[LEFT_OUT]} left out"
+    lines += ["", f"{len(found.files)} files: {told}, {count[LEFT_OUT]} left out"]
+    wrapped = (textwrap.fill(line, 80, subsequent_indent=" " * 8, break_on_hyphens=False) for line in lines)
+    return "\n".join(wrapped).replace("\u00a0", " ")
 
 
 def _listed(cells: list[dict[str, Any]], most: int) -> Iterator[str]:
@@ -419,7 +412,11 @@ def _in_line(old: str | None, new: str | None, head: list[str], close: frozenset
         return f": found {_shown(old, new)}, expected {_shown(new, old)}"
     cells = zip_longest(head, *(next(csv.reader([text]), []) for text in (old, new)))
     for name, a, b in cells:
-        if a != b and not (name in close and _close(a, b)):
+        if name in close:
+            with suppress(ValueError):
+                if math.isclose(float(a or "nan"), float(b or "nan"), rel_tol=ROUNDED_RTOL, abs_tol=1e-12):
+                    continue
+        if a != b:
             return f", column {name}: found {_shown(a, b)}, expected {_shown(b, a)}"
     return ""
 
@@ -435,10 +432,3 @@ def _shown(text: str | None, other: str | None = None) -> str:
     start = max(0, place - SHOWN_TEXT // 2) if len(text) > SHOWN_TEXT else 0
     part = text[start : start + SHOWN_TEXT]
     return f"{'…' * (start > 0)}{part!r}{'…' * (start + SHOWN_TEXT < len(text))}"
-
-
-def _close(a: str | None, b: str | None) -> bool:
-    try:
-        return math.isclose(float(a or "nan"), float(b or "nan"), rel_tol=ROUNDED_RTOL, abs_tol=1e-12)
-    except ValueError:
-        return False

@@ -312,10 +312,18 @@ def read_rates(directory: Path) -> pd.DataFrame:
     return rates.assign(discrete_order=in_series(rates, "discrete_error"))
 
 
-def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
-    """Return rows sorted by levels, with the observed orders of a column in the new column ``order``."""
-    ordered = series.sort_values("level")
-    return ordered.assign(order=since_before(ordered["h"].to_numpy(), ordered[column].to_numpy()))
+def expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
+    """Return case ↦ expected order of the error, from ``cases.csv``.
+
+    Raises:
+        DataError: the file is missing or damaged, or lacks a case of the table ``rates``.
+    """
+    cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
+    found = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
+    if unknown := sorted(set(rates["case"]) - set(found)):
+        lacking = f"{directory / 'data' / 'cases.csv'} lacks the cases {', '.join(unknown)}"
+        raise DataError(f"{lacking}: make it again with `{made_by(directory)}`")
+    return found
 
 
 def count_caught(controls: pd.DataFrame) -> tuple[int, int]:

@@ -29,14 +29,12 @@ from study.ledger.verdict import (
     FAILS,
     HOLDS,
     IDENTITY,
-    KINDS,
     MISSED,
     ORDER,
     REPORTED,
     THEOREM,
     UNCLAIMED,
     UNDECIDED,
-    VERDICTS,
     agreement,
     is_of_the_paper,
     kind,
@@ -101,42 +99,71 @@ def article(directory: Path) -> dict[Path, str]:
     data = FullRun.read(directory)
     if data is None:
         return {}
-    tables = (
-        accounts,
-        verdicts,
-        ledger,
-        catalogue,
-        smooth,
-        rough,
-        stresses,
-        enclosures,
-        discrete,
-        slips,
-        codes,
-        sensitivity,
-    )
+    about_checks, about_results = (accounts, verdicts, ledger, slips), (smooth, rough, stresses, enclosures, discrete)
+    tables = *about_checks, *about_results, catalogue, codes, sensitivity
     texts = {"numbers": macros(data)} | {make.__name__: make(data) for make in tables}
     return {directory / "article" / f"{name}.tex": text for name, text in texts.items()}
 
 
 # Macros
 
+RANGES = {
+    "Prop. 5.4": {
+        "orderLevel": "order", "orderExtrapolated": "order-extrapolated", "orderDiagonal": "discrete-order-superclose",
+        "orderOther": "discrete-order-others", "pythagoras": "size",
+    },
+    "Prop. 5.3": {"graded": "order-graded"},
+    "Thm 4.2, own space": {"ownBest": "ratio"},
+    "beyond: work of contact": {
+        "workOrder": "order", "workMean": "order-mean", "workSpread": "spread", "workIrregular": "order-irregular",
+        "workError": "error", "workExcess": "excess",
+    },
+    "beyond: rollers": {
+        "rollersEqual": "order-equal", "rollersAlternating": "order-alternating", "rollersStanding": "order-standing",
+        "rollersBest": "best",
+    },
+    "beyond: O(h + k)": {"timeOrder": "order"},
+    "beyond: landings": {
+        "rollingMid": "midpoint-rolling", "rollingBdf": "bdf2-rolling", "ownMid": "midpoint-own",
+    },
+    "beyond: O(h + k), no potential": {"noPotentialBoth": "order-both"},
+    "beyond: advancing front": {"frontOrder": "order", "frontRate": "rate", "frontExcess": "excess"},
+}  # fmt: skip
+"""Label ↦ macro ↦ key of checks: the macros NAMEMin and NAMEMax have the smallest low and the largest high end of the
+checks, with two decimals. ``MOST`` and ``SHARES`` have the same form."""
+MOST = {
+    "Prop. 5.3": {"ratioMost": "falling"},
+    "enclosure": {"encloseUpperMax": "upper"},
+    "beyond: work on edges": {"edgeSolution": "solution", "edgeAll": "all"},
+    "beyond: work of contact": {"workExcessMost": "excess-share"},
+    "beyond: rollers": {"rollersBound": "bound", "rollersShareMost": "share"},
+    "beyond: O(h + k)": {"timeByData": "data", "timeBySolution": "solution"},
+}
+"""Macros with the largest high end of checks, with two decimals."""
+SHARES = {
+    "Prop. 5.4": {
+        "shareDiscrete": "discrete-share", "shareTimeDiscrete": "discrete-time-share", "shareTime": "time-share",
+        "shareQuadrature": "quadrature",
+    },
+    "Prop. 5.3": {"limitMost": "limit", "limitSteeper": "limit-steeper", "roughQuadrature": "quadrature"},
+    "beyond: rollers": {"rollersTime": "time"},
+}  # fmt: skip
+"""Macros with the largest high end of checks in per cent."""
+
 
 def macros(data: FullRun) -> str:
     r"""Return one \\newcommand line for each measured number in the papers."""
-    theory = _smooth, _pressure, _rough, _equivalence, _bounds, _contact, _time, _front, _laws, _discrete
-    groups = _ledger, _plan, *theory, _packages
+    groups = _counts_of_checks, _plan, _from_checks, _paper, _bounds, _beyond, _discrete
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
     return "\n".join(["% Written by `study tables` from the data files; \\input before use.", *lines, ""])
 
 
-def _ledger(data: FullRun) -> Named:
+def _counts_of_checks(data: FullRun) -> Named:
     """Yield the numbers of verdicts, of noticed deliberate defects, and of false alarms on random meshes."""
     yield "ledgerRows", len(data.claims)
     yield "ledgerStatements", len(list(by_claim(data.claims)))
-    counts = count_verdicts(data.claims)
-    for verdict in VERDICTS:
-        yield f"ledger{verdict.capitalize()}", counts[verdict]
+    for verdict, count in count_verdicts(data.claims).items():
+        yield f"ledger{verdict.capitalize()}", count
     kinds = count_kinds(data.claims)
     for name, one in (("Orders", ORDER), ("Theorems", THEOREM), ("Identities", IDENTITY)):
         yield f"kind{name}", kinds[one]
@@ -146,70 +173,70 @@ def _ledger(data: FullRun) -> Named:
     orders = data.claims[(data.claims["verdict"] == HOLDS) & (data.claims.apply(kind, axis=1) == ORDER)]
     yield "ordersWide", (orders["window_high"] - orders["window_low"] > WIDE).sum()
     found, injected = count_caught(data.controls)
-    yield "controls", injected
-    yield "controlsCaught", found
     alarms = alarm_summary(data.seeds)
-    yield "seedRows", alarms.rows
-    yield "seeds", alarms.seeds
-    yield "seedRed", alarms.red
-    yield "seedsLight", alarms.light_seeds
-    yield "seedRedLight", alarms.light_red
-    yield "seedRateMost", _percent(alarms.high)
-    yield "seedRateTail", "not known yet" if math.isnan(alarms.by_tail) else f"at most {_percent(alarms.by_tail)}"
-    yield "seedPromise", _percent(PROMISE)
+    yield from {
+        "controls": injected,
+        "controlsCaught": found,
+        "seedRows": alarms.rows,
+        "seeds": alarms.seeds,
+        "seedRed": alarms.red,
+        "seedsLight": alarms.light_seeds,
+        "seedRedLight": alarms.light_red,
+        "seedRateMost": _percent(alarms.high),
+        "seedRateTail": "not known yet" if math.isnan(alarms.by_tail) else f"at most {_percent(alarms.by_tail)}",
+        "seedPromise": _percent(PROMISE),
+    }.items()
 
 
 def _plan(data: FullRun) -> Named:
-    """Yield the numbers of cases, meshes, unknowns and planned measurements."""
+    """Yield the numbers of cases, meshes, unknowns and planned measurements, and the versions of the libraries."""
     plane, solid = (data.rates[data.rates["dim"] == dim] for dim in (2, 3))
-    yield "caseCount", len(data.cases)
     for name, claim in (("casesSmooth", "Prop. 5.4"), ("casesRough", "Prop. 5.3")):
         yield name, data.rates.loc[data.rates["claim"] == claim, "case"].nunique()
-    yield "casesSolid", (data.cases["dimension"] == 3).sum()
-    yield "sweepRows", len(data.rates)
-    yield "planned", len(planned_keys(data.provenance))
-    yield "levelCoarsest", plane["level"].min()
-    yield "levelFinest", plane["level"].max()
-    yield "levelSolid", solid["level"].max()
-    yield "dofsMost", f"{int(data.rates['dofs'].max()):,}".replace(",", r"\,")
-    yield "familyCount", plane.loc[plane["family"] != "graded", "family"].nunique()
-    yield "dataMissing", f"{data.rows('data', 'missing')['observed'].max():.0f}"
+    packages = data.provenance["packages"]
+    yield from {
+        "caseCount": len(data.cases),
+        "casesSolid": (data.cases["dimension"] == 3).sum(),
+        "sweepRows": len(data.rates),
+        "planned": len(planned_keys(data.provenance)),
+        "levelCoarsest": plane["level"].min(),
+        "levelFinest": plane["level"].max(),
+        "levelSolid": solid["level"].max(),
+        "dofsMost": f"{int(data.rates['dofs'].max()):,}".replace(",", r"\,"),
+        "familyCount": plane.loc[plane["family"] != "graded", "family"].nunique(),
+        "dataMissing": f"{data.rows('data', 'missing')['observed'].max():.0f}",
+        "withPython": prose(data.provenance["python"]),
+        "withPackages": ", ".join(f"{prose(name)} {prose(packages[name])}" for name in packages),
+    }.items()
 
 
-def _smooth(data: FullRun) -> Named:
-    """Yield the numbers for Proposition 5.4, which is about smooth solutions."""
-    label = "Prop. 5.4"
-    yield from _extremes("orderLevel", data.rows(label, "order"))
-    extrapolated = data.rows(label, "order-extrapolated")
-    yield "orderExtrapolatedMin", below(extrapolated["low"].min(), 2)
-    yield "orderExtrapolatedMax", above(extrapolated["high"].max(), 2)
-    yield from _extremes("orderDiagonal", data.rows(label, "discrete-order-superclose"))
-    yield from _extremes("orderOther", data.rows(label, "discrete-order-others"))
-    yield from _extremes("pythagoras", data.rows(label, "size"))
+def _from_checks(data: FullRun) -> Named:
+    """Yield the numbers in ``RANGES``, ``MOST`` and ``SHARES``."""
+    for label, keys in RANGES.items():
+        for name, key in keys.items():
+            yield from _extremes(name, data.rows(label, key))
+    for table, write in ((MOST, lambda value: above(value, 2)), (SHARES, _percent)):
+        for label, keys in table.items():
+            for name, key in keys.items():
+                yield name, write(data.rows(label, key)["high"].max())
+
+
+def _paper(data: FullRun) -> Named:
+    """Yield further numbers for Propositions 5.3 and 5.4, the assumption (5.36), the contact force and Theorem 4.2."""
     yield from _extremes("leadingTerm", data.rows("(5.23)", "leading-term"), 3)
-    yield "shareDiscrete", _percent(data.rows(label, "discrete-share")["high"].max())
-    yield "shareTimeDiscrete", _percent(data.rows(label, "discrete-time-share")["high"].max())
-    yield "shareTime", _percent(data.rows(label, "time-share")["high"].max())
-    yield "shareQuadrature", _percent(data.rows(label, "quadrature")["high"].max())
-    sweeps = data.rates[data.rates["claim"] == label]
+    sweeps = data.rates[data.rates["claim"] == "Prop. 5.4"]
     # Nonlinear laws need a fixed-point iteration in every step, which leaves a larger residual.
     yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
     plane = sweeps["dim"] == 2
-    yield "residualLinear", _power(sweeps.loc[~yielding & plane, "residual"].max())
-    yield "residualSolid", _power(sweeps.loc[~plane, "residual"].max())
-    yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
-    yield "supremumLater", (data.rows(label, "start-share")["verdict"] == HOLDS).sum()
-
-
-def _rough(data: FullRun) -> Named:
-    """Yield the numbers for Proposition 5.3, and the orders of solutions that violate the assumption (5.36)."""
-    label = "Prop. 5.3"
-    yield "ratioMost", _most(data, label, "falling")
-    yield "limitMost", _percent(data.rows(label, "limit")["high"].max())
-    yield "limitSteeper", _percent(data.rows(label, "limit-steeper")["high"].max())
+    for name, chosen in (("Linear", ~yielding & plane), ("Solid", ~plane), ("Yield", yielding)):
+        yield f"residual{name}", _power(sweeps.loc[chosen, "residual"].max())
+    yield "supremumLater", (data.rows("Prop. 5.4", "start-share")["verdict"] == HOLDS).sum()
+    for name, key in {"Dual": "dual-superclose", "Other": "dual-other", "Mean": "pressure"}.items():
+        rows = data.rows("contact force", f"order-{key}")
+        yield from _extremes(f"pressure{name}", rows[rows["verdict"] == HOLDS])
+    rows = data.rows("contact force", "order-resultant")
+    yield "pressureResultantMin", below(rows.loc[rows["verdict"] == HOLDS, "low"].min(), 2)
     yield "steeper", f"{STEEPER:g}"
-    yield "roughQuadrature", _percent(data.rows(label, "quadrature")["high"].max())
-    yield from _extremes("graded", data.rows(label, "order-graded"))
     seen = data.rows("(5.36)", "order")
     missing = seen[seen["case"].map(data.cases["expected_order"]) == 1]
     yield "missing", len(missing)
@@ -217,18 +244,10 @@ def _rough(data: FullRun) -> Named:
     for name, case in (("natural", "natural-front"), ("trace", "rough-trace"), ("moving", "moving-rough")):
         yield from _extremes(f"{name}Seen", seen[seen["case"] == case])
     yield "movingProved", f"{data.cases.loc['moving-rough', 'proved_order']:g}"
-
-
-def _equivalence(data: FullRun) -> Named:
-    """Yield the numbers for Theorem 4.2."""
-    for name, column in (
-        ("agreeDisplacement", "displacement_gap"),
-        ("agreeStress", "stress_gap"),
-        ("agreeMembership", "membership"),
-        ("allowedDisplacement", "displacement_bound"),
-        ("allowedStress", "stress_bound"),
-    ):
-        yield name, _power(data.equivalence[column].max())
+    for name, column in {"Displacement": "displacement", "Stress": "stress"}.items():
+        yield f"agree{name}", _power(data.equivalence[f"{column}_gap"].max())
+        yield f"allowed{name}", _power(data.equivalence[f"{column}_bound"].max())
+    yield "agreeMembership", _power(data.equivalence["membership"].max())
     shares = (data.rows("Thm 4.2", what)["high"].max() for what in ("displacement", "stress"))
     yield "allowedShare", above(max(shares), 2)
     yield "agreeCases", data.equivalence["case"].nunique()
@@ -236,15 +255,13 @@ def _equivalence(data: FullRun) -> Named:
     label = "Thm 4.2, own space"
     yield "ownCases", data.claims.loc[data.claims["label"] == label, "case"].nunique()
     yield "ownAdmissible", _power(data.rows(label, "admissible")["high"].max())
-    yield from _extremes("ownBest", data.rows(label, "ratio"))
-    yield "frozenMost", _most(data, "Prager–Synge", "guaranteed", 3)
 
 
 def _bounds(data: FullRun) -> Named:
     """Yield the numbers for the bounds of the error from u_h alone, and for two-sided bounds (enclosures)."""
+    yield "frozenMost", above(data.rows("Prager–Synge", "guaranteed")["high"].max(), 3)
     yield from _extremes("boundUpper", data.rows("bound", "upper"), 1)
     yield "boundCases", data.rows("bound", "above")["case"].nunique()
-    yield "encloseUpperMax", _most(data, "enclosure", "upper")
     computed = data.bounds[data.bounds["trajectory"] == "enclosure"]
     yield "encloseLeast", below(computed["lower"].min(), 2)
     yield "encloseRows", computed["error"].count()
@@ -260,80 +277,43 @@ def _bounds(data: FullRun) -> Named:
     yield "checkHighEnd", above(finest["highest"], 4)
 
 
-def _contact(data: FullRun) -> Named:
-    """Yield the numbers for the contact term of the error estimate.
+def _beyond(data: FullRun) -> Named:
+    """Yield further numbers for theorems of this study: contact terms, time discretisation, fronts, softening laws.
 
-    The macros ``work...`` are about cases with contact patches of many sizes, the macros ``rollers...`` about a narrow
-    contact patch that rolls along Γ3.
+    The macros ``laws...`` are growth rates of differences of solutions for an elasticity operator G that softens, with
+    the bound of Theorem 2.2 and the constants of (4.3) and (5.21). The macros ``start...`` are about nodal interpolants
+    of a continuous initial displacement.
     """
-    for name, key in (("Solution", "solution"), ("All", "all")):
-        yield f"edge{name}", _most(data, "beyond: work on edges", key)
-    label = "beyond: work of contact"
-    ranges = {"Order": "order", "Mean": "order-mean", "Spread": "spread", "Irregular": "order-irregular"}
-    for name, key in (ranges | {"Error": "error", "Excess": "excess"}).items():
-        yield from _extremes(f"work{name}", data.rows(label, key))
-    yield "workShareLeast", below(data.rows(label, "share")["observed"].min(), 2)
-    yield "workExcessMost", _most(data, label, "excess-share")
-    label = "beyond: rollers"
-    ranges = {"Equal": "order-equal", "Alternating": "order-alternating", "Standing": "order-standing", "Best": "best"}
-    for name, key in ranges.items():
-        yield from _extremes(f"rollers{name}", data.rows(label, key))
+    yield "workShareLeast", below(data.rows("beyond: work of contact", "share")["observed"].min(), 2)
     values = {"Shaken": "order-shaken", "Unstructured": "order-unstructured", "Scatter": "scatter"}
     for name, key in (values | {"StandingShaken": "order-standing-shaken"}).items():
-        (observed,) = data.rows(label, key)["observed"]
+        (observed,) = data.rows("beyond: rollers", key)["observed"]
         yield f"rollers{name}", f"{observed:.2f}"
-    yield "rollersBound", _most(data, label, "bound")
-    yield "rollersTime", _percent(data.rows(label, "time")["high"].max())
-    yield "rollersShareMost", _most(data, label, "share")
-
-
-def _time(data: FullRun) -> Named:
-    """Yield the numbers for the error of time discretisation: its bounds, and its orders if contact spreads fast."""
-    label = "beyond: O(h + k)"
-    yield "timeByData", _most(data, label, "data")
-    yield "timeBySolution", _most(data, label, "solution")
-    yield from _extremes("timeOrder", data.rows(label, "order"))
-    uniform = data.rows(label, "uniform")
+    uniform = data.rows("beyond: O(h + k)", "uniform")
     yield "timeGrowth", above(100 * (uniform[["low", "high"]] - 1).abs().max(axis=None), 0)
-    for name, key in (("rollingMid", "midpoint-rolling"), ("rollingBdf", "bdf2-rolling"), ("ownMid", "midpoint-own")):
-        yield from _extremes(name, data.rows("beyond: landings", key))
-    label, steps = "beyond: O(h + k), no potential", ("equal", "unequal")
-    for name, key in (("ByData", "data"), ("BySolution", "solution")):
-        rows = pd.concat([data.rows(label, f"{key}-{step}") for step in steps])
-        yield f"noPotential{name}", above(rows["high"].max(), 2)
-    yield from _extremes("noPotentialOrder", pd.concat([data.rows(label, f"order-{step}") for step in steps]))
-    yield from _extremes("noPotentialBoth", data.rows(label, "order-both"))
+    label = "beyond: O(h + k), no potential"
+    by_data, by_solution, order = (
+        pd.concat([data.rows(label, f"{key}-{step}") for step in ("equal", "unequal")])
+        for key in ("data", "solution", "order")
+    )
+    yield "noPotentialByData", above(by_data["high"].max(), 2)
+    yield "noPotentialBySolution", above(by_solution["high"].max(), 2)
+    yield from _extremes("noPotentialOrder", order)
     yield "noPotentialRotation", below(data.rows(label, "rotation")["low"].min(), 2)
-
-
-def _front(data: FullRun) -> Named:
-    """Yield the numbers for an advancing natural front, and for nodal interpolants of an initial displacement.
-
-    At the distance r from a natural front, the gap is proportional to r^{3/2}. The initial displacement is continuous.
-    """
-    for name, key in (("Order", "order"), ("Rate", "rate"), ("Excess", "excess")):
-        yield from _extremes(f"front{name}", data.rows("beyond: advancing front", key))
     label = "beyond: nodal start"
     yield from _extremes("startSize", data.rows(label, "size"), 3)
     yield "startGrowth", below(-data.rows(label, "growth")["high"].max(), 2)
     yield "startWorse", below(data.rows(label, "worse")["low"].min(), 1)
-
-
-def _laws(data: FullRun) -> Named:
-    """Yield the numbers for an elasticity operator G that softens.
-
-    They are growth rates of differences of solutions, with the bound of Theorem 2.2 and the constants of (4.3) and
-    (5.21).
-    """
-    label, soft, wells = "Thm 2.2, (4.4)", "softening", "double-well"
+    label = "Thm 2.2, (4.4)"
     rates = pd.concat([data.rows(label, key) for key in ("rate", "rate-even")])
     yield "lawsRate", _power((rates[["low", "high"]] - 1).abs().max(axis=None))
     yield "lawsEven", _power((data.rows(label, "bound-even")[["low", "high"]] - 1).abs().max(axis=None))
-    yield "lawsBound", _most(data, label, "bound", 3)
-    for name, case in (("Soft", soft), ("Wells", wells)):
+    yield "lawsBound", above(data.rows(label, "bound")["high"].max(), 3)
+    constants = []
+    for name, case in (("Soft", "softening"), ("Wells", "double-well")):
         (row,) = data.rows("(4.3), (5.5)", "monotonicity", case)["high"]
         yield f"lawsMonotone{name}", below(row, 3)
-    constants = [data.rows("(5.20)–(5.21), (5.42)", "constant-5.21", case)["high"].max() for case in (soft, wells)]
+        constants.append(data.rows("(5.20)–(5.21), (5.42)", "constant-5.21", case)["high"].max())
     yield "lawsConstant", above(max(constants), 3)
 
 
@@ -358,32 +338,10 @@ def _discrete(data: FullRun) -> Named:
     yield "roomMost", above(1 / constant["low"].min(), 0)
 
 
-def _pressure(data: FullRun) -> Named:
-    """Yield the observed orders of the contact pressure in three norms, from the checks that hold."""
-    keys = {"Dual": "dual-superclose", "Other": "dual-other", "Mean": "pressure"}
-    for name, key in keys.items():
-        rows = data.rows("contact force", f"order-{key}")
-        yield from _extremes(f"pressure{name}", rows[rows["verdict"] == HOLDS])
-    rows = data.rows("contact force", "order-resultant")
-    yield "pressureResultantMin", below(rows.loc[rows["verdict"] == HOLDS, "low"].min(), 2)
-
-
-def _packages(data: FullRun) -> Named:
-    """Yield the versions of Python and of the libraries that computed the data."""
-    yield "withPython", prose(data.provenance["python"])
-    packages = data.provenance["packages"]
-    yield "withPackages", ", ".join(f"{prose(name)} {prose(packages[name])}" for name in packages)
-
-
 def _extremes(name: str, rows: pd.DataFrame, digits: int = 2) -> Named:
     """Yield the macros NAMEMin and NAMEMax with the smallest low end and the largest high end of checks."""
     yield f"{name}Min", below(rows["low"].min(), digits)
     yield f"{name}Max", above(rows["high"].max(), digits)
-
-
-def _most(data: FullRun, label: str, key: str, digits: int = 2) -> str:
-    """Return the largest high end of the checks with a label and a key, rounded up."""
-    return above(data.rows(label, key)["high"].max(), digits)
 
 
 def two_digits_up(value: float) -> float:
@@ -417,18 +375,14 @@ def verdicts(data: FullRun) -> str:
     The checks that hold are counted by the kind of their evidence.
     """
     groups, body = data.claims["label"].map(group_of), []
-    for title in (*GROUPS, BEYOND):
-        body.append([title, *_counts(data.claims[groups == title])])
-    body.append([r"\midrule all", *_counts(data.claims)])
+    parts = {title: data.claims[groups == title] for title in (*GROUPS, BEYOND)} | {r"\midrule all": data.claims}
+    for title, rows in parts.items():
+        count = count_verdicts(rows)
+        failing = len(rows) - count[HOLDS] - count[MISSED] - count[REPORTED]
+        numbers = *count_kinds(rows).values(), failing, count[MISSED], count[REPORTED]
+        body.append([title, *map(str, numbers)])
     headings = ["statements", "orders", "sizes", "one-sided", "proved", "identities", "not", "missed", "reported"]
     return tabular(headings, folding(0.37) + "rrrrrrrr", body)
-
-
-def _counts(rows: pd.DataFrame) -> list[str]:
-    """Return the numbers of checks with each verdict; checks that hold are counted by the kind of their evidence."""
-    holding, count = count_kinds(rows), count_verdicts(rows)
-    failing = len(rows) - count[HOLDS] - count[MISSED] - count[REPORTED]
-    return [*(str(holding[one]) for one in KINDS), str(failing), str(count[MISSED]), str(count[REPORTED])]
 
 
 def account(row: pd.Series) -> str:
@@ -451,14 +405,12 @@ def accounts(data: FullRun) -> str:
     The columns are the number of checks, of checks that hold, and of checks that fail or are undecided.
     """
     names, body = data.claims.apply(account, axis=1), []
-    for name, title in ACCOUNTS.items():
-        rows = data.claims[names == name]
+    for name, title in (ACCOUNTS | {"all": r"\midrule all"}).items():
+        rows = data.claims if name == "all" else data.claims[names == name]
         count = count_verdicts(rows)
-        judged = "--" if name in ("met", "undecided", "wrong", "numbers", "lines") else str(count[HOLDS])
-        other = "--" if judged == "--" else str(count[FAILS] + count[UNDECIDED])
-        body.append([title, str(len(rows)), judged, other])
-    total = count_verdicts(data.claims)
-    body.append([r"\midrule all", str(len(data.claims)), str(total[HOLDS]), str(total[FAILS] + total[UNDECIDED])])
+        judged = [str(count[HOLDS]), str(count[FAILS] + count[UNDECIDED])]
+        unjudged = name in ("met", "undecided", "wrong", "numbers", "lines")
+        body.append([title, str(len(rows)), *(["--", "--"] if unjudged else judged)])
     return tabular(["rows", "number", "hold", "fail or undecided"], folding(0.66) + "rrr", body)
 
 
@@ -504,15 +456,11 @@ def smooth(data: FullRun) -> str:
     error relative to the error, and the share of the time discretisation in per cent.
     """
     label, body = "Prop. 5.4", []
+    orders = "order", "order-extrapolated", "discrete-order-superclose", "discrete-order-others"
     for case, rows in data.rates[data.rates["claim"] == label].groupby("case", sort=False):
-        cells = [
-            _cell(data, label, "order", case, _range),
-            _cell(data, label, "order-extrapolated", case, _range),
-            _cell(data, label, "discrete-order-superclose", case, _range),
-            _cell(data, label, "discrete-order-others", case, _range),
-            _cell(data, label, "discrete-share", case, _observed),
-            _cell(data, label, "time-share", case, lambda row: f"{100 * row['observed']:.2f}"),
-        ]
+        cells = [_cell(data, label, key, case, _range) for key in orders]
+        cells.append(_cell(data, label, "discrete-share", case, lambda row: _decimals(row["observed"])))
+        cells.append(_cell(data, label, "time-share", case, lambda row: f"{100 * row['observed']:.2f}"))
         body.append([prose(str(case)), _regularity(data, case), str(rows["level"].max()), *cells])
     headings = ["case", "regularity", r"\(n\)", "orders", "extrapolated", "superclose", "other", "share", r"time, \%"]
     return tabular(headings, "llrrrrrrr", body)
@@ -529,9 +477,9 @@ def rough(data: FullRun) -> str:
         orders = [f"{data.cases.loc[case, name]:.3g}" for name in ("expected_order", "proved_order")]
         cells = [
             _cell(data, "(5.36)", "order", case, _range),
-            _cell(data, label, "order-graded", case, _observed),
-            _cell(data, label, "falling", case, _high),
-            _cell(data, label, "limit", case, _high),
+            _cell(data, label, "order-graded", case, lambda row: _decimals(row["observed"])),
+            _cell(data, label, "falling", case, lambda row: _decimals(row["high"])),
+            _cell(data, label, "limit", case, lambda row: _decimals(row["high"])),
         ]
         body.append([prose(case), _regularity(data, case), *orders, *cells])
     headings = ["case", "regularity", "predicted", "proved", "seen", "graded", "ratio", r"\(e_\infty/e\)"]
@@ -560,7 +508,7 @@ def enclosures(data: FullRun) -> str:
 
     The ends of the bounds are rounded outwards. The error is empty for problems without a known exact solution.
     """
-    roundings = {"lowest": down, "error": _nearest, "highest": up, "upper": up, "lower": down}
+    roundings = {"lowest": down, "error": None, "highest": up, "upper": up, "lower": down}
     rows = data.bounds[data.bounds["trajectory"] == "enclosure"]
     deep = [str(case) for case, part in rows.groupby("case", sort=False) if len(part) > 2]
     body = [
@@ -652,14 +600,6 @@ def _decimals(value: float) -> str:
     return rf"\({value:.2f}\)" if f"{value:.2f}".startswith("-") else f"{value:.2f}"
 
 
-def _observed(row: pd.Series) -> str:
-    return _decimals(row["observed"])
-
-
-def _high(row: pd.Series) -> str:
-    return _decimals(row["high"])
-
-
 def _range(row: pd.Series) -> str:
     low, high = _decimals(row["low"]), _decimals(row["high"])
     return low if low == high else f"{low}--{high}"
@@ -673,13 +613,10 @@ def _regularity(data: FullRun, case: object) -> str:
     )
 
 
-def _nearest(value: float, digits: int) -> str:
-    return f"{value:.{digits}g}"
-
-
-def _number(value: float, rounding: Callable[[float, int], str] = _nearest, digits: int = 3) -> str:
-    """Return a number with a given number of significant digits as LaTeX."""
-    return encode(f"{float(rounding(value, digits)):#.{digits}g}".rstrip("."))
+def _number(value: float, rounding: Callable[[float, int], str] | None = None, digits: int = 3) -> str:
+    """Return a number as LaTeX, rounded to significant digits by ``up``, ``down`` or, by default, to the nearest."""
+    rounded = rounding(value, digits) if rounding else f"{value:.{digits}g}"
+    return encode(f"{float(rounded):#.{digits}g}".rstrip("."))
 
 
 def window_ends(row: pd.Series) -> str:

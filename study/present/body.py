@@ -76,56 +76,46 @@ def magnification(vertices: Array, displacements: Iterable[Array]) -> float:
     return float(f"{math.floor(exact / unit) * unit:.2g}")
 
 
-@dataclass(frozen=True, eq=False)
-class View:
-    """A parallel projection of the body onto the plane of the figure.
+def view_of(picture: Picture) -> Array:
+    """Return the parallel projection for a body: the identity in 2D, an oblique view of the contact faces in 3D.
 
-    Attributes:
-        axes: orthonormal rows, (d, d): the directions to the right, upwards and, in 3D, towards the eye.
+    In 3D, the direction towards the eye is the sum of the outward normals of the contact faces, with every component
+    increased in absolute value by ``OBLIQUE``. The third coordinate points upwards or downwards in the figure: a body
+    on a floor is turned upside down, because a body seen from below looks hollow.
+
+    Returns:
+        Orthonormal rows, (d, d): the directions to the right, upwards and, in 3D, towards the eye.
     """
+    if len(picture.vertices) == 2:
+        return np.eye(2)
+    normal = np.sum([face.normal for face in picture.faces], axis=0)
+    side = np.where(normal > 0, 1, -1)
+    towards = side * (abs(normal) + OBLIQUE)
+    towards /= np.linalg.norm(towards)
+    right = np.cross([0, 0, side[2]], towards)
+    right /= np.linalg.norm(right)
+    return np.array([right, np.cross(towards, right), towards])
 
-    axes: Array
 
-    @classmethod
-    def of(cls, picture: Picture) -> View:
-        """Return the projection for a body: the identity in 2D, an oblique view of the contact faces in 3D.
+def drawing_order(view: Array, x: Array, cells: NDArray[np.int64], shades: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the indices of the triangles that face the eye, in the order in which they must be drawn.
 
-        In 3D, the direction towards the eye is the sum of the outward normals of the contact faces, with every
-        component increased in absolute value by ``OBLIQUE``. The third coordinate points upwards or downwards in the
-        figure: a body on a floor is turned upside down, because a body seen from below looks hollow.
-        """
-        if len(picture.vertices) == 2:
-            return cls(np.eye(2))
-        normal = np.sum([face.normal for face in picture.faces], axis=0)
-        side = np.where(normal > 0, 1, -1)
-        towards = side * (abs(normal) + OBLIQUE)
-        towards /= np.linalg.norm(towards)
-        right = np.cross([0, 0, side[2]], towards)
-        right /= np.linalg.norm(right)
-        return cls(np.array([right, np.cross(towards, right), towards]))
+    In 3D the farthest triangle comes first, so that nearer triangles hide it. In 2D all triangles are returned, sorted
+    by colour, because no triangle hides another.
 
-    def flat(self, x: Array) -> Array:
-        """Return the coordinates of points x, (d, n), in the plane of the figure, (2, n)."""
-        return self.axes[:2] @ x
-
-    def order(self, x: Array, cells: NDArray[np.int64], shades: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the indices of the triangles that face the eye, in the order in which they must be drawn.
-
-        In 3D the farthest triangle comes first, so that nearer triangles hide it. In 2D all triangles are returned,
-        sorted by colour, because no triangle hides another.
-
-        Parameters:
-            x: vertices, (d, vertices).
-            cells: vertex numbers of the triangles, (3, triangles).
-            shades: colour numbers of the triangles, (triangles,).
-        """
-        if len(x) == 2:
-            return np.argsort(shades, kind="stable")
-        a, b, c = (self.flat(x)[:, corner] for corner in cells)
-        (p, q), (r, s) = b - a, c - a
-        facing = np.flatnonzero(p * s - q * r > 0)
-        depth = (self.axes[2] @ x)[cells].mean(axis=0)
-        return facing[np.argsort(depth[facing], kind="stable")]
+    Parameters:
+        view: the projection, (d, d).
+        x: vertices, (d, vertices).
+        cells: vertex numbers of the triangles, (3, triangles).
+        shades: colour numbers of the triangles, (triangles,).
+    """
+    if len(x) == 2:
+        return np.argsort(shades, kind="stable")
+    a, b, c = ((view[:2] @ x)[:, corner] for corner in cells)
+    (p, q), (r, s) = b - a, c - a
+    facing = np.flatnonzero(p * s - q * r > 0)
+    depth = (view[2] @ x)[cells].mean(axis=0)
+    return facing[np.argsort(depth[facing], kind="stable")]
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +123,7 @@ class BodyScale:
     """The projection and the scales with which all times of a run are drawn.
 
     Attributes:
-        view: the projection.
+        view: the projection, (d, d), from ``view_of``.
         size: the longest side of the box around the undeformed body.
         magnification: the factor by which displacements are multiplied.
         limits: the horizontal and vertical limits of the drawing, (2, 2), a row for each direction.
@@ -141,7 +131,7 @@ class BodyScale:
         stress: the upper limit of the colour scale of the stress.
     """
 
-    view: View
+    view: Array
     size: float
     magnification: float
     limits: Array
@@ -152,11 +142,11 @@ class BodyScale:
     @classmethod
     def of(cls, picture: Picture) -> BodyScale:
         """Return the scales of a run, with limits for the body at all drawn times and for the longest arrows."""
-        view = View.of(picture)
+        view = view_of(picture)
         factor = magnification(picture.vertices, [shape.displacement for shape in picture.shapes])
         points = [picture.vertices] + [picture.vertices + factor * shape.displacement for shape in picture.shapes]
         points += [face.x + ARROW * picture.size * face.normal[:, None] for face in picture.segments]
-        drawn = view.flat(np.hstack(points))
+        drawn = view[:2] @ np.hstack(points)
         margin = 0.02 * picture.size * np.array([-1, 1])
         at, faces = picture.instants, picture.faces
         stresses = np.array([shape.von_mises for shape in picture.shapes])
@@ -199,8 +189,7 @@ def draw_deformed_mesh(axes: Axes, picture: Picture, shape: Shape, scale: BodySc
     instant = picture.nearest(shape.time)
     moved = picture.vertices + scale.magnification * shape.displacement
     shades, colours = cell_shades(picture, shape, scale)
-    order = scale.view.order(moved, picture.cells, shades)
-    flat = scale.view.flat(moved)
+    order, flat = drawing_order(scale.view, moved, picture.cells, shades), scale.view[:2] @ moved
     # A cell is about this many points wide; thicker lines would cover fine meshes.
     cell = 72 * width / math.sqrt(len(order) / 2)
     axes.add_collection(_triangles(flat.T[picture.cells.T], order, shades, colours, cell), autolim=False)
@@ -208,7 +197,7 @@ def draw_deformed_mesh(axes: Axes, picture: Picture, shape: Shape, scale: BodySc
         _draw_foundation(axes, face, instant, scale)
     for polygon in picture.polygons:
         # Faces that point away from the eye are hidden.
-        if scale.view.axes[2] @ polygon.normal > 0:
+        if scale.view[2] @ polygon.normal > 0:
             touching = flat[:, polygon.nodes[polygon.touching[instant]]]
             axes.plot(*touching, "o", color=BLACK, ms=min(cell / 6, 2.0), mew=0, zorder=3)
     axes.set(xlim=scale.limits[0], ylim=scale.limits[1], aspect="equal")
@@ -224,14 +213,11 @@ def cell_shades(picture: Picture, shape: Shape, scale: BodyScale) -> tuple[NDArr
     Returns:
         The colour numbers, (cells,), and the list of colours, (2 · SHADES, 4): first of stresses, then of pressures.
     """
-
-    def steps(shares: Array) -> NDArray[np.int64]:
-        return np.clip(shares * SHADES, 0, SHADES - 1).astype(np.int64)
-
-    numbers = steps(shade(shape.von_mises / scale.stress))
+    shares, first = shade(shape.von_mises / scale.stress), np.zeros(len(shape.von_mises), dtype=np.int64)
     for face in picture.polygons:
         pressure = face.pressure[picture.nearest(shape.time)][face.facets.corners].mean(axis=0)
-        numbers[face.facets.cells] = SHADES + steps(pressure / (scale.pressure or 1.0))
+        shares[face.facets.cells], first[face.facets.cells] = pressure / (scale.pressure or 1.0), SHADES
+    numbers = first + np.clip(shares * SHADES, 0, SHADES - 1).astype(np.int64)
     every = np.arange(SHADES)
     return numbers, np.concatenate([scale.stress_colours.cmap(every), scale.pressure_colours.cmap(every)])
 
@@ -275,7 +261,8 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
         depth = ARROW * scale.size * face.gap[instant].clip(0) / scale.gap * face.normal[:, None]
         axes.add_patch(patches.Polygon(np.hstack([face.x, (face.x + depth)[:, ::-1]]).T, **GAP, zorder=0.6))
     for interval in face.computed_zone(instant):
-        axes.plot(*face.point(np.array(interval)), color=BLACK, lw=1.8, solid_capstyle="butt", zorder=2.6)
+        points = [np.interp(interval, face.s, component) for component in face.x]
+        axes.plot(*points, color=BLACK, lw=1.8, solid_capstyle="butt", zorder=2.6)
     every = max(1, round(len(face.s) / MOST_ARROWS))
     shown = np.flatnonzero(face.touching[instant])
     shown = shown[shown % every == 0]

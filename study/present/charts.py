@@ -12,14 +12,14 @@ import textwrap
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from itertools import cycle
+from itertools import cycle, starmap
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
+from matplotlib import rcParams
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis as MatplotlibAxis
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, MaxNLocator, NullFormatter
@@ -27,8 +27,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from study.ledger.codes import GRADES, Codes
 from study.ledger.orders import RatesError, fit, orders
-from study.ledger.text import interval
-from study.present.drawing import column_width, entry, legend, mathtext, page_width, small
+from study.ledger.text import above, below, interval
+from study.present.drawing import column_width, entry, is_slide, legend, mathtext, page_width
 from study.present.notation import counted
 from study.present.palette import (
     BLACK,
@@ -175,12 +175,8 @@ class Subplot:
     rules: Sequence[float] = ()
 
 
-@dataclass(frozen=True)
-class LegendEntry:
-    """An entry of the legend."""
-
-    text: str
-    style: Style
+LegendEntry = tuple[str, Style]
+"""An entry of the legend: text and style."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,6 +188,7 @@ class Chart:
         subplots: the pairs of axes.
         legend: the columns of the legend.
         caption: says what is drawn and what to see, with numbers.
+        headline: the main result in a sentence, for slides, which have no caption.
         columns: the number of columns of the grid that the subplots fill row by row; if it is 0, the subplots are
             drawn one above the other.
     """
@@ -200,6 +197,7 @@ class Chart:
     subplots: Sequence[Subplot]
     legend: Sequence[Sequence[LegendEntry]]
     caption: str
+    headline: str = ""
     columns: int = 0
 
 
@@ -216,8 +214,11 @@ _BAND = 0.35
 
 
 def draw_chart(chart: Chart) -> Figure:
-    """Return the Matplotlib figure of a chart."""
-    return _draw_grid(chart) if chart.columns else _draw_column(chart)
+    """Return the Matplotlib figure of a chart; slides have its headline."""
+    figure = _draw_grid(chart) if chart.columns else _draw_column(chart)
+    if is_slide() and chart.headline:
+        figure.suptitle(textwrap.fill(chart.headline, 64))
+    return figure
 
 
 def _draw_column(chart: Chart) -> Figure:
@@ -235,7 +236,7 @@ def _draw_column(chart: Chart) -> Figure:
     longest = max(map(len, chart.legend))
     handles: list[Artist] = []
     for column in chart.legend:
-        handles += [*map(_handle, column), *[entry(" ", ls="")] * (longest - len(column))]
+        handles += [*starmap(_handle, column), *[entry(" ", ls="")] * (longest - len(column))]
     legend(figure, handles, columns=len(chart.legend))
     return figure
 
@@ -249,14 +250,14 @@ def _draw_grid(chart: Chart) -> Figure:
     panels = figure.subplots(rows, columns, sharey="row", squeeze=False).ravel()
     for i, (axes, subplot) in enumerate(zip(panels, chart.subplots, strict=False)):
         _draw_subplot(axes, subplot, size=2.4)
-        axes.set_title(textwrap.fill(subplot.title, 22), fontsize=small(), linespacing=0.95)
+        axes.set_title(textwrap.fill(subplot.title, 22), fontsize=rcParams["xtick.labelsize"], linespacing=0.95)
         axes.tick_params(labelbottom=i + columns >= count)
     for axes in panels[count:]:
         axes.set_visible(False)
     figure.supxlabel(_label(chart.subplots[0].x))
     figure.supylabel(mathtext(chart.subplots[0].y.label))
     # An entry of the legend takes about 1.15 inches.
-    handles = [_handle(one) for column in chart.legend for one in column]
+    handles = [_handle(*one) for column in chart.legend for one in column]
     legend(figure, handles, columns=max(2, int(width / 1.15)), side="upper")
     return figure
 
@@ -265,8 +266,14 @@ def _draw_subplot(axes: Axes, subplot: Subplot, size: float = 3.6) -> None:
     """Draw the curves, bands, triangle, lines and ticks of a subplot; markers have a diameter of ``size`` points."""
     axes.set(xscale=subplot.x.scale, yscale=subplot.y.scale)
     axes.set(xlim=(subplot.x.low, subplot.x.high), ylim=(subplot.y.low, subplot.y.high))
-    _set_ticks(axes.xaxis, subplot.x)
-    _set_ticks(axes.yaxis, subplot.y)
+    for drawn, axis in ((axes.xaxis, subplot.x), (axes.yaxis, subplot.y)):
+        ticks = axis.ticks()
+        drawn.set_major_locator(FixedLocator([value for value, _ in ticks]))
+        drawn.set_major_formatter(FixedFormatter([mathtext(text) for _, text in ticks]))
+        if axis.scale == "log":
+            # Small ticks without labels lie between the labelled ones.
+            drawn.set_minor_locator(LogLocator(subs=tuple(range(2, 10)), numticks=99))
+            drawn.set_minor_formatter(NullFormatter())
     axes.grid(True)
     for value in subplot.rules:
         axes.axhline(value, color=GREY, lw=0.6)
@@ -276,21 +283,11 @@ def _draw_subplot(axes: Axes, subplot: Subplot, size: float = 3.6) -> None:
         triangle = subplot.triangle
         axes.fill(*triangle.corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
         (x0, y0), (x1, y1), _ = triangle.corners
-        text: dict[str, Any] = {"textcoords": "offset points", "fontsize": small()}
+        text: dict[str, Any] = {"textcoords": "offset points", "fontsize": rcParams["xtick.labelsize"]}
         axes.annotate(triangle.beside, (x0, np.sqrt(y0 * y1)), (-2, 0), ha="right", va="center", **text)
         axes.annotate(triangle.above, (np.sqrt(x0 * x1), y1), (0, 1.5), ha="center", va="bottom", **text)
     for curve in subplot.curves:
         axes.plot(curve.x, curve.y, ms=size, **_line(curve.style))
-
-
-def _set_ticks(drawn: MatplotlibAxis, axis: Axis) -> None:
-    """Set the labelled ticks of an axis and, if the axis is logarithmic, small ticks without labels between them."""
-    ticks = axis.ticks()
-    drawn.set_major_locator(FixedLocator([value for value, _ in ticks]))
-    drawn.set_major_formatter(FixedFormatter([mathtext(text) for _, text in ticks]))
-    if axis.scale == "log":
-        drawn.set_minor_locator(LogLocator(subs=tuple(range(2, 10)), numticks=99))
-        drawn.set_minor_formatter(NullFormatter())
 
 
 def _line(style: Style) -> dict[str, Any]:
@@ -299,11 +296,11 @@ def _line(style: Style) -> dict[str, Any]:
     return {"color": style.colour, "marker": style.marker, **face, **_STROKES[style.stroke]}
 
 
-def _handle(one: LegendEntry) -> Artist:
+def _handle(text: str, style: Style) -> Artist:
     """Return the Matplotlib artist of a legend entry."""
-    if one.style.stroke == "band":
-        return Patch(color=one.style.colour, alpha=_BAND, label=mathtext(one.text))
-    return entry(mathtext(one.text), **_line(one.style))
+    if style.stroke == "band":
+        return Patch(color=style.colour, alpha=_BAND, label=mathtext(text))
+    return entry(mathtext(text), **_line(style))
 
 
 def _label(axis: Axis) -> str:
@@ -317,6 +314,10 @@ NEGLIGIBLE = 1e-3
 become too long."""
 MOST_COLUMNS = 5
 """The largest number of columns of the chart with a subplot for each case."""
+HEADING: LegendEntry = ("mesh family", Style(DARK, stroke="none"))
+"""Heading of the mesh families in a legend."""
+ORDER_ROOM = 0.15
+"""Observed orders may be smaller than the proved order by this number, as in the checks of Proposition 5.4."""
 
 
 def by_family(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
@@ -411,9 +412,9 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
     x, y = log_axis("mesh size", rates["h"], symbol="h"), log_axis("maximum over time in ‖·‖_V", values, tops)
     subplot = Subplot(str(rates["case"].iloc[0]), x, y, [*parts, *errors], triangle=triangle)
     kinds = [
-        LegendEntry("error ‖u − u^h‖_V", Style(DARK, "o")),
-        LegendEntry("discrete error ‖Π^h u − u^h‖_V", Style(DARK, "o", "dashed", hollow=True)),
-        LegendEntry("share of time discretisation", Style(DARK, stroke="dotted")),
+        ("error ‖u − u^h‖_V", Style(DARK, "o")),
+        ("discrete error ‖Π^h u − u^h‖_V", Style(DARK, "o", "dashed", hollow=True)),
+        ("share of time discretisation", Style(DARK, stroke="dotted")),
     ]
 
     finest = [rows.iloc[-1] for _, rows in by_family(rates)]
@@ -435,15 +436,11 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
         f"What to see: {'; '.join(seen)}. What is below {NEGLIGIBLE:g} of the smallest error is not shown."
     )
     summary = "errors against the mesh size, both logarithmic"
-    return Chart(summary, [subplot], [_family_legend(styles), kinds], caption)
+    return Chart(summary, [subplot], [[*styles.items()], kinds], caption)
 
 
 def _error_curves(rates: pd.DataFrame, styles: Mapping[str, Style]) -> list[Curve]:
     return [Curve(rows["h"].to_numpy(), rows["error"].to_numpy(), styles[name]) for name, rows in by_family(rates)]
-
-
-def _family_legend(styles: Mapping[str, Style]) -> list[LegendEntry]:
-    return [LegendEntry(family, style) for family, style in styles.items()]
 
 
 def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
@@ -490,7 +487,7 @@ def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
         f"What to see: {'; '.join(seen)}."
     )
     summary = "error of every case against the mesh size, both logarithmic"
-    return Chart(summary, subplots, [_family_legend(styles)], caption, columns)
+    return Chart(summary, subplots, [[*styles.items()]], caption, columns=columns)
 
 
 def order_differences(rates: pd.DataFrame, expected: Mapping[str, float]) -> pd.DataFrame:
@@ -539,15 +536,19 @@ def orders_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart | 
         Curve(rows["predicted"].to_numpy() + shifts[str(family)], rows["observed"].to_numpy(), dots[str(family)])
         for family, rows in table.groupby("family")
     ]
+    x, y = Axis("predicted order", 0.0, top), Axis("observed order, last two refinements", 0.0, top)
+    largest = above(float(table["difference"].abs().max()), 2)
     return Chart(
-        "observed order of convergence against the predicted order, a point for each case and mesh family",
-        [Subplot("", Axis("predicted order", 0.0, top), Axis("observed order", 0.0, top), [diagonal, *curves])],
-        [_family_legend(dots), [LegendEntry("observed = predicted", diagonal.style)]],
+        "observed order of convergence over the last two refinements against the predicted order, a point for each "
+        "case and mesh family",
+        [Subplot("", x, y, [diagonal, *curves])],
+        [[HEADING, *dots.items()], [("observed = predicted", diagonal.style)]],
         "Observed order of max_t ‖u − u^h‖_V over the last two refinements against the order that the regularity of "
         f"the solution predicts, for {_all_cases(set(rates['case']))}; mesh families are drawn next to each other. "
         "What to see: how near to the diagonal the points lie; observed minus predicted order is "
         f"{table['difference'].min():+.2f} to {table['difference'].max():+.2f} for "
         f"{counted(len(table), 'sequence')} of meshes.",
+        f"Over the last two refinements, observed and predicted orders differ by at most {largest}",
     )
 
 
@@ -573,7 +574,7 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
     ends, cases = np.array([rates["h"].min(), rates["h"].max()]), rates["case"].unique()
     line = Curve(ends, ends, Style(GREY))
     values = np.concatenate([curve.y for curve in relative])
-    x, legend = log_axis("mesh size", ends, symbol="h"), [*_family_legend(styles), LegendEntry("C h", line.style)]
+    x = log_axis("mesh size", ends, symbol="h")
     finest_meshes = ", ".join(f"{min(ratios):.2f} … {max(ratios):.2f} ({family})" for family, ratios in last.items())
     y = log_axis("error / C", ends, *(curve.y for curve in scaled))
     return Chart(
@@ -582,13 +583,25 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
             Subplot("", x, y, [line, *scaled]),
             Subplot("", x, linear_axis("error / (C h)", values), relative, rules=(1.0,)),
         ],
-        [legend[::2], legend[1::2]],
+        [[HEADING, *styles.items()], [("C h, not fitted", line.style)]],
         f"The errors max_t ‖u − u^h‖_V of {_all_cases(cases)} of Prop. 5.4 on all mesh families, each divided by its "
         "constant C. C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh, which "
         "follows from second derivatives of u; nothing is fitted. What to see: all fall on the line C h; error / (C h) "
         f"lies between {values.min():.2f} and {values.max():.2f}, on the finest meshes of a case in {finest_meshes}. "
         "It tends to 1 where u^h is superclose to Π^h u, and to less where u^h is nearer to u than Π^h u is.",
+        _order_in_words(rates),
     )
+
+
+def _order_in_words(rates: pd.DataFrame) -> str:
+    """Return the orders of the errors of smooth solutions over the last two refinements, and whether they are O(h)."""
+    cases = rates.groupby(["scheme", "case"], sort=False)
+    found = [order for _, rows in cases for order in finest_orders(rows, refinements=2).values()]
+    if not found:
+        return ""
+    result = "The error is O(h)" if min(found) >= 1 - ORDER_ROOM else "On these meshes the error is not O(h)"
+    observed = f"observed orders {below(min(found), 2)} to {above(max(found), 2)}"
+    return f"{result}: {observed} in {_all_cases(rates['case'].unique())}, over the last two refinements"
 
 
 def enclosure_charts(series: pd.DataFrame) -> Iterator[tuple[str, Chart]]:
@@ -628,12 +641,12 @@ def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
         middle = rows["middle"].to_numpy()
         curves.append(Curve(t, middle, Style(colour)))
         ratios += [Curve(t, end / middle, Style(colour)) for end in (low, high)]
-        levels.append(LegendEntry(f"n = {level}", Style(colour, stroke="band")))
+        levels.append((f"n = {level}", Style(colour, stroke="band")))
         final = int(np.argmax(t))
         last.append(f"{interval(low[final], high[final], 3)} with n = {level}")
-    lines = [LegendEntry(name, Style(BLACK))]
+    lines = [(name, Style(BLACK))]
     if "plain" in series:
-        lines.append(LegendEntry("bound from u_h alone", Style(BLACK, stroke="dotted")))
+        lines.append(("bound from u_h alone", Style(BLACK, stroke="dotted")))
 
     line = "the error itself" if known else "the distance to a more accurate displacement ũ"
     inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
@@ -692,14 +705,14 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
             "work scatters about the same line"
         )
     kinds = [
-        LegendEntry("work ‖R‖^{1/2}", Style(DARK, "o")),
-        LegendEntry("error ‖u − u^h‖_V", Style(DARK, "o", "dotted", hollow=True)),
-        LegendEntry("excess ‖u^h − u^h_{lin}‖_V", Style(DARK, "o", "dashed", hollow=True)),
+        ("work ‖R‖^{1/2}", Style(DARK, "o")),
+        ("error ‖u − u^h‖_V", Style(DARK, "o", "dotted", hollow=True)),
+        ("excess ‖u^h − u^h_{lin}‖_V", Style(DARK, "o", "dashed", hollow=True)),
     ]
     return Chart(
         "work of contact, error and excess against the mesh size, all logarithmic",
         subplots,
-        [_family_legend(styles), kinds],
+        [[*styles.items()], kinds],
         "The root of the work of contact (filled markers), the error (dotted) and the excess of u^h over the solution "
         "of the linear problem with the exact pressure as traction (dashed) against the mesh size h, for zones with "
         f"patches of seven widths; the triangle has the slope 1. What to see: {seen}.",
@@ -746,7 +759,7 @@ def rollers_chart(statements: pd.DataFrame) -> Chart | None:
     return Chart(
         "excess of contact over the linear problem against the mesh size, both logarithmic",
         [Subplot("", x, y, [*curves, linear], bands, triangle)],
-        [_family_legend(styles), [LegendEntry("slope 1", linear.style)]],
+        [[*styles.items()], [("slope 1", linear.style)]],
         "The excess max_t ‖u^h − u^h_{lin}‖_V over the solution of the linear problem with the exact pressure as "
         "traction against the mesh size h, for a roller of the width 2h; of shaken meshes the mean, and the range as a "
         f"band. The triangle has the slope ½, the dotted line the slope 1. What to see: {seen}.",
@@ -769,7 +782,7 @@ def codes_chart(codes: Codes) -> Chart:
     legend = []
     for grade in [grade for grade in GRADES if (rows["class"] == grade).any()]:
         style = Style(colours[grade], markers[grade], hollow=True)
-        legend.append(LegendEntry(grade, style))
+        legend.append((grade, style))
         for column, points in curves.items():
             places = rows.loc[rows["class"] == grade, ["excess", column]].to_numpy()
             points += [Curve(place[:1], place[1:], style) for place in places]
@@ -803,10 +816,10 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
         growth: the content of ``benchmarks/growth.csv``.
     """
     kib = 1024
-    parts: dict[str, LegendEntry] = {
-        "level_seconds": LegendEntry("a level: all steps", Style(DARK)),
-        "factor_seconds": LegendEntry("once: factorising or coarsening", Style(DARK, stroke="dashed")),
-        "step_seconds": LegendEntry("one step in time", Style(DARK, stroke="dotted")),
+    parts = {
+        "level_seconds": ("a level: all steps", Style(DARK)),
+        "factor_seconds": ("once: factorising or coarsening", Style(DARK, stroke="dashed")),
+        "step_seconds": ("one step in time", Style(DARK, stroke="dotted")),
     }
     seconds: list[Curve] = []
     memory: list[Curve] = []
@@ -815,10 +828,10 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
     for ((dim, solver), unsorted), (colour, marker) in zip(growth.groupby(["dim", "solver"], sort=False), looks):  # noqa: B905
         rows, style, name = unsorted.sort_values("dofs"), Style(colour, marker), f"{dim}D, {solver}"
         dofs = rows["dofs"].to_numpy(dtype=float)
-        for column, part in parts.items():
-            seconds.append(Curve(dofs, rows[column].to_numpy(), Style(colour, marker, part.style.stroke)))
+        for column, (_, part) in parts.items():
+            seconds.append(Curve(dofs, rows[column].to_numpy(), Style(colour, marker, part.stroke)))
         memory.append(Curve(dofs, (rows["peak_bytes"] / rows["dofs"] / kib).to_numpy(), style))
-        solvers.append(LegendEntry(f"{name} ({len(rows)} {'mesh' if len(rows) == 1 else 'meshes'})", style))
+        solvers.append((f"{name} ({len(rows)} {'mesh' if len(rows) == 1 else 'meshes'})", style))
         last = rows.iloc[-1]
         text = (
             f"{name}: {last['level_seconds']:.3g} s and {last['peak_bytes'] / kib**3:.2g} GiB for {last['dofs']:.0f} "
@@ -840,7 +853,7 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
             Subplot("", x, log_axis("seconds", *positive, least=2), [*seconds, line]),
             Subplot("", x, log_axis("KiB per unknown", *(curve.y for curve in memory), least=2), memory),
         ],
-        [solvers, [*parts.values(), LegendEntry("slope 1", line.style)]],
+        [solvers, [*parts.values(), ("slope 1", line.style)]],
         "Cost of a level: seconds for all of it, for a factorisation and for a time step, and peak memory per unknown, "
         f"against the number of unknowns; the grey line has slope 1. What to see: {'; '.join(seen)}.",
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from itertools import cycle
 from typing import Any
 
@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
 
 from study.present.body import ROUND_OFF, ramp
 from study.present.drawing import column_width, dots, entry, is_slide, legend
@@ -27,13 +28,10 @@ from study.present.picture import (
     Segment,
     caps,
     misplaced_length,
-    misplaced_nodes,
     outside,
     strands,
 )
 
-Paint = Callable[[Axes, int], Any]
-"""Function that draws a map of a contact face into axes, at the time with the given index."""
 MOST_TIMES, MOST_MARKERS = 40, 24
 """The approximate largest number of times for which nodes are shown as dots, and of markers on a line."""
 MAP_LEVELS = 10
@@ -259,11 +257,13 @@ def draw_fronts(picture: Picture) -> Figure:
     panels = grid[0].subgridspec(rows, len(picture.shapes)).subplots(sharex="row", sharey="row", squeeze=False)
     counts = figure.add_subplot(grid[1])
     for face, row, (colour, marker) in zip(picture.polygons, panels, cycle(LINES), strict=False):
-        _draw_maps_of(row, picture, face, _paint_zone(face, picture.times))
+        strays = outside(face, picture.times)
+        for axes, instant in zip(row, picture.instants, strict=True):
+            _draw_zone_map(axes, face, instant, strays[instant])
         times, label = picture.times[1:], f"${picture.symbol(face)}$"
         counts.plot(times, face.inside.sum(axis=1)[1:], color=colour, lw=0.8)
         counts.plot(times, face.touching.sum(axis=1)[1:], marker, color=colour, mfc="white", ms=2.6, label=label)
-    _label_maps(panels, picture)
+    _label_maps(panels, picture, picture.polygons)
     most = max(len(face.nodes) for face in picture.polygons)
     counts.set(xlabel="time $t$", ylabel="nodes in contact", ylim=(0, most))
     counts.grid(True)
@@ -276,7 +276,8 @@ def draw_fronts(picture: Picture) -> Figure:
 
 def caption_fronts(picture: Picture) -> str:
     """Return the caption of ``draw_fronts``."""
-    wrong = [misplaced_nodes(face) for face in picture.polygons]
+    # Nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
+    wrong = [(face.touching != face.inside)[1:].sum(axis=1) for face in picture.polygons]
     face, worst = max(zip(picture.polygons, wrong, strict=True), key=lambda pair: int(pair[1].max()))
     when = int(np.argmax(worst))
     seen = (
@@ -308,10 +309,11 @@ def draw_maps(picture: Picture) -> Figure:
     for row, (face, (name, label)) in zip(panels, faces, strict=True):
         exact, computed = getattr(face, f"{name}_exact"), getattr(face, name)
         top = float(max(exact[instants].max(), computed[instants].max())) or 1.0
-        _draw_maps_of(row, picture, face, paint_values(face, name, top))
+        for axes, instant in zip(row, instants, strict=True):
+            draw_map(axes, face, instant, name, top)
         bar = figure.colorbar(row[-1].collections[0], ax=list(row), fraction=0.05, ticks=[0, top], format="%.3g")
         bar.set_label(label)
-    _label_maps(panels, picture)
+    _label_maps(panels, picture, [face for face, _ in faces])
     figure.suptitle(picture.heading)
     marks = dots("computed", mfc="white", mec=RIM, mew=0.4, ms=2.6)
     legend(figure, [entry("exact", color=SURFACE, lw=4), marks, entry("exact front", **FRONT)], columns=3)
@@ -333,58 +335,46 @@ def caption_maps(picture: Picture) -> str:
     )
 
 
-def draw_map(axes: Axes, face: Polygon, instant: int, paint: Paint) -> None:
-    """Draw the map of a contact face in 3D at the time with the index ``instant``, with the exact contact front."""
-    paint(axes, instant)
+def draw_map(axes: Axes, face: Polygon, instant: int, name: str, top: float) -> None:
+    """Draw the map of a quantity on a contact face in 3D: exact values as a surface, computed values as dots.
+
+    Parameters:
+        axes: the axes.
+        face: the contact face.
+        instant: the index of the time.
+        name: the quantity, "gap" or "pressure".
+        top: the value of the last colour; the first colour is for 0.
+    """
+    exact, computed = getattr(face, f"{name}_exact")[instant].clip(0), getattr(face, name)[instant].clip(0)
+    levels = np.linspace(0, top, MAP_LEVELS + 1)
+    style: dict[str, Any] = {"cmap": ramp(name), "norm": BoundaryNorm(levels, 256)}
+    axes.tricontourf(Triangulation(*face.s, face.facets.corners.T), exact, levels, **style)
+    axes.scatter(face.s[0], face.s[1], s=5, c=computed, zorder=2, edgecolors=RIM, linewidths=0.2, **style)
+    _draw_front(axes, face, face.level[instant])
+
+
+def _draw_zone_map(axes: Axes, face: Polygon, instant: int, stray: NDArray[np.bool_]) -> None:
+    """Draw the map of the exact contact zone on a face in 3D, and the nodes in contact; ``stray`` are those outside."""
     level = face.level[instant]
+    if level.max() >= 0:
+        axes.tricontourf(_refined(face), level, [0, level.max() + 1], colors=[SKY], alpha=0.45)
+    for nodes, style in ((face.touching[instant] & ~stray, INSIDE), (stray, STRAY)):
+        if nodes.any():
+            axes.plot(*face.s[:, nodes], "o", ms=1.6, clip_on=False, zorder=3, **style)
+    _draw_front(axes, face, level)
+
+
+def _draw_front(axes: Axes, face: Polygon, level: Array) -> None:
+    """Draw the exact contact front of a face in 3D, where the level function is 0, and set the limits of the axes."""
     if level.min() < 0 <= level.max():
         axes.tricontour(_refined(face), level, [0], colors=VERMILLION, linewidths=1.0)
     axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
 
 
-def paint_values(face: Polygon, name: str, top: float) -> Paint:
-    """Return the function that draws a map of a quantity: exact values as a surface, computed values as dots.
-
-    Parameters:
-        face: the contact face.
-        name: the quantity, "gap" or "pressure".
-        top: the value of the last colour; the first colour is for 0.
-    """
-    exact, computed = getattr(face, f"{name}_exact"), getattr(face, name)
-    levels = np.linspace(0, top, MAP_LEVELS + 1)
-    style: dict[str, Any] = {"cmap": ramp(name), "norm": BoundaryNorm(levels, 256)}
-
-    def paint(axes: Axes, instant: int) -> None:
-        axes.tricontourf(Triangulation(*face.s, face.facets.corners.T), exact[instant].clip(0), levels, **style)
-        rim: dict[str, Any] = {"edgecolors": RIM, "linewidths": 0.2}
-        axes.scatter(face.s[0], face.s[1], s=5, c=computed[instant].clip(0), zorder=2, **rim, **style)
-
-    return paint
-
-
-def _paint_zone(face: Polygon, times: Array) -> Paint:
-    """Return the function that draws a map of the exact contact zone with the nodes in contact."""
-    strays = outside(face, times)
-
-    def paint(axes: Axes, instant: int) -> None:
-        level, touching = face.level[instant], face.touching[instant]
-        if level.max() >= 0:
-            axes.tricontourf(_refined(face), level, [0, level.max() + 1], colors=[SKY], alpha=0.45)
-        for nodes, style in ((touching & ~strays[instant], INSIDE), (strays[instant], STRAY)):
-            if nodes.any():
-                axes.plot(*face.s[:, nodes], "o", ms=1.6, clip_on=False, zorder=3, **style)
-
-    return paint
-
-
-def _draw_maps_of(row: Array, picture: Picture, face: Polygon, paint: Paint) -> None:
-    """Draw the maps of a face at the times of ``picture.shapes``."""
-    for axes, instant in zip(row, picture.instants, strict=True):
-        draw_map(axes, face, instant, paint)
-    row[0].set_ylabel(rf"$s_2$ on ${picture.symbol(face)}$")
-
-
-def _label_maps(panels: Array, picture: Picture) -> None:
+def _label_maps(panels: Array, picture: Picture, faces: Sequence[Polygon]) -> None:
+    """Label a grid of maps, with a row for each of the faces and a column for each time of ``picture.shapes``."""
+    for row, face in zip(panels, faces, strict=True):
+        row[0].set_ylabel(rf"$s_2$ on ${picture.symbol(face)}$")
     for axes, shape in zip(panels[0], picture.shapes, strict=True):
         axes.set_title(f"$t={shape.time:.3g}$")
     for axes in panels[-1]:

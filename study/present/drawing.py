@@ -109,22 +109,18 @@ def in_style(output: Output = ARTICLE) -> Iterator[None]:
         if own.is_file():
             rcParams.update(rc_params_from_file(own, use_default_template=False))
         if output.style:
-            rcParams.update(_read_style(output.style))
+            try:
+                lines = output.style.read_text(encoding="utf-8").splitlines()
+                keys = [line.partition("#")[0].partition(":")[0].strip() for line in lines]
+                if unknown := [key for key in keys if key and key not in rcParams]:
+                    raise ValueError(f"there is no entry {unknown[0]}")
+                entries = rc_params_from_file(output.style, fail_on_error=True, use_default_template=False)
+            except (OSError, ValueError) as error:
+                raise UsageError(f"--style {output.style} is not a Matplotlib style file: {error}") from error
+            rcParams.update(entries)
         if output.dpi:
             rcParams["figure.dpi"] = output.dpi
         yield
-
-
-def _read_style(file: Path) -> dict[str, Any]:
-    """Return the entries of a user's style file; raises UsageError for a file that cannot be read."""
-    try:
-        lines = file.read_text(encoding="utf-8").splitlines()
-        keys = [line.partition("#")[0].partition(":")[0].strip() for line in lines]
-        if unknown := [key for key in keys if key and key not in rcParams]:
-            raise ValueError(f"there is no entry {unknown[0]}")
-        return dict(rc_params_from_file(file, fail_on_error=True, use_default_template=False))
-    except (OSError, ValueError) as error:
-        raise UsageError(f"--style {file} is not a Matplotlib style file: {error}") from error
 
 
 def column_width() -> float:
@@ -144,11 +140,6 @@ def is_slide() -> bool:
     """
     width, height = rcParams["figure.figsize"]
     return bool(width > 1.5 * height)
-
-
-def small() -> float:
-    """Return the size of small letters in points, which is the size of tick labels."""
-    return float(rcParams["xtick.labelsize"])
 
 
 def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower", *, wide: bool = False) -> None:

@@ -23,7 +23,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from study.ledger.codes import Codes
-from study.ledger.datafiles import DataError, made_by, read_csv, read_rates, read_table
+from study.ledger.datafiles import expected_orders, read_csv, read_rates, read_table
 from study.ledger.files import UsageError
 from study.present import body, charts, contact
 from study.present.body import GAP
@@ -31,11 +31,8 @@ from study.present.charts import Array, Chart, draw_chart
 from study.present.drawing import (
     SHEET,
     Drawing,
-    Output,
     column_width,
     dots,
-    draw_figures,
-    draw_one,
     entry,
     is_slide,
     legend,
@@ -43,22 +40,7 @@ from study.present.drawing import (
 )
 from study.present.notation import counted
 from study.present.palette import BLACK, BLUE, DARK, FOUNDATION, FOUNDATION_EDGE, GREEN, GREY, RAMPS, VERMILLION, Style
-from study.present.picture import Energy, Picture, read_pictures
-
-__all__ = [
-    "AdaptedMesh",
-    "Drawing",
-    "Output",
-    "adapted_mesh",
-    "draw_figures",
-    "draw_one",
-    "drawings",
-    "drawings_of",
-    "enclosure",
-    "for_slides",
-    "overview",
-]
-
+from study.present.picture import Picture, read_pictures
 
 PICTURES: dict[str, tuple[Callable[[Picture], Figure], Callable[[Picture], str], str]] = {
     "body": (body.draw_body, body.caption_body, "The deformed body on its foundation, with stresses and contact"),
@@ -82,13 +64,13 @@ def drawings(directory: Path) -> list[Drawing]:
         DataError: a data file is missing or damaged.
     """
     found, rates = overview(directory), read_rates(directory)
-    orders = _expected_orders(directory, rates)
+    orders = expected_orders(directory, rates)
     for (scheme, case), rows in rates.groupby(["scheme", "case"], sort=False):
-        name = f"convergence-{case}{_suffix(rates, scheme)}"
+        name = f"convergence-{case}" + f"-{scheme}" * (rates["scheme"].nunique() > 1)
         found.append(_of_chart(name, charts.convergence_chart(rows, orders[str(case)]), str(case)))
     columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
-    for case, chart in charts.enclosure_charts(read_csv(directory, "enclosures.csv", columns)):
-        found.append(_of_chart(f"enclosure-{case}", chart, case))
+    enclosed = charts.enclosure_charts(read_csv(directory, "enclosures.csv", columns))
+    found += [_of_chart(f"enclosure-{case}", chart, case) for case, chart in enclosed]
     for picture in read_pictures(directory):
         # Contact faces are lines in 2D and maps in 3D.
         zone, profiles = ("zone", "profiles") if picture.segments else ("fronts", "maps")
@@ -100,18 +82,27 @@ def drawings(directory: Path) -> list[Drawing]:
     return found
 
 
-def drawings_of(directory: Path, cases: Sequence[str]) -> list[Drawing]:
-    """Return the figures of the named cases without drawing them.
+def drawings_of(
+    directory: Path, cases: Sequence[str] = (), names: Sequence[str] = (), slides: bool = False
+) -> list[Drawing]:
+    """Return the figures of the named cases, or the figures with some names, without drawing them.
+
+    Parameters:
+        directory: a result directory.
+        cases, names: names of cases and of figures; without both, all figures are returned.
+        slides: whether only figures that can be read on a slide are returned.
 
     Raises:
-        UsageError: the data have no figures of a case.
+        UsageError: there is no figure of a case, or with a name.
         DataError: a data file is missing or damaged.
     """
-    found = drawings(directory)
-    known = dict.fromkeys(drawing.case for drawing in found if drawing.case)
-    if unknown := [case for case in cases if case not in known]:
-        raise UsageError(f"--case {unknown[0]}: {directory} has no such case, only {', '.join(known)}")
-    return [drawing for drawing in found if drawing.case in cases]
+    found = for_slides(drawings(directory)) if slides else drawings(directory)
+    for option, kind, of, wanted in (("--case", "case", "case", cases), ("--only", "figure", "name", names)):
+        known = list(dict.fromkeys(getattr(drawing, of) for drawing in found if getattr(drawing, of)))
+        if unknown := [name for name in wanted if name not in known]:
+            raise UsageError(f"{option} {unknown[0]}: {directory} has no such {kind}, only {', '.join(known)}")
+        found = [drawing for drawing in found if not wanted or getattr(drawing, of) in wanted]
+    return found
 
 
 def overview(directory: Path) -> list[Drawing]:
@@ -127,9 +118,9 @@ def overview(directory: Path) -> list[Drawing]:
     """
     found: dict[str, Chart | None] = {}
     rates = read_rates(directory)
-    orders = _expected_orders(directory, rates)
+    orders = expected_orders(directory, rates)
     for scheme, rows in rates.groupby("scheme", sort=False):
-        suffix = _suffix(rates, scheme)
+        suffix = f"-{scheme}" * (rates["scheme"].nunique() > 1)
         # The largest figure comes first, because it takes longest to draw and would otherwise delay the end.
         for claim, of_claim in sorted(rows.groupby("claim"), key=lambda group: -len(group[1])):
             name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", str(claim).lower()).strip("-")
@@ -176,21 +167,6 @@ def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
 
 def _of_chart(name: str, chart: Chart, case: str = "") -> Drawing:
     return Drawing(name, partial(draw_chart, chart), chart.caption, chart.summary, case, len(chart.subplots) > SHEET)
-
-
-def _suffix(rates: pd.DataFrame, scheme: object) -> str:
-    """Return the suffix of the names of figures of a time scheme; it is empty if the data have only one scheme."""
-    return f"-{scheme}" if rates["scheme"].nunique() > 1 else ""
-
-
-def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
-    """Return case ↦ expected order from ``cases.csv``; raises DataError if a case in ``rates`` is missing there."""
-    cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
-    orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
-    if unknown := sorted(set(rates["case"]) - set(orders)):
-        lacking = f"{directory / 'data' / 'cases.csv'} lacks the cases {', '.join(unknown)}"
-        raise DataError(f"{lacking}: make it again with `{made_by(directory)}`")
-    return orders
 
 
 SCHEMES = {"backward-euler": Style(VERMILLION, "s"), "bdf2": Style(GREEN, "^"), "midpoint": Style(BLUE, "o")}
@@ -284,7 +260,7 @@ def draw_energy(picture: Picture) -> Figure:
         *above.plot(energy.times, energy.stored - energy.stored[0], color=BLUE, label=r"stored in $\mathcal{G}$"),
         *above.plot(energy.times, energy.contact, color=GREEN, ls="--", label="work of contact"),
     ]
-    below.plot(energy.times, 100 * energy.defect / _largest_energy(energy), color=GREY)
+    below.plot(energy.times, 100 * energy.defect / energy.largest, color=GREY)
     below.axhline(0, color=BLACK, lw=0.4)
     for axes in (above, below):
         axes.grid(True)
@@ -298,7 +274,7 @@ def draw_energy(picture: Picture) -> Figure:
 
 def caption_energy(picture: Picture) -> str:
     """Return the caption of ``draw_energy``."""
-    energy, scale = picture.energy, _largest_energy(picture.energy)
+    energy, scale = picture.energy, picture.energy.largest
     worst = int(np.argmax(abs(energy.defect)))
     stored, of_contact = (
         # Smaller values are round-off.
@@ -315,12 +291,6 @@ def caption_energy(picture: Picture) -> str:
         "order in the step. The foundation is rigid and frictionless: contact does work only where a vertex "
         "changes between contact and release."
     )
-
-
-def _largest_energy(energy: Energy) -> float:
-    """Return the largest absolute value of the terms of an energy balance since t = 0; 1 if all are zero."""
-    terms = energy.stored - energy.stored[0], energy.dissipated, energy.contact, energy.work
-    return float(max(abs(values).max() for values in terms)) or 1.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -99,11 +99,8 @@ def encode_letters(text: str) -> str:
 
 def prose(text: str) -> str:
     """Return text without formulas, such as a name, as LaTeX; characters that are not Latin are shown by their code."""
-
-    def is_latin(c: str) -> bool:
-        return c.isascii() or ("LATIN" in unicodedata.name(c, "") and ord(c) < 0x180)
-
-    return "".join(_PROSE.get(c) or (c if is_latin(c) else rf"\texttt{{U+{ord(c):04X}}}") for c in text)
+    latin = {c for c in text if c.isascii() or ("LATIN" in unicodedata.name(c, "") and ord(c) < 0x180)}
+    return "".join(_PROSE.get(c) or (c if c in latin else rf"\texttt{{U+{ord(c):04X}}}") for c in text)
 
 
 def counted(number: int, noun: str) -> str:
@@ -158,20 +155,17 @@ def _kinds(words: Sequence[str]) -> list[bool]:
 
     It does if it contains mathematics, or if it is short and its neighbour belongs to a formula.
     """
-    kinds = [_is_mathematics(word) for word in words]
+    kinds = []
+    for word in words:
+        marked = any(c in _RAISED or c in _LOWERED or c in _COMMANDS for c in word) or bool(_SCRIPT.search(word))
+        dotted = any(c in "\u0307\u0303" for c in unicodedata.normalize("NFD", word))
+        kinds.append(marked or (dotted and len(_TAIL.sub("", word)) <= 3))
     short = [bool(_SHORT.fullmatch(word)) for word in words]
     for i in range(1, len(words)):
         kinds[i] |= short[i] and kinds[i - 1] and not _TAIL.search(words[i - 1])
     for i in reversed(range(len(words) - 1)):
         kinds[i] |= short[i] and kinds[i + 1]
     return kinds
-
-
-def _is_mathematics(word: str) -> bool:
-    decomposed = unicodedata.normalize("NFD", word)
-    raised = any(c in _RAISED or c in _LOWERED for c in word)
-    dotted = len(_TAIL.sub("", word)) <= 3 and any(c in "\u0307\u0303" for c in decomposed)
-    return raised or dotted or any(c in _COMMANDS for c in word) or bool(_SCRIPT.search(word))
 
 
 def _run(words: Sequence[str]) -> str:

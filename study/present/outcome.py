@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import pandas as pd
 from tabulate import tabulate
 
-from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, read_csv, read_rates
+from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_csv, read_rates
 from study.ledger.files import write_text
 from study.ledger.text import above, below, cell, is_narrow, significant, width
 from study.ledger.verdict import (
@@ -43,7 +43,8 @@ def rates_text(directory: Path) -> str:
     largest share of the time discretisation on all levels in per cent, the predicted order of the error, and the
     observed orders from level to level. The first orders are left out if the terminal is not wide enough.
     """
-    rates, predicted = read_rates(directory), predicted_orders(directory)
+    rates = read_rates(directory)
+    predicted = expected_orders(directory, rates)
     schemes = rates["scheme"].nunique() > 1
     predicted_head, words = ("pred.", (11, 12, 14)) if is_narrow() else ("predicted", (22, 13, 25))
     if schemes and not is_narrow():
@@ -60,18 +61,13 @@ def rates_text(directory: Path) -> str:
     return "\n".join(lines)
 
 
-def predicted_orders(directory: Path) -> dict[str, float]:
-    """Return case ↦ predicted order of the error, from ``cases.csv`` of a result directory."""
-    cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
-    return dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
-
-
 def orders_text(directory: Path) -> str:
     """Return a text on the differences between the observed and the predicted orders of the error in all cases.
 
     The differences are those of ``order_differences``. Without observed orders the text is empty.
     """
-    differences = order_differences(read_rates(directory), predicted_orders(directory))["difference"]
+    rates = read_rates(directory)
+    differences = order_differences(rates, expected_orders(directory, rates))["difference"]
     if differences.empty:
         return ""
     low, high = below(differences.min(), 2), above(differences.max(), 2)
@@ -98,21 +94,22 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
     few = claims["case"].nunique() <= FEW_CASES
     for verdict in (*([REPORTED] if few else []), MISSED, UNDECIDED, FAILS):
         for _, row in claims[claims["verdict"] == verdict].iterrows():
-            lines += _finding(row)
+            expected, _, why = str(row["expected"]).partition(BECAUSE)
+            observed = observed_text(*(float(row[name]) for name in ("observed", "low", "high")))
+            where = ", ".join(filter(None, (row["label"], row["case"])))
+            text = f"{verdict}: {where}: {row['quantity']}: expected {expected}, observed {observed}"
+            text += f"; because {why}" if why else ""
+            lines += textwrap.wrap(text, width(), subsequent_indent="    ", break_on_hyphens=False)
     count = count_verdicts(claims)
     counts = (
         f"{counted(len(claims), 'check')}: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
         f"{count[MISSED]} missed (our own prediction was wrong), {count[REPORTED]} reported without a claim"
     )
-    for text in (counts, *([kinds_text(claims)] if count[HOLDS] else []), conclusion(count, orders)):
+    kinds = ", ".join(f"{number} {name}" for name, number in count_kinds(claims).items())
+    evidence = f"evidence of the checks that hold: {kinds} ({THEOREM} and {IDENTITY} fail only if the code is broken)"
+    for text in (counts, *([evidence] if count[HOLDS] else []), conclusion(count, orders)):
         lines += textwrap.wrap(text, width(), break_on_hyphens=False)
     return "\n".join(lines) + "\n"
-
-
-def kinds_text(claims: pd.DataFrame) -> str:
-    """Return a sentence with the numbers of checks that hold, by the kind of their evidence."""
-    counts = ", ".join(f"{count} {name}" for name, count in count_kinds(claims).items())
-    return f"evidence of the checks that hold: {counts} ({THEOREM} and {IDENTITY} fail only if the code is broken)"
 
 
 def conclusion(count: Mapping[str, int], orders: str = "") -> str:
@@ -134,24 +131,20 @@ def conclusion(count: Mapping[str, int], orders: str = "") -> str:
 
 def contact_test_text(directory: Path) -> str:
     """Return which checks notice deliberate defects of contact, for the cases of a user, from ``contact-test.csv``."""
-    table = read_csv(directory, "contact-test.csv", CONTACT_TEST)
-    lines = [text for _, rows in table.groupby("case", sort=False) for text in _contact_test(rows)]
+    table, lines = read_csv(directory, "contact-test.csv", CONTACT_TEST), []
+    for _, rows in table.groupby("case", sort=False):
+        first, missed = rows.iloc[0], rows[rows["noticed"] == 0]
+        where = f"{first['case']}, {first['family']} meshes, n = {first['levels']}"
+        if missed.empty:
+            lines.append(f"test of contact: {where}: a solver with a defect would be noticed:")
+            lines += [f"  {row['what']}: by {row['noticed_by']}" for _, row in rows.iterrows()]
+        else:
+            lines.append(
+                f"weak test of contact: {where}: of {first['holding']} rows that hold, none notices "
+                f"{' or '.join(missed['what'])}. Take a larger pressure relative to moduli and gap, a contact zone "
+                "that is wider in cells, or finer levels."
+            )
     return "\n".join(line for text in lines for line in textwrap.wrap(text, width(), subsequent_indent="    ")) + "\n"
-
-
-def _contact_test(rows: pd.DataFrame) -> list[str]:
-    first, missed = rows.iloc[0], rows[rows["noticed"] == 0]
-    where = f"{first['case']}, {first['family']} meshes, n = {first['levels']}"
-    if missed.empty:
-        return [
-            f"test of contact: {where}: a solver with a defect would be noticed:",
-            *(f"  {row['what']}: by {row['noticed_by']}" for _, row in rows.iterrows()),
-        ]
-    return [
-        f"weak test of contact: {where}: of {first['holding']} rows that hold, none notices "
-        f"{' or '.join(missed['what'])}. "
-        "Take a larger pressure relative to moduli and gap, a contact zone that is wider in cells, or finer levels."
-    ]
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:
@@ -205,16 +198,6 @@ def _rates_row(series: pd.DataFrame, predicted: Mapping[str, float], schemes: bo
         f"{predicted[str(finest['case'])]:.3g}",
         " ".join(["…"] * (len(orders) > shown) + orders[-shown:]),
     ]
-
-
-def _finding(row: pd.Series) -> list[str]:
-    """Return the lines about a check that does not hold, folded to the width of the terminal."""
-    expected, _, why = str(row["expected"]).partition(BECAUSE)
-    observed = observed_text(*(float(row[name]) for name in ("observed", "low", "high")))
-    where = f"{row['label']}, {row['case']}" if row["case"] else str(row["label"])
-    values = f"expected {expected}, observed {observed}"
-    text = f"{row['verdict']}: {where}: {row['quantity']}: {values}{f'; because {why}' if why else ''}"
-    return textwrap.wrap(text, width(), subsequent_indent="    ", break_on_hyphens=False)
 
 
 def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[int], numbers: slice) -> str:

@@ -9,8 +9,8 @@ import math
 import re
 import sys
 import tomllib
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import astuple, dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from xml.sax.saxutils import escape
@@ -54,7 +54,7 @@ from study.present.show import write_gif
 from study.present.tables import texts
 from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, changes
 
-TABLES, FIGURES, PAGES = "study tables --out {}", "study figures --out {}", "make pages"
+BY_TABLES, BY_FIGURES, BY_PAGES = "study tables --out {}", "study figures --out {}", "make pages"
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
 FILM, FILM_DPI, FILM_COLOURS = "hexagon", 66, 32
 """The case that the animation at the top of the README shows, its dots per inch, and the number of its colours."""
@@ -79,7 +79,8 @@ def main() -> None:
     picture = replace(picture, shapes=picture.shapes[::2])
     with in_style():
         write_gif(directory / "figures" / f"{FILM}.gif", picture, lambda: None, FILM_DPI, FILM_COLOURS)
-    write_badges(directory / "badges", data, Path("pyproject.toml"))
+    for name, svg in badges(data, Path("pyproject.toml")).items():
+        write_text(directory / "badges" / name, svg)
     for page in pages:
         print(f"{page}: {'changed' if refresh(page, data) else 'up to date'}")
 
@@ -103,29 +104,13 @@ def refreshed(page: Path, data: FullRun) -> str:
         DataError: the page has no marks.
     """
     text = page.read_text(encoding="utf-8")
-    for table in (
-        short,
-        answer,
-        headline,
-        results,
-        misprints,
-        missed,
-        statements,
-        formulas,
-        cases,
-        mesh_families,
-        codes,
-        marches,
-        windows,
-        released_windows,
-        new_windows,
-    ):
-        if f"<!-- {table.__name__} -->" in text:
-            text = put(text, table.__name__, table(data))
+    for name, table in TABLES.items():
+        if f"<!-- {name} -->" in text:
+            text = put(text, name, table(data))
     if END not in text:
         raise DataError(
             f"{page} has no place for a table: a line <!-- NAME -->, then a line {END}, where NAME is the name of a "
-            "table: headline, results, statements, cases, codes or another function of study.present.pages"
+            "table: headline, results, statements, cases, codes or another entry of study.present.pages.TABLES"
         )
     return text
 
@@ -139,15 +124,15 @@ def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
     Raises:
         DataError: a data file is missing or damaged.
     """
-    found = {path: (text, TABLES) for path, text in texts(directory).items()}
+    found = {path: (text, BY_TABLES) for path, text in texts(directory).items()}
     for drawing in drawings(directory):
-        found[directory / "figures" / f"{drawing.name}.txt"] = caption_text(drawing), FIGURES
+        found[directory / "figures" / f"{drawing.name}.txt"] = caption_text(drawing), BY_FIGURES
     data, root = FullRun.read(directory), directory.resolve().parent
     if data and (root / "pyproject.toml").is_file():
         for name, badge in badges(data, root / "pyproject.toml").items():
-            found[directory / "badges" / name] = badge.svg(), PAGES
+            found[directory / "badges" / name] = badge, BY_PAGES
         if (root / "README.md").is_file():
-            found[root / "README.md"] = refreshed(root / "README.md", data), PAGES
+            found[root / "README.md"] = refreshed(root / "README.md", data), BY_PAGES
     return {path: (text, made_by.format(directory)) for path, (text, made_by) in found.items() if path.is_file()}
 
 
@@ -174,14 +159,8 @@ def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 # Answer and results: claim, prediction, observation, verdict
 
 
-@dataclass(frozen=True)
-class Result:
-    """One line of the tables of results: a claim, its prediction, the observation, and the verdict."""
-
-    claim: str
-    predicted: str
-    observed: str
-    verdict: str
+Result = list[str]
+"""A line of the tables of results: claim, prediction, observation, verdict."""
 
 
 def answer(data: FullRun) -> str:
@@ -212,17 +191,17 @@ def answer(data: FullRun) -> str:
         f"{tests}. {counts[THEOREM] + counts[IDENTITY]} checks are relations of the paper that fail only if the "
         f"program is wrong. The other {len(claimed) - len(of_paper)} checks are about theorems of this study, contact "
         "forces, and the program. ([All checks][ledger], [windows that were changed after a measurement][windows])",
-        "Result": f"{holding}. For smooth solutions ({counted(smooth['case'].nunique(), 'case')}) the observed order, "
+        "Result": f"{holding}. For smooth solutions ({_cases(smooth)}) the observed order, "
         f"extrapolated to h → 0, is {_range(smooth)}; the paper predicts 1. For solutions that are not smooth "
-        f"({counted(rough['case'].nunique(), 'case')}) the paper predicts convergence without an order; their "
+        f"({_cases(rough)}) the paper predicts convergence without an order; their "
         f"regularity predicts orders from {predicted.min():.3g} to {predicted.max():.3g}, and the observed orders "
         f"differ from them by at most {off}. Besides these checks, this study predicted {met.sum()} numbers about "
         f"which the paper claims nothing: {met['met']} predictions were met, {met['undecided']} are undecided, "
         f"{met['wrong']} were wrong. "
         "([Results][results])",
-        "Wrong in print": f"{len(misprint_rows(data))} places, among them one false remark: nodal interpolants of a "
-        "continuous initial displacement need not converge to it in the energy norm. In our reading, no theorem "
-        "depends on these places. ([Misprints][misprints])",
+        "Wrong in print": f"{(data.claims['label'] == MISPRINTS).sum()} places, among them one false remark: nodal "
+        "interpolants of a continuous initial displacement need not converge to it in the energy norm. In our reading, "
+        "no theorem depends on these places. ([Misprints][misprints])",
         "New": "In the plane, order 1 holds without the assumption of the paper on the normal displacement on the "
         "contact boundary (proved). With backward Euler and smooth solutions the error is at most C (h + k) in the "
         "energy norm, for mesh size h and every time step k below a limit that the material sets (proved). The error "
@@ -245,56 +224,69 @@ def short(data: FullRun) -> str:
 
 def headline(data: FullRun) -> str:
     """Return the main results with links to the code behind them, in Markdown; DataError if checks are missing."""
-    told = {
-        "statements/prop_5_4.py": _prop_5_4,
-        "statements/prop_5_3.py": _prop_5_3,
-        "statements/thm_4_2_own_space.py": _own_space,
-        "statements/enclosure.py": _bound,
-    }
+    (smooth, rough, _, own_space), (bound, *_) = _paper_results(data), _beyond_results(data)
+    files = {"prop_5_4": smooth, "prop_5_3": rough, "thm_4_2_own_space": own_space, "enclosure": bound}
     lines = [
-        [_literal(line.claim), _literal(line.observed), line.verdict, f"[code](study/{path})"]
-        for path, line in ((path, result(data)) for path, result in told.items())
+        [_literal(claim), _literal(observed), verdict, f"[code](study/statements/{file}.py)"]
+        for file, (claim, _, observed, verdict) in files.items()
     ]
     return markdown(["claim", "observed", "verdict", "source"], lines)
 
 
 def results(data: FullRun) -> str:
     """Return the tables of results in Markdown: claims, predictions, observations rounded outwards, and verdicts."""
-    beyond = _regularity, _work, _rollers, _time
-    rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, *beyond, _defects, _seeds)
-    lines = [[_literal(cell) for cell in astuple(row(data))] for row in rows]
-    return markdown(["claim", "predicted", "observed", "verdict"], lines)
+    rows = *_paper_results(data), *_beyond_results(data), *_program_results(data)
+    return markdown(["claim", "predicted", "observed", "verdict"], [list(map(_literal, row)) for row in rows])
 
 
-def _prop_5_4(data: FullRun) -> Result:
-    extrapolated = data.rows("Prop. 5.4", "order-extrapolated")
-    return Result(
-        "Proposition 5.4: for smooth solutions the error falls with order 1, O(h)",
-        "order 1",
-        f"{counted(extrapolated['case'].nunique(), 'case')}: observed orders {_range(extrapolated)} extrapolated to "
-        f"h → 0, {_range(data.rows('Prop. 5.4', 'order'))} between consecutive meshes (on irregular meshes in the "
-        "leading term of the error instead of h)",
-        _two_groups(data, "Prop. 5.4", ORDERS, "checks of the order"),
-    )
-
-
-def _prop_5_3(data: FullRun) -> Result:
-    seen = data.rows("Prop. 5.3", "order")
-    expected = data.cases.loc[seen["case"], "expected_order"]
-    limit, steeper = (above(100 * data.rows("Prop. 5.3", key)["high"].max(), 0) for key in ("limit", "limit-steeper"))
-    extrapolated = data.rows("Prop. 5.3", "limit")
-    negative, allowed = below(100 * extrapolated["low"].min(), 0), 100 * extrapolated["window_high"].max()
+def _paper_results(data: FullRun) -> list[Result]:
+    """Return the results for Propositions 5.4 and 5.3, and for Theorem 4.2 without and with a space for stresses."""
+    smooth, rough = data.rows("Prop. 5.4", "order-extrapolated"), data.rows("Prop. 5.3", "order")
+    expected = data.cases.loc[rough["case"], "expected_order"]
+    limits = data.rows("Prop. 5.3", "limit")
+    limit, steeper = (above(100 * rows["high"].max(), 0) for rows in (limits, data.rows("Prop. 5.3", "limit-steeper")))
     steps = data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna()
-    return Result(
-        "Proposition 5.3: the error also tends to 0 if the solution is not smooth",
-        f"error → 0; by regularity with orders {expected.min():.3g} to {expected.max():.3g}",
-        f"{counted(seen['case'].nunique(), 'case')}: observed orders {_range(seen)} over two refinements; they differ "
-        f"from the predicted orders by at most {_largest_difference(data)}. Extrapolated to h → 0, the errors are "
-        f"{negative} % to {limit} % of the errors on the two finest meshes; at most {allowed:g} % is required. "
-        f"Not judged: orders over single refinements are {below(steps.min(), 2)} to {above(steps.max(), 2)}; errors "
-        f"extrapolated with an order that is larger by {STEEPER:g} are at most {steeper} %",
-        _two_groups(data, "Prop. 5.3", CONVERGENCE, "checks of convergence"),
-    )
+    allowed, seen = (f"{two_digits_up(data.equivalence[name].max()):.2g}" for name in ("stress_bound", "stress_gap"))
+    label = "Thm 4.2, own space"
+    measured = data.rows(label, "order-stress")
+    meets = measured["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
+    others = measured[~meets]
+    each = "; ".join(f"{case}: {_range(rows)}" for case, rows in others.groupby("case", sort=False))
+    return [
+        [
+            "Proposition 5.4: for smooth solutions the error falls with order 1, O(h)",
+            "order 1",
+            f"{_cases(smooth)}: observed orders {_range(smooth)} extrapolated to h → 0, "
+            f"{_range(data.rows('Prop. 5.4', 'order'))} between consecutive meshes (on irregular meshes in the leading "
+            "term of the error instead of h)",
+            _verdict(data, "Prop. 5.4", ORDERS, "checks of the order"),
+        ],
+        [
+            "Proposition 5.3: the error also tends to 0 if the solution is not smooth",
+            f"error → 0; by regularity with orders {expected.min():.3g} to {expected.max():.3g}",
+            f"{_cases(rough)}: observed orders {_range(rough)} over two refinements; they differ from the predicted "
+            f"orders by at most {_largest_difference(data)}. Extrapolated to h → 0, the errors are "
+            f"{below(100 * limits['low'].min(), 0)} % to {limit} % of the errors on the two finest meshes; at most "
+            f"{100 * limits['window_high'].max():g} % is required. Not judged: orders over single refinements are "
+            f"{below(steps.min(), 2)} to {above(steps.max(), 2)}; errors extrapolated with an order that is larger by "
+            f"{STEEPER:g} are at most {steeper} %",
+            _verdict(data, "Prop. 5.3", CONVERGENCE, "checks of convergence"),
+        ],
+        [
+            "Theorem 4.2, displacements and stresses on the same mesh: two solvers find the same stress",
+            f"equal up to the tolerance of the stress solver: at most {allowed}, by its duality gap",
+            f"the stresses differ by at most {seen}",
+            _verdict(data, "Thm 4.2"),
+        ],
+        [
+            "Theorem 4.2: the stress formulation, solved without displacements, gives the stress of the displacement "
+            "formulation",
+            "order 3/2 to 2 for smooth solutions, less for others",
+            f"{_cases(measured[meets], 'smooth case')}: the error of the stress has observed orders "
+            f"{_range(measured[meets])}, predicted 3/2 to 2; {_cases(others, 'other case')}: {each}",
+            _verdict(data, label),
+        ],
+    ]
 
 
 def _largest_difference(data: FullRun) -> str:
@@ -304,153 +296,107 @@ def _largest_difference(data: FullRun) -> str:
     return above(float((seen["observed"] - predicted).abs().max()), 2)
 
 
-def _same_mesh(data: FullRun) -> Result:
-    allowed, seen = (f"{two_digits_up(data.equivalence[name].max()):.2g}" for name in ("stress_bound", "stress_gap"))
-    return Result(
-        "Theorem 4.2, displacements and stresses on the same mesh: two solvers find the same stress",
-        f"equal up to the tolerance of the stress solver: at most {allowed}, by its duality gap",
-        f"the stresses differ by at most {seen}",
-        _verdict(data, "Thm 4.2"),
-    )
-
-
-def _own_space(data: FullRun) -> Result:
-    label = "Thm 4.2, own space"
-    measured = data.rows(label, "order-stress")
-    meets = measured["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
-    smooth, others = measured[meets], measured[~meets]
-    each = "; ".join(f"{case}: {_range(rows)}" for case, rows in others.groupby("case", sort=False))
-    return Result(
-        "Theorem 4.2: the stress formulation, solved without displacements, gives the stress of the displacement "
-        "formulation",
-        "order 3/2 to 2 for smooth solutions, less for others",
-        f"{counted(smooth['case'].nunique(), 'smooth case')}: the error of the stress has observed orders "
-        f"{_range(smooth)}, predicted 3/2 to 2; {counted(others['case'].nunique(), 'other case')}: {each}",
-        _verdict(data, label),
-    )
-
-
-def _bound(data: FullRun) -> Result:
-    shares, known = data.rows("bound", "above"), data.bounds[data.bounds["trajectory"] == "bound"]
-    return Result(
-        "Beyond the paper: an upper bound of the error, computed without the exact solution",
-        "error / bound ≤ 1",
-        f"{counted(len(shares), 'case')}: error / bound at most {above(shares['high'].max(), 3)}. In the second "
-        f"half of the time, half of the {len(known)} computed bounds are at most {above(known['upper'].median(), 2)} "
-        f"times the error, all at most {above(known['upper'].max(), 1)} times",
-        _verdict(data, "bound"),
-    )
-
-
-def _regularity(data: FullRun) -> Result:
-    seen, orders = data.rows("(5.36)", "order"), data.cases
-    missing = seen[seen["case"].map(orders["expected_order"]) == 1]
-    proved = orders.loc[missing["case"], "proved_order"]
-    return Result(
-        "Beyond the paper: does order 1 need the smoothness (5.36) that the paper assumes?",
-        "The assumption on the trace of u is not needed (proved in the plane). Without the assumption on u̇ the order "
-        f"½ is proved for every u with second derivatives, and at least {proved.min():.3g} for these cases",
-        f"{counted(len(missing), 'case')} that violate one of the two assumptions: observed orders {_range(missing)}",
-        f"{REPORTED}: the question is open",
-    )
-
-
-def _work(data: FullRun) -> Result:
-    label = "beyond: work of contact"
-    seen = data.rows(label, "order")
-    return Result(
-        "Beyond the paper: the contact term of the error estimate, if contact patches have all sizes down to h",
-        "order 1 on one-diagonal meshes",
-        f"{counted(seen['case'].nunique(), 'case')}: observed orders {_range(seen)}",
-        _verdict(data, label),
-    )
-
-
-def _rollers(data: FullRun) -> Result:
-    label = "beyond: rollers"
+def _beyond_results(data: FullRun) -> list[Result]:
+    """Return the results beyond the paper: bounds, regularity, contact terms, and the error of time discretisation."""
+    bounds, known = data.rows("bound", "above"), data.bounds[data.bounds["trajectory"] == "bound"]
+    trace = data.rows("(5.36)", "order")
+    missing = trace[trace["case"].map(data.cases["expected_order"]) == 1]
+    proved = data.cases.loc[missing["case"], "proved_order"]
+    work, rollers, time = "beyond: work of contact", "beyond: rollers", "beyond: O(h + k)"
     equal, alternating, shaken = (
-        _range(data.rows(label, f"order-{family}", "roller")) for family in ("equal", "alternating", "shaken")
+        _range(data.rows(rollers, f"order-{family}", "roller")) for family in ("equal", "alternating", "shaken")
     )
-    return Result(
-        "Beyond the paper: the error that contact adds if a narrow contact patch rolls along the floor",
-        "order ½ or more (proved); 1 if all vertices on Γ3 have equal neighbourhoods, ½ if not",
-        f"observed orders {equal} on one-diagonal and criss-cross meshes, {alternating} with alternating diagonals, "
-        f"{shaken} for the mean over random meshes",
-        _verdict(data, label),
-    )
+    return [
+        [
+            "Beyond the paper: an upper bound of the error, computed without the exact solution",
+            "error / bound ≤ 1",
+            f"{counted(len(bounds), 'case')}: error / bound at most {above(bounds['high'].max(), 3)}. In the second "
+            f"half of the time, half of the {len(known)} computed bounds are at most "
+            f"{above(known['upper'].median(), 2)} times the error, all at most {above(known['upper'].max(), 1)} times",
+            _verdict(data, "bound"),
+        ],
+        [
+            "Beyond the paper: does order 1 need the smoothness (5.36) that the paper assumes?",
+            "The assumption on the trace of u is not needed (proved in the plane). Without the assumption on u̇ the "
+            f"order ½ is proved for every u with second derivatives, and at least {proved.min():.3g} for these cases",
+            f"{counted(len(missing), 'case')} that violate one of the two assumptions: observed orders "
+            f"{_range(missing)}",
+            f"{REPORTED}: the question is open",
+        ],
+        [
+            "Beyond the paper: the contact term of the error estimate, if contact patches have all sizes down to h",
+            "order 1 on one-diagonal meshes",
+            f"{_cases(data.rows(work, 'order'))}: observed orders {_range(data.rows(work, 'order'))}",
+            _verdict(data, work),
+        ],
+        [
+            "Beyond the paper: the error that contact adds if a narrow contact patch rolls along the floor",
+            "order ½ or more (proved); 1 if all vertices on Γ3 have equal neighbourhoods, ½ if not",
+            f"observed orders {equal} on one-diagonal and criss-cross meshes, {alternating} with alternating "
+            f"diagonals, {shaken} for the mean over random meshes",
+            _verdict(data, rollers),
+        ],
+        [
+            "Beyond the paper: backward Euler has the error O(h + k), without a condition between h and the time step "
+            "k",
+            "proved: the error in time is at most k (‖u̇^h(0+)‖/√2 + 2 Var f) on every mesh",
+            f"error / bound at most {above(data.rows(time, 'data')['high'].max(), 2)}; observed orders in k "
+            f"{_range(data.rows(time, 'order'))}",
+            _verdict(data, time),
+        ],
+    ]
 
 
-def _time(data: FullRun) -> Result:
-    label = "beyond: O(h + k)"
-    share = above(data.rows(label, "data")["high"].max(), 2)
-    return Result(
-        "Beyond the paper: backward Euler has the error O(h + k), without a condition between h and the time step k",
-        "proved: the error in time is at most k (‖u̇^h(0+)‖/√2 + 2 Var f) on every mesh",
-        f"error / bound at most {share}; observed orders in k {_range(data.rows(label, 'order'))}",
-        _verdict(data, label),
-    )
-
-
-def _defects(data: FullRun) -> Result:
+def _program_results(data: FullRun) -> list[Result]:
+    """Return the results about the program: noticed deliberate defects, and false alarms on random meshes."""
     caught, injected = count_caught(data.controls)
-    return Result(
-        "Deliberate defects in the program, one at a time: a named check must fail",
-        "every defect is noticed",
-        f"{caught} of {injected} defects are noticed",
-        HOLDS if caught == injected else FAILS,
-    )
-
-
-def _seeds(data: FullRun) -> Result:
     alarms = alarm_summary(data.seeds)
     by_tail = (
         f"a model of the distributions of all checks, which judges nothing, gives at most {100 * alarms.by_tail:.2f} %"
     )
     if math.isnan(alarms.by_tail):
         by_tail = "too few seeds for an estimate from distributions"
-    return Result(
-        f"False alarms: random meshes alone make one of the {alarms.rows} checks on them fail for at most "
-        f"{100 * PROMISE:.0f} % of all seeds",
-        f"at most {100 * PROMISE:.0f} %",
-        f"{alarms.red} of {alarms.seeds} new seeds; 95 % confidence interval {100 * alarms.low:.1f} % to "
-        f"{100 * alarms.high:.1f} %; {by_tail}; for the checks that take little "
-        f"time, {alarms.light_red} of {alarms.light_seeds} seeds",
-        f"{alarms.verdict} by the count alone; {seeds_needed()} seeds without an alarm are enough",
-    )
+    return [
+        [
+            "Deliberate defects in the program, one at a time: a named check must fail",
+            "every defect is noticed",
+            f"{caught} of {injected} defects are noticed",
+            HOLDS if caught == injected else FAILS,
+        ],
+        [
+            f"False alarms: random meshes alone make one of the {alarms.rows} checks on them fail for at most "
+            f"{100 * PROMISE:.0f} % of all seeds",
+            f"at most {100 * PROMISE:.0f} %",
+            f"{alarms.red} of {alarms.seeds} new seeds; 95 % confidence interval {100 * alarms.low:.1f} % to "
+            f"{100 * alarms.high:.1f} %; {by_tail}; for the checks that take little time, {alarms.light_red} of "
+            f"{alarms.light_seeds} seeds",
+            f"{alarms.verdict} by the count alone; {seeds_needed()} seeds without an alarm are enough",
+        ],
+    ]
 
 
-def _verdict(data: FullRun, label: str, among: set[str] | None = None) -> str:
-    """Return the verdict on a statement and the number of its checks."""
-    rows = data.claims[data.claims["label"] == label]
-    return _judged(rows if among is None else rows[rows["case"].isin(among)], "checks")
+def _verdict(data: FullRun, label: str, keys: Sequence[str] = (), noun: str = "checks") -> str:
+    """Return the worst verdict on a statement, and how many of its checks have each verdict.
 
-
-def _two_groups(data: FullRun, label: str, keys: tuple[str, ...], noun: str) -> str:
-    """Return the verdict on a proposition, then the numbers of verdicts on further checks of the same computations.
+    Then follows how many of them can only fail if the program is wrong.
 
     Parameters:
-        label: the label of the proposition.
-        keys: the keys of the checks that test the proposition directly.
+        label: the label of the statement.
+        keys: the keys of the checks that test the statement directly; the numbers for all further checks then follow.
+            If there are no keys, all checks are counted together.
         noun: what these checks are called.
     """
     rows = data.claims[data.claims["label"] == label]
-    tests = rows["key"].isin(keys)
-    return f"{_judged(rows[tests], noun)}; {verdicts_in_words(rows[~tests], 'further checks of the same computations')}"
-
-
-def _judged(rows: pd.DataFrame, noun: str) -> str:
-    """Return the worst verdict among checks, the numbers of checks with each verdict, and how many prove only that the
-    program is right."""
-    count = count_verdicts(rows)
-    worst = [verdict for verdict in CLAIMED if count[verdict]]
-    if not worst:
-        return REPORTED
-    holding = rows[rows["verdict"] == HOLDS].apply(kind, axis=1) if count[HOLDS] else pd.Series(dtype=str)
-    safe = int((~holding.isin(CAN_FAIL)).sum())
-    # "They" are all checks that the sentence counts; rows without a verdict are not counted.
-    them = "they" if safe == sum(count[verdict] for verdict in CLAIMED) else f"{safe} of them"
-    rest = f"; {them} can fail only if the program is wrong" if safe else ""
-    return f"{worst[0]}: {verdicts_in_words(rows, noun)}{rest}"
+    tests = rows[rows["key"].isin(keys)] if keys else rows
+    count = count_verdicts(tests)
+    text = next((f"{one}: {verdicts_in_words(tests, noun)}" for one in CLAIMED if count[one]), REPORTED)
+    holding = tests[tests["verdict"] == HOLDS]
+    safe = int((~holding.apply(kind, axis=1).isin(CAN_FAIL)).sum()) if len(holding) else 0
+    judged = sum(count[verdict] for verdict in CLAIMED)  # Rows without a verdict are not counted in the sentence.
+    if safe:
+        text += f"; {'they' if safe == judged else f'{safe} of them'} can fail only if the program is wrong"
+    further = rows[~rows["key"].isin(keys)]
+    return f"{text}; {verdicts_in_words(further, 'further checks of the same computations')}" if keys else text
 
 
 def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
@@ -464,7 +410,7 @@ def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
     if count[HOLDS] < total:
         each = ", ".join(f"{count[verdict]} {PLURAL.get(verdict, verdict)}" for verdict in CLAIMED if count[verdict])
         text = f"of {total} {noun} {each}"
-    missed = count.get(MISSED, 0)
+    missed = count[MISSED]
     return f"{text}; {counted(missed, 'prediction')} of this study missed" if missed else text
 
 
@@ -473,16 +419,16 @@ def _range(rows: pd.DataFrame) -> str:
     return f"{below(rows['low'].min(), 2)} to {above(rows['high'].max(), 2)}"
 
 
+def _cases(rows: pd.DataFrame, noun: str = "case") -> str:
+    """Return the number of cases in a table, with a noun."""
+    return counted(rows["case"].nunique(), noun)
+
+
 def misprints(data: FullRun) -> str:
     """Return the misprints in the paper, in Markdown: place, printed text, corrected text."""
-    rows = misprint_rows(data)[["case", "quantity", "expected"]].itertuples(index=False)
+    rows = data.claims.loc[data.claims["label"] == MISPRINTS, ["case", "quantity", "expected"]].itertuples(index=False)
     lines = [[_literal(str(cell).removeprefix("read: ")) for cell in row] for row in rows]
     return markdown(["place", "printed", "read"], lines)
-
-
-def misprint_rows(data: FullRun) -> pd.DataFrame:
-    """Return the rows of the ledger that list misprints."""
-    return data.claims[data.claims["label"] == MISPRINTS]
 
 
 def missed(data: FullRun) -> str:
@@ -552,32 +498,21 @@ def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
     return found
 
 
-def cases(data: FullRun) -> str:
-    """Return the number of cases as text, for a sentence."""
-    return str(len(data.cases))
-
-
 def mesh_families(data: FullRun) -> str:
     """Return the table of mesh families: name, meshes, and the least angle in the plane."""
     rows = [[f"*{family.name}*", family.meshes, f"{family.least_angle:g}°"] for family in FAMILIES]
     return markdown(["mesh family", "meshes", "all angles in the plane are larger than"], rows)
 
 
-def codes(data: FullRun) -> str:
+def codes_table(found: Codes | None) -> str:
     """Return a table of other people's contact codes in Markdown, with a line for each code and its parameters.
 
     A line says how the errors behave on finer meshes (the class, and the number of series of meshes with this class),
     and has the worst values.
+
+    Raises:
+        DataError: the results are missing.
     """
-    return _codes_table(data.codes)
-
-
-def marches(data: FullRun) -> str:
-    """Return the table of ``codes`` for the runs in which other people's codes solve in time by the midpoint rule."""
-    return _codes_table(data.marches)
-
-
-def _codes_table(found: Codes | None) -> str:
     if found is None:
         raise DataError(f"results of other codes are missing: make them with `{MADE}`")
     lines = [
@@ -596,41 +531,28 @@ def _codes_table(found: Codes | None) -> str:
     return markdown([*header, "pressure error ratio", "effect of scaling"], lines)
 
 
-def windows(data: FullRun) -> str:
-    """Return the tolerance windows that changed since the first round of measurements, in Markdown.
+def changed_windows(data: FullRun, name: str) -> str:
+    """Return the tolerance windows that changed since an earlier time, in Markdown.
+
+    Parameters:
+        name: the file with the earlier windows: FIRST (round of measurements) or RELEASED (the last release).
 
     Raises:
         DataError: a change has no reason.
     """
-    return _changes_table(changes(_record(data.earlier, FIRST), data.claims))
-
-
-def released_windows(data: FullRun) -> str:
-    """Return the tolerance windows that changed since the last release, in Markdown.
-
-    Raises:
-        DataError: a change has no reason.
-    """
-    return _changes_table(changes(_record(data.released, RELEASED), data.claims))
-
-
-def _changes_table(found: Sequence[Change]) -> str:
     alike: dict[tuple[str, str, str], list[str]] = {}
-    for change in found:
+    for change in changes(_earlier_windows(data, name), data.claims):
         ends = ("lower end 0", "lower end 1e-20") if change.why == NOT_NOTHING else (change.before, change.today)
         alike.setdefault((*ends, change.why), []).append(_changed(change))
     lines = [["; ".join(rows), *map(_literal, texts)] for texts, rows in alike.items()]
-    return (
-        markdown(["rows", "earlier window", "window today", "reason"], lines) if lines else "No window has changed.\n"
-    )
+    header = ["rows", "earlier window", "window today", "reason"]
+    return markdown(header, lines) if lines else "No window has changed.\n"
 
 
 def new_windows(data: FullRun) -> str:
     """Return the tolerance windows of checks that did not exist in the first round of measurements, in Markdown."""
-    lines = [
-        [_changed(one), _literal(one.today), _literal(one.why)]
-        for one in added(_record(data.earlier, FIRST), data.claims)
-    ]
+    new = added(_earlier_windows(data, FIRST), data.claims)
+    lines = [[_changed(one), _literal(one.today), _literal(one.why)] for one in new]
     return markdown(["rows", "window", "reason for the window"], lines)
 
 
@@ -638,7 +560,8 @@ def _changed(change: Change) -> str:
     return f"{_literal(change.label)} *{change.key}* ({change.rows})"
 
 
-def _record(then: pd.DataFrame | None, name: str) -> pd.DataFrame:
+def _earlier_windows(data: FullRun, name: str) -> pd.DataFrame:
+    then = {FIRST: data.earlier, RELEASED: data.released}[name]
     if then is None:
         raise DataError(f"results/history/{name} is missing: it is part of the repository")
     return then
@@ -652,24 +575,19 @@ def _literal(text: str) -> str:
 # Badges
 
 
-@dataclass(frozen=True)
-class Badge:
-    """A badge, which is a small picture at the top of the README: a name, a text, and the colour behind the text."""
+def badge(name: str, says: str, colour: str) -> str:
+    """Return a badge as SVG, a small picture at the top of the README: a name, and a text on a colour.
 
-    name: str
-    says: str
-    colour: str
-
-    def svg(self) -> str:
-        """Return the badge as SVG; the width follows from the number of letters."""
-        margin, height = 6, 20
-        left, right = (round(6.4 * len(text)) + 2 * margin for text in (self.name, self.says))
-        name, says = escape(self.name), escape(self.says)
-        return f"""\
+    The width follows from the number of letters.
+    """
+    margin, height = 6, 20
+    left, right = (round(6.4 * len(text)) + 2 * margin for text in (name, says))
+    name, says = escape(name), escape(says)
+    return f"""\
 <svg xmlns="http://www.w3.org/2000/svg" width="{left + right}" height="{height}" role="img">
 <title>{name}: {says}</title>
 <rect width="{left + right}" height="{height}" rx="3" fill="{DARK}"/>
-<path d="M{left} 0h{right - 3}a3 3 0 0 1 3 3v{height - 6}a3 3 0 0 1 -3 3h-{right - 3}z" fill="{self.colour}"/>
+<path d="M{left} 0h{right - 3}a3 3 0 0 1 3 3v{height - 6}a3 3 0 0 1 -3 3h-{right - 3}z" fill="{colour}"/>
 <g fill="#fff" text-anchor="middle" font-family="DejaVu Sans,Verdana,sans-serif" font-size="11">
 <text x="{left / 2:g}" y="14" textLength="{left - 2 * margin}">{name}</text>
 <text x="{left + right / 2:g}" y="14" textLength="{right - 2 * margin}">{says}</text>
@@ -678,7 +596,7 @@ class Badge:
 """
 
 
-def badges(data: FullRun, project: Path) -> dict[str, Badge]:
+def badges(data: FullRun, project: Path) -> dict[str, str]:
     """Return the badges by their file names: the verdicts, the noticed defects, the Python version and the licence.
 
     ``project`` is the path of ``pyproject.toml``.
@@ -689,17 +607,32 @@ def badges(data: FullRun, project: Path) -> dict[str, Badge]:
     rows = f"{count[HOLDS]} rows hold, {count[UNDECIDED]} undecided, {count[FAILS]} fail"
     defects = GREEN if found == injected else VERMILLION
     return {
-        "ledger.svg": Badge("ledger", rows, ledger),
-        "defects.svg": Badge("injected defects", f"{found} of {injected} caught", defects),
-        "python.svg": Badge("Python", str(stated["requires-python"]).replace(">=", "≥ "), BLUE),
-        "licence.svg": Badge("licence", str(stated["license"]), BLUE),
+        "ledger.svg": badge("ledger", rows, ledger),
+        "defects.svg": badge("injected defects", f"{found} of {injected} caught", defects),
+        "python.svg": badge("Python", str(stated["requires-python"]).replace(">=", "≥ "), BLUE),
+        "licence.svg": badge("licence", str(stated["license"]), BLUE),
     }
 
 
-def write_badges(directory: Path, data: FullRun, project: Path) -> list[Path]:
-    """Write all badges into a directory; return their files."""
-    return [write_text(directory / name, badge.svg()) for name, badge in badges(data, project).items()]
-
+TABLES: dict[str, Callable[[FullRun], str]] = {
+    "short": short,
+    "answer": answer,
+    "headline": headline,
+    "results": results,
+    "misprints": misprints,
+    "missed": missed,
+    "statements": statements,
+    "formulas": formulas,
+    "cases": lambda data: str(len(data.cases)),
+    "mesh_families": mesh_families,
+    "codes": lambda data: codes_table(data.codes),
+    "marches": lambda data: codes_table(data.marches),
+    "windows": lambda data: changed_windows(data, FIRST),
+    "released_windows": lambda data: changed_windows(data, RELEASED),
+    "new_windows": new_windows,
+}
+"""Name of a place on a page ↦ the function that returns its table or text. ``marches`` are the runs in which other
+people's codes solve in time by the midpoint rule."""
 
 if __name__ == "__main__":
     main()

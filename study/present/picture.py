@@ -71,11 +71,6 @@ class Segment(FaceHistory):
     line_gap: Array
     line_pressure: Array
 
-    @property
-    def spacing(self) -> float:
-        """The mean distance of neighbouring nodes, which is the length of a cell."""
-        return float(np.ptp(self.s)) / (len(self.s) - 1)
-
     def computed_zone(self, instant: int) -> list[Interval]:
         """Return the computed contact zone at the time with the index ``instant``, as intervals.
 
@@ -97,10 +92,6 @@ class Segment(FaceHistory):
             for t, left, right in columns
             if t[0] <= time <= t[-1]
         ]
-
-    def point(self, s: Array) -> Array:
-        """Return the points in the plane at positions s along the face, (2, ...)."""
-        return np.array([np.interp(s, self.s, component) for component in self.x])
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,6 +142,12 @@ class Energy:
     contact: Array
     work: Array
     defect: Array
+
+    @property
+    def largest(self) -> float:
+        """The largest absolute value of the terms of the balance since t = 0; 1 if all are zero."""
+        terms = self.stored - self.stored[0], self.dissipated, self.contact, self.work
+        return float(max(abs(values).max() for values in terms)) or 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -370,15 +367,7 @@ def misplaced_length(face: Segment, times: Array) -> Array:
             in_exact, in_computed = (any(left <= (a + b) / 2 <= right for left, right in zone) for zone in zones)
             length += (b - a) * (in_exact != in_computed)
         lengths.append(length)
-    return np.array(lengths) / face.spacing
-
-
-def misplaced_nodes(face: Polygon) -> Array:
-    """Return the number of nodes of a face in 3D on the wrong side of the front, at all times after the first.
-
-    These are nodes in contact outside the exact zone, and nodes in the exact zone that are not in contact.
-    """
-    return np.asarray((face.touching != face.inside)[1:].sum(axis=1))
+    return np.array(lengths) * (len(face.s) - 1) / float(np.ptp(face.s))
 
 
 def outside(face: FaceHistory, times: Array) -> NDArray[np.bool_]:

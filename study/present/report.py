@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import tomllib
 from base64 import b64encode
-from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -11,18 +11,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 from study.ledger.datafiles import DataError, by_claim, count_verdicts, made_by, read_claims, read_csv, read_rates
 from study.ledger.files import write_text
 from study.ledger.pictures import short
 from study.ledger.text import significant
-from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNDECIDED
 from study.present import palette
 from study.present.body import ARROW, THICKNESS, BodyScale, shade
 from study.present.charts import (
     Array,
-    Axis,
     Chart,
     Subplot,
     collapsed_chart,
@@ -32,7 +30,7 @@ from study.present.charts import (
 )
 from study.present.notation import typeset, typeset_svg
 from study.present.outcome import conclusion, orders_text
-from study.present.palette import BLACK, DARK, Style, family_styles
+from study.present.palette import family_styles
 from study.present.picture import FaceHistory, Polygon, Segment, over_time, picture_path, read_record, with_every_shape
 from study.present.tables import (
     Table,
@@ -52,117 +50,12 @@ LEDGER = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
 HIGHEST_ORDER, STRIP = 1.5, 150
 """The largest order on the strip that shows the orders of a case, and the width of the strip in SVG units."""
 
-MEANINGS = {
-    HOLDS: "the value lies in a window that was fixed beforehand",
-    FAILS: "it lies outside of its window",
-    UNDECIDED: "too little was measured to say; not a pass",
-    MISSED: "our own prediction was wrong; no statement of the paper is contradicted",
-    REPORTED: "a number for which nothing is claimed: neither a pass nor a failure",
-}
-"""Verdict ↦ its meaning."""
-
-_LAWS = {"A, G": "viscosity and elasticity, σ = A ε(u̇) + G ε(u)"}
-_ERROR = {
-    "u, u^h": "exact and computed displacement",
-    "h, n": "mesh size, cells along a unit length",
-    "Π^h u": "u at the vertices, linear between them",
-    "‖·‖_V": "(A ε(·), ε(·))^{1/2}, largest over time",
-}
-LETTERS = {
-    "ledger": {
-        "V^h, K^h, u^h": "displacements linear on each cell, those that do not enter the foundation, the solution",
-        "Γ1, Γ2, Γ3": "where the body is clamped, loaded, may touch",
-        **_LAWS,
-        "(2.1) … (5.42)": "numbers of the paper",
-    },
-    "ends": {"low, high": "range of the value over mesh families and levels, or the interval of a fit"},
-    "norms": _ERROR,
-    "law": {
-        "α, m": "exponents at a front c: gap (s − c)^α, pressure (c − s)^m",
-        "H^{1+s}": "how smooth u is: s is then the order to expect",
-        **_LAWS,
-        "(3.3)": "a law with a yield limit",
-    },
-    "rates": {
-        **_ERROR,
-        "dofs, steps": "unknowns, and steps in time",
-        "order": "of the error before it: its logarithm over that of h, between two levels",
-        "t": "when the error is largest",
-        "time": "share of the error that halving the step in time would change",
-    },
-    "stresses": {
-        "σ": "exact stress",
-        "σ^h": "computed stress",
-        "‖·‖_Q": "L² norm of stresses",
-        "u^h": "displacement from Problem 3.1 with the same steps",
-        "σ(u^h)": "the stress of u^h",
-        "t": "time",
-        "order": "of σ^h, between two levels",
-        "best possible": "error of the best stress that is linear on each cell",
-        "multipliers": "displacement of the edges, which the stress problem finds",
-        "time": "share that halving the step would change",
-    },
-    "equivalence": {
-        "h": "mesh size",
-        "displacements, stresses": "largest difference of Problems 3.1 and 3.2, relative",
-        "allowed": "what the duality gap of the solver leaves open",
-        "membership": "how far the displacement of Problem 3.2 enters the foundation",
-    },
-    "bounds": {
-        "max error": "max_t ‖u − u_h‖_V, empty where u is not known",
-        "≥, ≤": "ends of an interval that contains it",
-        "upper / error, lower / error": "ends over the error, the worst of the second half of time",
-        "∫ r": "residual of the law",
-        "∫ η": "loads that the mesh cannot carry",
-        "∫ c": "work of contact, each over time: the parts of the bound",
-    },
-}
-"""Table or place on the page ↦ the symbols that occur there, with their meanings."""
-
-
-@dataclass(frozen=True)
-class LedgerGroup:
-    """One statement in the ledger of the report page, with its checks.
-
-    Attributes:
-        label: the label of the statement.
-        says: the statement in words.
-        counts: verdict ↦ number of checks.
-        judges: the code files that judge the statement.
-        rows: the checks, with the columns ``LEDGER``.
-    """
-
-    label: str
-    says: str
-    counts: dict[str, int]
-    judges: list[str]
-    rows: list[list[str]]
-
-
-@dataclass(frozen=True)
-class CasePage:
-    """One case on the report page.
-
-    Attributes:
-        name: the name of the case.
-        facts: name ↦ text of each property of the case.
-        counts: verdict ↦ number of checks.
-        observed: the smallest and the largest observed order as text.
-        strip: data of the small picture that compares orders on a horizontal axis: the position of the predicted order,
-            and for each mesh family the position of the observed order with a colour.
-        charts: the charts as HTML.
-        film: the data of the animation, from ``read_film``.
-        tables: captions and tables.
-    """
-
-    name: str
-    facts: dict[str, str]
-    counts: dict[str, int]
-    observed: str
-    strip: tuple[float, list[tuple[float, str]]]
-    charts: list[Markup]
-    film: dict[str, Any]
-    tables: list[tuple[str, Table]]
+TEXTS: dict[str, Any] = tomllib.loads((Path(__file__).parent / "page" / "texts.toml").read_text(encoding="utf-8"))
+"""Texts of the page: ``meanings``, verdict ↦ its meaning, and ``letters``, table or place ↦ symbol ↦ its meaning."""
+PAGES = Environment(
+    loader=PackageLoader("study.present", "page"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+)
+PAGES.filters |= {"typeset": typeset, "typeset_svg": typeset_svg, "number": significant}
 
 
 def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
@@ -176,34 +69,31 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         StoreError: the directory cannot be written.
         DataError: a data file is missing, damaged or written by an older version; then nothing is written.
     """
-    loader = PackageLoader("study.present", "page")
-    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    environment.filters |= {"typeset": typeset, "number": significant}
     claims, rates = read_claims(directory), read_rates(directory)
     smooth = rates[rates["claim"] == "Prop. 5.4"]
     judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
-    # A label with two statements gives two groups.
-    groups = [
-        LedgerGroup(label, says, count_verdicts(rows), judges.get(label, []), rows[LEDGER].to_numpy().tolist())
+    # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
+    groups: list[dict[str, Any]] = [
+        {"label": label, "says": says, "counts": count_verdicts(rows), "judges": judges.get(label, [])}
+        | {"rows": rows[LEDGER].to_numpy().tolist()}
         for label, says, rows in by_claim(ledger_table(directory).cells)
     ]
     cases = case_pages(directory, claims, rates)
-    page = environment.get_template("page.html").render(
+    page = PAGES.get_template("page.html").render(
         palette=palette,
-        letters=LETTERS,
-        meanings=MEANINGS,
+        **TEXTS,
         counts=count_verdicts(claims),
         conclusion=conclusion(count_verdicts(claims), orders_text(directory)),
         # The page opens with the 2D case that has the most contact faces.
-        shown=max(cases, key=lambda case: (len(case.film["view"]) == 2) * len(case.film["faces"])),
+        shown=max(cases, key=lambda case: (len(case["film"]["view"]) == 2) * len(case["film"]["faces"])),
         collapsed=svg_chart(collapsed_chart(smooth)) if len(smooth) else "",
         rows=len(claims),
         groups=groups,
-        labels=list(dict.fromkeys(group.label for group in groups)),
+        labels=list(dict.fromkeys(group["label"] for group in groups)),
         # A row is about a case, or about a place in the paper.
-        places=list(dict.fromkeys(row[0] for group in groups for row in group.rows if row[0])),
+        places=list(dict.fromkeys(row[0] for group in groups for row in group["rows"] if row[0])),
         cases=cases,
-        names={case.name for case in cases},
+        names={case["name"] for case in cases},
         families=family_styles(rates["family"]),
         bounds=bounds_table(directory),
         controls=controls_table(directory),
@@ -226,8 +116,16 @@ def _files(directory: Path) -> Table:
     return Table("files", columns, pd.DataFrame(rows))
 
 
-def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[CasePage]:
+def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[dict[str, Any]]:
     """Return the texts, charts and tables of each case on the report page, in the order of ``cases.csv``.
+
+    The entries of a case are
+
+    * ``name``; ``facts``, the properties of the case; ``counts``, the number of checks with each verdict;
+    * ``observed``: the smallest and the largest observed order as text;
+    * ``strip``: a small picture that compares orders on a horizontal axis: the position of the predicted order, and for
+      each mesh family the position of the observed order with a colour;
+    * ``charts`` as HTML; ``film``, the data of the animation, from ``read_film``; ``tables`` with their captions.
 
     Parameters:
         directory: the directory of a run.
@@ -262,16 +160,16 @@ def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> li
             "proved order": "" if pd.isna(fact["proved_order"]) else f"{float(fact['proved_order']):.4g}",
             "why": fact["reason"],
         }
-        page = CasePage(
-            name=name,
-            facts=facts,
-            counts=count_verdicts(verdicts),
-            observed=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
-            strip=(_strip(expected), [(_strip(order), styles[family].colour) for family, order in found.items()]),
-            charts=list(map(svg_chart, charts)),
-            film=read_film(directory, name),
-            tables=[(caption, table) for caption, table in mine if table.rows],
-        )
+        page = {
+            "name": name,
+            "facts": facts,
+            "counts": count_verdicts(verdicts),
+            "observed": " – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
+            "strip": (_strip(expected), [(_strip(order), styles[family].colour) for family, order in found.items()]),
+            "charts": list(map(svg_chart, charts)),
+            "film": read_film(directory, name),
+            "tables": [(caption, table) for caption, table in mine if table.rows],
+        }
         pages.append(page)
     return pages
 
@@ -327,7 +225,7 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
         "widest": scale.gap,
         "arrow": ARROW,
         "foundation": THICKNESS,
-        "view": scale.view.axes.tolist(),
+        "view": scale.view.tolist(),
         "faces": list(map(_face, picture.faces)),
     }
 
@@ -351,42 +249,24 @@ def _face(face: FaceHistory) -> dict[str, Any]:
 
 LEFT, RIGHT, TOP, HEIGHTS, BETWEEN, BELOW = 58, 350, 10, (222, 120), 14, 38
 """In SVG units: the left, right and upper end of the subplots, their heights, and the space between and below them."""
-MARKERS = {
-    "o": "M-3.5,0a3.5,3.5 0 1,0 7,0a3.5,3.5 0 1,0 -7,0z",
-    "s": "M-3,-3h6v6h-6z",
-    "^": "M0,-4L3.8,3H-3.8z",
-    "v": "M0,4L3.8,-3H-3.8z",
-    "D": "M0,-4.2L4.2,0L0,4.2L-4.2,0z",
-}
-"""Matplotlib's name of a marker ↦ its SVG path around the origin. All other markers are drawn as circles."""
 
 
 def svg_chart(chart: Chart) -> Markup:
-    """Return a chart as an HTML figure that contains an SVG image, the legend and the caption."""
-    parts, top = [], TOP
+    """Return a chart as an HTML figure that contains an SVG image, the legend and the caption (``page/chart.html``)."""
+    panels, top = [], TOP
     for subplot, height in zip(chart.subplots, HEIGHTS, strict=False):
-        parts += _svg_subplot(subplot, top, top + height, subplot is chart.subplots[-1])
-        bottom, top = top + height, top + height + BETWEEN
-    legend = []
-    for entry in (entry for column in chart.legend for entry in column):
-        symbol = f'<path class="band" d="M-10,-5H10V5H-10z" fill="{_ink(entry.style)}"/>'
-        if entry.style.stroke != "band":
-            symbol = _line("M-10,0H10", entry.style) + _marker(0, 0, entry.style)
-        icon = f'<svg viewBox="-10 -6 20 12" aria-hidden="true">{symbol}</svg>'
-        legend.append(f"<span>{icon}<span>{typeset(entry.text)}</span></span>")
-    return Markup(
-        '<figure class="chart">\n<svg viewBox="0 0 360 {}" role="img" aria-label="{}">\n{}\n</svg>\n'
-        '<p class="legend">{}</p>\n<figcaption>{}</figcaption>\n</figure>\n'
-    ).format(bottom + BELOW, chart.summary, Markup("\n".join(parts)), Markup("".join(legend)), typeset(chart.caption))
+        panels.append(_svg_shapes(subplot, top, top + height))
+        top += height + BETWEEN
+    template, ends = PAGES.get_template("chart.html"), {"left": LEFT, "right": RIGHT, "below": BELOW}
+    return Markup(template.render(chart=chart, panels=panels, palette=palette, **ends) + "\n")
 
 
-def _svg_subplot(subplot: Subplot, top: float, bottom: float, last: bool) -> list[str]:
-    """Return the SVG elements of a subplot.
+def _svg_shapes(subplot: Subplot, top: float, bottom: float) -> dict[str, Any]:
+    """Return the ticks, lines, bands, triangle and curves of a subplot in SVG units, with the parameters.
 
     Parameters:
         subplot: the subplot.
         top, bottom: the vertical ends of the axes in SVG units.
-        last: whether the subplot is the lowest one, which has the labels of the horizontal axis.
     """
 
     def x_at(value: float) -> float:
@@ -398,60 +278,19 @@ def _svg_subplot(subplot: Subplot, top: float, bottom: float, last: bool) -> lis
     def points(x: Array, y: Array) -> list[tuple[float, float]]:
         return [(x_at(a), y_at(b)) for a, b in zip(x, y, strict=True) if np.isfinite(b)]
 
-    def text(x: float, y: float, content: Markup, anchor: str = "middle") -> str:
-        return f'<text x="{x}" y="{y}" text-anchor="{anchor}">{content}</text>'
+    def path(places: list[tuple[float, float]]) -> str:
+        return "M" + "L".join(f"{x:g},{y:g}" for x, y in places)
 
-    parts = []
-    for value, label in subplot.x.ticks():
-        parts.append(f'<path class="grid" d="M{x_at(value)},{bottom}V{top}"/>')
-        if last:
-            parts.append(text(x_at(value), bottom + 15, typeset_svg(label)))
-    for value, label in subplot.y.ticks():
-        parts.append(f'<path class="grid" d="M{LEFT},{y_at(value)}H{RIGHT}"/>')
-        parts.append(text(LEFT - 5, y_at(value) + 4, typeset_svg(label), "end"))
-    turn = f"translate(12 {(top + bottom) / 2}) rotate(-90)"
-    parts.append(f'<text transform="{turn}" text-anchor="middle">{_label(subplot.y)}</text>')
-    if last:
-        parts.append(text((LEFT + RIGHT) / 2, bottom + 32, _label(subplot.x)))
-    # An inner SVG element clips everything outside the axes.
-    width, height = RIGHT - LEFT, bottom - top
-    box = f'x="{LEFT}" y="{top}" width="{width}" height="{height}" viewBox="{LEFT} {top} {width} {height}"'
-    parts.append(f"<svg {box}>")
-    parts += [f'<path class="axis" d="M{LEFT},{y_at(value)}H{RIGHT}"/>' for value in subplot.rules]
-    for band in subplot.bands:
-        outline = [*points(band.x, band.high), *reversed(points(band.x, band.low))]
-        parts.append(f'<path class="band" d="{_path(outline)}Z" fill="{band.colour}"/>')
-    if subplot.triangle:
-        (x0, y0), (x1, y1), _ = points(*subplot.triangle.corners.T)
-        parts.append(f'<path class="triangle" d="M{x0},{y0}L{x1},{y1}H{x0}z"/>')
-        parts.append(text(x0 - 3, (y0 + y1) / 2 + 4, escape(subplot.triangle.beside), "end"))
-        parts.append(text((x0 + x1) / 2, y1 - 3, escape(subplot.triangle.above)))
-    for curve in subplot.curves:
-        places = points(curve.x, curve.y)
-        parts.append(_line(_path(places), curve.style) + "".join(_marker(x, y, curve.style) for x, y in places))
-    return [*parts, "</svg>", f'<path class="axis" d="M{LEFT},{top}V{bottom}H{RIGHT}"/>']
-
-
-def _path(points: list[tuple[float, float]]) -> str:
-    return "M" + "L".join(f"{x:g},{y:g}" for x, y in points)
-
-
-def _line(path: str, style: Style) -> str:
-    return f'<path class="line {style.stroke}" d="{path}" stroke="{_ink(style)}"/>'
-
-
-def _marker(x: float, y: float, style: Style) -> str:
-    """Return the SVG element of a marker at the point (x, y); an empty text if the style has no marker."""
-    path, fill = MARKERS.get(style.marker, MARKERS["o"]), "var(--paper)" if style.hollow else _ink(style)
-    marker = f'<path d="{path}" transform="translate({x} {y})" fill="{fill}" stroke="{_ink(style)}"/>'
-    return marker if style.marker else ""
-
-
-def _ink(style: Style) -> str:
-    """Return the SVG colour of a style; black and dark grey become the colour of the text, also on dark pages."""
-    return "currentColor" if style.colour in (BLACK, DARK) else style.colour
-
-
-def _label(axis: Axis) -> Markup:
-    symbol = Markup(' <tspan font-style="italic">{}</tspan>').format(axis.symbol) if axis.symbol else Markup("")
-    return typeset_svg(axis.label) + symbol
+    curves = [(points(curve.x, curve.y), curve.style) for curve in subplot.curves]
+    bands = [([*points(b.x, b.high), *reversed(points(b.x, b.low))], b.colour) for b in subplot.bands]
+    return {
+        "subplot": subplot,
+        "top": top,
+        "bottom": bottom,
+        "x_ticks": [(x_at(value), label) for value, label in subplot.x.ticks()],
+        "y_ticks": [(y_at(value), label) for value, label in subplot.y.ticks()],
+        "rules": list(map(y_at, subplot.rules)),
+        "bands": [(path(outline), colour) for outline, colour in bands],
+        "triangle": points(*subplot.triangle.corners.T) if subplot.triangle else [],
+        "curves": [(path(places), places, style) for places, style in curves],
+    }

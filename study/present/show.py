@@ -25,7 +25,7 @@ from PIL import Image
 from study.ledger.files import write_text, write_whole
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_keys, draw_shapes
-from study.present.contact import draw_map, paint_values
+from study.present.contact import draw_map
 from study.present.drawing import dots, entry, in_style, page_width
 from study.present.palette import BLACK, RAMPS, RIM, SKY, VERMILLION
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, with_every_shape
@@ -108,7 +108,7 @@ def write_gif(
         dpi: dots per inch.
         colours: the number of colours.
     """
-    figure = Figure(figsize=_size(picture), dpi=dpi)
+    figure = _film_figure(picture, dpi)
     canvas = FigureCanvasAgg(figure)
     images = []
     for _ in _frames(figure, picture):
@@ -141,7 +141,7 @@ def write_mp4(path: Path, picture: Picture) -> Path | None:
     if not ffmpeg:
         return None
     rcParams["animation.ffmpeg_path"] = ffmpeg
-    figure = Figure(figsize=_size(picture), dpi=FILM_DPI)
+    figure = _film_figure(picture, FILM_DPI)
     FigureCanvasAgg(figure)
     # The file has a temporary name that does not tell ffmpeg the format.
     writer = FFMpegWriter(fps=PER_SECOND, extra_args=["-f", "mp4"])
@@ -154,11 +154,10 @@ def write_mp4(path: Path, picture: Picture) -> Path | None:
     return write_whole(path, write)
 
 
-def _size(picture: Picture) -> tuple[float, float]:
-    """Return width and height of an animation in inches, with space for the body and for axes for each contact face."""
-    return page_width(), 1.2 + max(
-        0.45 * page_width() * min(BodyScale.of(picture).aspect, 1.2), 1.2 * len(picture.faces)
-    )
+def _film_figure(picture: Picture, dpi: int) -> Figure:
+    """Return an empty figure for an animation, with space for the body and for axes for each contact face."""
+    body = 0.45 * page_width() * min(BodyScale.of(picture).aspect, 1.2)
+    return Figure(figsize=(page_width(), 1.2 + max(body, 1.2 * len(picture.faces))), dpi=dpi)
 
 
 def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
@@ -206,7 +205,7 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
     """
     name = picture.symbol(face)
     if isinstance(face, Polygon):
-        draw_map(axes, face, instant, paint_values(face, "pressure", scale.pressure or 1.0))
+        draw_map(axes, face, instant, "pressure", scale.pressure or 1.0)
         axes.set(xlabel="$s_1$", ylabel=rf"$s_2$ on ${name}$")
         return
     assert isinstance(face, Segment)

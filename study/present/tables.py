@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.ledger.datafiles import read_claims, read_csv, read_rates, with_order
+from study.ledger.datafiles import read_claims, read_csv, read_rates, since_before
 from study.ledger.files import write_text
 from study.ledger.text import cell
 from study.present.article import article
@@ -33,11 +33,10 @@ def write_tables(directory: Path) -> list[Path]:
 
 def texts(directory: Path) -> dict[Path, str]:
     """Return path ↦ text of the files that ``write_tables`` writes; raises the same errors."""
-    makers = rates_table, short_ledger, equivalence_table, stress_table, bounds_table
-    of_controls = controls_table(directory), sensitivity_table(directory)
-    made = [*(make(directory) for make in makers), *filter(None, of_controls)]
-    tables = [table.texts(directory / "tables") for table in made]
-    return {path: text for table in tables for path, text in table.items()} | article(directory)
+    makers = rates_table, short_ledger, equivalence_table, stress_table, bounds_table, controls_table, sensitivity_table
+    tables = filter(None, (make(directory) for make in makers))
+    found = {path: text for table in tables for path, text in table.texts(directory / "tables").items()}
+    return found | article(directory)
 
 
 @dataclass(frozen=True)
@@ -185,10 +184,15 @@ def short_ledger(directory: Path) -> Table:
     Checks of several cases that agree in statement, quantity, expectation and verdict have one row. The row has the
     range of their observed values, the smallest low end and the largest high end.
     """
+
+    def few_names(cases: pd.Series) -> str:
+        names = cases.unique()
+        return ", ".join(names) if len(names) <= 3 else f"{len(names)} cases"
+
     shared = ["label", "statement", "quantity", "expected", "verdict"]
     groups = _with_measured_ranges(directory).groupby(shared, sort=False, dropna=False)
     lines = groups.agg(
-        case=("case", _some_names), least=("observed", "min"), most=("observed", "max"), low=("low", "min"),
+        case=("case", few_names), least=("observed", "min"), most=("observed", "max"), low=("low", "min"),
         high=("high", "max"),
     )  # fmt: skip
     columns = [
@@ -200,12 +204,6 @@ def short_ledger(directory: Path) -> Table:
         *words(verdict="verdict"),
     ]
     return Table.of("ledger", columns, lines.reset_index(), grouped=2)
-
-
-def _some_names(cases: pd.Series) -> str:
-    """Return the names of at most three cases, or how many cases there are."""
-    names = list(dict.fromkeys(cases))
-    return ", ".join(names) if len(names) <= 3 else f"{len(names)} cases"
 
 
 def equivalence_table(directory: Path) -> Table:
@@ -270,9 +268,10 @@ def stress_table(directory: Path) -> Table:
         *numbers(displacement="multipliers", primal_stress="to σ(u^h)", primal_displacement="to u^h"),
     ]
     rows = _read(directory, "stresses.csv", [*first, *last, *numbers(h="h", time_share="time")])
-    series = [with_order(frame, "stress") for _, frame in rows.groupby(["case", "family"], sort=False)]
-    shown = pd.concat(series) if series else rows.assign(order=[])
-    shown = shown.assign(time_share_percent=100 * shown["time_share"])
+    shown = rows.assign(order=math.nan, time_share_percent=100 * rows["time_share"])
+    series = [frame.sort_values("level") for _, frame in shown.groupby(["case", "family"], sort=False)]
+    series = [one.assign(order=since_before(one["h"].to_numpy(), one["stress"].to_numpy())) for one in series]
+    shown = pd.concat(series) if series else shown
     columns = [*first, *numbers(ORDER, order="order"), *last, *numbers(time_share_percent="time, %")]
     return Table.of("stresses", columns, shown, grouped=2)
 

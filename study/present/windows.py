@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -117,7 +116,24 @@ def changes(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
         DataError: a change has no reason.
     """
     both = then.merge(claims.fillna({"family": ""}), on=[*ROW_KEY], how="left", validate="one_to_one")
-    return [Change(*found, rows) for found, rows in Counter(_differences(both)).items()]
+    found: Counter[tuple[str, str, str, str, str]] = Counter()
+    for row in both.to_dict("records"):
+        before, now = Window(row["then_low"], row["then_high"]), Window(row["window_low"], row["window_high"])
+        gone = pd.isna(row["verdict"])
+        claimed = not gone and row["verdict"] not in UNCLAIMED
+        ends = [before.low, before.high], [now.low, now.high]
+        if claimed and np.allclose(*ends, rtol=1e-9, atol=0, equal_nan=True):
+            continue
+        only_positive = claimed and before.low == 0 and now.low == MIN_POSITIVE and now.high == before.high
+        why = NOT_NOTHING if only_positive else WHY.get((row["label"], row["key"]))
+        if why is None:
+            raise DataError(
+                f"the window of {row['label']}, {row['key']} for {row['case']} was {before.text} before and is "
+                f"{'gone' if gone else now.text}: say why in {__name__}.WHY, or take it back"
+            )
+        today = "no longer there" if gone else now.text if claimed else "no claim"
+        found[row["label"], row["key"], before.text, today, why] += 1
+    return [Change(*change, rows) for change, rows in found.items()]
 
 
 def added(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
@@ -130,31 +146,6 @@ def added(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
             numbers, _, why = str(rows["expected"].iloc[0]).partition(": ")
             found.append(Change(str(label), str(key), "", numbers, why, len(rows)))
     return found
-
-
-def _differences(rows: pd.DataFrame) -> Iterator[tuple[str, str, str, str, str]]:
-    """Yield label, key, earlier window, present window and reason for each check whose window changed."""
-    for row in rows.to_dict("records"):
-        then = Window(row["then_low"], row["then_high"])
-        now = Window(row["window_low"], row["window_high"])
-        gone = pd.isna(row["verdict"])
-        same = np.allclose([then.low, then.high], [now.low, now.high], rtol=1e-9, atol=0, equal_nan=True)
-        if not gone and row["verdict"] not in UNCLAIMED and same:
-            continue
-        today = "no longer there" if gone else "no claim" if row["verdict"] in UNCLAIMED else now.text
-        yield row["label"], row["key"], then.text, today, _why(row, then, None if gone else now)
-
-
-def _why(row: dict[str, object], then: Window, now: Window | None) -> str:
-    if now and row["verdict"] not in UNCLAIMED and then.low == 0 and now.low == MIN_POSITIVE and now.high == then.high:
-        return NOT_NOTHING
-    try:
-        return WHY[str(row["label"]), str(row["key"])]
-    except KeyError:
-        raise DataError(
-            f"the window of {row['label']}, {row['key']} for {row['case']} was {then.text} before and is "
-            f"{now.text if now else 'gone'}: say why in {__name__}.WHY, or take it back"
-        ) from None
 
 
 if __name__ == "__main__":

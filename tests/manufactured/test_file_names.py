@@ -14,8 +14,7 @@ from study.cli.main import main
 from study.fem.naming import family_named, resolve_data
 from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError
-from study.present.drawing import Drawing
-from study.present.figures import draw_one
+from study.present.drawing import Drawing, draw_one
 
 UNUSABLE = {
     "../evil": r"it contains '/'",

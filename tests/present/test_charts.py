@@ -80,7 +80,7 @@ def test_figure_and_page_show_the_same_curves_ticks_and_legend(name: str, charts
         assert sum(top <= float(y) <= top + height for y in lines_of_ticks) == len(ticks)
         top += height + BETWEEN
     (legend,) = figure.legends
-    entries = [entry.text for column in chart.legend for entry in column]
+    entries = [text for column in chart.legend for text, _ in column]
     assert [text.get_text() != " " for text in legend.get_texts()].count(True) == len(entries)
     assert page.count("aria-hidden") == len(entries)
 
@@ -92,7 +92,7 @@ def test_where_the_error_is_unknown_the_distance_to_a_more_accurate_displacement
     assert "lines are the error itself" in known.caption
     assert "lines are the distance to a more accurate displacement" in unknown.caption
     np.testing.assert_array_equal(unknown.subplots[0].curves[-1].y, enclosed["distance"])
-    assert "bound from u_h alone" in [entry.text for entry in unknown.legend[1]]
+    assert "bound from u_h alone" in [text for text, _ in unknown.legend[1]]
 
 
 @pytest.mark.parametrize("slope", [0.25, 1.0, 2.0])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -20,9 +21,11 @@ from study.cli.main import main
 from study.ledger.datafiles import DataError, read_rates
 from study.ledger.files import UsageError
 from study.present.body import caption_body, draw_body
+from study.present.charts import collapsed_chart, finest_orders
 from study.present.contact import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.present.drawing import Drawing, Output, column_width, draw_one, in_style, page_width
 from study.present.figures import drawings, drawings_of, for_slides, overview
+from study.present.palette import family_styles
 from study.present.picture import Picture, read_pictures
 from study.present.tables import controls_table, write_tables
 
@@ -224,6 +227,56 @@ def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_f
     assert {"convergence", "convergence-prop-5-3", "orders"} <= names
     slides = {drawing.name for drawing in for_slides(overview(committed))}
     assert names - slides == {"convergence", "convergence-prop-5-3"}
+
+
+def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured: Path) -> None:
+    smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
+    found = [order for _, rows in smooth.groupby("case") for order in finest_orders(rows, refinements=2).values()]
+    with in_style(Output("slides")):
+        figure = named(measured, "collapsed").draw()
+    headline = figure.get_suptitle().replace("\n", " ")
+    low, high = map(float, re.findall(r"\d\.\d\d", headline))
+    assert headline.startswith("The error is O(h): observed orders ")
+    assert headline.endswith(" over the last two refinements")
+    assert low <= min(found) < low + 0.01
+    assert high - 0.01 < max(found) <= high
+    entries = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert entries == ["mesh family", *family_styles(smooth["family"]), "C h, not fitted"]
+    with in_style():
+        assert named(measured, "collapsed").draw().get_suptitle() == ""
+
+
+def test_the_headline_denies_order_one_if_an_observed_order_is_too_low(measured: Path) -> None:
+    smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
+    chart = collapsed_chart(smooth.assign(error=smooth["error"] * smooth["h"] ** -0.3))
+    assert chart.headline.startswith("On these meshes the error is not O(h): observed orders 0.")
+
+
+def test_the_figure_of_orders_says_that_they_are_over_the_last_two_refinements(measured: Path) -> None:
+    drawing = named(measured, "orders")
+    with in_style(Output("slides")):
+        figure = drawing.draw()
+    last = "last two refinements"
+    for words in (drawing.caption, drawing.alternative, figure.get_suptitle()):
+        assert last in words
+    assert figure.axes[0].get_ylabel() == f"observed order, {last}"
+
+
+def test_figures_are_drawn_by_name_from_one_directory_into_another(
+    alone: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copy(Path(__file__).parents[2] / "results" / "data" / "provenance.json", alone / "data")
+
+    def figures(*options: str) -> int:
+        return main(["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", *options])
+
+    assert figures("--only", "problem", "orders", "--format", "png") == 0
+    assert {path.name for path in (tmp_path / "talk").rglob("*.*")} == {
+        "orders.png", "orders.txt", "problem.png", "problem.txt"
+    }  # fmt: skip
+    assert not (alone / "figures").exists()
+    assert figures("--only", "order") == 2
+    assert re.search(rf"--only order: {alone} has no such figure, only .*orders", capsys.readouterr().err)
 
 
 def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(measured: Path, tmp_path: Path) -> None:

@@ -19,7 +19,8 @@ from matplotlib.mathtext import MathTextParser
 from study.ledger.datafiles import DataError, read_claims, read_rates, read_uncompressed
 from study.ledger.files import write_packed, write_text
 from study.present import outcome
-from study.present.figures import draw_figures, drawings
+from study.present.drawing import draw_figures
+from study.present.figures import drawings
 from study.present.notation import encode
 from study.present.outcome import observed_text, orders_text, rates_text
 from study.present.tables import write_tables
@@ -84,7 +85,7 @@ def test_a_second_run_gives_the_same_bytes_and_loads_no_solver(drawn: Path, data
     script = (
         "import sys, pathlib, study.present.figures, study.present.tables; d = pathlib.Path(sys.argv[1]);"
         "study.present.tables.write_tables(d);"
-        "study.present.figures.draw_figures(d, lambda d: study.present.figures.drawings(d)[::4]); print(*sys.modules)"
+        "study.present.drawing.draw_figures(d, lambda d: study.present.figures.drawings(d)[::4]); print(*sys.modules)"
     )
     # Another process with another hash seed: an order taken from a set would show.
     environment = os.environ | {"PYTHONHASHSEED": "7", "PYTHONPATH": str(ROOT)}

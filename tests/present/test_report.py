@@ -21,7 +21,7 @@ from study.ledger.files import write_packed
 from study.ledger.pictures import FINE, STEPS, Packed
 from study.present.notation import typeset
 from study.present.picture import Picture, picture_path, read_record, read_values
-from study.present.report import LETTERS, write_report
+from study.present.report import TEXTS, write_report
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
 from study.run.fingerprint import ROOT
 from study.run.plan import full
@@ -159,7 +159,7 @@ SYMBOL = re.compile(r"[^\W\d_]\^h|‖_\w|\b[^\W\d_]\b(?!\^)")
 @pytest.mark.parametrize("make", [rates_table, stress_table, equivalence_table, bounds_table])
 def test_symbols_in_the_heading_of_a_table_are_explained_beside_it(make: Any, directory: Path) -> None:
     table = make(directory)
-    said = " ".join(f"{letter} {meaning}" for letter, meaning in LETTERS[table.name].items())
+    said = " ".join(f"{letter} {meaning}" for letter, meaning in TEXTS["letters"][table.name].items())
     symbols = {symbol for column in table.columns for symbol in SYMBOL.findall(column.heading)}
     assert symbols
     assert {symbol for symbol in symbols if symbol not in said} == set()
