@@ -147,8 +147,8 @@ READ_ONLY = "Read-only file system; give a directory you may write with --out"
         *(
             pytest.param(command, errno.ENOSPC, FULL.format(os.strerror(errno.ENOSPC)), marks=marks)
             for command in NAMES
-            # These start processes or solve before they write as the others do.
-            for marks in [pytest.mark.slow if command in ("controls", "seeds", "sensitivity", "show corner") else ()]
+            # The others start processes, solve or draw before they write as these do.
+            for marks in [() if command.split()[0] in ("run", "export", "tables") else pytest.mark.slow]
         ),
         ("tables", errno.EDQUOT, FULL.format(os.strerror(errno.EDQUOT))),
         ("tables", errno.EROFS, READ_ONLY),

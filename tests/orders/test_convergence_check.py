@@ -67,6 +67,7 @@ def test_the_tutorial_turns_red_when_its_solver_breaks(project: Path) -> None:
     assert "| max_error | fails |" in summary
 
 
+@pytest.mark.slow
 def test_options_of_the_action_may_have_quotes(project: Path) -> None:
     (project / "errors.csv").write_text("h,||u - u_h||\n.4,.16\n.2,.04\n.1,.01\n")
     steps = yaml.safe_load((ROOT / ".github/actions/check-orders/action.yml").read_text())["runs"]["steps"]
