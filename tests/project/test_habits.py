@@ -156,6 +156,7 @@ def test_the_example_holds_and_a_table_that_loses_its_order_does_not(tmp_path, c
 # The recipes of CONTRIBUTING.md.
 
 
+@pytest.mark.slow
 def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_docstring_predicts(monkeypatch) -> None:
     recipe = module(monkeypatch, "manufactured.cases.breathing_patch")
     case = recipe.case()

@@ -23,6 +23,7 @@ from study.statements.enclosure import resolve_problem
 
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
 LONG = {
+    "README.md",
     "docs/tutorials/own-case.md",
     "docs/tutorials/own-case-3d.md",
     "docs/tutorials/bound.md",
@@ -32,8 +33,10 @@ LONG = {
     "docs/how-to/certify.md",
     "docs/how-to/figures.md",
 }
-"""Pages whose commands take longer than ten seconds, for the slow tests. The case of the first one is what the tests of
-most commands start from (``cli/conftest.py``)."""
+"""Pages whose commands take longer than three seconds, for the slow tests, which `make tutorials` runs. The case of
+``own-case.md`` is what the tests of most commands start from (``cli/conftest.py``)."""
+LONG_PYTHON = {"docs/how-to/verify-a-contact-code.md", "docs/tutorials/your-displacement.md"}
+"""Pages whose Python takes longer than three seconds."""
 NEEDS = {"docs/tutorials/dolfinx.md": "dolfinx"}
 """Pages that need a program which no wheel has."""
 
@@ -102,7 +105,12 @@ def test_a_page_that_says_that_something_else_is_printed_is_noticed() -> None:
         expect(page.printed("python"), page.printed("python")[0])
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page.session], ids=lambda page: page.name)
+def marked(pages: Iterable[Page], long: set[str]) -> pytest.MarkDecorator:
+    items = [pytest.param(page, id=page.name, marks=pytest.mark.slow if page.name in long else ()) for page in pages]
+    return pytest.mark.parametrize("page", items)
+
+
+@marked((page for page in PAGES if page.session), LONG_PYTHON)
 def test_the_python_of_a_page_runs_from_top_to_bottom(page: Page, run: Callable[[Page, str], str]) -> None:
     needed = NEEDS.get(page.name)
     if needed and importlib.util.find_spec(needed) is None:
@@ -115,11 +123,7 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(page: Page, run: Callable[
 TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for line in page.typed)]
 
 
-@pytest.mark.parametrize(
-    "page",
-    [pytest.param(page, marks=pytest.mark.slow if page.name in LONG else ()) for page in TYPED],
-    ids=lambda page: page.name,
-)
+@marked(TYPED, LONG)
 def test_the_commands_of_a_page_end_with_success(page: Page, run: Callable[[Page, str], str]) -> None:
     programs = [f"python {name}" for name in page.files]
     typed = [
