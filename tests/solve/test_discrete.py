@@ -329,7 +329,7 @@ def trajectory(case, scheme, steps: int, n: int = 8):
     return problem, np.array([state.u for state in scheme.march(problem, steps)])
 
 
-@pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
+@pytest.mark.parametrize("name", ["advance-recede", pytest.param("yield-and-release", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("scheme", "low", "high"), [(BACKWARD_EULER, 0.8, 1.2), (BDF2, 1.3, 2.2), (MIDPOINT, 1.4, 2.3)]
 )
