@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
+from costly_cases import by_cost
 from hypothesis import given
 from hypothesis import strategies as st
 from random_examples import COSTLY
@@ -47,14 +48,7 @@ from manufactured.tensors import dyad, full, identity, mandel, rotation
 finite = st.floats(-10, 10, allow_nan=False)
 
 
-DEAR = (
-    *("cube-two-faces", "cube-bowl", "cube-disc", "hexagon", "long-time", "merging-patches", "corner"),
-    *("parabolic-gap", "travelling-patch"),
-)
-"""Cases whose formulas take a second or more to compile; `study run`, and so `make study`, proves these, too."""
-
-
-@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name in DEAR else ()) for name in NAMES])
+@pytest.mark.parametrize("name", by_cost(NAMES))
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_every_case_satisfies_the_problem_to_round_off(name: str, seed: int) -> None:
     findings = examine(named(name).solution, seed)
