@@ -366,6 +366,7 @@ def test_an_edit_of_the_committed_run_is_refused(
         assert_refused(OTHER_PARTS.get(name, verify), committed, message)
 
 
+@pytest.mark.slow
 def test_the_committed_run_passes_and_every_file_is_compared_or_named(
     committed: Path, committed_texts: dict[Path, tuple[str, str]], expectation: Expectation, refusal, monkeypatch
 ) -> None:

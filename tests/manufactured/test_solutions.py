@@ -80,6 +80,7 @@ def test_fields_at_many_times_are_those_at_each(name: str) -> None:
     agree_in_time(case, case.solution.body.sample(np.random.default_rng(3), 50), WITH_FORCES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["trains", "roller"])
 def test_fields_of_liftings_of_variable_depth_at_many_times_are_those_at_each(name: str) -> None:
     case = OTHERS[name]()

@@ -46,6 +46,7 @@ def judge(project: Path) -> tuple[int, str]:
     return done.returncode, (project / "github_step_summary").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_tutorial_turns_red_when_its_solver_breaks(project: Path) -> None:
     tests = run(project, sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "error")
     assert tests.returncode == 0, tests.stdout

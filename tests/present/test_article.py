@@ -303,6 +303,7 @@ def test_the_certificate_is_about_the_problem_with_the_known_solution() -> None:
     assert data.body_force(np.array([[x], [y]]))(time).ravel() == pytest.approx(force)
 
 
+@pytest.mark.slow
 def test_the_supplement_has_the_formulas_of_every_case() -> None:
     formulas = program("formulas").written()
     names = re.findall(r"\\textbf\{([^}]*)\}", formulas)

@@ -87,6 +87,7 @@ def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over
     assert files(drawn / "figures") == sorted(f"{name}.{form}" for name in found[::8] for form in forms)
 
 
+@pytest.mark.slow
 def test_a_second_run_gives_the_same_bytes_and_loads_no_solver(drawn: Path, data: Path) -> None:
     script = (
         "import sys, pathlib, study.present.figures, study.present.tables; d = pathlib.Path(sys.argv[1]);"
