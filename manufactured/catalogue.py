@@ -77,5 +77,10 @@ def named(name: str) -> Case:
         from manufactured.case import CaseError
 
         raise CaseError(f"no case is called {name!r}; there are {', '.join(NAMES)}")
-    case: Case = import_module(f"manufactured.cases.{re.sub('[-.]', '_', name)}").case()
+    case: Case = import_module(module_of(name)).case()
     return case
+
+
+def module_of(name: str) -> str:
+    """Return the name of the module that makes the case with a name."""
+    return f"manufactured.cases.{re.sub('[-.]', '_', name)}"

@@ -1,8 +1,9 @@
 """Cache keys of results: hashes of the code that computes, of library versions, of the problem and of its mesh.
 
-The code consists of all modules in ``COMPUTING``, without docstrings, comments and tolerance windows. If the code
-changes, every result is computed again. If only texts or windows change, stored results are used. The processor is not
-part of the key, although last digits may differ between processors.
+The code of a measurement consists of the modules in ``COMPUTING``, without docstrings, comments and tolerance windows,
+but of the statements and of the cases only its own and those that are imported. If this code changes, the measurement
+is made again. If only texts, windows, other statements or other cases change, the stored result is used. The processor
+is not part of the key, although last digits may differ between processors.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.case import Case
+from manufactured.catalogue import NAMES, module_of
 from manufactured.data import Data
 from study.statements.enclosure import resolve_problem
 from study.statements.shared.base import Setting, Statement
@@ -32,6 +34,10 @@ COMPUTING = (
     "study/ledger/pictures.py",
 )
 """The modules on which results depend. The last one rounds the numbers of pictures."""
+SINGLE = ("manufactured/cases/*.py", "study/statements/*.py")
+"""The modules of single cases and statements. A result depends only on its own case, its own statement and imports."""
+LISTS = ("manufactured/catalogue.py", "manufactured/html.py", "manufactured/body/html.py")
+"""Modules that list the cases or draw pictures in notebooks. No result depends on them."""
 WINDOWS = ("Window", "positive_at_most", "around", "at_least", "at_most", "between")
 """Names of the class and of the functions with which the code makes tolerance windows."""
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
@@ -46,7 +52,9 @@ def fingerprint(statement: Statement, setting: Setting) -> str:
         setting: the case, mesh family, level and other parameters of the measurement.
     """
     mesh = sorted((name, repr(value)) for name, value in vars(setting).items() if name != "case")
-    return _hash([statement.label, type(statement).__name__, problem(setting.case), mesh, statement.steps(setting)])
+    own = (type(statement).__module__, *([module_of(setting.case)] if setting.case in NAMES else []))
+    values = [statement.label, type(statement).__name__, problem(setting.case), mesh, statement.steps(setting)]
+    return _hash(values, measuring_code(own))
 
 
 def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
@@ -91,11 +99,57 @@ def code_hash(patterns: tuple[str, ...] = COMPUTING, windows: bool = False) -> s
         patterns: patterns of file names, relative to ``ROOT``.
         windows: whether the hash depends on tolerance windows.
     """
-    files = sorted(path for pattern in patterns for path in ROOT.glob(pattern))
-    code = [
-        (str(path.relative_to(ROOT)), without_docstrings(path.read_text(encoding="utf-8"), windows)) for path in files
-    ]
-    return hashlib.sha256(repr(code).encode()).hexdigest()
+    return _hash_of(_modules(patterns), windows)
+
+
+@cache
+def measuring_code(own: tuple[str, ...]) -> str:
+    """Return a hash of the code on which a measurement depends, without docstrings, comments and tolerance windows.
+
+    Parameters:
+        own: the names of the modules of its statement and of its case.
+    """
+    computing, single, lists = (_modules(patterns) for patterns in (COMPUTING, SINGLE, LISTS))
+    found: frozenset[str] = frozenset()
+    new = computing - single | {file for name in own for file in _files(name)}
+    while new := (new & computing) - found - lists:
+        found |= new
+        new = frozenset(file for module in new for file in _imported(module))
+    return _hash_of(found)
+
+
+@cache
+def _modules(patterns: tuple[str, ...]) -> frozenset[str]:
+    """Return the files of the project that have one of the patterns, relative to ``ROOT``."""
+    return frozenset(path.relative_to(ROOT).as_posix() for pattern in patterns for path in ROOT.glob(pattern))
+
+
+def _files(name: str) -> tuple[str, str]:
+    """Return the files that can hold the module with a dotted name: a single file, or that of a package."""
+    path = name.replace(".", "/")
+    return f"{path}.py", f"{path}/__init__.py"
+
+
+@cache
+def _imported(module: str) -> frozenset[str]:
+    """Return the files that can hold the modules imported by a module; not all of them exist."""
+    names = set[str]()
+    for node in ast.walk(ast.parse((ROOT / module).read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        elif isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+    return frozenset(file for name in names for file in _files(name))
+
+
+def _hash_of(modules: Iterable[str], windows: bool = False) -> str:
+    return hashlib.sha256(repr([(module, _code(module, windows)) for module in sorted(modules)]).encode()).hexdigest()
+
+
+@cache
+def _code(module: str, windows: bool) -> str:
+    text = without_docstrings((ROOT / module).read_text(encoding="utf-8"), windows)
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def without_docstrings(text: str, windows: bool = True) -> str:

@@ -120,8 +120,8 @@ def test_what_its_head_says_is_at_most_so_large_is_not_larger_and_hardly_smaller
     for text, largest, digit in (
         (r"at most (\S+), by its duality gap", bound, bound / 10),
         (r"the stresses differ by at most (\S+) \|", gap, gap / 10),
-        (r"error / bound at most (\S+); in the second half", shares.max(), 1e-3),
-        (r"the limit a is \S+ % to (\S+) % of the errors", 100 * limits.max(), 1),
+        (r"error / bound at most (\S+)\. In the second half", shares.max(), 1e-3),
+        (r"the errors are \S+ % to (\S+) % of the errors on", 100 * limits.max(), 1),
     ):
         (shown,) = map(float, re.findall(text, RESULTS))
         assert largest <= shown < largest + digit, text
