@@ -219,7 +219,7 @@ def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_that_are_
 
 def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_for_slides() -> None:
     committed = Path(__file__).parents[2] / "results"
-    found = list(overview(committed))
+    found = overview(committed)
     names, slides = ({drawing.name for drawing in some} for some in (found, for_slides(found)))
     assert {"convergence", "convergence-prop-5-3", "orders"} <= names
     assert names - slides == {"convergence", "convergence-prop-5-3"}
