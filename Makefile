@@ -17,7 +17,7 @@ PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/stat
 study: $(RUNTIME)  ## quick study, results/quick, a minute
 	$(BIN)/study run --quick --undecided results/undecided-quick.csv --out results/quick
 
-full: $(DEVELOPMENT)  ## full study, results/, an hour, and the slow tests
+full: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## full study, results/, an hour, and the tests marked slow
 	$(BIN)/study run --full --undecided results/undecided-full.csv --out results
 	$(BIN)/study controls --out results
 	$(BIN)/study sensitivity --out results
@@ -41,7 +41,7 @@ mutants: $(DEVELOPMENT)  ## mutation testing of a fixed sample, results/mutants,
 	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python .ci/mutants.py
 
 # The tests also start a Dask cluster and read the extensions of the documentation.
-test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## the test suite without the slow levels, some minutes; prints only
+test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## all tests except those marked slow, three minutes on two cores; prints only
 	$(BIN)/pytest --numprocesses auto
 
 # As where others install it: from a wheel, without its extras, away from the repository.

@@ -10,7 +10,7 @@ from hypothesis import settings
 from threadpoolctl import threadpool_limits
 
 # Machines differ in speed: a deadline would test the machine, not the mathematics.
-settings.register_profile("study", deadline=None, max_examples=25, derandomize=True)
+settings.register_profile("study", deadline=None, max_examples=12, derandomize=True)
 # The nightly job sets HYPOTHESIS_PROFILE=nightly: more examples, and others each night.
 settings.register_profile("nightly", deadline=None, max_examples=200)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "study"))

@@ -252,6 +252,7 @@ def adapt(problem: str, out: Path, *options: str) -> int:
     return main(["bound", problem, "--levels", "2", "--steps", "4", "--out", str(out), *options])
 
 
+@pytest.mark.slow
 def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(square, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     assert adapt(square, tmp_path / "out", "--adapt", "0.15") == 0

@@ -137,8 +137,9 @@ TURNS = [
     pytest.param(number, level, trajectory, id=f"{trajectory.name}-{name}-{level}", marks=marks)
     for number, name in enumerate(BOUNDED)
     for level, trajectory in product((3, 4, 8), TRAJECTORIES)
-    # A third of the cases, with both displacements in turn; the nightly job tries all.
-    for marks in [() if level == 3 and number % 3 == 0 and trajectory is TRAJECTORIES[number % 2] else pytest.mark.slow]
+    # A third of the cheaper cases, with both displacements in turn; the nightly job tries all.
+    for quick in [level == 3 and number % 3 == 0 and trajectory is TRAJECTORIES[number % 2]]
+    for marks in [() if quick and name not in ("hexagon", "merging-patches") else pytest.mark.slow]
 ]
 
 
@@ -432,7 +433,9 @@ def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_
         assert np.allclose(computed.at(0.3), 0.8 * computed.nodes[1] + 0.2 * computed.nodes[2])
 
 
-@pytest.mark.parametrize("name", ["advance-recede", "heterogeneous", "yield-and-release"])
+@pytest.mark.parametrize(
+    "name", ["advance-recede", "yield-and-release", pytest.param("heterogeneous", marks=pytest.mark.slow)]
+)
 def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(name: str, monkeypatch) -> None:
     case, found = named(name), []
     for most in (1, 4):

@@ -128,7 +128,7 @@ def test_cases_are_refused_by_the_command(capsys: pytest.CaptureFixture[str], tm
     assert "certificates support data that are formulas" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ["wedge", "bracket"])
+@pytest.mark.parametrize("name", ["bracket", pytest.param("wedge", marks=pytest.mark.slow)])
 def test_the_command_serves_the_other_examples(name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     options = ["--levels", "2", "--steps", "2", "--refine", "0", "--shorter", "1", "--out", str(tmp_path)]
     assert main(["certify", f"{PROBLEMS}:{name}", *options]) == 0

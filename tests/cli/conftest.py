@@ -6,7 +6,7 @@ import fcntl
 import os
 import re
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -16,6 +16,14 @@ from study.cli.main import main
 from study.present.figures import drawings
 
 TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
+
+
+@pytest.fixture(autouse=True, scope="session")
+def without_defects() -> Iterator[None]:
+    """Runs of a user's case leave out the measurements with defects, which ``tests/controls`` makes."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(run, "contact_tests", lambda plan: [])
+        yield
 
 
 def run_tutorial(directory: Path) -> None:
@@ -32,10 +40,10 @@ def run_tutorial(directory: Path) -> None:
 
 
 @pytest.fixture(scope="session")
-def made(tmp_path_factory) -> Path:
+def made(tmp_path_factory, without_defects: None) -> Path:
     """A directory with ``pocket.py``, the case of the tutorial, and ``results``, a small run of that case.
 
-    The run takes half a minute: of the processes of pytest-xdist the first makes it, and each gets a copy of its own.
+    The run takes 25 seconds: of the processes of pytest-xdist the first makes it, and each gets a copy of its own.
     """
     directory: Path = tmp_path_factory.getbasetemp() / "tutorial"
     if "PYTEST_XDIST_WORKER" not in os.environ:

@@ -147,8 +147,8 @@ READ_ONLY = "Read-only file system; give a directory you may write with --out"
         *(
             pytest.param(command, errno.ENOSPC, FULL.format(os.strerror(errno.ENOSPC)), marks=marks)
             for command in NAMES
-            # These start processes or solve before they write as the others do.
-            for marks in [pytest.mark.slow if command in ("controls", "seeds", "sensitivity", "show corner") else ()]
+            # The others start processes, solve or draw before they write as these do.
+            for marks in [() if command.split()[0] in ("run", "export", "tables") else pytest.mark.slow]
         ),
         ("tables", errno.EDQUOT, FULL.format(os.strerror(errno.EDQUOT))),
         ("tables", errno.EROFS, READ_ONLY),
@@ -197,7 +197,7 @@ def test_a_full_disk_behind_another_error_is_called_a_full_disk(tmp_path, monkey
     ("command", "code", "says"),
     [
         pytest.param("cases", 0, "full-contact", marks=pytest.mark.slow),  # compiles SymPy without docstrings
-        ("rates examples/errors.csv", 0, "converges with order"),
+        pytest.param("rates examples/errors.csv", 0, "converges with order", marks=pytest.mark.slow),
         ("check", 2, "study: python -OO removes docstrings, and pyamg, which this command needs, cannot be imported"),
     ],
 )
@@ -227,6 +227,7 @@ SHOWN: list[Callable[[Path], list[str]]] = [
 ]
 
 
+@pytest.mark.slow
 def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(made: Path, tmp_path, capsys, monkeypatch) -> None:
     shutil.copytree(made / "results", tmp_path / "results", ignore=shutil.ignore_patterns("figures"))
     figures = sorted(path.relative_to(made) for path in (made / "results" / "figures").iterdir())

@@ -263,6 +263,7 @@ def test_the_last_line_names_the_cause_that_explains_most_cases() -> None:
     assert judge.summary(found[:1]) == []
 
 
+@pytest.mark.slow
 def test_springs_that_stiffen_with_the_mesh_are_consistent_where_contact_meets_the_clamp() -> None:
     """*junction*: the error has the order 0.48, and the distance of springs k/h falls with the order 0.4."""
     found = judged(faults.springs(lambda task: 10 / task.data["h"]), *(exported("junction", n) for n in (8, 16, 32)))

@@ -202,10 +202,10 @@ def test_version_1_is_read_and_is_the_same_task() -> None:
 
 
 def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tmp_path: Path, capsys: Any) -> None:
-    command = ["export", "full-contact", "hexagon", "--levels", "4", "--instants", "0.5", "--out", str(tmp_path)]
+    command = ["export", "full-contact", "layered", "--levels", "4", "--instants", "0.5", "--out", str(tmp_path)]
     assert main(command) == 0
     names = {path.name for path in tmp_path.glob("*.xz")}
-    assert names == {"full-contact-one-diagonal-frozen-4.json.xz", "hexagon-unstructured-frozen-4.json.xz"}
+    assert names == {"full-contact-one-diagonal-frozen-4.json.xz", "layered-criss-cross-frozen-4.json.xz"}
     assert main(["export", "full-contact", "full-contact", "--out", str(tmp_path)]) == 2
     assert "give each case once" in capsys.readouterr().err
 

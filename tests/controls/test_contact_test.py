@@ -74,6 +74,7 @@ def test_a_front_under_a_large_pressure_notices_both_defects(cases: Path, tmp_pa
     assert "contact forces times 1.1: by contact force" in text
 
 
+@pytest.mark.slow
 def test_a_small_pressure_on_a_narrow_patch_is_a_weak_test_with_advice(cases: Path, tmp_path: Path) -> None:
     rows, text = outcome(f"{cases}:weak", tmp_path)
     assert (rows["noticed"] == 0).all()

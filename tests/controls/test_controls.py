@@ -157,7 +157,10 @@ def test_an_attribute_of_what_is_measured_is_replaced_in_a_copy() -> None:
     assert (wrong.space.h, setup.space.h) == (pytest.approx(1 / 2), 0.25)
 
 
-@pytest.mark.parametrize(("setting", "same"), [(FULL, True), (MOVING, False)], ids=["closed", "open"])
+@pytest.mark.parametrize(
+    ("setting", "same"),
+    [pytest.param(FULL, True, id="closed", marks=pytest.mark.slow), pytest.param(MOVING, False, id="open")],
+)
 def test_a_flipped_normal_does_more_than_drop_the_constraint_where_a_gap_is_open(setting, same: bool) -> None:
     # The residuals of two exact solves are rounding, and differ.
     flipped = replace(named("normal flipped"), setting=setting)
@@ -297,7 +300,7 @@ def test_neither_problem_loads_a_solver_of_the_other_while_it_marches(march: str
     assert not loaded & solvers
 
 
-@pytest.mark.parametrize("name", ["advance-recede", "yield-on-a-part"])
+@pytest.mark.parametrize("name", ["yield-on-a-part", pytest.param("advance-recede", marks=pytest.mark.slow)])
 def test_both_sides_are_those_that_theorem_4_2_compares(name: str) -> None:
     """``Sides.of`` and ``SameMesh.measure`` set up the same problems."""
     case = resolve(name)

@@ -150,6 +150,7 @@ def test_seeds_are_drawn_fresh_and_added_to_the_record(tmp_path: Path, monkeypat
     assert not any((tmp_path / "seeds").iterdir())
 
 
+@pytest.mark.slow
 def test_no_more_seeds_are_drawn_than_asked_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     stopped_after(monkeypatch, EVERY)
     seeds_of(tmp_path, "--seeds", "2")
@@ -174,6 +175,7 @@ def test_an_interrupted_run_loses_nothing(tmp_path: Path, monkeypatch: pytest.Mo
     assert (draw.seed, draw.judged > 0) == (begun.seed, True)
 
 
+@pytest.mark.slow
 def test_a_seed_can_be_repeated_and_says_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
     stopped_after(monkeypatch, 2)
     monkeypatch.setattr(seeds, "EVERY", 2)
@@ -197,6 +199,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Plan]:
     return directory, plan
 
 
+@pytest.mark.slow
 def test_the_fingerprint_of_a_rule_is_that_of_every_seed(measured: tuple[Path, Plan], tmp_path: Path) -> None:
     directory, plan = measured
     found, other = rules(directory, plan, plan), few(12)

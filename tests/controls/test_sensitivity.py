@@ -22,8 +22,9 @@ LOADS = "load f", "surface load f_2", "body force f_0", "contact load", "time t"
 
 @pytest.mark.parametrize("defect", DEFECTS, ids=lambda defect: defect.name)
 def test_a_millionth_is_seen_but_of_loads_of_which_two_per_cent_are(defect: SmallDefect) -> None:
-    assert place().failing(defect.apply(place().setup, 0.02))
     assert bool(place().failing(defect.apply(place().setup, 1e-6))) is (defect.name not in LOADS)
+    if defect.name in LOADS:
+        assert place().failing(defect.apply(place().setup, 0.02))
 
 
 def test_the_smallest_defect_fails_and_one_a_little_smaller_or_none_does_not() -> None:

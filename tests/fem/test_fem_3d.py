@@ -289,6 +289,7 @@ def test_contact_constraints_of_a_solid_are_v_dot_nu_and_their_weights_cover_the
     assert (space.mesh.p[2, vertices] < 0.5).all()
 
 
+@pytest.mark.slow
 def test_the_two_loads_and_the_two_interpolation_errors_of_a_solid_meet_under_refinement() -> None:
     """Green's formula (2.14), f_0 with a jump across the moving circle, and the leading term of the interpolation
     error, in dimension 3."""

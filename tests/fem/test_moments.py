@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from costly_cases import by_cost
 from entrywise import near
 from hypothesis import given
 from hypothesis import strategies as st
@@ -33,7 +34,7 @@ OUTSIDE = {
 """Exact solutions that are not in the catalogue, which are made when a test needs them."""
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", by_cost(NAMES))
 def test_the_modes_of_a_solution_sum_to_its_strain_and_its_rate(name: str) -> None:
     solution = named(name).solution
     x = solution.body.sample(np.random.default_rng(1), 300)
@@ -46,7 +47,7 @@ def test_the_modes_of_a_solution_sum_to_its_strain_and_its_rate(name: str) -> No
         assert abs(found - expected).max() <= 1e-13 * abs(expected).max(), rate
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if not name.startswith("yield") and name != "double-well"])
+@pytest.mark.parametrize("name", by_cost(n for n in NAMES if not n.startswith("yield") and n != "double-well"))
 def test_the_modes_of_a_force_sum_to_f_0(name: str) -> None:
     solution = named(name).solution
     assert isinstance(solution.law.G, Linear)

@@ -45,7 +45,7 @@ def moved(solution: ExactSolution, corners: np.ndarray, T: float = 1.0) -> Exact
     return ExactSolution(body, solution.law, (replace(face, part=body.of(Kind.CONTACT)[0]),))
 
 
-@pytest.mark.parametrize("angle", [0.3, 2.5])
+@pytest.mark.parametrize("angle", [0.3, pytest.param(2.5, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("name", "rounding"), [("advance-recede", 1e-10), ("yield-on-a-part", 1e-9), ("rough-1.75", 1e-6)]
 )
@@ -73,6 +73,7 @@ def two_faces() -> ExactSolution:
     return ExactSolution(body, law, tuple(faces))
 
 
+@pytest.mark.slow
 def test_two_faces_with_different_normals_converge_with_order_one() -> None:
     """Beyond the supports w = p = 0: contact without pressure, a degenerate zone, and the corner is in it."""
     solution = two_faces()

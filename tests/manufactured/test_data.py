@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy as sp
+from costly_cases import by_cost
 
 from manufactured import (
     Factor,
@@ -128,7 +129,7 @@ def test_parts_without_a_load_carry_none_and_start_is_zero_by_default() -> None:
     assert abs(found.start(x)).max() == abs(found.initial(x)).max() == 0
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if not name.startswith("cube")])
+@pytest.mark.parametrize("name", by_cost(name for name in NAMES if not name.startswith("cube")))
 def test_no_exact_solution_of_a_plane_body_is_refused(name: str) -> None:
     Data.of(named(name).solution).check()
 

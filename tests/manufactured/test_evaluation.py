@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from costly_cases import by_cost
 
 from manufactured import Kind, evaluate, named
 from manufactured.body import Body
@@ -21,7 +22,7 @@ def inside(body: Body, count: int = 5) -> Array:
     return np.asarray(points[:, body.contains(points)][:, :count])
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", by_cost(NAMES))
 def test_the_gradient_has_the_strain_as_its_symmetric_part_and_all_else_is_what_the_fields_say(name: str) -> None:
     case = named(name)
     x, body = inside(case.solution.body), case.solution.body

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
+from costly_cases import by_cost
 
 from manufactured import Case, ContactFace, ExactSolution, FormulaError, named, pos, prove, s, t
 from manufactured.case import INITIAL_GAP, CaseError
@@ -23,7 +24,7 @@ def with_gap(g: sp.Expr) -> Case:
     return replace(case, solution=replace(case.solution, faces=(replace(face, initial_gap=g),)))
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", by_cost(CASES))
 def test_the_normal_displacement_is_the_initial_gap_minus_the_gap_that_is_left(name: str) -> None:
     solution = named(name).solution
     (face,) = solution.faces

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
+from costly_cases import by_cost
 from hypothesis import given
 from hypothesis import strategies as st
 from random_examples import COSTLY
@@ -47,7 +48,7 @@ from manufactured.tensors import dyad, full, identity, mandel, rotation
 finite = st.floats(-10, 10, allow_nan=False)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", by_cost(NAMES))
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_every_case_satisfies_the_problem_to_round_off(name: str, seed: int) -> None:
     findings = examine(named(name).solution, seed)

@@ -149,6 +149,7 @@ def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_to_follow_is_r
         Memory(pressure, 1.0, 1.0, 1.0).at(PLACES)(1.0, False, 0)
 
 
+@pytest.mark.slow
 def test_a_wrong_memory_of_a_swinging_front_is_refused_by_the_self_proof() -> None:
     level = RETURN - s
     right = swinging(level, 40 * pos(level, 2), 20 * pos(-level, 4))

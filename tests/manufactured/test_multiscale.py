@@ -28,7 +28,7 @@ def alone(case: Case, j: int) -> ExactSolution:
 
 @pytest.mark.parametrize(
     ("number", "j"),
-    [(0, 0), (1, 3), (0, 6), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((1, 0), (0, 3), (1, 6)))],
+    [(0, 6), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0, 0), (1, 3), (1, 0), (0, 3), (1, 6)))],
 )
 def test_every_train_is_an_exact_solution(number: int, j: int) -> None:
     assert [finding for finding in examine(alone(multiscale()[number], j)) if not finding.passes] == []
@@ -65,7 +65,7 @@ HISTORY = "(2.6)"
 
 
 @pytest.mark.parametrize("level", [pytest.param(8, marks=pytest.mark.slow), 64])
-@pytest.mark.parametrize("kind", range(4))
+@pytest.mark.parametrize("kind", [1, *(pytest.param(kind, marks=pytest.mark.slow) for kind in (0, 2, 3))])
 def test_every_roller_is_an_exact_solution(kind: int, level: int) -> None:
     case = rollers(level)[kind]
     found = [finding for finding in examine(case.solution) if not finding.passes]

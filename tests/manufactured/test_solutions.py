@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from costly_cases import by_cost
 from entrywise import near
 from sympy import Integer, Rational, cos, expand, sin
 
@@ -73,19 +74,20 @@ OTHERS: dict[str, Callable[[], Case]] = {
 }
 
 
-@pytest.mark.parametrize("name", [*NAMES, "natural-motion"])
+@pytest.mark.parametrize("name", by_cost([*NAMES, "natural-motion"]))
 def test_fields_at_many_times_are_those_at_each(name: str) -> None:
     case = OTHERS[name]() if name in OTHERS else named(name)
     agree_in_time(case, case.solution.body.sample(np.random.default_rng(3), 50), WITH_FORCES)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["trains", "roller"])
 def test_fields_of_liftings_of_variable_depth_at_many_times_are_those_at_each(name: str) -> None:
     case = OTHERS[name]()
     agree_in_time(case, case.solution.body.sample(np.random.default_rng(3), 200), FIELDS)
 
 
-@pytest.mark.parametrize("case", ["hexagon", "cube-disc", "layered"])
+@pytest.mark.parametrize("case", by_cost(["hexagon", "cube-disc", "layered"]))
 def test_fields_on_a_grid_at_many_times_are_those_at_each(case: str) -> None:
     """Points of a grid share their place along a face."""
     grid = np.round(8 * named(case).solution.body.sample(np.random.default_rng(3), 200)) / 8

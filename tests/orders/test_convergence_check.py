@@ -46,6 +46,7 @@ def judge(project: Path) -> tuple[int, str]:
     return done.returncode, (project / "github_step_summary").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_the_tutorial_turns_red_when_its_solver_breaks(project: Path) -> None:
     tests = run(project, sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "error")
     assert tests.returncode == 0, tests.stdout
@@ -67,6 +68,7 @@ def test_the_tutorial_turns_red_when_its_solver_breaks(project: Path) -> None:
     assert "| max_error | fails |" in summary
 
 
+@pytest.mark.slow
 def test_options_of_the_action_may_have_quotes(project: Path) -> None:
     (project / "errors.csv").write_text("h,||u - u_h||\n.4,.16\n.2,.04\n.1,.01\n")
     steps = yaml.safe_load((ROOT / ".github/actions/check-orders/action.yml").read_text())["runs"]["steps"]

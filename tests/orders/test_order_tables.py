@@ -293,7 +293,7 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, tmp_path, ca
         ("h,error\n.25,1\n.125,−0.5\n".encode(), "must not be negative"),
         (b"h,error\n1," + b"1" * 131_072 + b"\n.5,1\n", "131072 characters"),
         (b"h,error\n1," + b"x" * 131_072 + b"\n.5,1\n", "131072 characters"),
-        (b"h,error\n" + b"1,1\n" * 1_000_000, "100000 lines"),
+        (b"h,error\n" + b"1,1\n" * 110_000, "100000 lines"),
         (b"h,error\n" + b"0.123456789,0.123456789\n" * 1_000_000, "more than 8 MB"),
         (b"h,error\n1,abc\n.5,1\n", "line 2: the entry of error is 'abc'"),
         (b"h,error\n.1,.2\n.1000000000001,.21\n.05,.1\n", "line 3: h = .1000000000001 is already in line 2"),
@@ -301,11 +301,11 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, tmp_path, ca
             b"0.25 0.0131\n0.125 0.00661\n",
             "has 2 columns, but no line above names them: add a header such as 'h error'",
         ),
-        (b"word " * 1_000_000 + b": 1", "no table was recognised"),
-        ((b"x" * 1_990 + b" ") * 3_000, "no line with numbers"),
-        ((b"1" * 1_990 + b" ") * 3_000, "3000 columns, but no line above names them"),
-        (b"|1" * 200_000, "200000 columns, but no line above names them"),
-        (b"h: 1 " * 300_000, "no table was recognised"),
+        (b"word " * 100_000 + b": 1", "no table was recognised"),
+        ((b"x" * 1_990 + b" ") * 300, "no line with numbers"),
+        ((b"1" * 1_990 + b" ") * 300, "300 columns, but no line above names them"),
+        (b"|1" * 20_000, "20000 columns, but no line above names them"),
+        (b"h: 1 " * 30_000, "no table was recognised"),
         (b"cells,error\n8,.1\n16,.05\n", "give --dim"),
         (b"level,error\n1,.1\n2,.05\n", "give --ratio 2"),
         (b"h,order\n1,-\n.5,2\n", "no column of errors among h (size), order (order)"),
@@ -349,15 +349,15 @@ def test_whole_numbers_in_a_chosen_column_count(tmp_path, capsys) -> None:
 
 
 def test_many_rows_and_many_columns_are_read_within_seconds(tmp_path, capsys) -> None:
-    rows = "".join(f"{1 / n!r},{1 / n**2!r}\n" for n in range(2, 20_000))
+    rows = "".join(f"{1 / n!r},{1 / n**2!r}\n" for n in range(2, 10_000))
     (tmp_path / "long").write_text("h,error\n" + rows)
-    names = ",".join(f"e{k}" for k in range(2_000))
-    (tmp_path / "wide").write_text(f"h,{names}\n" + "".join(f"{h}{f',{h}' * 2_000}\n" for h in (1, 0.5, 0.25, 0.125)))
+    names = ",".join(f"e{k}" for k in range(1_000))
+    (tmp_path / "wide").write_text(f"h,{names}\n" + "".join(f"{h}{f',{h}' * 1_000}\n" for h in (1, 0.5, 0.25, 0.125)))
     start = time.process_time()
     assert main(["rates", str(tmp_path / "long"), "--expected", "2"]) == 0
     assert main(["rates", str(tmp_path / "wide"), "--expected", "1"]) == 0
     assert time.process_time() - start < 15
-    assert "all 2000 columns: 2000 holds" in capsys.readouterr().out
+    assert "all 1000 columns: 1000 holds" in capsys.readouterr().out
 
 
 ERRORS_OF_ORDER_2 = ["1e-1", "2.5e-2", "6.25e-3", "1.5625e-3"]

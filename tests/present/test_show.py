@@ -123,6 +123,7 @@ def test_the_shapes_of_an_animation_are_those_of_the_motion() -> None:
         np.testing.assert_allclose(found, expected, atol=0.51 * np.max(np.abs(expected)) / STEPS)
 
 
+@pytest.mark.slow
 def test_a_film_is_written_by_the_ffmpeg_of_a_package_where_the_system_has_none(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -73,6 +73,7 @@ def test_on_a_curved_face_exact_normals_give_the_smaller_distance_to_the_interpo
     assert exact["distance"] == 0 < averaged["distance"] < averaged["error"]
 
 
+@pytest.mark.slow
 def test_numbers_on_finer_meshes_are_measured_again_on_the_coarsest() -> None:
     committed = pd.read_csv(fine_levels.FILE).set_index("level").loc[16]
     for name, value in {**fine_levels.natural_front(16), **fine_levels.rollers(16)}.items():

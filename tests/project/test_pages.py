@@ -22,39 +22,8 @@ from study.fem.naming import resolve, resolve_data
 from study.statements.enclosure import resolve_problem
 
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
-ELSEWHERE = {
-    "python examples/errors.py": "project/test_habits.py::test_the_example_prints_the_table_beside_it",
-    "python examples/codes/my_code.py": "project/test_pages.py::test_the_commands_of_a_page_end_with_success",
-    "python examples/displacement.py": "project/test_pages.py::test_the_commands_of_a_page_end_with_success",
-    "python frd.py": "project/test_pages.py::test_the_commands_of_a_page_end_with_success",
-    "python checker.py": "certify/test_checker.py::test_a_copy_of_the_file_checks_a_certificate_without_any_package",
-    "python -m pip install .": "project/test_packaging.py::test_the_wheel_works_with_numpy_and_sympy_alone",
-    "python solver.py": "orders/test_convergence_check.py::test_the_tutorial_turns_red_when_its_solver_breaks",
-    "python -m pytest": "orders/test_convergence_check.py::test_the_tutorial_turns_red_when_its_solver_breaks",
-    "dask scheduler": "run/test_cluster.py::scheduler",
-    "dask worker": "run/test_cluster.py::cluster",
-}
-"""How a command begins ↦ the test that runs it."""
-EXCLUDED = {
-    "pip install .": "make wheel, which CI runs, installs the wheel in an environment of its own",
-    "python -m pip install '.[study]'": "make study installs it so, with pins",
-    "python -m pip install 'signorini-study[orders]'": "the environment of the tests has the package with all extras",
-    "pip install '.[study": "the environment of the tests has Dask and everything else",
-    "make cluster": "make test, which CI runs, installs Dask as well",
-    "make full": "half an hour: the nightly workflow runs it",
-    "make again": "a minute: the nightly workflow runs it, and tests/cli/test_again.py the command behind it",
-    "make seeds": "an hour: the nightly workflow runs it",
-    "make controls": "five minutes: the workflow and the nightly job run it, and tests/controls a part of it",
-    "make mutants": "some hours; whoever changes code that judges or bounds runs it",
-    "make codes": "half an hour, and codes that are optional: CI runs two of them by make codes-check",
-    "make certificates": "half an hour; CI checks the certificates that are committed by make certificates-check",
-    "make trials": "half an hour; its tables are tested against its data, and some of its problems",
-    "make bench": "times the machine",
-    "sudo apt-get": "changes the system, for peers that are optional",
-    ".venv/bin/pip install osqp": "changes the environment, for a peer that is optional",
-}
-"""How a command begins that nothing runs ↦ why."""
 LONG = {
+    "README.md",
     "docs/tutorials/own-case.md",
     "docs/tutorials/own-case-3d.md",
     "docs/tutorials/bound.md",
@@ -64,8 +33,10 @@ LONG = {
     "docs/how-to/certify.md",
     "docs/how-to/figures.md",
 }
-"""Pages whose commands take longer than ten seconds, for the slow tests. The case of the first one is what the tests of
-most commands start from (``cli/conftest.py``)."""
+"""Pages whose commands take longer than three seconds, for the slow tests, which `make tutorials` runs. The case of
+``own-case.md`` is what the tests of most commands start from (``cli/conftest.py``)."""
+LONG_PYTHON = {"docs/how-to/verify-a-contact-code.md", "docs/tutorials/your-displacement.md"}
+"""Pages whose Python takes longer than three seconds."""
 NEEDS = {"docs/tutorials/dolfinx.md": "dolfinx"}
 """Pages that need a program which no wheel has."""
 
@@ -134,7 +105,12 @@ def test_a_page_that_says_that_something_else_is_printed_is_noticed() -> None:
         expect(page.printed("python"), page.printed("python")[0])
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page.session], ids=lambda page: page.name)
+def marked(pages: Iterable[Page], long: set[str]) -> pytest.MarkDecorator:
+    items = [pytest.param(page, id=page.name, marks=pytest.mark.slow if page.name in long else ()) for page in pages]
+    return pytest.mark.parametrize("page", items)
+
+
+@marked((page for page in PAGES if page.session), LONG_PYTHON)
 def test_the_python_of_a_page_runs_from_top_to_bottom(page: Page, run: Callable[[Page, str], str]) -> None:
     needed = NEEDS.get(page.name)
     if needed and importlib.util.find_spec(needed) is None:
@@ -147,11 +123,7 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(page: Page, run: Callable[
 TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for line in page.typed)]
 
 
-@pytest.mark.parametrize(
-    "page",
-    [pytest.param(page, marks=pytest.mark.slow if page.name in LONG else ()) for page in TYPED],
-    ids=lambda page: page.name,
-)
+@marked(TYPED, LONG)
 def test_the_commands_of_a_page_end_with_success(page: Page, run: Callable[[Page, str], str]) -> None:
     programs = [f"python {name}" for name in page.files]
     typed = [
@@ -164,34 +136,11 @@ def test_the_commands_of_a_page_end_with_success(page: Page, run: Callable[[Page
     expect(page.printed("sh"), "".join(run(page, line) for line in typed))
 
 
-INLINE = re.compile(r"`((?:make|study|\.venv/bin/\w+|pip|dask|sudo)\s[^`]+)`")
-
-
-def test_every_other_line_to_type_is_run_by_a_test_or_by_ci_or_has_a_reason_why_not() -> None:
-    told = [line for page in PAGES for line in [*page.typed, *INLINE.findall(page.text)] if words(line)[0] != "study"]
-    left = [line for line in told if not is_one_of(line, CI)]
-    assert [line for line in left if not line.startswith((*ELSEWHERE, *EXCLUDED))] == []
-    assert [start for start in (*ELSEWHERE, *EXCLUDED) if not any(line.startswith(start) for line in left)] == []
-    assert {words(line)[1] for line in told if line.startswith("make")} <= targets()
-
-
-def test_what_runs_the_others_is_there() -> None:
-    for file, _, name in (place.partition("::") for place in ELSEWHERE.values()):
-        assert f"def {name}(" in (ROOT / "tests" / file).read_text(encoding="utf-8"), file
-
-
-def test_a_line_is_run_if_it_begins_a_command_that_is() -> None:
-    commands = [".venv/bin/study check --junit results/junit.xml --out results", "make study"]
-    assert is_one_of("study check", commands)
-    assert is_one_of("study check --junit FILE", commands)
-    assert is_one_of("make study    # some minutes", commands)
-    assert not is_one_of("study check --out results", commands)
-    assert not is_one_of("study tables", commands)
-    assert not is_one_of("make studies", commands)
-
-
-def targets() -> set[str]:
-    return set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+def test_every_make_target_that_a_page_names_exists() -> None:
+    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    inline = re.compile(r"`(make [^`]+)`")
+    named = [line for page in PAGES for line in [*page.typed, *inline.findall(page.text)] if line.startswith("make ")]
+    assert {words(line)[1] for line in named} <= targets
 
 
 def test_the_commands_of_the_table_are_those_of_the_program() -> None:

@@ -97,6 +97,7 @@ def test_a_cluster_without_workers_is_refused_with_how_to_start_some(scheduler, 
         pass
 
 
+@pytest.mark.slow
 def test_workers_with_several_threads_are_refused(scheduler, tmp_path) -> None:
     with (
         dask(*workers(scheduler, tmp_path, 1, threads=2)),
@@ -106,6 +107,7 @@ def test_workers_with_several_threads_are_refused(scheduler, tmp_path) -> None:
         pass
 
 
+@pytest.mark.slow
 def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(cluster, tmp_path, monkeypatch) -> None:
     (tmp_path / "mine.py").write_text(MINE)
     monkeypatch.chdir(tmp_path)
@@ -122,6 +124,7 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
     assert by_cluster == by_processes
 
 
+@pytest.mark.slow
 def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch) -> None:
     monkeypatch.setattr("study.run.executor.versions", lambda: {**versions(), "numpy": "another"})
     with (
@@ -144,6 +147,7 @@ def test_a_case_is_known_by_what_its_file_says_now(tmp_path) -> None:
     assert {key for key in before if before[key] != after[key]} == {f"{file}:mine"}
 
 
+@pytest.mark.slow
 def test_a_killed_worker_of_a_cluster_costs_no_job(cluster, tmp_path) -> None:
     settings = [RateSetting("full-contact", "one-diagonal", 16 + i, "midpoint", 16) for i in range(8)]
     jobs = [Job(FirstOrder(), setting) for setting in settings]

@@ -88,9 +88,8 @@ def kill(run: BaseProcess, victim: str) -> bool:
     return bool(workers)
 
 
-@pytest.mark.parametrize(
-    "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 7))], ids="seed {}".format
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(7), ids="seed {}".format)
 def test_kills_at_random_moments_change_no_byte_of_what_the_command_writes_in_the_end(
     seed: int, undisturbed: dict[str, bytes], tmp_path: Path
 ) -> None:

@@ -24,7 +24,12 @@ from study.statements.shared.base import Setting
 from study.statements.shared.scope import SLOW
 
 Array = NDArray[np.float64]
-SOLIDS = [name for name in NAMES if name.startswith("cube")]
+SOLIDS = [
+    pytest.param(name, marks=() if name == "cube-disc" else pytest.mark.slow)
+    for name in NAMES
+    if name.startswith("cube")
+]
+"""One solid is quick; the formulas of each take seconds to compile."""
 
 
 @cache

@@ -83,7 +83,7 @@ def test_the_quick_study_measures_a_case_on_the_families_it_names_and_a_twin_on_
 
 
 @pytest.mark.parametrize("name", SCOPES)
-@pytest.mark.parametrize("position", [0, 4, len(NAMES)])
+@pytest.mark.parametrize("position", [4, *(pytest.param(end, marks=pytest.mark.slow) for end in (0, len(NAMES)))])
 def test_a_case_inserted_into_the_catalogue_changes_no_measurement_of_another_case(
     name: str, position: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -101,7 +101,7 @@ def test_a_case_inserted_into_the_catalogue_changes_no_measurement_of_another_ca
     assert len(jobs) > len(others)
 
 
-@pytest.mark.parametrize("position", [0, len(FAMILIES)])
+@pytest.mark.parametrize("position", [0, pytest.param(len(FAMILIES), marks=pytest.mark.slow)])
 def test_another_mesh_family_adds_measurements_and_changes_none(position: int, monkeypatch: pytest.MonkeyPatch) -> None:
     more = (*FAMILIES[:position], OneDiagonal(name="another"), *FAMILIES[position:])
     before = {name: {job.identity for job in plan(name).jobs} for name in SCOPES}

@@ -143,10 +143,10 @@ def test_any_sparse_positive_definite_matrix_is_factorised(problem: Matrices) ->
     ("name", "family", "n"),
     [
         ("full-contact", OneDiagonal(), 64),
-        ("full-contact", CrissCross(), 48),
-        ("full-contact", Unstructured(), 64),
+        pytest.param("full-contact", CrissCross(), 48, marks=pytest.mark.slow),
+        pytest.param("full-contact", Unstructured(), 64, marks=pytest.mark.slow),
         ("re-entrant", Graded(), 48),
-        ("cube-two-faces", Shaken(), 12),
+        pytest.param("cube-two-faces", Shaken(), 12, marks=pytest.mark.slow),
     ],
 )
 def test_dissection_fills_about_as_little_as_minimum_degree(name: str, family: MeshFamily, n: int) -> None:

@@ -329,7 +329,7 @@ def trajectory(case, scheme, steps: int, n: int = 8):
     return problem, np.array([state.u for state in scheme.march(problem, steps)])
 
 
-@pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
+@pytest.mark.parametrize("name", ["advance-recede", pytest.param("yield-and-release", marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("scheme", "low", "high"), [(BACKWARD_EULER, 0.8, 1.2), (BDF2, 1.3, 2.2), (MIDPOINT, 1.4, 2.3)]
 )
@@ -346,6 +346,7 @@ def test_a_scheme_converges_in_time_with_its_order(name: str, scheme, low: float
     assert low <= order <= high
 
 
+@pytest.mark.slow
 def test_the_schemes_agree_on_one_trajectory() -> None:
     """Theorem 5.2: uniqueness, seen from three directions."""
     case = named("travelling-patch")
@@ -356,7 +357,7 @@ def test_the_schemes_agree_on_one_trajectory() -> None:
 
 
 @pytest.mark.parametrize("family", FOR_SQUARES, ids=lambda f: f.name)
-@pytest.mark.parametrize("name", ["yield-and-release", "yield-on-a-part"])
+@pytest.mark.parametrize("name", ["yield-and-release", pytest.param("yield-on-a-part", marks=pytest.mark.slow)])
 def test_a_midpoint_step_of_a_nonlinear_law_takes_at_most_six_solves_on_the_coarsest_mesh_of_its_sweep(
     name: str, family
 ) -> None:

@@ -38,7 +38,7 @@ def test_the_power_of_the_load_is_stored_dissipated_or_spent_on_contact_at_every
         assert power.viscous > 0
 
 
-@pytest.mark.parametrize("case", CASES[:3])
+@pytest.mark.parametrize("case", [CASES[0], *(pytest.param(case, marks=pytest.mark.slow) for case in CASES[1:3])])
 def test_the_defect_of_the_balance_of_energy_falls_with_the_square_of_the_step(case: str) -> None:
     defects = [abs(moved(case, steps).balance()["defect"]).max() for steps in (32, 64, 128)]
     assert 3 < defects[0] / defects[1] < 5

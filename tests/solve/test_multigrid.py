@@ -25,15 +25,17 @@ from study.statements.shared.experiment import Experiment
 EXACT = 1e-10
 """A tolerance far below the discretisation error."""
 SETTINGS: list[tuple[str, MeshFamily, int]] = [
-    ("full-contact", OneDiagonal(), 24),
     ("anisotropic", Shaken(), 24),
-    ("heterogeneous", Unstructured(), 24),
-    ("rotated", OneDiagonal(), 24),
     ("hexagon", Unstructured(), 16),
     ("re-entrant", Graded(), 16),
-    ("cube-disc", Shaken(), 8),
     ("cube-two-faces", OneDiagonal(), 6),
+    ("full-contact", OneDiagonal(), 24),
+    ("heterogeneous", Unstructured(), 24),
+    ("rotated", OneDiagonal(), 24),
+    ("cube-disc", Shaken(), 8),
 ]
+QUICK = 4
+"""The nightly job takes the others as well."""
 
 
 def disturbed(S: sps.csc_array, N: sps.csr_array, count: int = 3) -> list:
@@ -43,7 +45,13 @@ def disturbed(S: sps.csc_array, N: sps.csr_array, count: int = 3) -> list:
     return [smooth + k * forces for k in range(count)]
 
 
-@pytest.fixture(scope="module", params=SETTINGS, ids=lambda setting: f"{setting[0]}-{setting[1].name}")
+PARAMS = [
+    pytest.param(one, id=f"{one[0]}-{one[1].name}", marks=() if i < QUICK else pytest.mark.slow)
+    for i, one in enumerate(SETTINGS)
+]
+
+
+@pytest.fixture(scope="module", params=PARAMS)
 def setting(request):
     """S of a time step, large enough for coarse levels, N, and the free vertices."""
     name, family, n = request.param
@@ -96,7 +104,7 @@ def test_oblique_normals_at_one_vertex_bound_both() -> None:
     [
         ("cube-disc", Shaken(), (4, 8)),
         pytest.param("cube-two-faces", OneDiagonal(), (6, 9), marks=pytest.mark.slow),
-        ("yield-and-release", Shaken(), (16, 32)),
+        pytest.param("yield-and-release", Shaken(), (16, 32), marks=pytest.mark.slow),
         pytest.param("re-entrant", Graded(), (16, 32), marks=pytest.mark.slow),
     ],
 )
@@ -155,7 +163,7 @@ def iterations(name: str, n: int, every: int | None) -> int:
     return len(count)
 
 
-@pytest.mark.parametrize(("name", "n"), [("cube-disc", 6), ("full-contact", 32)])
+@pytest.mark.parametrize(("name", "n"), [("full-contact", 32), pytest.param("cube-disc", 6, marks=pytest.mark.slow)])
 def test_iterations_grow_slowly_with_what_is_held_and_hardly_without(name: str, n: int) -> None:
     """Coarse matrices that know nothing of what is held cost up to h^{-1/2}."""
     assert iterations(name, 2 * n, None) <= 1.2 * iterations(name, n, None)

@@ -23,7 +23,13 @@ def case_on(name: str, family, n: int) -> tuple[SemiDiscrete, StressProblem]:
 
 
 @pytest.mark.parametrize("family", [OneDiagonal(), Shaken()], ids=lambda f: f.name)
-@pytest.mark.parametrize("name", ["advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("advance-recede", "yield-on-a-part"),
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("travelling-patch", "yield-and-release")),
+    ],
+)
 def test_both_problems_have_one_solution_at_every_step(name: str, family) -> None:
     """Linear law and law (3.3) with both balls; u ∈ K^h, (4.14) and σ ∈ Σ^h come out without being imposed."""
     found = gaps(*case_on(name, family, 6), steps=12)
@@ -32,7 +38,7 @@ def test_both_problems_have_one_solution_at_every_step(name: str, family) -> Non
     assert found.stress_gap <= found.stress_bound <= 1e-5
 
 
-@pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
+@pytest.mark.parametrize("name", ["advance-recede", pytest.param("yield-and-release", marks=pytest.mark.slow)])
 def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name: str, monkeypatch) -> None:
     """With gaps of 1e-4 the solutions differ by 1e-6 and more of their size, and by no more than the gap allows."""
     monkeypatch.setattr(stress_problem, "AIM", Accuracy(1e-4, stress_problem.AIM.feasibility))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import pytest
 from measured_rows import quick_rows, verdicts
@@ -47,10 +48,16 @@ def name(statement: ListedNumbers) -> str:
     return type(statement).__name__
 
 
-each = pytest.mark.parametrize("statement", STATEMENTS, ids=name)
+DEAR = {Green(), BoundedVelocity(), Dependence(), ErrorBounds(), InterpolationInV(), NaturalConditions()}
+"""Statements whose quick settings take two seconds and more."""
 
 
-@each
+def each(statements: Iterable[ListedNumbers]) -> pytest.MarkDecorator:
+    items = [pytest.param(one, id=name(one), marks=pytest.mark.slow if one in DEAR else ()) for one in statements]
+    return pytest.mark.parametrize("statement", items)
+
+
+@each(STATEMENTS)
 def test_two_cases_of_the_quick_settings_hold(statement: ListedNumbers) -> None:
     """The quick study has them all."""
     rows = quick_rows(statement)
@@ -61,7 +68,7 @@ def test_two_cases_of_the_quick_settings_hold(statement: ListedNumbers) -> None:
     assert {(verdict.label, verdict.statement) for verdict in found} == {(statement.label, statement.claim)}
 
 
-@each
+@each(STATEMENTS)
 def test_each_case_is_judged_by_its_own_rows_and_no_rows_give_no_verdict(statement: ListedNumbers) -> None:
     rows = quick_rows(statement)
     case = rows["case"].iloc[0]
@@ -69,13 +76,13 @@ def test_each_case_is_judged_by_its_own_rows_and_no_rows_give_no_verdict(stateme
     assert statement.judge(rows.iloc[:0]) == []
 
 
-@pytest.mark.parametrize("statement", EVOLUTION, ids=name)
+@each(EVOLUTION)
 def test_without_a_quantity_its_row_is_undecided(statement: ListedNumbers) -> None:
     rows = quick_rows(statement)
     assert UNDECIDED in verdicts(statement, rows[rows["quantity"] == rows["quantity"].iloc[0]]).values()
 
 
-@pytest.mark.parametrize("statement", ONE_LEVEL_UNDECIDED, ids=name)
+@each(ONE_LEVEL_UNDECIDED)
 def test_one_level_decides_neither_orders_nor_changes(statement: ListedNumbers) -> None:
     rows = quick_rows(statement)
     found = statement.judge(rows[rows["level"] == rows["level"].min()])
@@ -83,7 +90,7 @@ def test_one_level_decides_neither_orders_nor_changes(statement: ListedNumbers) 
     assert FAILS not in {verdict.verdict for verdict in found}
 
 
-@pytest.mark.parametrize("statement", EVOLUTION, ids=name)
+@each(EVOLUTION)
 @pytest.mark.parametrize("wrong", ["large and growing", "not a number"])
 def test_every_judged_row_can_fail(statement: ListedNumbers, wrong: str) -> None:
     rows = quick_rows(statement)

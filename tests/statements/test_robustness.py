@@ -282,14 +282,17 @@ def test_the_constants_of_a_case_are_those_that_make_another_solution(name: str)
     assert {constant for constant in CONSTANTS if by_value(alone(name, constant).solution) != own} == FREE[name]
 
 
-@pytest.mark.parametrize("name", ["yield-on-a-part", "natural-front", "layered-unmet"])
+@pytest.mark.parametrize(
+    "name",
+    ["natural-front", *(pytest.param(name, marks=pytest.mark.slow) for name in ("yield-on-a-part", "layered-unmet"))],
+)
 def test_every_constant_changes_the_error(name: str) -> None:
     """Otherwise it would prove nothing that the verdicts stay."""
     cases = [named(name), *(alone(name, constant) for constant in FREE[name])]
     assert len({measure_case(case, OneDiagonal(), 2, MIDPOINT, 2)["error"] for case in cases}) == len(cases)
 
 
-@pytest.mark.parametrize("name", ["anisotropic", "natural-front"])
+@pytest.mark.parametrize("name", ["natural-front", pytest.param("anisotropic", marks=pytest.mark.slow)])
 def test_no_alarm_for_other_constants(name: str) -> None:
     case = changed(named(name), joint(0))
     prove(case.solution, name)

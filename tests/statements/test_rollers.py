@@ -117,6 +117,7 @@ def test_the_error_is_orthogonal_to_the_distance_from_the_projection(coarse: Tra
     assert error**2 == pytest.approx(least**2 + away @ (on.M @ away))
 
 
+@pytest.mark.slow
 def test_orders_of_the_excess_tell_equal_neighbourhoods_from_alternating_ones() -> None:
     """Each lies in its own window and outside the other."""
     h = 1 / np.array([8, 16, 32])

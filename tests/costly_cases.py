@@ -1,0 +1,15 @@
+"""Cases whose formulas take a second or more to compile are left to the slow tests."""
+
+from collections.abc import Iterable
+
+import pytest
+
+DEAR = (
+    *("cube-two-faces", "cube-bowl", "cube-disc", "hexagon", "long-time", "merging-patches", "corner"),
+    *("parabolic-gap", "travelling-patch"),
+)
+
+
+def by_cost(names: Iterable[str]) -> list:
+    """Parameters of a test; `make study` and the slow tests prove and measure the costly cases as well."""
+    return [pytest.param(name, marks=pytest.mark.slow if name in DEAR else ()) for name in names]
