@@ -303,6 +303,7 @@ def test_limits_that_make_no_sense_are_refused(square, options: str, message: st
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_memory_that_is_not_there_stops_with_the_reason(square, tmp_path, monkeypatch, capsys) -> None:
     monkeypatch.setattr("study.cli.adapt.available", lambda: 0.5 * 2.0**30)
     monkeypatch.setattr("study.statements.shared.estimates.adapted", lambda cells: 2.0**30)

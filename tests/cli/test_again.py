@@ -35,6 +35,7 @@ def checked(told) -> Callable[..., str]:
     return partial(told, "check", "--jobs", "1")
 
 
+@pytest.mark.slow
 def test_rows_measured_again_agree_and_the_seed_is_printed(own: Path, checked) -> None:
     before = {path: path.read_bytes() for path in own.rglob("*.csv")}
     said = checked("--again", "2", "--out", str(own), code=0)

@@ -209,6 +209,7 @@ def test_python_without_docstrings_runs_a_command_or_ends_with_a_sentence(comman
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_commands_that_python_without_docstrings_runs_do_not_import_pyamg() -> None:
     modules = {path.stem for path in Path(study.cli.__file__).parent.glob("*.py")} - {*WITH_PYAMG, "common"}
     code = f"import sys, {', '.join(f'study.cli.{name}' for name in sorted(modules))}; print('pyamg' in sys.modules)"

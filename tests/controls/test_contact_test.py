@@ -66,6 +66,7 @@ def outcome(reference: str, directory: Path) -> tuple[pd.DataFrame, str]:
     return pd.read_csv(path, keep_default_na=False), " ".join(contact_test_text(directory).split())
 
 
+@pytest.mark.slow
 def test_a_front_under_a_large_pressure_notices_both_defects(cases: Path, tmp_path: Path) -> None:
     rows, text = outcome(f"{cases}:good", tmp_path)
     assert (rows["noticed"] > 0).all()

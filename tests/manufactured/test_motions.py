@@ -113,6 +113,7 @@ def swinging(level: sp.Expr, pressure: sp.Expr, gap: sp.Expr) -> ExactSolution:
     return ExactSolution(body, law, (ContactFace.linear(part, law, body.T, gap, pressure, level),))
 
 
+@pytest.mark.slow
 def test_a_case_whose_front_swings_is_an_exact_solution() -> None:
     level = RETURN - s
     solution = swinging(level, 40 * pos(level, 2) * sp.exp(-t), 20 * pos(-level, 4))

@@ -72,7 +72,8 @@ def test_every_roller_is_an_exact_solution(kind: int, level: int) -> None:
     assert [finding for finding in found if not finding.condition.startswith(HISTORY)] == []
 
 
-@pytest.mark.parametrize("kind", [0, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", [0, 3])
 def test_displacements_of_rollers_are_integrals_of_their_velocities(kind: int) -> None:
     solution = rollers(16)[kind].solution
     fields = solution.at(np.array([[0.2, 0.5, 0.55], [0.0, 0.03, 0.2]]))
