@@ -41,7 +41,7 @@ mutants: $(DEVELOPMENT)  ## mutation testing of a fixed sample, results/mutants,
 	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python .ci/mutants.py
 
 # The tests also start a Dask cluster and read the extensions of the documentation.
-test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## all tests except those marked slow, three minutes on two cores; prints only
+test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## all tests except those marked slow, three to four minutes on two cores; prints only
 	$(BIN)/pytest --numprocesses auto
 
 # As where others install it: from a wheel, without its extras, away from the repository.

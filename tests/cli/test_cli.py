@@ -38,16 +38,6 @@ def case_file(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("levels", "message"), [(["1", "8"], "2 or more"), (["16", "8"], "increase"), (["8", "8"], "increase")]
-)
-def test_levels_below_2_or_not_increasing_are_refused(refused, tmp_path, levels, message) -> None:
-    found = refused("run", "--case", "full-contact", "--levels", *levels, "--out", str(tmp_path / "r"))
-    assert message in found
-    assert " ".join(levels) in found
-    assert not (tmp_path / "r").exists()
-
-
-@pytest.mark.parametrize(
     ("line", "message"),
     [
         ("mine = changed(gap=-face.gap)", r"u_ν ≤ g.*violated.*at x = .*t = "),
@@ -89,15 +79,6 @@ def test_data_of_another_version_are_refused_by_name(refused, tmp_path) -> None:
 
 def test_check_without_data_says_how_to_make_them(refused, tmp_path) -> None:
     assert "study run" in refused("check", "--out", str(tmp_path))
-
-
-@pytest.mark.parametrize("step", ["2", "0", "-1", "nan"])
-def test_a_time_step_that_is_not_positive_or_exceeds_the_final_time_is_refused(refused, tmp_path, step) -> None:
-    out = tmp_path / "r"
-    found = refused("run", "--case", "full-contact", "--step", step, "--out", str(out))
-    assert f"k = {float(step):g}" in found
-    assert "at most T" in found
-    assert not out.exists()
 
 
 def test_the_catalogue_is_listed_as_text_and_as_json(capsys) -> None:

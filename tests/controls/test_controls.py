@@ -287,7 +287,9 @@ from study.solve.tableau import BACKWARD_EULER
             "clarabel",
             {"signorini", "multigrid", "solver_choice", "evolution", "tableau", "fixed_point", "factorisation"},
         ),
-        (DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem"}),
+        pytest.param(
+            *(DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem"}), marks=pytest.mark.slow
+        ),
     ],
     ids=["stresses", "displacements"],
 )
