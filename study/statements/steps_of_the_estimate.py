@@ -119,7 +119,7 @@ def at_nodes(setup: Experiment) -> dict[str, float]:
         interpolant = energies.interpolant(time)
         members = [interpolant, 0 * interpolant]
         for _ in range(MEMBERS):
-            nodal, normal = rng.standard_normal(setup.space.dofs), rng.standard_normal(N.shape[0])
+            nodal, normal = rng.standard_normal(setup.space.dofs), rng.standard_normal(setup.space.N.shape[0])
             members.append(abs(interpolant).max() * with_trace(setup.space, nodal, np.minimum(normal, 0.0)))
         for v in members:
             along = energies.strain(v) - strain
