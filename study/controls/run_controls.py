@@ -176,7 +176,9 @@ def _key(setting: Baseline[Any], name: str) -> str:
     It ends with a hash, because two settings may have the same name.
     """
     words = re.sub(r"[^\w.]+", "-", name or str(setting)).strip("-")
-    return f"control__{words}__{sha256(repr((name, setting)).encode()).hexdigest()[:8]}"
+    # The address of an object in memory differs between processes.
+    whole = re.sub(r" at 0x\w+", "", repr((name, setting)))
+    return f"control__{words}__{sha256(whole.encode()).hexdigest()[:8]}"
 
 
 def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:

@@ -23,7 +23,7 @@ from study.cli.main import main
 from study.controls.baselines import Equivalence, Sweep, turned
 from study.controls.control import Control, patched
 from study.controls.replacements import no_contact
-from study.controls.run_controls import NO_DEFECT, Outcome, alike, controls_text, outcomes, settings, work
+from study.controls.run_controls import NO_DEFECT, Outcome, _key, alike, controls_text, outcomes, settings, work
 from study.controls.table import CONTROLS, ELASTICITY, FULL, MEMBERS, MOVING
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
@@ -155,6 +155,14 @@ def test_an_attribute_of_what_is_measured_is_replaced_in_a_copy() -> None:
     assert (wrong.steps, setup.steps) == (1, 8)
     assert wrong.problem.load(0.5) == pytest.approx(1.1 * setup.problem.load(0.5))
     assert (wrong.space.h, setup.space.h) == (pytest.approx(1 / 2), 0.25)
+
+
+def test_a_finished_measurement_is_found_again_by_a_later_call_and_no_two_share_a_file() -> None:
+    places = [*((setting, "") for setting in settings(CONTROLS)), *((one.setting, one.name) for one in CONTROLS)]
+    keys = [_key(setting, name) for setting, name in places]
+    # Copies have other addresses in memory, as in another process.
+    assert [_key(copy.deepcopy(setting), name) for setting, name in places] == keys
+    assert len(set(keys)) == len(keys)
 
 
 @pytest.mark.parametrize(
