@@ -7,10 +7,8 @@ import json
 import textwrap
 
 from manufactured.catalogue import catalogue
-from manufactured.multiscale import multiscale
-from manufactured.natural_motion import natural_motion
-from manufactured.no_potential import no_potential
 from study.cli.options import OK
+from study.fem.naming import outside_the_catalogue
 from study.ledger.text import width
 from study.run.case_line import describe
 
@@ -27,6 +25,6 @@ def do_cases(options: argparse.Namespace) -> int:
         print(f"{case['case']:<24}{case['dimension']}D  order {case['expected_order']:<6.3g}{case['statements']}")
         more = f"{case['summary']}; {case['regularity']}; law {case['law']}"
         print(textwrap.fill(more, width(), initial_indent=INDENT, subsequent_indent=INDENT))
-    further = ", ".join(case.name for case in (*multiscale(), natural_motion(), no_potential()))
+    further = ", ".join(case.name for case in outside_the_catalogue())
     print(textwrap.fill(f"Further cases, which only single statements use: {further}", width()))
     return OK

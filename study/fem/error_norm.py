@@ -109,13 +109,17 @@ class ErrorNorm:
 
     def means(self, time: float) -> Tensors:
         """Return the mean of the exact strain ε(u(t)) on every cell, (D, cells)."""
-        return self._cells.strains(self._amplitudes(time, False)) / self._cells.viscous
+        return self._means(self._amplitudes(time, False))
+
+    def _means(self, strains: Amplitudes) -> Tensors:
+        return self._cells.strains(strains) / self._cells.viscous
 
     def sample(self, time: float) -> ExactAtTime:
         """Evaluate the exact solution at a time; ``distance`` needs the result."""
-        means = self.means(time)
+        strains = self._amplitudes(time, False)
+        means = self._means(strains)
         # If the strain is constant on every cell, this difference is round-off, which may be negative.
-        oscillation = max(self._energy(self._amplitudes(time, False)) - self._constant_energy(means), 0.0)
+        oscillation = max(self._energy(strains) - self._constant_energy(means), 0.0)
         interpolant = self.space.interpolate(self._nodes.displacement(time))
         return ExactAtTime(time, means, oscillation, interpolant)
 

@@ -182,8 +182,24 @@ def on_segment(points: Points, segment: Array) -> Array:
 # onto the body by a map that is linear in every coordinate.
 
 
+class Structured(MeshFamily):
+    """Base class of the families of structured meshes, with ``density`` · d! simplices in each of the n^d cubes.
+
+    Attributes:
+        plane: whether the family meshes 2D bodies only.
+    """
+
+    plane: ClassVar[bool] = False
+
+    def serves(self, body: Body) -> bool:
+        return has_grids(body) and (body.dim == 2 or not self.plane)
+
+    def cells(self, body: Body, n: int) -> int:
+        return self.density * factorial(body.dim) * n**body.dim
+
+
 @dataclass(frozen=True)
-class OneDiagonal(MeshFamily):
+class OneDiagonal(Structured):
     """Structured meshes of n^d parallelepipeds, each divided into d! simplices that share one diagonal."""
 
     name: str = "one-diagonal"
@@ -191,30 +207,19 @@ class OneDiagonal(MeshFamily):
     least_angle = 26
     superclose = True
 
-    def serves(self, body: Body) -> bool:
-        return has_grids(body)
-
-    def cells(self, body: Body, n: int) -> int:
-        return factorial(body.dim) * n**body.dim
-
     def __call__(self, body: Body, n: int) -> Mesh:
         return simplicial_mesh(mapped(body, grid_vertices(n, body.dim)), kuhn(n, body.dim))
 
 
 @dataclass(frozen=True)
-class CrissCross(MeshFamily):
+class CrissCross(Structured):
     """Structured meshes of n × n quadrilaterals, each divided by both diagonals."""
 
     name: str = "criss-cross"
     meshes = "squares cut by both diagonals"
     least_angle = 26
     density = 2
-
-    def serves(self, body: Body) -> bool:
-        return body.dim == 2 and has_grids(body)
-
-    def cells(self, body: Body, n: int) -> int:
-        return 4 * n**2
+    plane = True
 
     def __call__(self, body: Body, n: int) -> Mesh:
         require_plane(self, body)
@@ -226,7 +231,7 @@ class CrissCross(MeshFamily):
 
 
 @dataclass(frozen=True)
-class Alternating(MeshFamily):
+class Alternating(Structured):
     """Structured meshes of n × n quadrilaterals, each divided by one diagonal.
 
     The direction of the diagonal alternates, so every inner vertex belongs to four or to eight cells.
@@ -235,9 +240,7 @@ class Alternating(MeshFamily):
     name: str = "alternating"
     meshes = "squares cut by one diagonal, whose direction alternates"
     least_angle = 26
-
-    def serves(self, body: Body) -> bool:
-        return body.dim == 2 and has_grids(body)
+    plane = True
 
     def __call__(self, body: Body, n: int) -> Mesh:
         require_plane(self, body)
@@ -250,7 +253,7 @@ class Alternating(MeshFamily):
 
 
 @dataclass(frozen=True)
-class Shaken(MeshFamily):
+class Shaken(Structured):
     """One-diagonal meshes whose vertices are moved at random.
 
     Every coordinate of a vertex changes by up to 2/d ``amplitude`` cell widths. Vertices on faces of the body, on edges
@@ -265,12 +268,6 @@ class Shaken(MeshFamily):
     meshes = "one-diagonal meshes with vertices moved at random"
     least_angle = 12
     irregular = random = True
-
-    def serves(self, body: Body) -> bool:
-        return has_grids(body)
-
-    def cells(self, body: Body, n: int) -> int:
-        return factorial(body.dim) * n**body.dim
 
     def __call__(self, body: Body, n: int) -> Mesh:
         # The grid on the unit cube is shaken, not its image, so that vertices of stretched cells move in proportion.

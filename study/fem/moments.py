@@ -44,13 +44,7 @@ def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]
     # memory.
     each = [part.amplitudes for part in modes]
 
-    def amplitudes(time: float, rate: bool) -> Amplitudes:
-        found = []
-        for of in each:
-            found.append(of(time, rate).ravel())
-        return np.concatenate(found)
-
-    return amplitudes
+    return lambda time, rate: np.concatenate([of(time, rate).ravel() for of in each])
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +86,10 @@ class QuadraturePoints:
         sums = np.repeat(sums.reshape(weights.shape[:2])[..., None], weights.shape[2], axis=2)
         return cls(copies, sums.ravel(), weights.ravel(), len(vertices)), vertices
 
+    def adding(self, weights: Array) -> sps.csr_array:
+        """Return the matrix from values at the points to their sums with given weights (n,), (count, n)."""
+        return sps.csr_array((weights, (self.sums, np.arange(len(weights)))), shape=(self.count, len(weights)))
+
 
 def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_array]:
     """Yield for each term k of the strain the matrix that maps its amplitudes to its values at the quadrature points.
@@ -127,9 +125,7 @@ class StrainSums:
     """
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
-        count = len(weights)
-        add = sps.csr_array((weights, (points.sums, np.arange(count))), shape=(points.count, count))
-        blocks, first = [], 0
+        add, count, blocks, first = points.adding(weights), len(weights), [], 0
         width = sum(len(part.tensors) * part.count for part in modes)
         for shape in shapes_at_points(modes, count):
             sums = add @ shape
@@ -139,35 +135,10 @@ class StrainSums:
         self._matrix = sps.vstack(blocks, format="csr")
         self._tensors = np.concatenate([part.tensors for part in modes]).T
 
-    @classmethod
-    def at_points(cls, modes: Sequence[Modes], count: int) -> StrainSums:
-        """Return an object that computes the strain at ``count`` points; each point is a sum with weight 1."""
-        ones = np.ones(count)
-        return cls(modes, QuadraturePoints(np.empty((0, count)), np.arange(count), ones, count), ones)
-
     def __call__(self, amplitudes: Amplitudes, C: Array | None = None) -> Tensors:
         """Return the sums of the strain ε, or of the stress C ε if a tensor C is given in Mandel form, (D, D)."""
         sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1)
         return np.asarray((self._tensors if C is None else C @ self._tensors) @ sums)
-
-
-class PointwiseSums:
-    """Computes weighted sums Σ w_p S(ε(x_p, t)) over points, for a nonlinear function S of the strain.
-
-    Args:
-        modes: the terms of the strain ε at the points x_p.
-        sums: for each point, the index of the sum to which it contributes, (n,).
-        weights: the weights w_p, (n,).
-        count: the number of sums.
-    """
-
-    def __init__(self, modes: Sequence[Modes], sums: Array, weights: Array, count: int) -> None:
-        self._strain = strain_matrix(modes, len(sums))
-        self._add = sps.csr_array((weights, (sums, np.arange(len(sums)))), shape=(count, len(sums)))
-
-    def __call__(self, amplitudes: Amplitudes, S: Callable[[Tensors], Array]) -> Array:
-        strain = (self._strain @ amplitudes).reshape(-1, self._add.shape[1])
-        return np.asarray((self._add @ S(strain).T).T)
 
 
 class StressSums:
@@ -190,8 +161,8 @@ class StressSums:
             linear = self.strains if np.array_equal(viscous, elastic) else StrainSums(modes, points, elastic)
             self._elastic = lambda strains: linear(strains, G.matrix)
         else:
-            pointwise = PointwiseSums(modes, points.sums, elastic, points.count)
-            self._elastic = lambda strains: pointwise(strains, G)
+            strain, add = strain_matrix(modes, len(elastic)), points.adding(elastic)
+            self._elastic = lambda strains: (add @ G((strain @ strains).reshape(-1, len(elastic))).T).T
 
     def __call__(self, strains: Amplitudes, rates: Amplitudes) -> Tensors:
         return self.strains(rates, self._A.matrix) + self._elastic(strains)

@@ -125,14 +125,15 @@ def _lookup(reference: str) -> Any:
         return _from_file(reference)
     if reference in NAMES:
         return named(reference)
-    return next((case for case in _outside_the_catalogue(reference) if case.name == reference), None)
+    return next((case for case in outside_the_catalogue(reference) if case.name == reference), None)
 
 
-def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
+def outside_the_catalogue(name: str = "") -> tuple[Case, ...]:
     """Return the cases that commands know by name although they are not in the catalogue.
 
-    Roller cases exist for every level of meshes. If ``name`` is the name of a roller case, the roller cases of its
-    level are included.
+    Args:
+        name: the name of a case. Roller cases exist for every level of meshes. If ``name`` is the name of a roller
+            case, the roller cases of its level are included.
     """
     rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
     level = int(rolling[1]) if rolling else 0
@@ -141,7 +142,7 @@ def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
 
 def _case_names() -> list[str]:
     """Return the names of all cases except roller cases, of which there are some for every level."""
-    return [*NAMES, *(case.name for case in _outside_the_catalogue(""))]
+    return [*NAMES, *(case.name for case in outside_the_catalogue())]
 
 
 def is_own(reference: str) -> bool:
@@ -184,8 +185,8 @@ def _from_file(reference: str) -> Any:
         raise
     except (Exception, SystemExit) as error:
         raise UsageError(
-            f"{reference} was given, so {file} has to run without errors; correct it, as running it raises "
-            f"{type(error).__name__}: {error}"
+            f"the case {reference} cannot be read: running {file} raises {type(error).__name__}: {error}; correct "
+            "the file"
         ) from error
 
 

@@ -48,11 +48,6 @@ class CellRule:
     points: Points
     weights: Array
 
-    def parts(self, most: int) -> Iterator[CellRule]:
-        """Divide the rule into rules that have at most ``most`` cells each."""
-        for here in (slice(first, first + most) for first in range(0, len(self.cells), most)):
-            yield CellRule(self.cells[here], self.points[:, here], self.weights[here])
-
 
 @dataclass(frozen=True, eq=False)
 class FacetRule:

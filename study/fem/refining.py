@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from skfem import Mesh
 
 from manufactured.tensors import Array, Points
+from study.fem.mesh import with_midpoints
 from study.fem.space import Space
 
 MOST = 40
@@ -44,16 +45,11 @@ def refined(mesh: Mesh, wanted: Callable[[Points], Array]) -> tuple[Mesh, sps.cs
         if not large.size:
             return mesh, inclusion
         finer = mesh.refined(large)
-        old, new = mesh.p.shape[1], finer.p.shape[1]
+        old = mesh.p.shape[1]
         distance, edge = cKDTree(mesh.p[:, mesh.facets].mean(axis=1).T).query(finer.p[:, old:].T)
         if not (np.array_equal(finer.p[:, :old], mesh.p) and np.all(distance < 1e-12)):
             raise ValueError("the finer mesh must have the old vertices first, then midpoints of old edges")
-        # A P1 function has the mean of its values at both ends of an edge at the midpoint of the edge.
-        ends = mesh.facets[:, edge]
-        rows = np.concatenate([np.arange(old), np.tile(np.arange(old, new), 2)])
-        columns = np.concatenate([np.arange(old), ends.ravel()])
-        values = np.concatenate([np.ones(old), np.full(ends.size, 0.5)])
-        inclusion = sps.csr_array(sps.csr_array((values, (rows, columns)), shape=(new, old)) @ inclusion)
+        inclusion = sps.csr_array(with_midpoints(mesh)[np.concatenate([np.arange(old), old + edge])] @ inclusion)
         mesh = finer
     raise ValueError(
         f"{large.size} cells are still larger than wanted after {MOST} refinements; ask for a positive, larger size"

@@ -29,6 +29,12 @@ FIRST, SECOND = composite_gauss(PANELS, POINTS), composite_gauss(PANELS, POINTS 
 """The quadrature rules of the double integral, in x and in y."""
 
 
+def _kernel(first: tuple[Array, Array], second: tuple[Array, Array], rho: float) -> Array:
+    """Return the products of the weights of two quadrature rules with |x − y|^{−1−2ϱ} at all pairs of nodes, (n, m)."""
+    (x, wx), (y, wy) = first, second
+    return np.asarray(np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho))
+
+
 def seminorm(first: Array, second: Array, rho: float) -> Array:
     """Return the Sobolev–Slobodeckij seminorm |v|_ϱ of functions v on (0, 1), (...).
 
@@ -40,8 +46,7 @@ def seminorm(first: Array, second: Array, rho: float) -> Array:
         second: the values of v at the nodes of ``SECOND``, (..., m).
         rho: the order ϱ.
     """
-    (x, wx), (y, wy) = FIRST, SECOND
-    kernel = np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho)
+    kernel = _kernel(FIRST, SECOND, rho)
     squares = first**2 @ kernel.sum(axis=1) + second**2 @ kernel.sum(axis=0)
     return np.sqrt(np.maximum(squares - 2 * np.einsum("...i,ij,...j->...", first, kernel, second, optimize=True), 0.0))
 
@@ -50,9 +55,9 @@ def seminorm(first: Array, second: Array, rho: float) -> Array:
 def gram(panels: int, rho: float) -> Array:
     """Return the Gram matrix of |·|_ϱ for the hat functions on equal panels of (0, 1), (panels + 1, panels + 1)."""
     nodes = np.linspace(0, 1, panels + 1)
-    (x, wx), (y, wy) = composite_gauss(panels, POINTS), composite_gauss(panels, POINTS + 1)
-    hats = [np.maximum(0, 1 - panels * abs(nodes[:, None] - z)) for z in (x, y)]
-    kernel = np.multiply.outer(wx, wy) * abs(x[:, None] - y) ** (-1 - 2 * rho)
+    rules = composite_gauss(panels, POINTS), composite_gauss(panels, POINTS + 1)
+    hats = [np.maximum(0, 1 - panels * abs(nodes[:, None] - x)) for x, _ in rules]
+    kernel = _kernel(*rules, rho)
     mixed = hats[0] @ kernel @ hats[1].T
     squares = [(hat * weights) @ hat.T for hat, weights in zip(hats, (kernel.sum(1), kernel.sum(0)), strict=True)]
     found: Array = squares[0] + squares[1] - mixed - mixed.T

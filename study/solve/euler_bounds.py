@@ -74,7 +74,7 @@ class EulerBounds:
         Args:
             nodes: the indices of t_0, …, t_N in the grid, (N + 1,).
         """
-        steps, half = np.diff(nodes * self._interval), self.kappa * self.flow.problem.T / 2
+        steps, half = np.diff(nodes * self.flow.interval), self.kappa * self.flow.problem.T / 2
         longest, product = float(steps.max()), float(np.prod(1 / (1 - self.growth * steps)))
         terms = (1 / math.sqrt(2) + half) * self.flow.first + (2 + half) * self.flow.variation
         return longest * product / (1 - self.growth * longest) * terms
@@ -86,23 +86,12 @@ class EulerBounds:
             nodes: the indices of t_0, …, t_N in the fine grid, (N + 1,).
             states: the displacements U_0, …, U_N, (N + 1, n).
         """
-        problem, steps = self.flow.problem, np.diff(nodes * self._interval)
+        problem, steps = self.flow.problem, np.diff(nodes * self.flow.interval)
         rates = np.diff(states, axis=0) / steps[:, None]
         viscous = (problem.M @ rates.T).T
         elastic = np.array([problem.elastic(u) for u in states[1:]])
         work = np.sum((self.flow.loads[nodes[1:]] - elastic - viscous) * rates, axis=1)
         speeds = np.sqrt(np.sum(viscous * rates, axis=1))
-        growth = np.exp(self.growth * (problem.T - nodes[:-1] * self._interval))
-        # Upper bounds of ∫ ‖f(t) − f(t_n)‖ dt over the steps. On each interval of the fine grid, the larger of the
-        # values at its ends is used.
-        delays = np.empty(len(steps))
-        for n, (begin, end) in enumerate(pairwise(nodes.tolist())):
-            away = self.flow.distance(np.arange(begin, end + 1), np.full(end + 1 - begin, end))
-            delays[n] = np.maximum(away[1:], away[:-1]).sum() * self._interval
+        growth = np.exp(self.growth * (problem.T - nodes[:-1] * self.flow.interval))
         root = math.sqrt(max(float(np.sum((growth * steps) ** 2 * work)), 0.0))
-        return root + float(np.sum(growth * (delays + self.kappa * steps**2 * speeds / 2)))
-
-    @property
-    def _interval(self) -> float:
-        """The length of an interval of the fine grid in time."""
-        return self.flow.problem.T / (len(self.flow.loads) - 1)
+        return root + float(np.sum(growth * (self.flow.delays(nodes) + self.kappa * steps**2 * speeds / 2)))

@@ -77,20 +77,23 @@ class GradientFlow:
         touching = problem.N @ u0 >= -TOUCHING * abs(u0).max(initial=0.0)
         return Signorini(problem.M, problem.N[np.flatnonzero(touching)])(self.loads[0] - problem.elastic(u0))[0]
 
-    def delay(self, steps: int) -> float:
-        """Return an upper bound of F, the sum over all steps of ∫ ‖f(t_n) − f(t)‖_V dt.
+    @property
+    def interval(self) -> float:
+        """The length T/m of an interval of the grid."""
+        return self.problem.T / (len(self.loads) - 1)
+
+    def delays(self, nodes: Array) -> Array:
+        """Return upper bounds of the integrals ∫ ‖f(t_n) − f(t)‖_V dt over all steps, whose sum is F, (N,).
 
         On every interval of the grid, the larger of the values at its ends is used. If a step consists of j intervals
-        of the grid and the load is linear on it, the result is 1 + 1/j times F.
+        of the grid and the load is linear on it, the result is 1 + 1/j times the integral.
 
         Args:
-            steps: the number of time steps, which must divide m.
+            nodes: the indices of t_0 = 0, …, t_N = T in the grid, (N + 1,).
         """
-        nodes = np.arange(len(self.loads))
-        inner = (len(self.loads) - 1) // steps
-        ahead = np.repeat(nodes[inner::inner], inner)
-        left, right = self.distance(ahead, nodes[:-1]), self.distance(ahead, nodes[1:])
-        return float(np.maximum(left, right).mean()) * self.problem.T
+        grid, ahead = np.arange(len(self.loads)), np.repeat(nodes[1:], np.diff(nodes))
+        away = np.maximum(self.distance(ahead, grid[:-1]), self.distance(ahead, grid[1:]))
+        return np.add.reduceat(away, nodes[:-1]) * self.interval
 
     @cached_property
     def first(self) -> float:
@@ -124,4 +127,4 @@ class GradientFlow:
         rates = np.vstack([self.start, np.diff(states, axis=0) / k])
         forces = self.loads[::every] - (M @ rates.T).T
         total = float(np.sum(np.diff(forces, axis=0) * rates[1:]))
-        return self.delay(steps) + k * math.sqrt(max(total, 0.0))
+        return float(self.delays(np.arange(0, len(self.loads), every)).sum()) + k * math.sqrt(max(total, 0.0))

@@ -183,8 +183,7 @@ class CompositeElement:
         The shape is (3, polynomials, 3; dimension). Row axes: subtriangle, Bernstein polynomial, Mandel component.
         Column axis: number of the basis stress.
         """
-        equations = self.jumps.reshape(len(self.jumps), -1)
-        return null_space(equations).reshape(3, self.polynomials, 3, -1)
+        return self._without(self.jumps)
 
     @cached_property
     def divergence_free(self) -> Array:
@@ -193,9 +192,11 @@ class CompositeElement:
         The shape is (3, polynomials, 3; dimension). Row axes: subtriangle, Bernstein polynomial, Mandel component.
         Column axis: number of the basis stress.
         """
-        jumps = self.jumps.reshape(len(self.jumps), -1)
-        equations = np.vstack([jumps, self.divergence.reshape(-1, jumps.shape[1])])
-        return null_space(equations).reshape(3, self.polynomials, 3, -1)
+        return self._without(np.concatenate([self.jumps, self.divergence.reshape(-1, *self.jumps.shape[1:])]))
+
+    def _without(self, defects: Array) -> Array:
+        """Return a basis of the stresses for which all given defects, (defects; 3, polynomials, 3), are zero."""
+        return null_space(defects.reshape(len(defects), -1)).reshape(3, self.polynomials, 3, -1)
 
     @cached_property
     def lift(self) -> Array:

@@ -20,7 +20,7 @@ import numpy as np
 from manufactured.body import Kind, Part
 from manufactured.data import Data, ForceInTime
 from manufactured.tensors import Array, Points, Vectors
-from study.fem.moments import StrainSums, amplitudes_of
+from study.fem.moments import amplitudes_of, strain_matrix
 from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
 from study.stresses.composite import alfeld_split, barycentric, bernstein, triangle_mass
 from study.stresses.stress_space import StressSpace
@@ -40,8 +40,6 @@ GRADED_POINTS = 28
 
 The grading by the power 8 leaves the degree 6, which is enough for products of two cubics.
 """
-TOGETHER = 512
-"""Number of subtriangles of cells that are treated together, so that their data stay in the processor's cache."""
 PARALLEL = 1e-9
 """A line counts as parallel to a boundary part if the sine of the angle between them is below this number."""
 
@@ -143,8 +141,7 @@ class ProjectedLoads:
         n is the number of subtriangles in the block and q the number of points in each.
         """
         rules = cell_rules(self._thirds, self._degree, self._lines, self.data.points)
-        blocks = [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
-        return [(block, _force_at(self.data, block.rule.points)) for block in blocks]
+        return [(self._block(rule), _force_at(self.data, rule.points)) for rule in rules]
 
     def _evaluated(self, time: float) -> Iterator[tuple[_Block, Vectors]]:
         """Yield blocks of subtriangles, each with the body force f_0 at its quadrature points at a time.
@@ -178,6 +175,29 @@ class ProjectedLoads:
         return Snapshot(Loads(force.reshape(space.cells, 3, -1, 2), surface), LeftOut(low, high, on_edges))
 
 
+class _Projection:
+    """The L² projection onto polynomials on n subtriangles or edges, from values at q quadrature points on each.
+
+    Args:
+        shapes: the values of a basis of the polynomials at the points, (basis, n, q).
+        weights: the quadrature weights, (n, q).
+    """
+
+    def __init__(self, shapes: Array, weights: Array) -> None:
+        self._shapes = np.ascontiguousarray(np.moveaxis(shapes, 0, 2))
+        weighted = self._shapes.swapaxes(1, 2) * weights[:, None]
+        self._matrix = np.linalg.inv(weighted @ self._shapes) @ weighted
+
+    def __call__(self, field: Vectors) -> Array:
+        """Return the coefficients of the projection of a vector field: (2, n, q) → (n, basis, 2)."""
+        return self._matrix @ field.transpose(1, 2, 0)
+
+    def split(self, field: Vectors) -> tuple[Array, Array]:
+        """Return the coefficients of the projection, (n, basis, 2), and the rest at the points, (n, q, 2)."""
+        coefficients = self(field)
+        return coefficients, field.transpose(1, 2, 0) - self._shapes @ coefficients
+
+
 class _Block:
     """Several subtriangles of cells with the same quadrature rule; projects the body force f_0 on them.
 
@@ -190,10 +210,7 @@ class _Block:
     """
 
     def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
-        self.rule, self._make_whole = rule, whole
-        self._shapes = np.ascontiguousarray(np.moveaxis(shapes, 0, 2))
-        weighted = self._shapes.swapaxes(1, 2) * rule.weights[:, None]
-        self.projection = np.linalg.inv(weighted @ self._shapes) @ weighted
+        self.rule, self._make_whole, self.projected = rule, whole, _Projection(shapes, rule.weights)
 
     @cached_property
     def _whole(self) -> Array:
@@ -203,10 +220,6 @@ class _Block:
         """
         return np.ascontiguousarray(np.moveaxis(self._make_whole(), 0, 1))
 
-    def projected(self, force: Vectors) -> Array:
-        """Return the projected force P f_0 from f_0 at the quadrature points: (2, n, q) → (n, lower, 2)."""
-        return self.projection @ force.transpose(1, 2, 0)
-
     def split(self, force: Vectors) -> tuple[Array, Array, Array]:
         """Split the body force f_0, given at the quadrature points, (2, n, q), into P f_0 and g = f_0 − P f_0.
 
@@ -214,9 +227,7 @@ class _Block:
             P f_0, (n, lower, 2); the squares ‖g‖² on the subtriangles, (n,); and the integrals ∫ g B_α over the
             subtriangles with the Bernstein polynomials B_α of degree k of the cells, (n, more, 2).
         """
-        values = force.transpose(1, 2, 0)
-        coefficients = self.projection @ values
-        rest = values - self._shapes @ coefficients
+        coefficients, rest = self.projected.split(force)
         weighted = rest * self.rule.weights[..., None]
         return coefficients, np.einsum("nqx,nqx->n", rest, weighted), self._whole @ weighted
 
@@ -229,11 +240,10 @@ def _force_at(data: Data, x: Points) -> ForceInTime:
     if data.force_modes is None:
         return data.body_force(x)
     modes = data.force_modes(x.reshape(len(x), -1))
-    parts = [
-        (rate, amplitudes_of(part), StrainSums.at_points(part, x[0].size))
-        for rate, part in ((True, modes.viscous), (False, modes.elastic))
-    ]
-    return lambda time: np.reshape(sum(sums(amplitudes(time, rate)) for rate, amplitudes, sums in parts), x.shape)
+    (rates, viscous), (strains, elastic) = (
+        (amplitudes_of(part), strain_matrix(part, x[0].size)) for part in (modes.viscous, modes.elastic)
+    )
+    return lambda time: (viscous @ rates(time, True) + elastic @ strains(time, False)).reshape(x.shape)
 
 
 class _Edges:
@@ -250,21 +260,13 @@ class _Edges:
         graded = partial(facet_rule, space.mesh, edges, part, crossings)
         rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
         self.edges, self.weights = edges, rule.weights
-        self.shapes = bernstein(space.degree, rule.shapes)
+        self.projected = _Projection(bernstein(space.degree, rule.shapes), rule.weights)
         self.load = data.surface_load(part, part.point(rule.s))
-        gram = np.einsum("anq,bnq,nq->nab", self.shapes, self.shapes, rule.weights)
-        self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), self.shapes, rule.weights)
-
-    def projected(self, load: Vectors) -> Array:
-        """Return the projected traction P f_2 from f_2 at the quadrature points: (2, n, q) → (n, k + 1, 2)."""
-        return np.einsum("naq,dnq->nad", self.projection, load)
 
     def split(self, time: float) -> tuple[Array, Array]:
         """Return the projected traction P f_2 at a time, (n, k + 1, 2), and the norms ‖f_2 − P f_2‖_e, (n,)."""
-        values = self.load(time)
-        coefficients = self.projected(values)
-        rest = values - np.einsum("nad,anq->dnq", coefficients, self.shapes)
-        return coefficients, np.sqrt(np.einsum("dnq,dnq,nq->n", rest, rest, self.weights))
+        coefficients, rest = self.projected.split(self.load(time))
+        return coefficients, np.sqrt(np.einsum("nqd,nqd,nq->n", rest, rest, self.weights))
 
 
 def _divided(rule: FacetRule) -> FacetRule:

@@ -19,7 +19,7 @@ from manufactured.natural_motion import natural_motion
 from study.fem import moments
 from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
 from study.fem.mesh import FAMILIES, Shaken, Unstructured
-from study.fem.moments import PointwiseSums, amplitudes_of
+from study.fem.moments import QuadraturePoints, StressSums, amplitudes_of
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
 from study.fem.space import Space
@@ -191,13 +191,13 @@ def test_sharing_coordinates_changes_the_mean_strains_by_less_than_the_rule_itse
 
 
 @pytest.mark.parametrize("case", ["yield-on-a-part", "double-well", "cube-disc"])
-def test_sums_of_a_law_over_points_add_up_what_it_gives_at_each(case: str) -> None:
-    """For a function of strains that is not linear."""
+def test_sums_of_the_stress_of_a_nonlinear_law_add_up_the_stresses_at_the_points(case: str) -> None:
     solution, rng = resolve(case).solution, np.random.default_rng(4)
     count, time = 4133, 0.5 * solution.body.T
-    fields = solution.at(solution.body.sample(rng, count))
+    fields = solution.at(x := solution.body.sample(rng, count))
     sums, weights, modes = np.sort(rng.integers(0, 50, count)), rng.random(count), fields.modes()
     expected = np.zeros((len(solution.law.A.matrix), 50))
-    np.add.at(expected, (slice(None), sums), weights * abs(fields.strain(time)))
-    found = PointwiseSums(modes, sums, weights, 50)(amplitudes_of(modes)(time, False), abs)
+    np.add.at(expected, (slice(None), sums), weights * fields.stress(time))
+    amplitudes, points = amplitudes_of(modes), QuadraturePoints(x, sums, weights, 50)
+    found = StressSums(solution.law, modes, points)(amplitudes(time, False), amplitudes(time, True))
     assert abs(found - expected).max() <= 1e-13 * abs(expected).max()
