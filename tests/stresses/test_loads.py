@@ -1,17 +1,17 @@
 """P f_0 where f_0 jumps along fronts that move."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
+from entrywise import near
 from hypothesis import given
 from hypothesis import strategies as st
 from skfem import MeshTri
 
 from manufactured.data import Data, no_fronts
 from manufactured.exact import ExactSolution
-from manufactured.tensors import Array, traction
+from manufactured.tensors import Array, full
 from study.fem.mesh import FAMILIES, MeshFamily, OneDiagonal, Shaken, cell_volumes
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, cut_rule, sliced_rule
@@ -44,23 +44,24 @@ def test_cells_cut_along_two_parallel_lines_integrate_what_bends_at_both_exactly
     assert found == pytest.approx(expected, abs=1e-12)
 
 
-def flux(solution: ExactSolution, corners: Array, fronts: list[float], time: float) -> Array:
-    """∮ σν along a triangle (2, 3), edges cut where x_1 is that of a front: (2,)."""
+def fluxes(solution: ExactSolution, corners: Array, fronts: list[float], time: float) -> Array:
+    """∮ σν along n triangles (2, 3, n), whose sides are cut at the fronts, the lines of constant x_1: (2, n)."""
     x, w = np.polynomial.legendre.leggauss(12)
-    total, turn = np.zeros(2), np.sign(np.linalg.det(corners[:, 1:] - corners[:, :1]))
-    for a, b in zip(corners.T, np.roll(corners, -1, axis=1).T, strict=True):
-        crossings = [(c - a[0]) / (b[0] - a[0]) for c in fronts if abs(b[0] - a[0]) > 1e-14]
-        ends = np.sort([0.0, 1.0, *(c for c in crossings if 0 < c < 1)])
-        normal = turn * np.array([b[1] - a[1], a[0] - b[0]])
-        for left, right in pairwise(ends):
-            places = a[:, None] + (b - a)[:, None] * (left + (right - left) * (1 + x) / 2)
-            stress = solution.at(places).stress(time)
-            total += traction(stress, normal) @ w * (right - left) / 2
-    return total
+    ends = np.roll(corners, -1, axis=1)
+    along = ends - corners
+    with np.errstate(divide="ignore"):
+        crossings = [(front - corners[0]) / along[0] for front in fronts]
+    cuts = np.sort([0 * along[0], *np.clip(crossings, 0, 1), 0 * along[0] + 1], axis=0)[..., None]
+    places = (cuts[:-1] + np.diff(cuts, axis=0) * (1 + x) / 2)[None]
+    stress = solution.at(corners[:, None, ..., None] + along[:, None, ..., None] * places).stress(time)
+    normals = np.array([along[1], -along[0]]) * np.sign(np.linalg.det(np.moveaxis(along[:, :2], 2, 0)))
+    return np.einsum("ijpvnq,jvn,pvn,q->in", full(stress), normals, np.diff(cuts, axis=0)[..., 0], w / 2)
 
 
-@pytest.mark.parametrize("family", [OneDiagonal(), Shaken(seed=3)], ids=lambda family: family.name)
-@pytest.mark.parametrize(("time", "count"), [(0.1, 4), (0.28, 2), (0.5, 2)])
+@pytest.mark.parametrize(
+    ("family", "time", "count"),
+    [(OneDiagonal(), 0.1, 4), (Shaken(seed=3), 0.28, 2), (Shaken(seed=3), 0.1, 4), (OneDiagonal(), 0.5, 2)],
+)
 def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cross(
     family: MeshFamily, time: float, count: int
 ) -> None:
@@ -69,7 +70,7 @@ def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cr
     thirds, corners = alfeld_split(space.mesh)
     fronts = [offset for _, offset in solution.fronts(time)]
     assert len(fronts) == count
-    expected = np.array([-flux(solution, corners[:, :, n], fronts, time) for n in range(corners.shape[2])])
+    expected = -fluxes(solution, corners, fronts, time).T
 
     def error(data: Data) -> float:
         means = ProjectedLoads(data, space, raised=10)(time).force.reshape(-1, 2)
@@ -80,19 +81,18 @@ def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cr
     assert error(replace(data, fronts=no_fronts)) > 100 * error(data)
 
 
-@pytest.mark.parametrize("degree", [1, 2])
-@pytest.mark.parametrize("name", ["advance-recede", "corner", "heterogeneous", "layered", "re-entrant"])
+@pytest.mark.parametrize(
+    ("name", "degree"), [("advance-recede", 1), ("corner", 2), ("heterogeneous", 1), ("layered", 2), ("re-entrant", 1)]
+)
 def test_loads_from_modes_are_those_evaluated_point_by_point(name: str, degree: int) -> None:
     solution = resolve(name).solution
     family = next(family for family in FAMILIES if family.serves(solution.body))
     space, data = StressSpace(family(solution.body, 4), solution.body, degree), Data.of(solution)
     told, other = ProjectedLoads(data, space), ProjectedLoads(replace(data, force_modes=None, formulas_of=None), space)
-    times = solution.body.T * np.linspace(0, 1, 8)[1:]
-    for time in times:
+    for time in (0.4 * solution.body.T, solution.body.T):
         found, expected = told(time), other(time)
         assert abs(found.force - expected.force).max() <= 1e-12 * abs(expected.force).max()
-        assert np.array_equal(found.surface, expected.surface)
-        assert told.at(time).loads.surface == pytest.approx(expected.surface, rel=1e-12, abs=1e-12)
+        assert near(told.at(time).loads.surface, expected.surface, rel=1e-12, abs=1e-12)
         left, right = told.at(time).left_out, other.at(time).left_out
         for name in ("low_order", "high_order", "on_edges"):
-            assert getattr(left, name) == pytest.approx(getattr(right, name), rel=1e-9, abs=1e-12)
+            assert near(getattr(left, name), getattr(right, name), rel=1e-9, abs=1e-12)
