@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from sympy import Integer, Rational
@@ -102,7 +103,9 @@ class GrowingErrors(ListedNumbers):
 def experiment(solution: ExactSolution, setting: Setting) -> Experiment:
     """Return the discretisation of a solution on the mesh of a setting, with time steps much shorter than 1/ω and T."""
     steps = max(FEWEST, steps_for(solution.law, solution.body.T))
-    return Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
+    setup = Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
+    # Loads are cached, because several time grids of an experiment have most of their times in common.
+    return replace(setup, problem=replace(setup.problem, load=lru_cache(maxsize=None)(setup.problem.load)))
 
 
 def opening(law: KelvinVoigt, T: float) -> ExactSolution:
