@@ -55,16 +55,15 @@ import sympy as sp
 
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
-from study.fem.naming import is_own, name_of, resolve
+from study.fem.naming import is_own, name_of
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, finest, largest, order
 from study.ledger.datafiles import CsvFile
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
-from study.solve.steps import stress_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import EVOLVING, Setting, Statement
+from study.statements.shared.base import EVOLVING, Setting, Statement, steps_like_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import split_random, split_superclose
 from study.statements.shared.scope import Scope
@@ -309,6 +308,4 @@ class ContactForce(Statement):
         yield from ((rule, groups) for rule in EXACT)
 
     def steps(self, setting: Setting) -> int:
-        """Return an even number of time steps with k ~ h."""
-        case = resolve(setting.case)
-        return stress_steps(case.solution.body.T, setting.level, case.pace)
+        return steps_like_h(setting)

@@ -24,7 +24,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 from sympy import Integer, Rational
@@ -45,7 +44,7 @@ from study.solve.paths import furthest, interpolated, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.error_bounds import sides
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, norm
 from study.statements.solution_divergence import SWEEP, column, columns, even_law, scaled, steps_for
 
@@ -104,8 +103,7 @@ def experiment(solution: ExactSolution, setting: Setting) -> Experiment:
     """Return the discretisation of a solution on the mesh of a setting, with time steps much shorter than 1/ω and T."""
     steps = max(FEWEST, steps_for(solution.law, solution.body.T))
     setup = Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
-    # Loads are cached, because several time grids of an experiment have most of their times in common.
-    return replace(setup, problem=replace(setup.problem, load=lru_cache(maxsize=None)(setup.problem.load)))
+    return replace(setup, problem=with_cached_loads(setup.problem))
 
 
 def opening(law: KelvinVoigt, T: float) -> ExactSolution:

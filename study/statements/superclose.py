@@ -14,12 +14,10 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from manufactured.catalogue import catalogue
-from study.fem.naming import resolve
 from study.ledger.criterion import ENOUGH, change, largest, order
 from study.ledger.window import between, positive_at_most
-from study.solve.steps import stress_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, steps_like_h, with_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import families
 from study.statements.shared.norms import maximum, norm
@@ -78,6 +76,4 @@ class Superclose(ListedNumbers):
         return 2.0 * setting.level**2 * self.steps(setting)
 
     def steps(self, setting: Setting) -> int:
-        """Return an even number of time steps with k ~ h."""
-        case = resolve(setting.case)
-        return stress_steps(case.solution.body.T, setting.level, case.pace)
+        return steps_like_h(setting)

@@ -17,6 +17,7 @@ from study.fem.naming import resolve
 from study.ledger.criterion import Criterion, Groups, Observation, Rule, by_case, by_family
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.verdict import Verdict
+from study.solve.steps import stress_steps
 from study.statements.shared import estimates
 from study.statements.shared.scope import Scope
 
@@ -211,6 +212,12 @@ class ListedNumbers(Statement):
     def memory(self, setting: Setting) -> float:
         """Return the memory of a measurement in bytes, estimated from the level and the dimension."""
         return estimates.statement(setting.dim, setting.level)
+
+
+def steps_like_h(setting: Setting) -> int:
+    """Return an even number of time steps with k ~ h, with the factor that the case states as its pace."""
+    case = resolve(setting.case)
+    return stress_steps(case.solution.body.T, setting.level, case.pace)
 
 
 def grid(cases: Sequence[str], families: Sequence[str], levels: Sequence[int]) -> list[Setting]:
