@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import numpy as np
 import sympy as sp
@@ -51,10 +52,13 @@ def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> 
     return sp.lambdify([*arguments], [*map(sp.sympify, expressions)], modules=modules, cse=True)  # type: ignore[no-any-return]
 
 
+@lru_cache(maxsize=1024)
 def derivatives(
-    expression: sp.Expr, arguments: Sequence[sp.Symbol], orders: Sequence[Index]
+    expression: sp.Expr, arguments: tuple[sp.Symbol, ...], orders: tuple[Index, ...]
 ) -> Callable[..., list[Array]]:
     """Return a NumPy function that evaluates derivatives of an expression and returns the list of their values.
+
+    Functions are cached, because solutions for different laws have formulas in common.
 
     Args:
         expression: a formula of the arguments.

@@ -49,7 +49,7 @@ class Jet:
         shape = np.broadcast_shapes(points.shape[1:], np.shape(time))
         keys = indices(len(self.variables), order)
         if order not in self._compiled:
-            orders = [(*key, self.in_time) for key in keys]
+            orders = tuple((*key, self.in_time) for key in keys)
             self._compiled[order] = derivatives(self.expression, (*self.variables, t), orders)
         found: Values = {}
         for key, value in zip(keys, self._compiled[order](*points, time), strict=True):

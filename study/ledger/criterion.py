@@ -8,7 +8,7 @@ orders.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -150,17 +150,6 @@ class Observation:
         found = replace(found, verdict=MISSED if missed else REPORTED)
         text = f"predicted {self.criterion.window.text} ({agreement(found)}); no claim, because {self.reason}"
         return replace(found, expected=text)
-
-
-def judge(of: Named, rows: pd.DataFrame, rules: Sequence[Rule]) -> list[Verdict]:
-    """Return the checks of a statement for all cases.
-
-    Parameters:
-        of: the statement.
-        rows: a table with one number in each row: columns case, family, level, h, quantity, value.
-        rules: the criteria and observations of the statement.
-    """
-    return [rule.verdict(of, case, groups) for case, groups in by_case(rows) for rule in rules]
 
 
 ENOUGH = 3

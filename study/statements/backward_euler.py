@@ -26,8 +26,6 @@ the rule is of higher order at the nodes where velocities are smooth.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import pandas as pd
@@ -39,7 +37,7 @@ from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, minimum
 
 COUNTS = (4, 8, 16, 32, 64, 128, 256)
@@ -105,8 +103,7 @@ class BackwardEuler(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        # The loads are cached, because a trajectory with halved steps needs them again at all times of the first one.
-        problem = replace(setup.problem, load=lru_cache(maxsize=None)(setup.problem.load))
+        problem = with_cached_loads(setup.problem)
         flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
         exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)
         found: dict[str, float] = {}

@@ -55,17 +55,15 @@ import sympy as sp
 
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
-from study.fem.naming import is_own, name_of, resolve
+from study.fem.naming import is_own, name_of
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, finest, largest, order
 from study.ledger.datafiles import CsvFile
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
-from study.solve.steps import stress_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.shared import estimates
-from study.statements.shared.base import EVOLVING, Setting, Statement
+from study.statements.shared.base import EVOLVING, Setting, Statement, steps_like_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import split_random, split_superclose
 from study.statements.shared.scope import Scope
@@ -265,6 +263,7 @@ class ContactForce(Statement):
     claim = "−σ^h_ν → p on Γ3, and u^h_ν ≤ 0 between vertices, for the solutions of Proposition 5.4"
     file = CONTACT
     of_own_cases = True
+    per_step = 5.0, 120.0
 
     def settings(self, scope: Scope) -> list[Setting]:
         """Return the settings for the cases of Proposition 5.4 with contact.
@@ -275,10 +274,9 @@ class ContactForce(Statement):
         """
         return [
             Setting(reference, family.name, level)
-            for reference, case in zip(scope.cases, scope.resolved(), strict=True)
+            for reference, case, family in scope.on_families()
             if is_own(reference) or (scope.statements and (scope.full or reference in EVOLVING))
             if case.proposition == "Prop. 5.4" and touches(case.solution)
-            for family in scope.families_of(case)
             for level in scope.levels_of(case).all[0 if is_own(reference) else -ENOUGH :]
         ]
 
@@ -309,14 +307,5 @@ class ContactForce(Statement):
             yield Observation(replace(rule, window=jump), NO_ORDER) if case == LANDS else rule, mine
         yield from ((rule, groups) for rule in EXACT)
 
-    def cost(self, setting: Setting) -> float:
-        cells = setting.level**setting.dim * estimates.cells(setting.family)
-        return float(cells * self.steps(setting)) * (5 if setting.dim == 2 else 120)
-
-    def memory(self, setting: Setting) -> float:
-        return estimates.displacement(setting.dim, setting.level, setting.family)
-
     def steps(self, setting: Setting) -> int:
-        """Return an even number of time steps with k ~ h."""
-        case = resolve(setting.case)
-        return stress_steps(case.solution.body.T, setting.level, case.pace)
+        return steps_like_h(setting)

@@ -14,29 +14,26 @@ from __future__ import annotations
 import pandas as pd
 
 from study.fem.naming import family_named
-from study.ledger.criterion import ENOUGH, Observation, between_levels, by_family, largest
+from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, between_levels, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import around, at_least, at_most
-from study.statements.prop_5_4 import RATES, over
+from study.statements.prop_5_4 import RATES, FromRates, over
 from study.statements.shared.base import Statement
-from study.statements.shared.meshes import LEADING, is_uniform
+from study.statements.shared.meshes import LEADING, split, value_of_case
 
 NEAR = around(1, 0.05, "on the finest level")
 
 
-class SizeOfInterpolation(Statement):
+class SizeOfInterpolation(FromRates):
     """Judges the interpolation error ‖u − Π^h u‖_V divided by its leading term, for the cases of Proposition 5.4."""
 
     label = "(5.23)"
     claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
-    file = RATES
+    proposition = "Prop. 5.4"
     rules = (over("leading-term", "‖u − Π^h u‖_V / leading term", NEAR, "interpolation_error", LEADING),)
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return super().judge(rows[rows["claim"] == "Prop. 5.4"])
 
-
-class RegularityNeeded(Statement):
+class RegularityNeeded(FromRates):
     """Compares observed orders with proved orders, for solutions without the regularity (5.36).
 
     The result is reported and not judged, because the paper claims no order for these solutions.
@@ -44,16 +41,13 @@ class RegularityNeeded(Statement):
 
     label = "(5.36)"
     claim = "does Prop. 5.4 need the regularity (5.36) that it assumes?"
-    file = RATES
+    proposition = "Prop. 5.3"
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        found = []
-        for case, mine in rows[rows["claim"] == "Prop. 5.3"].groupby("case", sort=False):
-            proved = at_least(float(mine["proved_order"].iloc[0]), "the order that the proof gives")
-            seen = between_levels("order", "observed order on uniform meshes", proved, "error", 2, ENOUGH)
-            rule = Observation(seen, "the paper claims an order only under (5.36)")
-            found.append(rule.verdict(self, str(case), by_family(mine[mine["family"].map(is_uniform)])))
-        return found
+    def rules_of(self, case: str, groups: Groups) -> list[tuple[Rule, Groups]]:
+        proved = at_least(value_of_case(groups, "proved_order"), "the order that the proof gives")
+        seen = between_levels("order", "observed order on uniform meshes", proved, "error", 2, ENOUGH)
+        uniform, _ = split(groups, lambda family: family.uniform)
+        return [(Observation(seen, "the paper claims an order only under (5.36)"), uniform)]
 
 
 SAME_MESH = ["family", "scheme", "level"]

@@ -20,8 +20,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import pandas as pd
@@ -35,7 +33,7 @@ from study.solve.evolution import Scheme
 from study.solve.paths import path
 from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum
 
 COUNTS = (4, 8, 16, 32, 64, 128)
@@ -104,9 +102,7 @@ class FullyDiscrete(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
         v_norm, M, T, common = setup.v_norm, setup.problem.M, setup.problem.T, min(COUNTS)
-        # Loads are cached, because all schemes and numbers of steps have most of their times in common.
-        load = lru_cache(maxsize=None)(setup.problem.load)
-        problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
+        problem = with_cached_loads(setup.problem, 12)
         reference = path(problem, MIDPOINT, FINEST)[:: FINEST // common]
         samples = [v_norm.sample(n * T / common) for n in range(common + 1)]
         found: dict[str, float] = {}

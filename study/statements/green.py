@@ -30,7 +30,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-import pandas as pd
 import scipy.sparse as sps
 
 from manufactured.body import Kind
@@ -45,8 +44,7 @@ from study.fem.independent import work_of_body_force, work_on
 from study.fem.mesh import with_midpoints
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import finest, judge, largest
-from study.ledger.verdict import Verdict
+from study.ledger.criterion import Groups, Rule, finest, largest
 from study.ledger.window import positive_at_most
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import ListedNumbers, Setting, with_h
@@ -101,18 +99,14 @@ class Green(ListedNumbers):
         shrunk = 2**halvings * (max(halved, ROUND_OFF) / max(whole, ROUND_OFF))
         return with_h(space.h, {"whole cells": whole, "halved cells": halved, "shrunk": shrunk, "smooth": 0.0})
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        smooth, kinked = by_smoothness(rows)
-        return judge(self, smooth, FOR_SMOOTH_FORCES) + judge(self, kinked, FOR_FORCES_WITH_JUMPS)
+    def rules_of(self, case: str, groups: Groups) -> list[tuple[Rule, Groups]]:
+        rules = FOR_SMOOTH_FORCES if has_smooth_force(groups) else FOR_FORCES_WITH_JUMPS
+        return [(rule, groups) for rule in rules]
 
 
-def by_smoothness(rows: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Split measured rows into those of cases with a smooth body force and those of all other cases.
-
-    A body force is smooth in this sense if ``smooth_off_lines`` is true for the case.
-    """
-    smooth = rows["case"].isin(rows.loc[(rows["quantity"] == "smooth") & (rows["value"] == 1), "case"])
-    return rows[smooth], rows[~smooth]
+def has_smooth_force(groups: Groups) -> bool:
+    """Return whether measurements belong to a case with a smooth body force, in the sense of ``smooth_off_lines``."""
+    return any("smooth" in table and (table["smooth"] == 1).any() for table in groups.values())
 
 
 def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0) -> float:

@@ -44,7 +44,7 @@ from study.solve.paths import furthest, interpolated, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.error_bounds import sides
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, norm
 from study.statements.solution_divergence import SWEEP, column, columns, even_law, scaled, steps_for
 
@@ -102,7 +102,8 @@ class GrowingErrors(ListedNumbers):
 def experiment(solution: ExactSolution, setting: Setting) -> Experiment:
     """Return the discretisation of a solution on the mesh of a setting, with time steps much shorter than 1/ω and T."""
     steps = max(FEWEST, steps_for(solution.law, solution.body.T))
-    return Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
+    setup = Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
+    return replace(setup, problem=with_cached_loads(setup.problem))
 
 
 def opening(law: KelvinVoigt, T: float) -> ExactSolution:

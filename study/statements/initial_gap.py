@@ -20,31 +20,24 @@ criteria of Proposition 5.3. If g is forgotten or has the wrong sign, the error 
 
 from __future__ import annotations
 
-import pandas as pd
+from collections.abc import Iterator
 
 from manufactured.case import INITIAL_GAP
-from study.ledger.criterion import by_family
-from study.ledger.verdict import Verdict
-from study.statements import prop_5_3, prop_5_4
+from study.ledger.criterion import Groups, Rule
 from study.statements.from_rates import SizeOfInterpolation
-from study.statements.prop_5_4 import Rates
+from study.statements.prop_5_3 import Convergence
+from study.statements.prop_5_4 import FirstOrder, Rates
+from study.statements.shared.meshes import value_of_case
 
 
 class InitialGap(Rates):
     """Measures and judges the errors ‖u − u^h‖_V for the cases with an initial gap."""
 
-    label = INITIAL_GAP
+    label = proposition = INITIAL_GAP
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h) for K = {v : v_ν ≤ g on Γ3}; the paper has g = 0"
     initial_gap = True
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        found: list[Verdict] = []
-        for case, of_case in rows[rows["claim"] == self.label].groupby("case", sort=False):
-            groups, expected = by_family(of_case), float(of_case["expected_order"].iloc[0])
-            if expected < 1:
-                rules = [*prop_5_3.rules_of(groups, expected)]
-            else:
-                sizes = [(rule, groups) for rule in SizeOfInterpolation.rules]
-                rules = [*prop_5_4.rules_of(of_case, expected), *sizes]
-            found += [rule.verdict(self, str(case), judged) for rule, judged in rules]
-        return found
+    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+        smooth = value_of_case(groups, "expected_order") >= 1
+        for statement in (FirstOrder(), SizeOfInterpolation()) if smooth else (Convergence(),):
+            yield from statement.rules_of(case, groups)

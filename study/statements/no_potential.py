@@ -40,8 +40,6 @@ Changes after the first measurement:
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import lru_cache
 from itertools import product
 
 import numpy as np
@@ -59,7 +57,7 @@ from study.solve.paths import furthest, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.backward_euler import order_in_k
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, minimum
 
 COUNTS = (4, 8, 16, 32, 64)
@@ -130,8 +128,7 @@ class NoPotential(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        # Loads are cached, because all time grids are parts of one grid and need the loads at the same times.
-        law, problem = setup.solution.law, replace(setup.problem, load=lru_cache(maxsize=None)(setup.problem.load))
+        law, problem = setup.solution.law, with_cached_loads(setup.problem)
         times = problem.T * np.arange(FINEST + 1) / FINEST
         flow = GradientFlow(problem, np.array([problem.load(t) for t in times.tolist()]))
         bounds = EulerBounds(flow, law.kappa, law.growth)

@@ -32,16 +32,15 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from types import MappingProxyType
 
 import numpy as np
-import pandas as pd
 
 from manufactured.catalogue import catalogue
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import ENOUGH, ROUNDING, Criterion, Observation, change, every, exactly, judge
-from study.ledger.verdict import Verdict
+from study.ledger.criterion import ENOUGH, ROUNDING, Criterion, Groups, Rule, change, every, exactly
 from study.ledger.window import Window, around
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
@@ -58,7 +57,6 @@ COARSER = 16
 SETTLES = Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2")
 CONTINUOUS = Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump")
 UNIFORM = around(1, 0.05, "f^h tends to f")
-ROUGH = "moving-rough"
 WITHOUT = "ε(ü) ~ (s − c)^{α−4} with α = 13/4 is not square integrable and f has no bounded variation in V"
 
 
@@ -82,14 +80,11 @@ class LoadInTime(ListedNumbers):
         ),
         change("uniform", "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh / coarsest mesh", UNIFORM, "norm", levels=2),
     )
+    not_judged = MappingProxyType({"moving-rough": WITHOUT})
     quick = grid(("lift-and-land",), ("unstructured",), (8, 16))
     full = grid(
         (*EVOLVING, "lift-and-land", "load-w11", "moving-rough", "hexagon", *SOFTENING), ("unstructured",), (16, 32)
     )
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        rough, others = (rows[(rows["case"] == ROUGH) == chosen] for chosen in (True, False))
-        return [*judge(self, others, self.rules), *judge(self, rough, [Observation(r, WITHOUT) for r in self.rules])]
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
@@ -148,6 +143,5 @@ class TractionInTime(ListedNumbers):
             squares.append(sum(np.sum(exact.surface_load(part, time) ** 2 * w) for part, exact, w in sides))
         return with_h(space.h, {"norm": math.sqrt(maximum(squares))})
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        without = rows["case"] == UNBOUNDED
-        return [*judge(self, rows[~without], [SETTLED]), *judge(self, rows[without], [GROWING])]
+    def rules_of(self, case: str, groups: Groups) -> list[tuple[Rule, Groups]]:
+        return [(GROWING if case == UNBOUNDED else SETTLED, groups)]

@@ -17,6 +17,7 @@ from study.fem.space import Space
 from study.ledger.datafiles import JsonFiles
 from study.ledger.pictures import FINE, Facets, Packed, short
 from study.solve.motion import Motion, von_mises
+from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.meshes import fits
 from study.statements.shared.scope import Scope
@@ -201,3 +202,6 @@ class Pictures(Statement):
     def cost(self, setting: Setting) -> float:
         """Return the expected run time in µs, which is half a second for every case."""
         return 500_000.0
+
+    def memory(self, setting: Setting) -> float:
+        return estimates.SMALL

@@ -16,8 +16,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-import pandas as pd
-
 from study.ledger.criterion import (
     ENOUGH,
     Criterion,
@@ -26,15 +24,13 @@ from study.ledger.criterion import (
     Observation,
     Rule,
     between_levels,
-    by_family,
     exactly,
     greatest_ratio,
 )
 from study.ledger.orders import limit
-from study.ledger.verdict import Verdict
 from study.ledger.window import STEEPER, Window, around, at_most
 from study.statements.prop_5_4 import EVIDENCE, SIZES, Rates
-from study.statements.shared.meshes import split, split_random
+from study.statements.shared.meshes import split, split_random, value_of_case
 
 LEVELS = ENOUGH + 1
 """Smallest number of levels that gives two observed orders over two refinements each."""
@@ -52,37 +48,26 @@ NO_RATE = "over two refinements (no rate is claimed)"
 class Convergence(Rates):
     """Judges Proposition 5.3 on exact solutions that violate the regularity assumption (5.36) of Proposition 5.4."""
 
-    label = "Prop. 5.3"
+    label = proposition = "Prop. 5.3"
     claim = "‖u − u^h‖_{L∞(0,T;V)} → 0"
 
-    def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
-        return [rule.verdict(self, case, groups) for rule, groups in rules_of(by_family(rows), expected)]
-
-
-def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
-    """Yield the criteria for a case, each with the measurements on the mesh families that it judges.
-
-    Args:
-        groups: the measurements of the case by mesh family.
-        expected: the predicted order.
-    """
-    uniform, graded = split(groups, lambda family: family.uniform)
-    falling = at_most(0.999, "on every level")
-    yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
-    by_chance, others = split_random(uniform)
-    steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the check of the order allows"
-    if others:
-        yield _limit("limit", LIMIT, expected), others
-        yield Observation(_limit("limit-steeper", Window(), expected + STEEPER), steeper), others
-    if by_chance:
-        yield Observation(_limit("limit-random", Window(), expected), "the limit varies with the seed"), by_chance
-    window = around(expected, STEEPER, NO_RATE)
-    yield between_levels("order", "observed order", window, "error", 2, LEVELS), uniform
-    if graded:
-        first = around(1.0, STEEPER, NO_RATE)
-        yield between_levels("order-graded", "observed order on graded meshes", first, "error", 2, LEVELS), graded
-    for criterion in (SIZES, *EVIDENCE):
-        yield criterion, groups
+    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+        expected, (uniform, graded) = value_of_case(groups, "expected_order"), split(groups, lambda mesh: mesh.uniform)
+        falling = at_most(0.999, "on every level")
+        yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
+        by_chance, others = split_random(uniform)
+        steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the check of the order allows"
+        if others:
+            yield _limit("limit", LIMIT, expected), others
+            yield Observation(_limit("limit-steeper", Window(), expected + STEEPER), steeper), others
+        if by_chance:
+            yield Observation(_limit("limit-random", Window(), expected), "the limit varies with the seed"), by_chance
+        window = around(expected, STEEPER, NO_RATE)
+        yield between_levels("order", "observed order", window, "error", 2, LEVELS), uniform
+        if graded:
+            first = around(1.0, STEEPER, NO_RATE)
+            yield between_levels("order-graded", "observed order on graded meshes", first, "error", 2, LEVELS), graded
+        yield from ((criterion, groups) for criterion in (SIZES, *EVIDENCE))
 
 
 def _limit(key: str, window: Window, expected: float) -> Criterion:

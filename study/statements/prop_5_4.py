@@ -30,7 +30,7 @@ its order and its share of the interpolation error are judged separately.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -54,7 +54,6 @@ from study.ledger.criterion import (
     Observation,
     Rule,
     between_levels,
-    by_family,
     consecutive,
     exactly,
     extrapolated,
@@ -69,10 +68,9 @@ from study.solve import solver_choice
 from study.solve.evolution import State
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT, SCHEMES, Tableau
-from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import LEADING, in_leading_term, split_irregular, split_superclose
+from study.statements.shared.meshes import LEADING, in_leading_term, split_irregular, split_superclose, value_of_case
 from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
@@ -94,19 +92,32 @@ class RateSetting(Setting):
     steps: int
 
 
-class Rates(Statement):
-    """Base class of the statements about Propositions 5.3 and 5.4, which measure the error ‖u − u^h‖_V."""
+class FromRates(Statement):
+    """Base class of the statements that are judged from the rows of one proposition in ``rates.csv``.
+
+    Attributes:
+        proposition: the label of the proposition.
+    """
 
     file = RATES
+    proposition: str
+
+    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+        return super().by_case(rows[rows["claim"] == self.proposition])
+
+
+class Rates(FromRates):
+    """Base class of the statements about Propositions 5.3 and 5.4, which measure the error ‖u − u^h‖_V."""
+
     of_every_case = True
+    per_step = 7.0, 150.0  # A cell in 3D costs more, because of more components and a denser matrix factor.
 
     def settings(self, scope: Scope) -> list[RateSetting]:
         """Return the settings for all cases of the proposition, on all their mesh families and levels."""
         return [
             RateSetting(reference, family.name, n, scope.scheme, scope.steps(case, n))
-            for reference, case in zip(scope.cases, scope.resolved(), strict=True)
-            if case.proposition == self.label
-            for family in scope.families_of(case)
+            for reference, case, family in scope.on_families()
+            if case.proposition == self.proposition
             for n in scope.levels_on(case, family)
         ]
 
@@ -120,34 +131,7 @@ class Rates(Statement):
         The label is not a part of the measurement, so that a case may move between propositions without being measured
         again.
         """
-        yield self.file, {"claim": self.label, **found}
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        found: list[Verdict] = []
-        for case, mine in rows[rows["claim"] == self.label].groupby("case", sort=False):
-            found += self.judge_case(str(case), mine, float(mine["expected_order"].iloc[0]))
-        return found
-
-    def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
-        """Return the verdicts on one case.
-
-        Args:
-            case: the name of the case.
-            rows: the rows of the case in ``rates.csv``.
-            expected: the predicted order.
-        """
-        raise NotImplementedError
-
-    def cost(self, setting: RateSetting) -> float:
-        """Return the expected run time in µs.
-
-        A cell in 3D costs more, because of more components and a denser matrix factor.
-        """
-        cells = setting.level**setting.dim * estimates.cells(setting.family)
-        return float(cells * setting.steps) * (7 if setting.dim == 2 else 150)
-
-    def memory(self, setting: RateSetting) -> float:
-        return estimates.displacement(setting.dim, setting.level, setting.family)
+        yield self.file, {"claim": self.proposition, **found}
 
     def steps(self, setting: RateSetting) -> int:
         return setting.steps
@@ -413,36 +397,26 @@ class StartShare:
         return found
 
 
-def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups]]:
-    """Yield the criteria for a case, each with the measurements on the mesh families that it judges.
-
-    Args:
-        rows: the rows of the case in ``rates.csv``.
-        expected: the predicted order.
-    """
-    groups = by_family(rows)
-    in_h, (irregular, _) = in_leading_term(groups), split_irregular(groups)
-    by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
-    limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
-    yield consecutive("order", "order of the error, level by level", by_level, "error"), in_h
-    yield extrapolated("order-extrapolated", "order of the error, extrapolated", limit, "error"), in_h
-    yield SIZES, in_h
-    for superclose, criterion in DISCRETE_ORDERS.items():
-        if mine := split_superclose(groups)[superclose]:
-            yield criterion, mine
-    for rule in (*DISCRETE_SIZES, StartShare(), *EVIDENCE):
-        yield rule, groups
-    for criterion in SOLIDS if int(rows["dim"].iloc[0]) == 3 else ():
-        yield criterion, in_h
-    if irregular:
-        yield LEADING_ORDER, irregular
-
-
 class FirstOrder(Rates):
     """Judges Proposition 5.4 on exact solutions that satisfy its regularity assumption (5.36)."""
 
-    label = "Prop. 5.4"
+    label = proposition = "Prop. 5.4"
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
 
-    def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
-        return [rule.verdict(self, case, groups) for rule, groups in rules_of(rows, expected)]
+    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+        expected = value_of_case(groups, "expected_order")
+        in_h, (irregular, _) = in_leading_term(groups), split_irregular(groups)
+        by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
+        limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
+        yield consecutive("order", "order of the error, level by level", by_level, "error"), in_h
+        yield extrapolated("order-extrapolated", "order of the error, extrapolated", limit, "error"), in_h
+        yield SIZES, in_h
+        for superclose, criterion in DISCRETE_ORDERS.items():
+            if mine := split_superclose(groups)[superclose]:
+                yield criterion, mine
+        for rule in (*DISCRETE_SIZES, StartShare(), *EVIDENCE):
+            yield rule, groups
+        for criterion in SOLIDS if value_of_case(groups, "dim") == 3 else ():
+            yield criterion, in_h
+        if irregular:
+            yield LEADING_ORDER, irregular

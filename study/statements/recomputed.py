@@ -147,6 +147,7 @@ class Recomputed(Statement):
     claim = "the errors in rates.csv, computed again from Problem 5.1 with other quadrature, assembly and solvers"
     file = RECOMPUTED
     joined_file = RATES
+    per_step = 120.0, 600.0
     rules = (
         ratio("error", "‖u − u^h‖_V", SAME),
         ratio("interpolation_error", "‖u − Π^h u‖_V", SAME),
@@ -162,9 +163,8 @@ class Recomputed(Statement):
         """
         return [
             RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
-            for reference, case in zip(scope.cases, scope.resolved(), strict=True)
+            for reference, case, family in scope.on_families()
             if scope.scheme == MIDPOINT.name
-            for family in scope.families_of(case)
             if not (is_random(family.name) and (case.proposition == "Prop. 5.3" or case.name in NARROW))
             for level in scope.levels_of(case).all[:1]
         ]
@@ -177,10 +177,6 @@ class Recomputed(Statement):
         """Yield the row of ``recomputed.csv``, with the same key as the row of this setting in ``rates.csv``."""
         case = resolve(setting.case).name
         yield self.file, {**{name: getattr(setting, name) for name in self.file.key}, "case": case, **found}
-
-    def cost(self, setting: RateSetting) -> float:
-        cells = setting.level**setting.dim * estimates.cells(setting.family)
-        return float(cells * setting.steps) * (120 if setting.dim == 2 else 600)
 
     def memory(self, setting: RateSetting) -> float:
         return estimates.SMALL if setting.dim == 2 else estimates.SOLID

@@ -25,11 +25,10 @@ times.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 
 from manufactured.body import Kind, Part
 from manufactured.catalogue import catalogue
@@ -40,9 +39,8 @@ from study.fem.mesh import barycentric
 from study.fem.naming import resolve
 from study.fem.quadrature import CellRule, FacetRule, facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, finest, greatest, judge
-from study.ledger.verdict import Verdict
-from study.ledger.window import Window, positive_at_most
+from study.ledger.criterion import Criterion, Groups, Rule, finest, greatest
+from study.ledger.window import positive_at_most
 from study.statements.boundary import planes, strain, vanishing, waves
 from study.statements.green import (
     FINE,
@@ -50,8 +48,8 @@ from study.statements.green import (
     ROUND_OFF,
     SMOOTH,
     TIMES,
-    by_smoothness,
     cut_at_fronts,
+    has_smooth_force,
     smallest_positive,
     smooth_off_lines,
     square_integrable,
@@ -94,13 +92,16 @@ class Residual(ListedNumbers):
         space, case = space_of(setting), resolve(setting.case)
         return with_h(space.h, {**defects(case.solution, space), "smooth": smooth_off_lines(case)})
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        smooth, kinked = by_smoothness(rows)
-        found = judge(self, smooth, rules_for(SMOOTH, CANCELLING)) + judge(self, kinked, rules_for(KINKED, KINKED))
-        measured = set(rows.loc[rows["quantity"] == "bound", "case"])
-        return [verdict for verdict in found if verdict.key != SHARE.key or verdict.case in measured]
+    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+        window, cancelling = (SMOOTH, CANCELLING) if has_smooth_force(groups) else (KINKED, KINKED)
+        yield finest("smooth", f"{DEFECT} / smallest term, smooth v", window, "smooth v"), groups
+        # For v = Π^h u − u the terms nearly cancel.
+        yield finest("remainder", f"{DEFECT} / smallest term of R, v = Π^hu − u", cancelling, "Π^hu − u"), groups
+        if any("bound" in table for table in groups.values()):
+            yield SHARE, groups
 
 
+DEFECT = "|R(t; v) − ∫_{Γ3} σ_ν v_ν|"
 SHARE = Criterion(
     "bound",
     "|R(t; v)| / (‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)})",
@@ -109,20 +110,6 @@ SHARE = Criterion(
     lambda group: greatest(group["bound"].to_numpy()) if group["bound"].notna().all() else None,
     ("bound",),
 )
-
-
-def rules_for(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
-    """Return the criteria of a case.
-
-    Args:
-        window: the tolerance window for smooth v.
-        cancelling: the tolerance window for v = Π^h u − u, for which terms nearly cancel.
-    """
-    return (
-        finest("smooth", "|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term, smooth v", window, "smooth v"),
-        finest("remainder", "|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term of R, v = Π^hu − u", cancelling, "Π^hu − u"),
-        SHARE,
-    )
 
 
 def defects(solution: ExactSolution, space: Space) -> dict[str, float]:

@@ -75,7 +75,7 @@ orders at T and near the patch are reported.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -103,12 +103,10 @@ from study.ledger.criterion import (
     Observation,
     Rule,
     among,
-    by_case,
     greatest,
     largest_quotient,
     order,
 )
-from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
@@ -310,6 +308,8 @@ AT_THE_START = (
 )
 AT_AN_END = "this quantity was chosen after M_h had shown orders above 1: with one diagonal M_h occurs at an end of Γ3"
 SMOOTHED = "the generator makes neighbourhoods nearly equal, and the order on a single mesh depends on chance"
+SCATTER = "order of the relative standard deviation over shaken meshes"
+BEST = "order of E_h = ‖u − P_hu‖_V, the error of the linear problem"
 NEAR_PATCH = "order of the nodal errors of P_hu next to the patch, one or two diagonals"
 FEW_MESHES = "eight meshes determine a standard deviation only up to a quarter"
 BY_LOGARITHM = "a logarithm changes the order from level to level"
@@ -336,51 +336,6 @@ def over_seeds(groups: Groups) -> pd.DataFrame:
     mean, spread = levels["excess"].mean(), levels["excess"].std()
     table = pd.DataFrame({"h": levels["h"].mean(), "excess": mean, "scatter": spread / mean}).reset_index()
     return table.sort_values("h", ascending=False)
-
-
-def rules_of(kind: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
-    """Yield the criteria for a kind of roller, each with the measurements on the mesh families that it judges.
-
-    The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction.
-    """
-
-    def on(*families: str) -> Groups:
-        # A missing family gets an empty table, so that the check is undecided.
-        return {name: groups.get(name, pd.DataFrame()) for name in families}
-
-    proved = at_most(1.0, "proved")
-    yield largest_quotient("bound", "error / right side of the bound", proved, "error", "right side"), groups
-    if kind == STANDING:
-        excess, fixed = f"{EXCESS}, patches that do not move", {k: v for k, v in groups.items() if k not in SEEDS}
-        yield order("order-standing", excess, ONE, "excess"), fixed
-        single = order("order-standing-shaken", f"{excess}, single shaken meshes", ONE, "excess")
-        yield Observation(single, "the order depends on the cells around few vertices"), on(SEEDS[0])
-        return
-    yield order("order-alternating", f"{EXCESS}, alternating diagonals", HALF, "excess"), on(ALTERNATING)
-    if kind != ROLLER:
-        return
-    plain, shaken = on(*PLAIN), {SEEDS[0]: over_seeds(groups)}
-    # Orders with a reason are reported and not judged.
-    for key, quantity, window, column, mine, reason in (
-        ("order-equal", f"{EXCESS}, one or two diagonals", EQUAL, "excess", plain, ""),
-        ("order-end", f"{EXCESS} at T, one or two diagonals", EQUAL, "excess at T", plain, AT_THE_START),
-        ("nodal-beside", NEAR_PATCH, SIMILAR, "M_h beside", plain, AT_AN_END),
-        ("order-shaken", f"{EXCESS}, mean over shaken meshes", HALF, "excess", shaken, ""),
-        ("order-unstructured", f"{EXCESS}, unstructured meshes", ONE_MESH, "excess", on(UNSTRUCTURED), SMOOTHED),
-        ("scatter", "order of the relative standard deviation over shaken meshes", SUM, "scatter", shaken, FEW_MESHES),
-        ("best", "order of E_h = ‖u − P_hu‖_V, the error of the linear problem", LINEAR, "E_h", groups, BY_LOGARITHM),
-    ):
-        criterion = order(key, quantity, window, column)
-        yield Observation(criterion, reason) if reason else criterion, mine
-    share = largest_quotient("share", "largest excess / error", Window(), "excess", "error")
-    yield Observation(share, "the study has no bound of this excess in V"), groups
-    columns = "excess", "excess, k/2"
-    halved = {name: table for name, table in groups.items() if columns[1] in table}
-    yield Criterion("time", "change of the excess with half the step", STEPS, change_by_half_steps, columns), halved
-    # The growth from every level to the next must lie in the window; the last one is displayed.
-    growth: Measure = lambda group: among((steps := np.diff(group["|q|²"].to_numpy()))[-1], steps)  # noqa: E731
-    quantity = "growth of |q|²_{1/2,Γ3} with every halving of ℓ"
-    yield Criterion("step", quantity, JUMP, growth, ("|q|²",), ENOUGH), on(PLAIN[0])
 
 
 class Rollers(ListedNumbers):
@@ -434,8 +389,50 @@ class Rollers(ListedNumbers):
             numbers["excess, k/2"] = Trajectories.of(on, 2 * steps).excess().max()
         return with_h(space.h, numbers)
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        kinds = rows.assign(case=rows["case"].str.rpartition("-")[0])
-        return [
-            rule.verdict(self, kind, mine) for kind, groups in by_case(kinds) for rule, mine in rules_of(kind, groups)
-        ]
+    def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
+        """Divide measured rows by kinds of rollers, which are the names of the cases without the level."""
+        return super().by_case(rows.assign(case=rows["case"].str.rpartition("-")[0]))
+
+    def rules_of(self, kind: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+        """Yield the criteria for a kind of roller, each with the measurements on the mesh families that it judges.
+
+        The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction.
+        """
+
+        def on(*families: str) -> Groups:
+            # A missing family gets an empty table, so that the check is undecided.
+            return {name: groups.get(name, pd.DataFrame()) for name in families}
+
+        proved = at_most(1.0, "proved")
+        yield largest_quotient("bound", "error / right side of the bound", proved, "error", "right side"), groups
+        if kind == STANDING:
+            excess, fixed = f"{EXCESS}, patches that do not move", {k: v for k, v in groups.items() if k not in SEEDS}
+            yield order("order-standing", excess, ONE, "excess"), fixed
+            single = order("order-standing-shaken", f"{excess}, single shaken meshes", ONE, "excess")
+            yield Observation(single, "the order depends on the cells around few vertices"), on(SEEDS[0])
+            return
+        yield order("order-alternating", f"{EXCESS}, alternating diagonals", HALF, "excess"), on(ALTERNATING)
+        if kind != ROLLER:
+            return
+        plain, shaken = on(*PLAIN), {SEEDS[0]: over_seeds(groups)}
+        # Orders with a reason are reported and not judged.
+        for key, quantity, window, column, mine, reason in (
+            ("order-equal", f"{EXCESS}, one or two diagonals", EQUAL, "excess", plain, ""),
+            ("order-end", f"{EXCESS} at T, one or two diagonals", EQUAL, "excess at T", plain, AT_THE_START),
+            ("nodal-beside", NEAR_PATCH, SIMILAR, "M_h beside", plain, AT_AN_END),
+            ("order-shaken", f"{EXCESS}, mean over shaken meshes", HALF, "excess", shaken, ""),
+            ("order-unstructured", f"{EXCESS}, unstructured meshes", ONE_MESH, "excess", on(UNSTRUCTURED), SMOOTHED),
+            ("scatter", SCATTER, SUM, "scatter", shaken, FEW_MESHES),
+            ("best", BEST, LINEAR, "E_h", groups, BY_LOGARITHM),
+        ):
+            criterion = order(key, quantity, window, column)
+            yield Observation(criterion, reason) if reason else criterion, mine
+        share = largest_quotient("share", "largest excess / error", Window(), "excess", "error")
+        yield Observation(share, "the study has no bound of this excess in V"), groups
+        columns = "excess", "excess, k/2"
+        halved = {name: table for name, table in groups.items() if columns[1] in table}
+        yield Criterion("time", "change of the excess with half the step", STEPS, change_by_half_steps, columns), halved
+        # The growth from every level to the next must lie in the window; the last one is displayed.
+        growth: Measure = lambda group: among((steps := np.diff(group["|q|²"].to_numpy()))[-1], steps)  # noqa: E731
+        quantity = "growth of |q|²_{1/2,Γ3} with every halving of ℓ"
+        yield Criterion("step", quantity, JUMP, growth, ("|q|²",), ENOUGH), on(PLAIN[0])

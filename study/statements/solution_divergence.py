@@ -27,7 +27,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import lru_cache
 from itertools import islice
 
 import numpy as np
@@ -44,7 +43,7 @@ from study.solve.paths import path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.constitutive_law import derivative
 from study.statements.shared.base import SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.experiment import Experiment
+from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, norm
 from study.statements.wellposed import Perturbation, along_the_contact, perturbations, quotients, smooth
 
@@ -97,9 +96,7 @@ class SolutionDivergence(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup, law = Experiment.at(setting, MIDPOINT, 1), resolve(setting.case).solution.law
-        # Loads are cached, because the steps for all laws and all T need them at the same few times.
-        load = lru_cache(maxsize=None)(setup.problem.load)
-        setup = replace(setup, problem=replace(setup.problem, load=lambda t: load(round(t, 9))))
+        setup = replace(setup, problem=with_cached_loads(setup.problem, 9))
         found: dict[str, float] = {}
         for omega, T in SWEEP:
             for name, mine in (("own", scaled(law, omega)), ("even", even_law(law.dim, omega))):

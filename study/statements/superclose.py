@@ -11,16 +11,13 @@ between 1 % and 40 %.
 
 from __future__ import annotations
 
-import pandas as pd
+from types import MappingProxyType
 
 from manufactured.catalogue import catalogue
-from study.fem.naming import resolve
-from study.ledger.criterion import ENOUGH, Observation, change, judge, largest, order
-from study.ledger.verdict import Verdict
+from study.ledger.criterion import ENOUGH, change, largest, order
 from study.ledger.window import between, positive_at_most
-from study.solve.steps import stress_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, steps_like_h, with_h
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import families
 from study.statements.shared.norms import maximum, norm
@@ -33,7 +30,6 @@ STEADY = positive_at_most(2.0, "k^{3/2}/h² with k ~ h doubles over two refineme
 
 With time steps k ~ h^{2/3}, errors of order 2 in k would make the quotient 2.5."""
 
-ROUGH_IN_TIME = "load-w11"
 BY_CHANCE = "ü ~ (t − t_0)^{−3/4}, so that the order in k is below 3/2 and depends on the position of t_0 in a step"
 
 
@@ -53,6 +49,7 @@ class Superclose(ListedNumbers):
         largest("time-share", "time share of ‖Π^h u − u^h‖_V: error in time / discrete error", TIME, "time share"),
         change("share-growth", "time share, finest level / coarsest level", STEADY, "time share"),
     )
+    not_judged = MappingProxyType({"load-w11": BY_CHANCE})
 
     def places(self, full: bool) -> list[Setting]:
         cases = [
@@ -61,11 +58,6 @@ class Superclose(ListedNumbers):
             if case.proposition == "Prop. 5.4" and case.solution.body.dim == 2 and FAMILY in families(case)
         ]
         return grid(cases, (FAMILY,), (16, 32, 64)) if full else grid(EVOLVING[:2], (FAMILY,), (8, 16, 32))
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        rough, others = (rows[(rows["case"] == ROUGH_IN_TIME) == chosen] for chosen in (True, False))
-        reported = [Observation(rule, BY_CHANCE) for rule in self.rules]
-        return [*judge(self, others, self.rules), *judge(self, rough, reported)]
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, self.steps(setting))
@@ -84,6 +76,4 @@ class Superclose(ListedNumbers):
         return 2.0 * setting.level**2 * self.steps(setting)
 
     def steps(self, setting: Setting) -> int:
-        """Return an even number of time steps with k ~ h."""
-        case = resolve(setting.case)
-        return stress_steps(case.solution.body.T, setting.level, case.pace)
+        return steps_like_h(setting)

@@ -59,7 +59,6 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.steps import step_size
 from study.solve.stress_problem import AIM, StressError, StressProblem, StressState
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.shared import estimates
 from study.statements.shared.base import ListedNumbers, Setting, Statement, grid, with_h
 from study.statements.shared.scope import Scope
 
@@ -204,6 +203,7 @@ class SameMesh(Statement):
     claim = "Problem 3.2 on the strains of V^h and Problem 3.1 have one solution"
     file = EQUIVALENCE
     of_every_case = True
+    per_step = 70.0, 1000.0
     rules = (
         *(
             largest_quotient(name, f"{name} {OVER_BOUND}", PROVED, f"{name}_gap", f"{name}_bound")
@@ -235,12 +235,6 @@ class SameMesh(Statement):
         displacements, stresses = problems(case.solution, family_named(setting.family), setting.level)
         where = {**vars(setting), "case": case.name, "form": "strains of V^h", "h": stresses.space.h, "steps": steps}
         return {**where, **magnitudes(gaps(displacements, stresses, steps)._asdict())}
-
-    def cost(self, setting: Setting) -> float:
-        return float(setting.level**setting.dim * self.steps(setting)) * (70 if setting.dim == 2 else 1000)
-
-    def memory(self, setting: Setting) -> float:
-        return estimates.displacement(setting.dim, setting.level, setting.family)
 
     def steps(self, setting: Setting) -> int:
         """Return the number of time steps, two for every cell along a side."""

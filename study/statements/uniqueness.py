@@ -17,7 +17,7 @@ from scipy.optimize import nnls
 
 from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import size as mesh_size
-from study.ledger.criterion import largest
+from study.ledger.criterion import Criterion, largest
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
@@ -35,6 +35,25 @@ EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), positive_at_most(1e-9, _BY_WHAT)
 
 The same solver may give exactly the same digits. The result of another solver differs at least by round-off."""
 INTERIOR = positive_at_most(1e-7, "the method stops at a duality gap of 1e-15, whose root bounds the difference")
+WAYS = {
+    "random starts": ("from random active sets", EXACTLY),
+    "least squares": ("by Lawson and Hanson's method on the dual", OTHERWISE),
+    "fixed point": ("by a fixed-point iteration with all of G on the right-hand side", OTHERWISE),
+    "interior point": ("by an interior point method", INTERIOR),
+}
+"""Other ways to solve a problem, by their names in columns: each in words, with the window of the difference."""
+
+
+def differences(of: str, *ways: str, on: str = "") -> tuple[Criterion, ...]:
+    """Return the criteria for the relative differences of solutions that other solvers give.
+
+    Args:
+        of: what is compared, "solutions" or "stresses".
+        ways: the names of the other ways.
+        on: text to add to the description of the interior point method.
+    """
+    texts = {name: f"difference of the {of} {WAYS[name][0]}{on if name == 'interior point' else ''}" for name in ways}
+    return tuple(largest(name.replace(" ", "-"), text, WAYS[name][1], name) for name, text in texts.items())
 
 
 class OneTrajectory(ListedNumbers):
@@ -49,15 +68,7 @@ class OneTrajectory(ListedNumbers):
 
     label = "Thm 4.1, 5.2"
     claim = "different initial guesses, solvers and splittings give one solution in V^h: a test of the solvers"
-    rules = tuple(
-        largest(name.replace(" ", "-"), f"difference of the solutions {how}", window, name)
-        for name, how, window in (
-            ("random starts", "from random active sets", EXACTLY),
-            ("least squares", "by Lawson and Hanson's method on the dual", OTHERWISE),
-            ("fixed point", "by a fixed-point iteration with all of G on the right-hand side", OTHERWISE),
-            ("interior point", "by an interior point method", INTERIOR),
-        )
-    )
+    rules = differences("solutions", *WAYS)
     quick = grid((*EVOLVING, *SOFTENING), ("shaken",), (6,))
     full = (
         *grid((*EVOLVING, *SOFTENING), ("one-diagonal",), (6, 12)),
@@ -149,14 +160,7 @@ class OneStress(ListedNumbers):
 
     label = "Thm 4.3"
     claim = "different initial guesses and solvers give one stress in Σ^h: a test of the solvers"
-    rules = tuple(
-        largest(name.replace(" ", "-"), f"difference of the stresses {how}", window, name)
-        for name, how, window in (
-            ("random starts", "from random active sets", EXACTLY),
-            ("least squares", "by Lawson and Hanson's method on the dual", OTHERWISE),
-            ("interior point", "by an interior point method on all unknowns", INTERIOR),
-        )
-    )
+    rules = differences("stresses", *RIVALS, on=" on all unknowns")
     quick = grid(("advance-recede",), ("shaken",), (4,))
     full = grid(("advance-recede", "corner", "anisotropic"), ("unstructured",), (4, 8))
 

@@ -45,7 +45,7 @@ def test_every_row_about_an_initial_gap_can_fail() -> None:
 def test_a_smooth_solution_has_the_verdicts_of_proposition_5_4(changes: dict[str, object]) -> None:
     rows = measured(1.0, **changes)
     same = rows.assign(claim="Prop. 5.4")
-    expected = [*FirstOrder().judge_case("a", same, 1.0), *SizeOfInterpolation().judge(same)]
+    expected = [*FirstOrder().judge(same), *SizeOfInterpolation().judge(same)]
     found = InitialGap().judge(rows)
     assert [(row.key, row.verdict) for row in found] == [(row.key, row.verdict) for row in expected]
     assert {row.label for row in found} == {INITIAL_GAP}

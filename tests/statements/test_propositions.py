@@ -44,7 +44,7 @@ def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="cr
 
 def prop_5_4(rows: pd.DataFrame, order: float = 1.0) -> list[Verdict]:
     """The verdicts on a case, with the size of its interpolation error."""
-    return [*FirstOrder().judge_case("a", rows, order), *SizeOfInterpolation().judge(rows)]
+    return [*FirstOrder().judge(rows.assign(expected_order=order)), *SizeOfInterpolation().judge(rows)]
 
 
 def prop_5_3(rows: pd.DataFrame, order: float) -> list[Verdict]:

@@ -70,7 +70,7 @@ def rates() -> pd.DataFrame:
 
 
 def rows(rates: pd.DataFrame, case: str = "travelling-patch") -> dict[str, str]:
-    found = FirstOrder().judge_case(case, rates[rates["case"] == case], 1.0)
+    found = FirstOrder().judge(rates[rates["case"] == case])
     return {verdict.key: verdict.verdict for verdict in found}
 
 

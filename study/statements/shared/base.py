@@ -8,14 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import pandas as pd
 
 from study.fem.naming import resolve
-from study.ledger.criterion import Groups, Rule, by_case, by_family
+from study.ledger.criterion import Criterion, Groups, Observation, Rule, by_case, by_family
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.verdict import Verdict
+from study.solve.steps import stress_steps
 from study.statements.shared import estimates
 from study.statements.shared.scope import Scope
 
@@ -58,12 +60,14 @@ class Statement:
         joined_file: a second data file or None. Its columns are added to the rows of ``file`` that have the same key,
             under the names ``NAME_reported``.
         rules: the criteria. Each gives one check for every case, that is, one row of the ledger.
+        not_judged: the cases whose checks are reported and not judged, with the reason.
         quick, full: the settings of the quick and of the full study.
         of_every_case: whether the statement is measured on every case of a run, including the cases of users.
         initial_gap: whether the statement is also measured on cases with an initial gap; the paper has no such gap.
         of_own_cases: whether the statement is measured on the cases of users although ``of_every_case`` is false.
         outside_catalogue: whether the cases of ``quick`` and ``full`` are missing in the catalogue. Such a statement is
             measured only in studies of the whole catalogue.
+        per_step: expected run time in µs for each cell and time step, in the plane and in space.
     """
 
     label: str
@@ -71,12 +75,14 @@ class Statement:
     file: DataFile
     joined_file: CsvFile | None = None
     rules: Sequence[Rule] = ()
+    not_judged: Mapping[str, str] = MappingProxyType({})
     quick: Sequence[Any] = ()
     full: Sequence[Any] = ()
     of_every_case: bool = False
     initial_gap: bool = False
     of_own_cases: bool = False
     outside_catalogue: bool = False
+    per_step: tuple[float, float] = (0.0, 0.0)
 
     def planned(self, scope: Scope) -> Sequence[Any]:
         """Return the settings in which a study measures the statement.
@@ -128,15 +134,24 @@ class Statement:
             case: the name of the case.
             groups: the tables of levels of this case, by mesh family.
         """
+        if reason := self.not_judged.get(case):
+            return [(Observation(rule, reason), groups) for rule in self.rules if isinstance(rule, Criterion)]
         return [(rule, groups) for rule in self.rules]
 
     def cost(self, setting: Any) -> float:
-        """Return the expected run time of ``measure`` in µs."""
-        return 0.0
+        """Return the expected run time of ``measure`` in µs.
+
+        By default it is proportional to the number of cells and to the number of time steps.
+        """
+        cells = setting.level**setting.dim * estimates.cells(setting.family)
+        return float(cells * self.steps(setting)) * self.per_step[setting.dim - 2]
 
     def memory(self, setting: Any) -> float:
-        """Return an upper estimate in bytes of the memory of the process that runs ``measure``."""
-        return estimates.SMALL
+        """Return an upper estimate in bytes of the memory of the process that runs ``measure``.
+
+        By default it is the memory for solving the displacement problem (Problem 5.1).
+        """
+        return estimates.displacement(setting.dim, setting.level, setting.family)
 
     def steps(self, setting: Any) -> int:
         """Return the number of time steps, which is part of the cache key of the result.
@@ -197,6 +212,12 @@ class ListedNumbers(Statement):
     def memory(self, setting: Setting) -> float:
         """Return the memory of a measurement in bytes, estimated from the level and the dimension."""
         return estimates.statement(setting.dim, setting.level)
+
+
+def steps_like_h(setting: Setting) -> int:
+    """Return an even number of time steps with k ~ h, with the factor that the case states as its pace."""
+    case = resolve(setting.case)
+    return stress_steps(case.solution.body.T, setting.level, case.pace)
 
 
 def grid(cases: Sequence[str], families: Sequence[str], levels: Sequence[int]) -> list[Setting]:

@@ -123,6 +123,11 @@ def is_uniform(family: str) -> bool:
     return family_named(family).uniform
 
 
+def value_of_case(groups: Groups, column: str) -> float:
+    """Return the number in a column that is the same in all rows of a case, such as the predicted order."""
+    return float(next(iter(groups.values()))[column].iloc[0])
+
+
 def split(groups: Groups, belongs: Callable[[MeshFamily], bool]) -> tuple[Groups, Groups]:
     """Split measurements by mesh family into those on the families for which ``belongs`` is true, and all others."""
     found = {name: table for name, table in groups.items() if belongs(family_named(name))}

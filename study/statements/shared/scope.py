@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Self
@@ -119,6 +119,12 @@ class Scope:
         """Return the scope without the cases that have an initial gap."""
         without_gap = [reference for reference in self.cases if not resolve(reference).solution.has_initial_gap]
         return replace(self, cases=tuple(without_gap))
+
+    def on_families(self) -> Iterator[tuple[str, Case, MeshFamily]]:
+        """Yield every case with each of its mesh families, as (name in ``cases``, case, mesh family)."""
+        for reference, case in zip(self.cases, self.resolved(), strict=True):
+            for family in self.families_of(case):
+                yield reference, case, family
 
     def resolved(self) -> list[Case]:
         """Return the case objects for the names in ``cases``."""
