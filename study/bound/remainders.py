@@ -115,7 +115,8 @@ def in_space(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> A
         a, b: the ends of the time interval.
     """
     bounds = _by_order(sides, tuple(sides), formulas, a, b)
-    return np.asarray(np.linalg.norm([each.min(axis=0) for each in bounds], axis=0))
+    # Unlike a root of a sum of squares, ``hypot`` neither overflows nor underflows.
+    return np.asarray(np.hypot.reduce([each.min(axis=0) for each in bounds]))
 
 
 def in_time(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
@@ -125,7 +126,7 @@ def in_time(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Ar
     """
     bounds = _by_order(sides, (t,), formulas, a, b)
     both = [[PARABOLA * each[:ORDER].min(axis=0), CUBIC * each.min(axis=0)] for each in bounds]
-    return np.asarray(np.linalg.norm(both, axis=0))
+    return np.asarray(np.hypot.reduce(both))
 
 
 def _by_order(
