@@ -25,7 +25,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.bounded import MEANING, MOVING, STATIC
+from study.bound.bounded import MEANING, MOVING, STATIC, aligned
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error
 from study.bound.problem import BoundError
@@ -53,7 +53,6 @@ SHOWN = 4
 class Adapted:
     """The solution u_h on one mesh, the bound of its error, and the contributions of cells and time to the bound."""
 
-    mesh: Mesh
     computed: DiscreteSolution
     enclosure: Enclosure
     shares: Shares
@@ -134,10 +133,10 @@ def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adap
     discretisation = Discretisation(data, mesh)
     if isinstance(data, Static):
         static = compute_static(discretisation)
-        return Adapted(mesh, static, *enclose_static(discretisation, static, None))
+        return Adapted(static, *enclose_static(discretisation, static, None))
     computed = compute(discretisation, scheme, stage.steps)
     found = enclose(discretisation, computed, SmoothedInTime(), known_error(case, computed))
-    return Adapted(mesh, computed, found, found.shares(discretisation.moduli))
+    return Adapted(computed, found, found.shares(discretisation.moduli))
 
 
 def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
@@ -187,7 +186,7 @@ def record(number: int, found: Adapted) -> dict[str, Any]:
     enclosure = found.enclosure
     row = {
         "mesh": number,
-        "cells": int(found.mesh.t.shape[1]),
+        "cells": int(found.computed.space.mesh.t.shape[1]),
         "dofs": found.computed.space.dofs,
         "steps": found.computed.steps,
         "error": float(enclosure.error.max()),
@@ -251,10 +250,7 @@ def text(
         " in time": [f"{100 * share:.1f} %" for share in rows["in_time"]] if moving else None,
         "     error": [f"{error:.4g}" for error in rows["error"]] if known else None,
     }
-    shown = {head: cells for head, cells in columns.items() if cells is not None}
-    found.append(" ".join(shown))
-    for cells in zip(*shown.values(), strict=True):
-        found.append(" ".join(f"{cell:>{len(head)}}" for head, cell in zip(shown, cells, strict=True)).rstrip())
+    found += aligned({head: cells for head, cells in columns.items() if cells is not None})
     notes = "% of u: the bound over the least value that the norm of u can have", MEANING[norm]
     return [*found, "", *notes, "order: of the bound in unknowns; 1/2 is the best possible for P1"]
 

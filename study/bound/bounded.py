@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -48,6 +48,8 @@ NO_PLAIN = "the bound from u_h alone is left out: {why} (the interval does not n
 """The sentence that is printed if no error bound can be computed from u_h alone."""
 INSIDE = 1e-12
 """Penetration of the foundation up to this fraction of the largest displacement counts as round-off."""
+EQUAL = 1e-9
+"""Time steps count as equal if their relative difference is at most this number."""
 SMALLER = 0.95
 """An observed order is computed from two meshes only if the ratio of their mesh sizes is at most this number."""
 ON_LINE = 1e-9
@@ -71,19 +73,19 @@ class BoundedSolution:
     remarks: tuple[str, ...] = ()
 
     @property
-    def bounds(self) -> list[Enclosure]:
-        """All bounds that were computed. Each of them holds, so the sharper one may be used for each end."""
-        return [self.enclosure, *([self.plain] if self.plain else [])]
-
-    @property
     def error(self) -> tuple[float, float]:
         """Interval that contains the largest error max_t ‖u(t) − u_h(t)‖_V; each end is the sharper of two bounds."""
-        return max(one.lowest for one in self.bounds), min(one.highest for one in self.bounds)
+        return self._sharpest(lambda bound: (bound.lowest, bound.highest))
 
     @property
     def norm(self) -> tuple[float, float]:
         """Interval that contains the norm max_t ‖u(t)‖_V; each end is the sharper of two bounds."""
-        return max(one.norm[0] for one in self.bounds), min(one.norm[1] for one in self.bounds)
+        return self._sharpest(lambda bound: bound.norm)
+
+    def _sharpest(self, ends: Callable[[Enclosure], tuple[float, float]]) -> tuple[float, float]:
+        """Return the intersection of the intervals that follow from both bounds; each of the intervals is valid."""
+        lows, highs = zip(*(ends(bound) for bound in (self.enclosure, self.plain) if bound), strict=True)
+        return max(lows), min(highs)
 
     @property
     def relative(self) -> tuple[float, float]:
@@ -167,40 +169,50 @@ def bounded_solution(
     """
     discretisation = Discretisation(data, family(data.body, level))
     if isinstance(data, Static):
-        return bounded_static(discretisation, compute_static(discretisation), refined.refinements, progress)
+        return both_bounds(discretisation, compute_static(discretisation), refined, None, progress)
     computed = compute(discretisation, scheme, steps)
-    error = known_error(case, computed)
-    return BoundedSolution(
-        computed,
-        enclose(discretisation, computed, SmoothedInTime(), error),
-        enclose(discretisation, computed, refined, error, progress),
-    )
+    return both_bounds(discretisation, computed, refined, known_error(case, computed), progress)
 
 
-def bounded_static(
+def both_bounds(
     coarse: Discretisation,
     computed: Computed,
-    refinements: int,
+    refined: Refined,
+    error: Callable[[float, Array], float] | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> BoundedSolution:
-    """Return both bounds of the error of a static displacement u_h.
-
-    If u_h penetrates the foundation, there is no bound from u_h alone.
+    """Return the bound of the error that follows from u_h alone, and the enclosure by a more accurate displacement ũ.
 
     Args:
         coarse: the problem and the mesh of u_h.
         computed: the displacement u_h.
-        refinements: how often the mesh is refined for the more accurate displacement ũ.
-        progress: a function that is called with T/4 after the bound from u_h alone, and with T at the end.
+        refined: how ũ is computed. For a static problem, ũ is the solution of degree 2 on the refined mesh.
+        error: the function (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if the exact solution is known; not used if static.
+        progress: a function that is called with each time up to which the enclosure is computed. For a static problem
+            it is called with T/4 after the bound from u_h alone, and with T at the end.
     """
-    V, u_h = coarse.displacements, computed.on(coarse)(0.0)
-    penetrates = float((V.N @ u_h).max(initial=0.0)) > INSIDE * float(abs(u_h).max())
-    plain = None if penetrates else enclose_static(coarse, computed, None)[0]
-    progress(coarse.data.body.T / 4)
-    remarks = (NO_PLAIN.format(why="u_h penetrates the foundation"),) if penetrates else ()
-    enclosure = enclose_static(coarse, computed, refinements)[0]
-    progress(coarse.data.body.T)
+    why, T = why_no_plain(coarse, computed), coarse.data.body.T
+    remarks = (NO_PLAIN.format(why=why),) if why else ()
+    if isinstance(coarse.data, Static):
+        plain = None if why else enclose_static(coarse, computed, None)[0]
+        progress(T / 4)
+        enclosure = enclose_static(coarse, computed, refined.refinements)[0]
+        progress(T)
+    else:
+        plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
+        enclosure = enclose(coarse, computed, refined, error, progress)
     return BoundedSolution(computed, plain, enclosure, remarks)
+
+
+def why_no_plain(coarse: Discretisation, computed: Computed) -> str:
+    """Return the reason why no error bound can be computed from u_h alone; an empty text if it can be computed."""
+    u_h, steps = computed.on(coarse), np.diff(computed.times)
+    if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
+        return "its time steps are not equal"
+    normal = coarse.displacements.N @ np.array([u_h(time) for time in computed.times]).T
+    if normal.max(initial=0.0) > INSIDE * abs(computed.nodes).max():
+        return f"u_h {'penetrates' if computed.degree == 1 else 'of degree 2 may penetrate'} the foundation"
+    return ""
 
 
 def series(level: int, found: BoundedSolution) -> pd.DataFrame:
@@ -308,19 +320,32 @@ def text(
     return "\n".join([*lines, *over, *_intervals(table, known, norm != STATIC, names)])
 
 
+def aligned(columns: Mapping[str, Iterable[str]]) -> list[str]:
+    """Return the lines of a table whose cells are aligned on the right, below heads that are as wide as their column.
+
+    Args:
+        columns: the cells of each column, by its head; blanks in front of a head make the column wider.
+    """
+    lines = [columns, *zip(*columns.values(), strict=True)]
+    return [
+        " ".join(f"{cell:>{len(head)}}" for head, cell in zip(columns, line, strict=True)).rstrip() for line in lines
+    ]
+
+
 def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:
     """Return lines with the interval of the error on the finest level, at up to ``LINES`` times."""
     finest = over_time[over_time["level"] == over_time["level"].max()]
-    places = np.unique(np.linspace(0, len(finest) - 1, LINES).round().astype(int))
-    head = f"{'t':>7} {'lower':>9} {'error':>9} {'upper':>9} {'% of u':>15} {'upper/lower':>11}"
-    lines = [name or f"level {finest['level'].iloc[0]}", f"{head} {'from u_h alone':>14}"]
-    for row in finest.iloc[places].itertuples():
-        error = f"{row.error:9.4g}" if known else f"{'unknown':>9}"
-        ratio = f"{row.upper / row.lower:11.3f}" if row.lower > 0 else f"{'∞':>11}"
-        ends = f"{down(row.lower, SHOWN):>9} {error} {up(row.upper, SHOWN):>9}"
-        percent = _percent(row.percent_low, row.percent_high)
-        lines.append(f"{row.time:7.4f} {ends} {percent:>15} {ratio} {_plain(row.plain):>14}")
-    return lines
+    rows = list(finest.iloc[np.unique(np.linspace(0, len(finest) - 1, LINES).round().astype(int))].itertuples())
+    columns = {
+        f"{'t':>7}": [f"{row.time:.4f}" for row in rows],
+        f"{'lower':>9}": [down(row.lower, SHOWN) for row in rows],
+        f"{'error':>9}": [f"{row.error:.4g}" if known else "unknown" for row in rows],
+        f"{'upper':>9}": [up(row.upper, SHOWN) for row in rows],
+        f"{'% of u':>15}": [_percent(row.percent_low, row.percent_high) for row in rows],
+        "upper/lower": [f"{row.upper / row.lower:.3f}" if row.lower > 0 else "∞" for row in rows],
+        "from u_h alone": [_plain(row.plain) for row in rows],
+    }
+    return [name or f"level {finest['level'].iloc[0]}", *aligned(columns)]
 
 
 def _intervals(table: pd.DataFrame, known: bool, moving: bool = True, names: Sequence[str] | None = None) -> list[str]:
@@ -329,23 +354,23 @@ def _intervals(table: pd.DataFrame, known: bool, moving: bool = True, names: Seq
     Names of more than ``NAME`` characters are cut, so that a line has at most 80 characters.
     """
     labels = [one if len(one) <= NAME else f"{one[: NAME - 1]}…" for one in names or map(str, table["level"])]
-    kind = "file" if names else "level"
-    wide = max(len(kind), *map(len, labels))
-    largest, error = "max error in" if moving else "error in", f" {'error':>9}" if known else ""
-    lines = [f"{kind:>{wide}} {largest:>19} {'% of u':>15}{error} {'from u_h alone':>14}"]
-    for label, row in zip(labels, table.itertuples(), strict=True):
-        ends, percent = interval(row.lowest, row.highest, SHOWN), _percent(row.percent_low, row.percent_high)
-        error = f" {row.error:9.4g}" if known else ""
-        lines.append(f"{label:>{wide}} {ends:>19} {percent:>15}{error} {_plain(row.plain):>14}")
+    kind, rows = "file" if names else "level", list(table.itertuples())
+    kind = f"{kind:>{max(len(kind), *map(len, labels))}}"
+    columns = {
+        kind: labels,
+        f"{'max error in' if moving else 'error in':>19}": [interval(row.lowest, row.highest, SHOWN) for row in rows],
+        f"{'% of u':>15}": [_percent(row.percent_low, row.percent_high) for row in rows],
+    }
+    columns |= {f"{'error':>9}": [f"{row.error:.4g}" for row in rows]} if known else {}
+    lines = aligned(columns | {"from u_h alone": [_plain(row.plain) for row in rows]})
     if len(table) == 1:
         return lines
-    heads = [f"order since {labels[0]}", *(["since the mesh before"] if len(table) > 2 else [])]
-    lines += ["", " ".join([f"{kind:>{wide}}", *(f"{head:>{max(19, len(head))}}" for head in heads)])]
-    for label, row in zip(labels[1:], table.iloc[1:].itertuples(), strict=True):
-        orders = (row.order_low, row.order_high), (row.pair_low, row.pair_high)
-        shown = ["" if math.isnan(low) else interval(low, high, SHOWN) for low, high in orders]
-        columns = (f"{order:>{max(19, len(head))}}" for order, head in zip(shown, heads, strict=False))
-        lines.append(" ".join([f"{label:>{wide}}", *columns]).rstrip())
+    orders = {f"order since {labels[0]}": "order"} | ({"since the mesh before": "pair"} if len(table) > 2 else {})
+    columns = {kind: labels[1:]}
+    for head, name in orders.items():
+        ends = zip(table[f"{name}_low"][1:], table[f"{name}_high"][1:], strict=True)
+        columns[f"{head:>19}"] = ["" if math.isnan(low) else interval(low, high, SHOWN) for low, high in ends]
+    lines += ["", *aligned(columns)]
     if moving:
         steps = "the same steps on every mesh" if table["steps"].nunique() == 1 else "steps that follow the mesh"
         lines += ["", f"orders of the fully discrete u_h, with {steps}"]
@@ -397,8 +422,7 @@ def write_displacement(path: Path, computed: Computed, **more: Array) -> Path:
     assert isinstance(computed, DiscreteSolution)
     space = computed.space
     values = np.array([space.nodal(u) for u in computed.nodes])
-    times = np.linspace(0, computed.T, len(values))
-    arrays = {"p": space.mesh.p, "t": space.mesh.t, "times": times, "u": values, **more}
+    arrays = {"p": space.mesh.p, "t": space.mesh.t, "times": computed.times, "u": values, **more}
 
     def save(path: Path) -> None:
         with path.open("wb") as file:

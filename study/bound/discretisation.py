@@ -88,12 +88,14 @@ class Discretisation:
         return 1 / self.data.law.A.factor(self.stresses.points)
 
     @cached_property
-    def equilibrium(self) -> Equilibrium:
-        """Solver for the stress that balances the loads and has the smallest residual of the material law.
+    def compliance(self) -> Array:
+        """The matrix of the norm in which residuals of the material law are minimised, without 1/α, (3, 3)."""
+        return self.moduli.compliance(self.data.body.T)
 
-        The matrix of the norm of the residual is ``Moduli.compliance``.
-        """
-        compliance = self.moduli.compliance(self.data.body.T)
+    @cached_property
+    def equilibrium(self) -> Equilibrium:
+        """Solver for the stress that balances the loads and has the smallest residual of the material law."""
+        compliance = self.compliance
         if self.data.law.A.factor is not UNIFORM:
             compliance = np.multiply.outer(self.inverse_viscosity, compliance)
         return Equilibrium(self.stresses, compliance)
@@ -167,21 +169,22 @@ class Discretisation:
         return found
 
     @cached_property
-    def _law(self) -> tuple[Callable[[Tensors], Tensors], Callable[[Tensors], Tensors]]:
-        """The operators A and G from strains to stresses at the quadrature points."""
-        law, points = self.data.law, self.stresses.points
-        return law.A.at(points), law.G.at(points)
+    def viscous(self) -> Callable[[Array], Tensors]:
+        """Function from a velocity u̇ to the viscous stress Aε(u̇) at the quadrature points.
 
-    def viscous(self, rate: Array) -> Tensors:
-        """Return the viscous stress Aε(u̇) at the quadrature points, (..., dofs) → (3, ..., cells, Q)."""
-        return self._law[0](self.strain(rate))
+        (..., dofs) → (3, ..., cells, Q)
+        """
+        A = self.data.law.A.at(self.stresses.points)
+        return lambda rate: A(self.strain(rate))
 
-    def elastic(self, u: Array) -> Tensors:
-        """Return the elastic stress Gε(u) at the quadrature points, (..., dofs) → (3, ..., cells, Q)."""
-        return self._law[1](self.strain(u))
+    @cached_property
+    def elastic(self) -> Callable[[Array], Tensors]:
+        """Function from a displacement u to the elastic stress Gε(u) at the quadrature points, as in ``viscous``."""
+        G = self.data.law.G.at(self.stresses.points)
+        return lambda u: G(self.strain(u))
 
     def nearest_stress(self, loads: Loads, target: Tensors, u: Array) -> EquilibratedStress:
-        """Return the equilibrated stress σ̃ nearest to a given stress, in the norm of ``Moduli.compliance``.
+        """Return the equilibrated stress σ̃ nearest to a given stress, in the norm of ``compliance``.
 
         Among all stresses that balance the loads, σ̃ minimises ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν. The attribute
         ``values`` of the result is the difference σ̃ − target.

@@ -214,19 +214,8 @@ def enclose_several(
     for u_h, given, found in zip(fields, computed, rows, strict=True):
         distances, errors, between = np.array(found).T.copy()
         at_0 = start + fine.norm(first.start - u_h(0.0))
-        one = Enclosure(
-            given.h,
-            times,
-            distances,
-            bounds,
-            errors,
-            tuple(intervals),
-            at_0,
-            initial,
-            between,
-            evidence,
-            (low, high),
-        )
+        over_time = times, distances, bounds, errors
+        one = Enclosure(given.h, *over_time, tuple(intervals), at_0, initial, between, evidence, (low, high))
         require_visible(fine.data, one.highest, loaded or bool(given.nodes.any()))
         # Squares of small data may have underflowed to 0 at single times, so the bound is at least SMALLEST.
         result.append(replace(one, bound=np.maximum(bounds, SMALLEST)) if one.highest > 0 else one)

@@ -26,11 +26,11 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array, Points
-from study.bound.bounded import INSIDE, NO_PLAIN, SHOWN, BoundedSolution, bounded_static, check_problem
+from study.bound.bounded import SHOWN, BoundedSolution, both_bounds, check_problem
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import enclose, squared_distances
+from study.bound.enclosing import squared_distances
 from study.bound.problem import BoundError
-from study.bound.trajectory import GivenDisplacement, Refined, SmoothedInTime, on_refinement
+from study.bound.trajectory import GivenDisplacement, Refined, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
 from study.fem.quadratic import Quadratic
 from study.ledger.text import interval
@@ -42,8 +42,6 @@ SAME_SIZE = 0.01
 """Two lengths count as equal if their relative difference is below this number, when bodies and meshes are compared."""
 SINGLE = 1e-6
 """Relative accuracy of the numbers in files, which may be in single precision."""
-EQUAL = 1e-9
-"""Time steps count as equal if their relative difference is at most this number."""
 CLAMPED = 1e-9
 """A displacement on the clamped boundary counts as 0 up to this fraction of the largest displacement."""
 ROUNDING = 1e-12
@@ -93,21 +91,9 @@ def bounded_displacement(
 ) -> BoundedSolution:
     """Return bounds of the error of a displacement that ``given`` has checked. See ``bound_displacement``."""
     coarse = Discretisation(data, computed.mesh)
-    if isinstance(data, Static):
-        found = bounded_static(coarse, computed, refined.refinements, progress)
-    else:
+    if not isinstance(data, Static):
         require_steps(refined.shorter * computed.steps)
-        u_h, V, steps = computed.on(coarse), coarse.displacements, np.diff(computed.times)
-        normal = V.N @ np.array([u_h(time) for time in computed.times]).T
-        why = ""
-        if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
-            why = "its time steps are not equal"
-        elif normal.max(initial=0.0) > INSIDE * abs(computed.nodes).max():
-            why = f"u_h {'penetrates' if computed.degree == 1 else 'of degree 2 may penetrate'} the foundation"
-        error = true_error(case, coarse, computed)
-        plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
-        remarks = (NO_PLAIN.format(why=why),) if why else ()
-        found = BoundedSolution(computed, plain, enclose(coarse, computed, refined, error, progress), remarks)
+    found = both_bounds(coarse, computed, refined, true_error(case, coarse, computed), progress)
     low, high = found.error
     ends = max(0.0, low - computed.offset), high + computed.offset
     whole = f"the error of the displacement in the file lies in {interval(*ends, SHOWN)}"
@@ -385,11 +371,7 @@ def _penetration(found: GivenDisplacement, moving: bool) -> list[str]:
     depth, time, node = worst
     if depth <= CLAMPED * abs(found.nodes).max():
         return []
-    x = (
-        found.mesh.p
-        if found.degree == 1
-        else np.hstack([found.mesh.p, found.mesh.p[:, found.mesh.facets].mean(axis=1)])
-    )
+    x = np.hstack([found.mesh.p, found.mesh.p[:, found.mesh.facets].mean(axis=1)])
     share, when = 100 * depth / abs(found.nodes).max(), f"t = {found.times[time]:.4g}, " if moving else ""
     return [
         f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share:.2g} % of its largest component, at "
@@ -415,8 +397,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     mesh, size = found.mesh, float(abs(found.nodes).max())
     clamped = Quadratic(mesh, found.body)
     fixed = np.setdiff1d(np.arange(2 * clamped.count), clamped.free)
-    J = sps.csr_array(sps.kron(on_refinement(mesh, found.degree, mesh), sps.eye_array(2)))
-    coefficients = J @ found.nodes.T
+    coefficients = on_refinement(mesh, found.degree, mesh) @ found.nodes.T
     largest = float(abs(coefficients[fixed]).max(initial=0.0))
     if largest <= CLAMPED * size:
         return found

@@ -20,13 +20,12 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, reduce
-from typing import Any
 
 import numpy as np
 import sympy as sp
 from numpy.polynomial import Polynomial
 
-from manufactured.symbols import Index, indices, pos
+from manufactured.symbols import Index, indices, pos, t
 from manufactured.tensors import Array
 
 Pair = tuple[Array, Array]
@@ -78,8 +77,9 @@ def _scaled(c: float, ends: Pair) -> Pair:
 
 def _monotone(u: Pair, function: Callable[[Array], Array]) -> Pair:
     """Return the range of a monotone function on intervals, from its values at their ends."""
-    ends = function(u[0]), function(u[1])
-    return np.minimum(*ends), np.maximum(*ends)
+    with np.errstate(all="ignore"):
+        ends = function(u[0]), function(u[1])
+        return enclosed(np.minimum(*ends), np.maximum(*ends))
 
 
 def _or_line(where: Array, ends: Pair) -> Pair:
@@ -92,7 +92,7 @@ def _or_line(where: Array, ends: Pair) -> Pair:
     return np.where(where, -np.inf, ends[0]), np.where(where, np.inf, ends[1])
 
 
-# ---- functions g of one variable: ranges of the Taylor coefficients g^(j)(u)/j! for u in an interval
+# ---- functions g of one variable: range of the Taylor coefficient g^(j)(u)/j! of order j for u in given intervals
 
 
 def _power(u: Pair, q: float) -> Pair:
@@ -104,7 +104,7 @@ def _power(u: Pair, q: float) -> Pair:
 
         If the power of a nonzero number underflows to 0, the range is widened to a small interval.
         """
-        bottom, top = enclosed(*_monotone(u, lambda x: x**q))
+        bottom, top = _monotone(u, lambda x: x**q)
         zero = (bottom == 0) & (top == 0) & ((u[0] != 0) | (u[1] != 0))
         return np.where(zero, -TINY * (u[0] < 0), bottom), np.where(zero, TINY, top)
 
@@ -132,102 +132,84 @@ def _truncated(u: Pair, q: float) -> Pair:
     return _or_line((low <= 0) & ~beyond, (np.where(beyond, 0.0, ends[0]), np.where(beyond, 0.0, ends[1])))
 
 
-def _of_power(u: Pair, q: float, order: int, truncated: bool = False) -> list[Pair]:
-    """Return the ranges of the Taylor coefficients of x^q, or of the truncated power x_+^q if ``truncated`` is true."""
-    kink = (u[0] <= 0) & (u[1] >= 0)
-    found, binomial = [], 1.0
-    for j in range(order + 1):
-        ends = _scaled(binomial, _truncated(u, q - j) if truncated else _power(u, q - j))
-        # At the kink, derivatives of order above q do not exist. For an integer q this includes the order q + 1, which
-        # is 0 on both sides and a Dirac measure at the kink.
-        found.append(_or_line(kink, ends) if truncated and q - j < 0 else ends)
-        binomial *= (q - j) / (j + 1)
-    return found
+def _of_exp(u: Pair, j: int) -> Pair:
+    low, high = _monotone(u, np.exp)
+    return _scaled(1 / math.factorial(j), (low, np.maximum(high, TINY)))
 
 
-def _of_exp(u: Pair, order: int) -> list[Pair]:
-    with np.errstate(over="ignore", under="ignore"):
-        low, high = enclosed(*_monotone(u, np.exp))
-    return [_scaled(1 / math.factorial(j), (low, np.maximum(high, TINY))) for j in range(order + 1)]
+def _of_log(u: Pair, j: int) -> Pair:
+    if j > 0:
+        return _scaled((-1) ** (j - 1) / j, _power(u, -j))
+    ends = _monotone((np.maximum(u[0], 0.0), np.maximum(u[1], 0.0)), np.log)
+    # Towards 0 the logarithm is unbounded only from below; for negative numbers it is not defined.
+    return _or_line((u[0] < 0) | (u[1] <= 0), ends)
 
 
-def _of_log(u: Pair, order: int) -> list[Pair]:
-    with np.errstate(all="ignore"):
-        ends = _monotone((np.maximum(u[0], 0.0), np.maximum(u[1], 0.0)), np.log)
-        # Towards 0 the logarithm is unbounded only from below; for negative numbers it is not defined.
-        value = _or_line((u[0] < 0) | (u[1] <= 0), ends)
-    return [value, *(_scaled((-1) ** (j - 1) / j, _power(u, -j)) for j in range(1, order + 1))]
+def _of_cosine(u: Pair, j: int, shift: float = 0.0) -> Pair:
+    """Return the range of the Taylor coefficient of cos(x + shift); each derivative adds π/2 to the shift."""
+    low, high = (end + (shift + j * np.pi / 2) for end in u)
+    ends = _monotone((low, high), np.cos)
+    # The range contains ±1 if a maximum or minimum of cos lies in the interval.
+    tops = np.floor(high / (2 * np.pi)) >= np.ceil(low / (2 * np.pi))
+    bottoms = np.floor((high - np.pi) / (2 * np.pi)) >= np.ceil((low - np.pi) / (2 * np.pi))
+    return _scaled(1 / math.factorial(j), (np.where(bottoms, -1.0, ends[0]), np.where(tops, 1.0, ends[1])))
 
 
-def _of_cosine(u: Pair, order: int, shift: float = 0.0) -> list[Pair]:
-    """Return the ranges of the Taylor coefficients of cos(x + shift); each derivative adds π/2 to the shift."""
-    found = []
-    for j in range(order + 1):
-        low, high = u[0] + (shift + j * np.pi / 2), u[1] + (shift + j * np.pi / 2)
-        with np.errstate(invalid="ignore"):
-            ends = _monotone((low, high), np.cos)
-        # The range contains ±1 if a maximum or minimum of cos lies in the interval.
-        tops = np.floor(high / (2 * np.pi)) >= np.ceil(low / (2 * np.pi))
-        bottoms = np.floor((high - np.pi) / (2 * np.pi)) >= np.ceil((low - np.pi) / (2 * np.pi))
-        cosine = np.where(bottoms, -1.0, ends[0]), np.where(tops, 1.0, ends[1])
-        found.append(_scaled(1 / math.factorial(j), cosine))
-    return found
-
-
-def _of_sinh(u: Pair, order: int, shift: int = 0) -> list[Pair]:
-    """Return the ranges of the Taylor coefficients of sinh, or of cosh if ``shift`` is odd.
+def _of_sinh(u: Pair, j: int, shift: int = 0) -> Pair:
+    """Return the range of the Taylor coefficient of sinh, or of cosh if ``shift`` is odd.
 
     Each of the two functions is the derivative of the other.
     """
-    with np.errstate(over="ignore"):
-        sinh, (low, high) = enclosed(*_monotone(u, np.sinh)), enclosed(*_monotone(u, np.cosh))
-    cosh = np.where((u[0] <= 0) & (u[1] >= 0), 1.0, low), high
-    return [_scaled(1 / math.factorial(j), cosh if (shift + j) % 2 else sinh) for j in range(order + 1)]
+    low, high = _monotone(u, np.cosh if (shift + j) % 2 else np.sinh)
+    if (shift + j) % 2:
+        low = np.where((u[0] <= 0) & (u[1] >= 0), 1.0, low)
+    return _scaled(1 / math.factorial(j), (low, high))
 
 
-def _of_polynomials(value: Pair, derivative: Polynomial, order: int) -> list[Pair]:
-    """Return the ranges of the Taylor coefficients of a function f whose derivative is a polynomial of f, such as tanh.
+def _of_polynomial(value: Pair, j: int, derivative: Polynomial) -> Pair:
+    """Return the range of the Taylor coefficient of a function f whose derivative is a polynomial of f, such as tanh.
 
     All coefficients are then polynomials of f. Their extrema are at the ends of the range of f or at zeros of their
     derivatives.
 
     Args:
         value: the range of f.
+        j: the order of the coefficient.
         derivative: the polynomial p with f' = p(f).
-        order: the highest order of the coefficients.
     """
-    found, polynomial = [], Polynomial([0.0, 1.0])
-    for j in range(order + 1):
-        roots = polynomial.deriv().roots() if polynomial.degree() > 1 else np.empty(0)
-        places = [*value, *(np.clip(root.real, *value) for root in roots if abs(root.imag) < REAL)]
-        with np.errstate(over="ignore"):
-            values = [polynomial(place) for place in places]
-        found.append(enclosed(reduce(np.minimum, values), reduce(np.maximum, values)))
-        polynomial = polynomial.deriv() * derivative / (j + 1)
-    return found
+    polynomial = reduce(lambda f, i: f.deriv() * derivative / i, range(1, j + 1), Polynomial([0.0, 1.0]))
+    roots = polynomial.deriv().roots() if polynomial.degree() > 1 else np.empty(0)
+    places = [*value, *(np.clip(root.real, *value) for root in roots if abs(root.imag) < REAL)]
+    with np.errstate(over="ignore"):
+        values = [polynomial(place) for place in places]
+    return enclosed(reduce(np.minimum, values), reduce(np.maximum, values))
 
 
-def _of_tan(u: Pair, order: int) -> list[Pair]:
+def _of_tan(u: Pair, j: int) -> Pair:
     # tan is increasing between two poles, so its range follows from its values at the ends. Intervals with a pole are
     # replaced by (−∞, ∞).
     poles = np.floor(u[0] / np.pi + 0.5) != np.floor(u[1] / np.pi + 0.5)
     ends = np.tan(np.where(poles, 0.0, u[0])), np.tan(np.where(poles, 0.0, u[1]))
-    return [_or_line(poles, range_) for range_ in _of_polynomials(ends, Polynomial([1.0, 0.0, 1.0]), order)]
+    return _or_line(poles, _of_polynomial(ends, j, Polynomial([1.0, 0.0, 1.0])))
 
 
-KNOWN: dict[type, Callable[[Pair, int], list[Pair]]] = {
+def _of_cot(u: Pair, j: int) -> Pair:
+    low, high = _of_tan((u[0] - np.pi / 2, u[1] - np.pi / 2), j)  # cot x = −tan(x − π/2)
+    return -high, -low
+
+
+KNOWN: dict[type, Callable[[Pair, int], Pair]] = {
     sp.exp: _of_exp,
     sp.log: _of_log,
     sp.cos: _of_cosine,
-    sp.sin: lambda u, order: _of_cosine(u, order, -np.pi / 2),
+    sp.sin: lambda u, j: _of_cosine(u, j, -np.pi / 2),
     sp.sinh: _of_sinh,
-    sp.cosh: lambda u, order: _of_sinh(u, order, 1),
-    sp.tanh: lambda u, order: _of_polynomials(_monotone(u, np.tanh), Polynomial([1.0, 0.0, -1.0]), order),
+    sp.cosh: lambda u, j: _of_sinh(u, j, 1),
+    sp.tanh: lambda u, j: _of_polynomial(_monotone(u, np.tanh), j, Polynomial([1.0, 0.0, -1.0])),
     sp.tan: _of_tan,
-    # cot x = −tan(x − π/2)
-    sp.cot: lambda u, order: [(-high, -low) for low, high in _of_tan((u[0] - np.pi / 2, u[1] - np.pi / 2), order)],
+    sp.cot: _of_cot,
 }
-"""For each function of one variable, how to compute the ranges of its Taylor coefficients."""
+"""For each function of one variable, how to compute the range of its Taylor coefficient of a given order."""
 
 
 # ---- functions with kinks or jumps, which are first written with truncated powers ``pos``
@@ -274,8 +256,6 @@ REWRITTEN: dict[type, Callable[..., sp.Expr]] = {
 
 The rewritten function may have another value at the jump itself.
 """
-SERVED: tuple[Any, ...] = (sp.Add, sp.Mul, sp.Pow, pos, *KNOWN, *REWRITTEN)
-"""All types of expressions that a formula may contain."""
 
 
 def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
@@ -287,34 +267,27 @@ def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
         order: the highest order of the coefficients.
 
     Raises:
-        RangeError: the function is not known.
+        RangeError: the function is not known, or the exponent of a truncated power is not a number.
     """
-    if formula.is_Pow or isinstance(formula, pos):
-        return _of_power(u, float(formula.args[1]), order, truncated=not formula.is_Pow)
     if type(formula) in KNOWN:
-        return KNOWN[type(formula)](u, order)
-    raise unknown(formula)
+        return [KNOWN[type(formula)](u, j) for j in range(order + 1)]
+    if not formula.is_Pow and not isinstance(formula, pos):
+        names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *REWRITTEN, pos)))
+        raise RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
+    if not formula.args[1].is_number:
+        raise RangeError(f"{formula} has an exponent that is no number; give it a number")
+    q, power = float(formula.args[1]), _power if formula.is_Pow else _truncated
+    binomials = [math.prod((q - i) / (i + 1) for i in range(j)) for j in range(order + 1)]
+    # At the kink, derivatives of order above q do not exist. For an integer q this includes the order q + 1, which is 0
+    # on both sides and a Dirac measure at the kink.
+    kink = isinstance(formula, pos) & (u[0] <= 0) & (u[1] >= 0)
+    return [_or_line(kink & (j > q), _scaled(c, power(u, q - j))) for j, c in enumerate(binomials)]
 
 
 def require_known(formula: sp.Expr) -> None:
     """Raise RangeError if a part of a formula is a function whose derivatives have no known ranges."""
-    if formula.is_number or formula.is_Symbol:
-        return
-    if not isinstance(formula, SERVED):
-        raise unknown(formula)
-    if type(formula) in REWRITTEN:
-        require_known(REWRITTEN[type(formula)](*formula.args))
-        return
-    if isinstance(formula, pos) and not formula.args[1].is_number:
-        raise RangeError(f"{formula} has an exponent that is no number; give it a number")
-    for part in formula.args:
-        require_known(part)
-
-
-def unknown(formula: sp.Expr) -> RangeError:
-    """Return the error to raise for a formula whose derivatives have no known ranges."""
-    names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *REWRITTEN, pos)))
-    return RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
+    # The range is computed at one point and discarded; every function of the formula is then evaluated once.
+    Boxes({symbol: (np.zeros(1), np.zeros(1)) for symbol in (t, *formula.free_symbols)}, (), 0)(formula)
 
 
 # ---- formulas of several variables

@@ -51,6 +51,8 @@ ARC = sp.Symbol("arc", real=True)
 """The symbol for the arc length along a part of the boundary."""
 CACHED = 64
 """Number of time intervals for which bounds of the data between sample points are cached."""
+Sides = Mapping[sp.Symbol, Pair]
+"""Boxes around cells or around parts of edges: for each coordinate, the lower and upper ends, (boxes,) each."""
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 
 
@@ -102,66 +104,49 @@ class Evidence:
         return found
 
 
-@dataclass(frozen=True, eq=False)
-class Regions:
-    """Boxes around cells or around parts of edges, over which the data are expanded into Taylor series.
+def in_space(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
+    """Return bounds e of the data minus their Taylor polynomials in space, for all times a ≤ t ≤ b, (boxes,).
 
-    Attributes:
-        sides: for each coordinate, the lower and the upper ends of the boxes, (boxes,) each.
+    These are the bounds e_T in the docstring of the module.
+
+    Args:
+        sides: the boxes.
+        formulas: the components of the data.
+        a, b: the ends of the time interval.
     """
+    bounds = _by_order(sides, tuple(sides), formulas, a, b)
+    # Unlike a root of a sum of squares, ``hypot`` neither overflows nor underflows.
+    return np.asarray(np.hypot.reduce([each.min(axis=0) for each in bounds]))
 
-    sides: Mapping[sp.Symbol, Pair]
 
-    @property
-    def radii(self) -> Array:
-        """Half the widths of the boxes, (variables, boxes)."""
-        return np.array([(high - low) / 2 for low, high in self.sides.values()])
+def in_time(sides: Sides, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
+    """Return bounds of the data minus their interpolants in time, by a parabola (p) and by a cubic (q), (2, boxes).
 
-    def in_space(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-        """Return bounds e of the data minus their Taylor polynomials in space, for all times a ≤ t ≤ b, (boxes,).
+    These are the bounds p_T and q_T in the docstring of the module. The arguments are those of ``in_space``.
+    """
+    bounds = _by_order(sides, (t,), formulas, a, b)
+    both = [[PARABOLA * each[:ORDER].min(axis=0), CUBIC * each.min(axis=0)] for each in bounds]
+    return np.asarray(np.hypot.reduce(both))
 
-        These are the bounds e_T in the docstring of the module.
 
-        Args:
-            formulas: the components of the data.
-            a, b: the ends of the time interval.
-        """
-        boxes = self._boxes(a, b, tuple(self.sides))
-        orders = np.array([sum(key) for key in boxes.keys])
-        powers = np.array([np.prod(self.radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
-        found = np.zeros(boxes.count)
-        for series in (boxes(formula) for formula in formulas if formula != 0):
-            sizes = series.largest * powers
-            by_order = [sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1)]
-            found = np.hypot(found, np.minimum.reduce([series.half_range, *by_order]))
-        return found
+def _by_order(
+    sides: Sides, variables: tuple[sp.Symbol, ...], formulas: Sequence[sp.Expr], a: float, b: float
+) -> list[Array]:
+    """Return bounds of each formula minus its Taylor polynomials of degree −1 to 3, (ORDER + 1, boxes) for a formula.
 
-    def in_time(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-        """Return bounds of the data minus their interpolants in time, by a parabola (p) and by a cubic (q), (2, boxes).
-
-        These are the bounds p_T and q_T in the docstring of the module.
-
-        Args:
-            formulas: the components of the data.
-            a, b: the ends of the time interval.
-        """
-        boxes, k = self._boxes(a, b, (t,)), b - a
-        powers = (k / 2) ** np.arange(ORDER + 1)[:, None]
-        found = np.zeros((2, boxes.count))
-        for series in (boxes(formula) for formula in formulas if formula != 0):
-            sizes = series.largest * powers
-            sizes[0] = series.half_range
-            found = np.hypot(found, [PARABOLA * sizes[:4].min(axis=0), CUBIC * sizes.min(axis=0)])
-        return found
-
-    def all(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-        """Return the bounds e, p and q of ``in_space`` and ``in_time``, (3, boxes)."""
-        return np.array([self.in_space(formulas, a, b), *self.in_time(formulas, a, b)])
-
-    def _boxes(self, a: float, b: float, variables: tuple[sp.Symbol, ...]) -> Boxes:
-        """Return the boxes in space and time for a ≤ t ≤ b; formulas are expanded in the given variables."""
-        count = self.radii.shape[1]
-        return Boxes({**self.sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
+    The boxes extend from a to b in time. For the degree j − 1 the bound is Σ_{|α| = j} r^α sup |∂^α f|/α!, where r are
+    half the widths of the boxes, or half the range of f for j = 0. The last array of the list is 0.
+    """
+    count = len(next(iter(sides.values()))[0])
+    boxes = Boxes({**sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
+    radii = np.array([(high - low) / 2 for low, high in (boxes.sides[variable] for variable in variables)])
+    powers = np.array([np.prod(radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
+    orders, found = np.array([sum(key) for key in boxes.keys]), []
+    for series in (boxes(formula) for formula in formulas if formula != 0):
+        sizes = series.largest * powers
+        by_order = (sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1))
+        found.append(np.array([series.half_range, *by_order]))
+    return [*found, np.zeros((ORDER + 1, count))]
 
 
 def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
@@ -248,7 +233,7 @@ class Sampling:
         """
         if self.reasons:
             return 0.0
-        e = self._cells.in_space(strain_of_start(self._expressions), 0.0, 0.0)
+        e = in_space(self._cells, strain_of_start(self._expressions), 0.0, 0.0)
         require_finite({"what samples of ε(u_0) miss": e})
         return 2 * float(np.sqrt(self.data.law.A.lipschitz) * np.linalg.norm(np.sqrt(self.space.volumes) * e))
 
@@ -272,30 +257,28 @@ class Sampling:
         return self.data.formulas_of
 
     @cached_property
-    def _cells(self) -> Regions:
+    def _cells(self) -> Sides:
         corners = self.space.mesh.p[:, self.space.mesh.t]
-        return Regions({x: (c.min(axis=0), c.max(axis=0)) for x, c in zip((x1, x2), corners, strict=True)})
+        return {x: (c.min(axis=0), c.max(axis=0)) for x, c in zip((x1, x2), corners, strict=True)}
 
     @cached_property
-    def _loaded(self) -> list[tuple[Array, Regions, list[sp.Expr]]]:
+    def _loaded(self) -> Sequence[tuple[Array, Sides, list[sp.Expr]]]:
         """For each part of Γ2: its edges, the subintervals of these edges, and f_2 as formulas in the arc length."""
         space, found, loads = self.space, [], dict(self._expressions.loads)
         for part, edges in space.on(Kind.LOADED):
             corners = space.mesh.p[:, space.mesh.facets[:, edges]]
             low, high = np.sort(np.einsum("d,den->en", part.tangent, corners - part.start[:, None, None]), axis=0)
             cuts = low + np.linspace(0, 1, EDGE_PARTS + 1)[:, None] * (high - low)
-            place = [
-                sp.Float(float(c)) + sp.Float(float(d)) * ARC for c, d in zip(part.start, part.tangent, strict=True)
-            ]
-            along = dict(zip((x1, x2), place, strict=True))
+            ends = zip((x1, x2), part.start.tolist(), part.tangent.tolist(), strict=True)
+            along = {x: sp.Float(start) + sp.Float(tangent) * ARC for x, start, tangent in ends}
             formulas = loads.get(self.data.body.parts.index(part), ())
             of_arc = [formula.subs(along, simultaneous=True) for formula in formulas]
-            found.append((edges, Regions({ARC: (cuts[:-1].ravel(), cuts[1:].ravel())}), of_arc))
+            found.append((edges, {ARC: (cuts[:-1].ravel(), cuts[1:].ravel())}, of_arc))
         return found
 
     @cached_property
     def _remainders(self) -> Callable[[float, float], tuple[Array, Array]]:
-        """Function from the ends of a time interval to the L² norms of the bounds e, p and q, which ``all`` returns.
+        """Function from the ends of a time interval to the L² norms of the bounds e, p and q of the loads.
 
         The result is a pair: the norms for f_0 on each cell, (3, cells), and the norms for f_2 on each edge,
         (3, edges).
@@ -308,12 +291,16 @@ class Sampling:
 
     def _compute_remainders(self, a: float, b: float) -> tuple[Array, Array]:
         """Return the L² norms of the bounds e, p and q for a ≤ t ≤ b, in the form that ``_remainders`` describes."""
-        force = self._cells.all(self._expressions.force, a, b)
+
+        def all_three(sides: Sides, formulas: Sequence[sp.Expr]) -> Array:
+            return np.array([in_space(sides, formulas, a, b), *in_time(sides, formulas, a, b)])
+
+        force = all_three(self._cells, self._expressions.force)
         surface = np.zeros((3, len(self.space.lengths)))
-        for edges, regions, formulas in self._loaded:
+        for edges, sides, formulas in self._loaded:
             # The root mean square over the subintervals of an edge; times the root of the length below, it is the L²
             # norm.
-            of_parts = regions.all(formulas, a, b).reshape(3, EDGE_PARTS, -1)
+            of_parts = all_three(sides, formulas).reshape(3, EDGE_PARTS, -1)
             surface[:, edges] = np.sqrt(np.mean(of_parts**2, axis=1))
         for name, (e, p, q) in (("f_0", force), ("f_2", surface)):
             missed = {"space": e, "time": np.maximum(p, q)}

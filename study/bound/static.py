@@ -23,7 +23,6 @@ from functools import cached_property
 
 import numpy as np
 
-from manufactured.factor import UNIFORM
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import POOR, Enclosure
@@ -34,23 +33,18 @@ from study.bound.trajectory import Computed, DiscreteSolution, prolongation
 from study.fem.space import Space, form
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import contact_solver
-from study.stresses.hybrid import Equilibrium
 
 
 class StaticDiscretisation(Discretisation):
     """The finite element spaces on one mesh for a static problem; stresses are measured in the norm of G⁻¹."""
 
     @cached_property
-    def equilibrium(self) -> Equilibrium:
-        A = self.data.law.A
-        compliance = np.linalg.inv(A.matrix)
-        if A.factor is not UNIFORM:
-            compliance = np.multiply.outer(self.inverse_viscosity, compliance)
-        return Equilibrium(self.stresses, compliance)
+    def compliance(self) -> Array:
+        return np.asarray(np.linalg.inv(self.data.law.A.matrix))
 
     def squares(self, stress: Array) -> Array:
         """Return the squared norm ‖τ‖²_{G⁻¹} of a stress on every cell, (3, cells, Q) → (cells,)."""
-        strain = np.tensordot(np.linalg.inv(self.data.law.A.matrix), stress, axes=1) * self.inverse_viscosity
+        strain = np.tensordot(self.compliance, stress, axes=1) * self.inverse_viscosity
         return np.asarray(np.einsum("Icq,Icq,cq->c", stress, strain, self.stresses.weights))
 
 
@@ -59,7 +53,7 @@ def compute_static(discretisation: Discretisation) -> DiscreteSolution:
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     load = prolongation(space, discretisation).T @ discretisation.load(0.0)
     u, _ = contact_solver(space)(form(space, data.law.A), space.N)(load)
-    return DiscreteSolution(space, np.array([u, u]), data.body.T)
+    return DiscreteSolution(space, np.array([u, u]), np.array([0.0, data.body.T]), 1)
 
 
 def enclose_static(coarse: Discretisation, computed: Computed, refinements: int | None) -> tuple[Enclosure, Shares]:
@@ -97,17 +91,8 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     d, size = float(fine.norm(v - u_h)), float(fine.norm(v))
     require_visible(fine.data, d + y, bool(fine.load(0.0).any()))
     y, above = max(y, SMALLEST) if y > 0 else y, np.array([d + y])
-    found = Enclosure(
-        computed.h,
-        np.zeros(1),
-        np.array([d]),
-        np.array([y]),
-        np.full(1, math.nan),
-        (),
-        d + y,
-        np.zeros(fine.mesh.t.shape[1]),
-        above,
-        evidence,
-        (max(0.0, size - y), size + y),
-    )
+    cells, zero, unknown = np.zeros(fine.mesh.t.shape[1]), np.zeros(1), np.full(1, math.nan)
+    norm = max(0.0, size - y), size + y
+    bounds = zero, np.array([d]), np.array([y]), unknown
+    found = Enclosure(computed.h, *bounds, (), d + y, cells, above, evidence, norm)
     return found, shares

@@ -13,6 +13,7 @@ value and the difference quotient of the midpoint scheme.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -31,47 +32,46 @@ from study.fem.quadratic import EDGES
 from study.fem.space import Space
 from study.solve.evolution import Scheme, SemiDiscrete, remainder
 from study.solve.signorini import Signorini
-from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 
 ON_NODE = 1e-5
 """A node counts as a node of a uniform refinement up to this distance in barycentric coordinates."""
 
 
-@dataclass(frozen=True, eq=False)
-class DiscreteSolution:
-    """The solution u_h, piecewise linear in space and time.
+class Computed(ABC):
+    """A displacement u_h that is linear in time between stored values, computed here or by another program.
 
     Attributes:
-        space: the space V^h.
-        nodes: the values of u_h at equally spaced times from 0 to T, (steps + 1, n_dofs).
-        T: the final time.
+        nodes: the stored values, (number of times, number of values).
+        times: the times from 0 to T to which they belong, (number of times,).
+        steps: the number of time steps of the more accurate displacement ũ is a multiple of this number.
+        degree: the polynomial degree in space, 1 or 2.
     """
 
-    space: Space
     nodes: Array
-    T: float
+    times: Array
+    steps: int
+    degree: int
 
     @property
+    @abstractmethod
     def h(self) -> float:
-        return self.space.h
+        """The mesh size."""
 
     @property
-    def times(self) -> Array:
-        """The times at which u_h is stored, (steps + 1,)."""
-        return step_size(self.T, self.steps) * np.arange(self.steps + 1)
+    def T(self) -> float:
+        """The final time."""
+        return float(self.times[-1])
 
-    @property
-    def steps(self) -> int:
-        return len(self.nodes) - 1
+    @abstractmethod
+    def prolongation(self, fine: Discretisation) -> sps.csr_array:
+        """Return the matrix from stored values to coefficients of degree 2 on the same or a finer mesh."""
 
     def at(self, time: float) -> Array:
-        """Return u_h at any time, linearly interpolated, (n_dofs,)."""
-        place = time / self.T * self.steps
-        # The small number compensates rounding, so that the time of a node belongs to the interval after the node.
-        low = min(int(place + 1e-9), self.steps - 1)
-        share = place - low
-        return (1 - share) * self.nodes[low] + share * self.nodes[low + 1]
+        """Return the values of u_h at any time, linearly interpolated, (number of values,)."""
+        low = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2))
+        share = (time - self.times[low]) / (self.times[low + 1] - self.times[low])
+        return np.asarray((1 - share) * self.nodes[low] + share * self.nodes[low + 1])
 
     def on(self, fine: Discretisation) -> Callable[[float], Array]:
         """Return the function t ↦ u_h(t) on a finer mesh.
@@ -79,12 +79,38 @@ class DiscreteSolution:
         Its values are coefficients of degree 2 on the mesh of ``fine``, (dofs,). This mesh is the mesh of u_h or a
         uniform refinement of it.
         """
-        J = prolongation(self.space, fine)
+        J = self.prolongation(fine)
         return lambda time: J @ self.at(time)
 
 
 @dataclass(frozen=True, eq=False)
-class GivenDisplacement:
+class DiscreteSolution(Computed):
+    """The solution u_h, piecewise linear in space and time.
+
+    Attributes:
+        space: the space V^h.
+        nodes: the values of u_h at equally spaced times from 0 to T, (steps + 1, n_dofs).
+        times: these times, (steps + 1,).
+        steps: the number of time steps.
+        degree: the degree in space.
+    """
+
+    space: Space
+    nodes: Array
+    times: Array
+    steps: int
+    degree: int = 1
+
+    @property
+    def h(self) -> float:
+        return self.space.h
+
+    def prolongation(self, fine: Discretisation) -> sps.csr_array:
+        return prolongation(self.space, fine)
+
+
+@dataclass(frozen=True, eq=False)
+class GivenDisplacement(Computed):
     """A displacement u_h of another program, piecewise linear in time; ``study.bound.given.given`` makes it.
 
     Attributes:
@@ -109,33 +135,12 @@ class GivenDisplacement:
     remarks: tuple[str, ...] = ()
     offset: float = 0.0
 
-    @property
-    def T(self) -> float:
-        return float(self.times[-1])
-
     @cached_property
     def h(self) -> float:
         return mesh_size(self.mesh)
 
-    def at(self, time: float) -> Array:
-        """Return the values of u_h at the nodes at any time, linearly interpolated, (2 · number of nodes,)."""
-        low = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2))
-        share = (time - self.times[low]) / (self.times[low + 1] - self.times[low])
-        return np.asarray((1 - share) * self.nodes[low] + share * self.nodes[low + 1])
-
-    def on(self, fine: Discretisation) -> Callable[[float], Array]:
-        """Return the function t ↦ u_h(t) on a finer mesh.
-
-        Its values are coefficients of degree 2 on the mesh of ``fine``, (dofs,). This mesh is the mesh of u_h or a
-        uniform refinement of it.
-        """
-        J = sps.csr_array(sps.kron(on_refinement(self.mesh, self.degree, fine.mesh), sps.eye_array(2)))
-        J = sps.csr_array(J[fine.displacements.free])
-        return lambda time: J @ self.at(time)
-
-
-Computed = DiscreteSolution | GivenDisplacement
-"""A displacement u_h that is linear in time between stored values, computed here or by another program."""
+    def prolongation(self, fine: Discretisation) -> sps.csr_array:
+        return sps.csr_array(on_refinement(self.mesh, self.degree, fine.mesh)[fine.displacements.free])
 
 
 def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> DiscreteSolution:
@@ -146,7 +151,8 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Discr
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
     problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
-    return DiscreteSolution(space, np.array([state.u for state in scheme.march(problem, steps)]), data.body.T)
+    nodes = np.array([state.u for state in scheme.march(problem, steps)])
+    return DiscreteSolution(space, nodes, np.linspace(0.0, data.body.T, steps + 1), steps)
 
 
 def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
@@ -155,16 +161,17 @@ def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
     Raises:
         BoundError: the mesh of degree 2 is no uniform refinement of the mesh of degree 1.
     """
-    full = sps.csr_array(sps.kron(on_refinement(space.mesh, 1, discretisation.mesh), sps.eye_array(2)))
+    full = on_refinement(space.mesh, 1, discretisation.mesh)
     return sps.csr_array(full[discretisation.displacements.free][:, space.free])
 
 
 def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     """Return the matrix from nodal values on a mesh to Bernstein coefficients of degree 2 on a uniform refinement.
 
-    Nodes are the vertices and, for degree 2, the midpoints of the edges. A uniform refinement lists the children of all
-    cells in the order of the cells, four times for each refinement. The barycentric coordinates of nodes are multiples
-    of a power of 1/2, so the entries of the matrix are exact.
+    The values are displacements, with two components for each node in turn. Nodes are the vertices and, for degree 2,
+    the midpoints of the edges. A uniform refinement lists the children of all cells in the order of the cells, four
+    times for each refinement. The barycentric coordinates of nodes are multiples of a power of 1/2, so the entries of
+    the matrix are exact.
 
     Args:
         mesh: the coarse mesh.
@@ -197,7 +204,8 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
     # On an edge with the values a and b at its ends and the middle Bernstein coefficient c, the value at the midpoint
     # is c/2 + (a + b)/4. This equation is solved for c.
     at_ends = at_nodes[fine.facets[0]] + at_nodes[fine.facets[1]]
-    return sps.csr_array(sps.vstack([at_nodes[:vertices], 2.0 * at_nodes[vertices:] - 0.5 * at_ends]))
+    coefficients = sps.vstack([at_nodes[:vertices], 2.0 * at_nodes[vertices:] - 0.5 * at_ends])
+    return sps.csr_array(sps.kron(coefficients, sps.eye_array(2)))
 
 
 @dataclass(frozen=True)

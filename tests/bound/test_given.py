@@ -11,23 +11,11 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
-from independent import Solver, halved, norms, quadrilateral_mesh
+from independent import Solver, norms, quadrilateral_mesh
+from skfem import MeshTri
 from sympy import Float
 
-from manufactured import (
-    Data,
-    KelvinVoigt,
-    Kind,
-    Static,
-    isotropic,
-    plane_strain,
-    plane_stress,
-    polygon,
-    static,
-    t,
-    x1,
-    x2,
-)
+from manufactured import Data, KelvinVoigt, Kind, isotropic, plane_strain, plane_stress, polygon, static, t, x1, x2
 from manufactured.tensors import Array
 from study.bound.bounded import contact_sentences
 from study.bound.discretisation import Discretisation
@@ -35,10 +23,9 @@ from study.bound.enclosing import Enclosure, enclose, enclose_several
 from study.bound.fields import read
 from study.bound.given import bound_displacement, given
 from study.bound.problem import BoundError
-from study.bound.trajectory import GivenDisplacement, Refined
+from study.bound.trajectory import Refined
 
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-VARIANTS = ("less", "more", "penetrating", "of another problem")
 
 
 def random_problem(seed: int, evolving: bool) -> tuple[Data, Array, np.random.Generator]:
@@ -60,46 +47,30 @@ def random_problem(seed: int, evolving: bool) -> tuple[Data, Array, np.random.Ge
     return Data.formulas(body, KelvinVoigt(A, G, "random"), f0, f2), corners, rng
 
 
-def variant(u: Array, name: str, other: Array) -> Array:
-    """Return a displacement made from u that is no approximation, or a poor one."""
-    down = np.array([0.0, -0.3 * abs(u).max()])
-    return {
-        "less": 0.9 * u,
-        "more": 1.1 * u,
-        "penetrating": u + down * (abs(u).max(axis=(0, 2)) > 0)[:, None],
-        "of another problem": other,
-    }[name]
-
-
-def displacement(solver: Solver, times: Array | None) -> Array:
-    return solver.static()[None] if times is None else solver.march(times, 1.0)
-
-
 def check_random_problem(seed: int, evolving: bool) -> None:
     """Assert that the error against a reference on a mesh four times finer, and with finer steps, is enclosed."""
     data, corners, rng = random_problem(seed, evolving)
     steps = [0, 1, 1, 1, 1] if seed % 3 == 0 else [0, 1, 2, 1.5, 1.5]
     degree, times = 1 + seed // 2 % 2, np.cumsum(steps) / sum(steps) if evolving else None
     points, triangles = quadrilateral_mesh(corners, 3, rng)
-    mine = Solver(data, points, triangles, degree)
-    fine = Solver(data, *halved(*halved(points, triangles)), 2)
-    other, _, _ = random_problem(seed + 1000, evolving)
-    u = displacement(mine, times)
-    elsewhere = Data(**{**vars(data), "body_force": other.body_force})
-    others = displacement(Solver(elsewhere, points, triangles, degree), times)
+    grid = MeshTri(points.T, triangles.T)
+    other = Data(**{**vars(data), "body_force": random_problem(seed + 1000, evolving)[0].body_force})
+    mine, fine, elsewhere = Solver(data, grid, degree), Solver(data, grid.refined(2), 2), Solver(other, grid, degree)
+    u, others = (each.static()[None] if times is None else each.march(times, 1.0) for each in (mine, elsewhere))
     reference, moments = fine.static()[None], np.zeros(1)
     if times is not None:
         moments = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in pairwise(times)]))
         reference = fine.march(moments, 0.5)
     energy = fine.form(data.law.A.matrix)
-    for name in ("itself", VARIANTS[seed % 4]):
-        field = u if name == "itself" else variant(u, name, others)
-        found = bound_displacement(data, mine.mesh[0], mine.mesh[1], times, field, shorter=2, steps=4)
-        at_nodes = mine.at_nodes_of(fine, 2, field)
+    down = np.array([0.0, -0.3 * abs(u).max()]) * (abs(u).max(axis=(0, 2)) > 0)[:, None]
+    # u itself, and a displacement that is too small, too large, penetrates Γ3 or solves another problem.
+    for field in (u, (0.9 * u, 1.1 * u, u + down, others)[seed % 4]):
+        found = bound_displacement(data, *mine.mesh, times, field, shorter=2, steps=4)
+        at_nodes = mine.at_nodes_of(fine, field)
         if times is not None:
             at_nodes = in_time(times, at_nodes, moments)
         errors = norms(energy, reference - at_nodes)
-        check_enclosed(found.enclosure, moments, errors, f"{name}, seed {seed}")
+        check_enclosed(found.enclosure, moments, errors, f"seed {seed}")
         if found.plain:
             assert errors.max() <= found.plain.highest
         largest = norms(energy, reference).max()
@@ -126,15 +97,10 @@ def check_enclosed(found: Enclosure, moments: Array, errors: Array, name: str) -
 
 
 @pytest.mark.parametrize("evolving", [False, True], ids=["static", "evolving"])
-@pytest.mark.parametrize("seed", [1, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (0, 2))])
+@pytest.mark.parametrize(
+    "seed", [1, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(34) if seed not in (1, 3))]
+)
 def test_displacements_of_an_independent_solver_are_enclosed(seed: int, evolving: bool) -> None:
-    check_random_problem(seed, evolving)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("evolving", [False, True], ids=["static", "evolving"])
-@pytest.mark.parametrize("seed", range(4, 34))
-def test_sixty_random_problems_have_no_error_outside(seed: int, evolving: bool) -> None:
     check_random_problem(seed, evolving)
 
 
@@ -151,7 +117,7 @@ def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation() -
 def test_displacements_on_one_mesh_share_the_better_displacement_and_its_bound() -> None:
     data, arrays = square(), field()
     given_ones = [given(data, **(arrays | {"u": factor * arrays["u"]})) for factor in (1.0, -2.0)]
-    coarse, better = Discretisation(data, given_ones[0].mesh), Refined(1, 1)
+    coarse, better = Discretisation(data, given_ones[0].mesh), Refined(0, 1)
     together = enclose_several(coarse, given_ones, better)
     for one, u_h in zip(together, given_ones, strict=True):
         alone = enclose(coarse, u_h, better)
@@ -198,7 +164,7 @@ def with_value(array: Array, place: Any, value: Any) -> Array:
 
 
 def curved(p: Array, c: Array) -> dict[str, Array]:
-    points, six = Solver(square(), p, c, 2).mesh
+    points, six = (each.copy() for each in Solver(square(), MeshTri(p.T, c.T), 2).mesh)
     points[-1] += 0.01
     return {"points": points, "triangles": six, "u": np.zeros((3, len(points), 2))}
 
@@ -206,18 +172,9 @@ def curved(p: Array, c: Array) -> dict[str, Array]:
 FAULTS: dict[str, tuple[Callable[..., dict[str, Array]], str]] = {
     "hole": (lambda p, c, at, u: {"triangles": c[1:]}, r"does not cover the body: . sides .* near x = \("),
     "other body": (lambda p, c, at, u: {"points": p * [1.0, 2.0]}, r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
-    "metres": (
-        lambda p, c, at, u: {"points": p / 1000},
-        "mesh is smaller than the body by the factor 1000: give both",
-    ),
-    "millimetres": (
-        lambda p, c, at, u: {"points": 1000 * p + 7},
-        "is larger than the body by the factor 1000",
-    ),
-    "shifted": (
-        lambda p, c, at, u: {"points": p + [0.0, -0.5]},
-        r"is shifted by \(0, -0.5\): give both",
-    ),
+    "metres": (lambda p, c, at, u: {"points": p / 1000}, "mesh is smaller than the body by the factor 1000: give both"),
+    "millimetres": (lambda p, c, at, u: {"points": 1000 * p + 7}, "is larger than the body by the factor 1000"),
+    "shifted": (lambda p, c, at, u: {"points": p + [0.0, -0.5]}, r"is shifted by \(0, -0.5\): give both"),
     "other boundary": (
         lambda p, c, at, u: {"points": with_value(p, np.isclose(p, [0.5, 0]).all(axis=1), [0.5, 0.2])},
         r"does not cover the body: .* near x = \(",
@@ -232,10 +189,7 @@ FAULTS: dict[str, tuple[Callable[..., dict[str, Array]], str]] = {
         r"1 triangles have no area, the first near x = \(",
     ),
     "curved": (lambda p, c, at, u: curved(p, c), "curved triangles"),
-    "not clamped": (
-        lambda p, c, at, u: {"u": u + 0.01},
-        r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest field .* --nearest",
-    ),
+    "not clamped": (lambda p, c, at, u: {"u": u + 0.01}, r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest .* --near"),
     "no start": (lambda p, c, at, u: {"times": at + 0.5}, "initial time is missing: the first time is 0.5"),
     "too short": (lambda p, c, at, u: {"times": at / 2}, "the last time is 0.5, the problem ends at T = 1"),
     "backwards": (lambda p, c, at, u: {"times": at[::-1]}, "increase strictly"),
@@ -257,7 +211,6 @@ def test_what_does_not_fit_is_refused_by_name(name: str) -> None:
 
 def test_a_static_problem_takes_one_time_only() -> None:
     problem = static(square().body, plane_stress(2.0, 0.3), (0, -1))
-    assert isinstance(problem, Static)
     with pytest.raises(BoundError, match="static, and u_h has 3 times"):
         given(problem, **field())
     assert given(problem, **(field() | {"times": None, "u": field()["u"][-1]})).T == 1
@@ -277,7 +230,6 @@ def test_the_nearest_field_that_vanishes_on_the_clamped_part_is_bounded() -> Non
     assert "u_h reaches 0.06 on Γ1" in remark
     bent = field() | {"u": field()["u"] + 0.01 * field()["points"][:, :1] * field()["times"][:, None, None]}
     bounded = bound_displacement(square(), **bent, nearest=True, refine=0, shorter=1, steps=2)
-    assert isinstance(bounded.computed, GivenDisplacement)
     offset, ends = bounded.computed.offset, re.findall(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1])
     assert offset > 1e-3
     low, high = (float(end) for end in ends[0])
@@ -323,7 +275,8 @@ def write(path: Path, arrays: dict[str, Array], name: str = "displacement") -> P
 def test_files_of_other_programs_are_read(suffix: str, degree: int, tmp_path: Path) -> None:
     arrays = field()
     if degree == 2:
-        arrays["points"], arrays["triangles"] = Solver(square(), arrays["points"], arrays["triangles"], 2).mesh
+        grid = MeshTri(arrays["points"].T, arrays["triangles"].T)
+        arrays["points"], arrays["triangles"] = Solver(square(), grid, 2).mesh
         arrays["u"] = arrays["times"][:, None, None] * (1 - arrays["points"][None, :, 1:] ** 2) * np.array([0.1, 0.2])
     expected = given(square(), **arrays)
     found = given(square(), **vars(read(write(tmp_path / f"mine{suffix}", arrays))))

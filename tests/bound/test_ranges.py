@@ -17,7 +17,7 @@ from manufactured.data.compiled_formulas import own_formula
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
 from study.bound.ranges import KNOWN, REWRITTEN, Boxes, RangeError, coefficients, require_known
-from study.bound.remainders import CUBIC, PARABOLA, Regions, lebesgue
+from study.bound.remainders import CUBIC, PARABOLA, in_space, in_time, lebesgue
 
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 HALF = Rational(1, 2)
@@ -223,21 +223,21 @@ def test_they_are_found_anywhere_in_a_formula_before_time_is_spent(part: Expr) -
             require_known(1 + x2 * sin(formula + part) ** 2)
 
 
+BOX = {x1: (np.array([0.2]), np.array([0.4])), x2: (np.array([0.1]), np.array([0.3]))}
+
+
 def test_polynomials_of_degree_three_have_no_remainder_and_others_have_that_of_taylor() -> None:
-    sides = {x1: (np.array([0.2]), np.array([0.4])), x2: (np.array([0.1]), np.array([0.3]))}
-    region = Regions(sides)
-    assert region.in_space([x1**3 - x1 * x2**2 + t**5], 0.0, 1.0) == 0
-    assert region.in_space([x1**4], 0.0, 1.0) == pytest.approx(0.1**4)
-    assert region.in_space([pos(x1 - Rational(3, 10), 1)], 0.0, 1.0) <= 0.1
-    parabola, cubic = region.in_time([t**2 * x1, t**2], 0.0, 1.0)
+    assert in_space(BOX, [x1**3 - x1 * x2**2 + t**5], 0.0, 1.0) == 0
+    assert in_space(BOX, [x1**4], 0.0, 1.0) == pytest.approx(0.1**4)
+    assert in_space(BOX, [pos(x1 - Rational(3, 10), 1)], 0.0, 1.0) <= 0.1
+    parabola, cubic = in_time(BOX, [t**2 * x1, t**2], 0.0, 1.0)
     assert parabola == cubic == 0
-    assert region.in_time([t**3], 0.0, 1.0)[0] > 0 == region.in_time([t**3], 0.0, 1.0)[1]
+    assert in_time(BOX, [t**3], 0.0, 1.0)[0] > 0 == in_time(BOX, [t**3], 0.0, 1.0)[1]
 
 
 def test_the_remainder_of_a_vector_is_the_euclidean_norm_of_the_remainders_of_its_components() -> None:
-    region = Regions({x1: (np.array([0.2]), np.array([0.4])), x2: (np.array([0.1]), np.array([0.3]))})
-    single = region.in_space([x1**4], 0.0, 1.0), *region.in_time([t**4], 0.0, 1.0)
-    double = region.in_space([3 * x1**4, 4 * x1**4], 0.0, 1.0), *region.in_time([3 * t**4, 4 * t**4], 0.0, 1.0)
+    single = in_space(BOX, [x1**4], 0.0, 1.0), *in_time(BOX, [t**4], 0.0, 1.0)
+    double = in_space(BOX, [3 * x1**4, 4 * x1**4], 0.0, 1.0), *in_time(BOX, [3 * t**4, 4 * t**4], 0.0, 1.0)
     np.testing.assert_allclose(double, 5 * np.array(single))
 
 
