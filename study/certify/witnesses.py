@@ -55,14 +55,11 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
     Returns:
         For each time the integers in one list, x and y in turn.
     """
-    normals: dict[int, list[tuple[int, int]]] = {}
+    normals: dict[int, list[checker.Vector]] = {}
     for edge, side in mesh.boundary.items():
-        scale = math.lcm(*(c.denominator for c in side.normal))
-        x, y = (int(c * scale) for c in side.normal)
-        normal = x // math.gcd(x, y), y // math.gcd(x, y)
         for n in mesh.nodes_of(edge) if side.kind == "contact" else ():
-            if normal not in normals.setdefault(n, []):
-                normals[n].append(normal)
+            if side.normal not in normals.setdefault(n, []):
+                normals[n].append(side.normal)
     clamped = {n for edge, side in mesh.boundary.items() if side.kind == "clamped" for n in mesh.nodes_of(edge)}
     found = np.round(values * 2.0**bits).astype(np.int64).tolist()
     for v in found:
@@ -73,19 +70,15 @@ def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
     return [[c for point in v for c in point] for v in found]
 
 
-def admissible(value: Sequence[int], normals: list[tuple[int, int]]) -> list[int]:
-    """Return an integer vector near ``value`` with value·N ≤ 0 for one or two normals N that are not parallel.
-
-    The vector is moved along N, or, if there is another normal, orthogonally to the other normal.
-    """
-    x, y = value
-    for normal, other in zip(normals, reversed(normals), strict=True):
-        p, q = normal if len(normals) == 1 else (-other[1], other[0])
-        change = checker.dot((p, q), normal)  # of v·N, if (p, q) is added
-        steps = max(math.ceil(Fraction(checker.dot((x, y), normal), abs(change))), 0)
-        sign = -1 if change > 0 else 1
-        x, y = x + sign * steps * p, y + sign * steps * q
-    return [x, y]
+def admissible(value: Sequence[int], normals: Sequence[checker.Vector]) -> list[int]:
+    """Return an integer vector near ``value`` with value·N ≤ 0 for all normals N, none of which are opposite."""
+    inward = -np.sum([np.array(N, dtype=float) / math.hypot(*N) for N in normals], axis=0)
+    # A short vector (p, q) is sought, because a multiple of it is added.
+    scale, p, q = 1, 0, 0
+    while any(checker.dot((p, q), N) >= 0 for N in normals):
+        (p, q), scale = (round(c) for c in scale * inward), 2 * scale
+    steps = max(0, *(math.ceil(Fraction(checker.dot(value, N)) / -checker.dot((p, q), N)) for N in normals))
+    return [value[0] + steps * p, value[1] + steps * q]
 
 
 class StressEncoder:
@@ -110,6 +103,7 @@ class StressEncoder:
         # Every edge of the layout is a side of a cell, from its first to its second vertex counter-clockwise.
         sides = {(v[i - 2], v[i - 1]): (n, i) for n, v in enumerate(c.v for c in self.exact.cells) for i in range(3)}
         edges = [*self.layout.contact, *self.layout.loaded, *self.layout.free]
+        self._loaded = slice(len(self.layout.contact), len(self.layout.contact) + len(self.layout.loaded))
         cells, places = np.array([sides[edge] for edge in edges]).T
         self._sides = twins.cells[cells], twins.corners[cells, places]
         self._edges = space.edges[self._sides]
@@ -144,8 +138,8 @@ class StressEncoder:
     def _surface(self, time: Fraction) -> Array:
         """Return the traction f_2 at a time as in ``Loads.surface``, interpolated on every loaded edge."""
         found = np.zeros((len(self.space.lengths), 4, 2))
-        mine = slice(len(self.layout.contact), len(self.layout.contact) + len(self.layout.loaded))
-        for n, backward, edge in zip(self._edges[mine], self._backward[mine], self.layout.loaded, strict=True):
+        here = self._loaded
+        for n, backward, edge in zip(self._edges[here], self._backward[here], self.layout.loaded, strict=True):
             p, q = (self.exact.place(v) for v in edge)
             for i, share in enumerate(reversed(ON_EDGE) if backward else ON_EDGE):
                 place = [a + share * (b - a) for a, b in zip(p, q, strict=True)]
@@ -191,9 +185,8 @@ class StressEncoder:
             coarse: the unit of the inner numbers, and of the last two of the four modes on an edge that is neither
                 loaded nor in contact, is 2^coarse times larger.
         """
-        first, last = len(self.layout.contact), len(self.layout.contact) + len(self.layout.loaded)
-        contact, loaded, free = np.split(tractions, [first, last])
-        n = self._normals[:first, None]
+        contact, loaded, free = np.split(tractions, [self._loaded.start, self._loaded.stop])
+        n = self._normals[: len(contact), None]
         pressed = np.minimum((contact * n).sum(axis=2) / (n * n).sum(axis=2), 0)
         modes = np.linalg.solve(np.array(checker.MODES).T, free) / 2.0 ** (coarse * (np.arange(4)[:, None] > 1))
         numbers = np.concatenate([part.ravel() for part in (pressed, loaded, modes)]) * 2.0**bits
