@@ -7,7 +7,7 @@ pressures by ``study.present.contact``.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -96,7 +96,8 @@ def drawings_of(
         UsageError: there is no figure of a case, or with a name.
         DataError: a data file is missing or damaged.
     """
-    found = for_slides(drawings(directory)) if slides else drawings(directory)
+    # A figure with a subplot for each of many cases cannot be read on a slide.
+    found = [drawing for drawing in drawings(directory) if not (slides and drawing.sheet)]
     for option, kind, of, wanted in (("--case", "case", "case", cases), ("--only", "figure", "name", names)):
         known = list(dict.fromkeys(getattr(drawing, of) for drawing in found if getattr(drawing, of)))
         if unknown := [name for name in wanted if name not in known]:
@@ -147,11 +148,6 @@ def overview(directory: Path) -> list[Drawing]:
         about = "Bounds of the error divided by the error, for each case"
         figures.append(Drawing("effectivity", partial(draw_effectivity, known), caption_effectivity(known), about))
     return [*figures, Drawing("problem", draw_sketch, SKETCH, "Sketch of a body on a rigid foundation")]
-
-
-def for_slides(figures: Iterable[Drawing]) -> list[Drawing]:
-    """Return the figures that can be read on a slide: all except those with a subplot for each of many cases."""
-    return [figure for figure in figures if not figure.sheet]
 
 
 def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
