@@ -11,7 +11,7 @@ import math
 import textwrap
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import cycle, starmap
 from typing import Any, Literal
 
@@ -131,6 +131,11 @@ class Curve:
     x: Array
     y: Array
     style: Style
+
+    @classmethod
+    def of(cls, rows: pd.DataFrame, column: str, style: Style, x: str = "h") -> Curve:
+        """Return the line through the values in a column of a table, over the column ``x``."""
+        return cls(rows[x].to_numpy(dtype=float), rows[column].to_numpy(dtype=float), style)
 
 
 @dataclass(frozen=True, eq=False)
@@ -398,14 +403,14 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
         rates: the rows of one case in ``rates.csv``.
         order: the expected order, which is the slope of the triangle.
     """
+    rates = rates.assign(in_time=rates["time_share"] * rates["error"])
     styles = family_styles(rates["family"])
     errors, parts = _error_curves(rates, styles), []
     for family, rows in by_family(rates):
-        h, style = rows["h"].to_numpy(), styles[family]
-        in_time = (rows["time_share"] * rows["error"]).to_numpy()
-        parts.append(Curve(h, in_time, Style(style.colour, stroke="dotted")))
-        parts.append(Curve(h, rows["discrete_error"].to_numpy(), Style(style.colour, style.marker, "dashed", True)))
-    values = pd.concat([rates["error"], rates["discrete_error"], rates["time_share"] * rates["error"]])
+        style = styles[family]
+        parts.append(Curve.of(rows, "in_time", Style(style.colour, stroke="dotted")))
+        parts.append(Curve.of(rows, "discrete_error", Style(style.colour, style.marker, "dashed", True)))
+    values = rates[["error", "discrete_error", "in_time"]].to_numpy()
     values = values[values >= NEGLIGIBLE * rates["error"].min()]
     triangle = slope_triangle(errors, order, math.log10(values.max() / values.min()))
     tops = [triangle.top] if triangle else []
@@ -440,7 +445,7 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
 
 
 def _error_curves(rates: pd.DataFrame, styles: Mapping[str, Style]) -> list[Curve]:
-    return [Curve(rows["h"].to_numpy(), rows["error"].to_numpy(), styles[name]) for name, rows in by_family(rates)]
+    return [Curve.of(rows, "error", styles[family]) for family, rows in by_family(rates)]
 
 
 def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
@@ -637,10 +642,9 @@ def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
         t, low, high = (rows[column].to_numpy() for column in ("time", "lower", "upper"))
         bands.append(Band(t, low.clip(min=floor), high, colour))
         if "plain" in rows:
-            curves.append(Curve(t, rows["plain"].to_numpy(), Style(colour, stroke="dotted")))
-        middle = rows["middle"].to_numpy()
-        curves.append(Curve(t, middle, Style(colour)))
-        ratios += [Curve(t, end / middle, Style(colour)) for end in (low, high)]
+            curves.append(Curve.of(rows, "plain", Style(colour, stroke="dotted"), "time"))
+        curves.append(middle := Curve.of(rows, "middle", Style(colour), "time"))
+        ratios += [Curve(t, end / middle.y, Style(colour)) for end in (low, high)]
         levels.append((f"n = {level}", Style(colour, stroke="band")))
         final = int(np.argmax(t))
         last.append(f"{interval(low[final], high[final], 3)} with n = {level}")
@@ -686,12 +690,10 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
     for case, of_case in rows.groupby("case", sort=False):
         curves = []
         for (family, quantity), unsorted in of_case.groupby(["family", "quantity"], sort=False):
-            table, family_style = unsorted.sort_values("level"), styles[str(family)]
-            h, values = table["h"].to_numpy(), table["value"].to_numpy()
-            stroke, hollow = strokes[str(quantity)], quantity != "work"
-            curves.append(Curve(h, values, Style(family_style.colour, family_style.marker, stroke, hollow)))
-            if family == "one-diagonal" and len(table) > 1:
-                found[str(quantity)] += [float(order) for order in orders(h[-3:], values[-3:])]
+            look = replace(styles[str(family)], stroke=strokes[str(quantity)], hollow=quantity != "work")
+            curves.append(curve := Curve.of(unsorted.sort_values("level"), "value", look))
+            if family == "one-diagonal" and len(curve.x) > 1:
+                found[str(quantity)] += [float(order) for order in orders(curve.x[-3:], curve.y[-3:])]
         # The subplots share axes on which every case must have room.
         triangle = slope_triangle(curves, 1.0, decades)
         y = log_axis("", rows["value"], [triangle.top] if triangle else [])
@@ -816,6 +818,7 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
         growth: the content of ``benchmarks/growth.csv``.
     """
     kib = 1024
+    growth = growth.assign(kib_per_dof=growth["peak_bytes"] / growth["dofs"] / kib)
     parts = {
         "level_seconds": ("a level: all steps", Style(DARK)),
         "factor_seconds": ("once: factorising or coarsening", Style(DARK, stroke="dashed")),
@@ -827,24 +830,23 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
     looks = cycle(zip(COLOURS, "os^DvP", strict=True))
     for ((dim, solver), unsorted), (colour, marker) in zip(growth.groupby(["dim", "solver"], sort=False), looks):  # noqa: B905
         rows, style, name = unsorted.sort_values("dofs"), Style(colour, marker), f"{dim}D, {solver}"
-        dofs = rows["dofs"].to_numpy(dtype=float)
         for column, (_, part) in parts.items():
-            seconds.append(Curve(dofs, rows[column].to_numpy(), Style(colour, marker, part.stroke)))
-        memory.append(Curve(dofs, (rows["peak_bytes"] / rows["dofs"] / kib).to_numpy(), style))
+            seconds.append(Curve.of(rows, column, replace(style, stroke=part.stroke), "dofs"))
+        memory.append(Curve.of(rows, "kib_per_dof", style, "dofs"))
         solvers.append((f"{name} ({len(rows)} {'mesh' if len(rows) == 1 else 'meshes'})", style))
         last = rows.iloc[-1]
         text = (
             f"{name}: {last['level_seconds']:.3g} s and {last['peak_bytes'] / kib**3:.2g} GiB for {last['dofs']:.0f} "
             "unknowns"
         )
-        if dofs[-1] > dofs[0]:
-            exponent, _ = np.polyfit(np.log(dofs), np.log(rows["level_seconds"]), 1)
+        if last["dofs"] > rows["dofs"].iloc[0]:
+            exponent, _ = np.polyfit(np.log(rows["dofs"]), np.log(rows["level_seconds"]), 1)
             text += f", time growing like unknowns^{exponent:.2f}"
         seen.append(text)
     # The line of slope 1 starts above the curves so that it does not cover them.
     ends = np.array([growth["dofs"].min(), growth["dofs"].max()], dtype=float)
-    first = growth["dofs"] == ends[0]
-    line = Curve(ends, 1.6 * float((growth["level_seconds"] / growth["dofs"])[first].max()) * ends, Style(GREY))
+    first = growth[growth["dofs"] == ends[0]]
+    line = Curve(ends, 1.6 * (first["level_seconds"] / first["dofs"]).max() * ends, Style(GREY))
     positive: list[Array] = [curve.y[curve.y > 0] for curve in [*seconds, line]]
     x = log_axis("unknowns", ends, least=2)
     return Chart(
