@@ -180,14 +180,6 @@ def test_labels_of_figures_are_legible_in_print() -> None:
         assert float(share) * TEXT_WIDTH >= LEGIBLE * float(drawn[1]), name
 
 
-def test_counts_in_the_text_are_those_of_the_data(full: FullRun, claims: pd.DataFrame) -> None:
-    enclosed = set(full.bounds.loc[full.bounds["trajectory"] == "enclosure", "case"])
-    counts = {f"ledger{verdict.capitalize()}": number for verdict, number in claims["verdict"].value_counts().items()}
-    counts |= {"ledgerRows": len(claims), "ledgerStatements": claims.groupby(["label", "statement"]).ngroups}
-    counts |= {"caseCount": len(full.cases), "boundCases": len(enclosed & set(full.cases["case"]))}
-    assert counts == {name: int(NUMBERS[name]) for name in counts}
-
-
 def test_orders_in_the_text_enclose_those_computed_from_the_errors_and_no_more(full: FullRun) -> None:
     # On irregular meshes orders are taken in the leading term of the interpolation error instead of h.
     rates = full.rates
@@ -224,13 +216,6 @@ def test_enclosures_in_the_table_enclose_those_of_the_data(full: FullRun) -> Non
         row = rows.loc[(case, int(level))]
         assert float(low) <= row["lowest"] <= row["highest"] <= float(high), (case, level)
         assert float(high) - float(low) <= 1.02 * (row["highest"] - row["lowest"]) + 0.01 * row["highest"]
-
-
-def test_the_condensed_ledger_has_a_line_for_every_claim(claims: pd.DataFrame) -> None:
-    """Theorem 4.2 stands for two: that the solutions are equal, and that the comparison would see a difference."""
-    labels = [cells[0] for cells in cells_of("ledger") if cells[0] != "no."]
-    assert len(labels) == claims.groupby(["label", "statement"]).ngroups
-    assert labels.count("Thm 4.2") == 2
 
 
 def test_the_table_of_verdicts_counts_every_row_once(claims: pd.DataFrame) -> None:
