@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from study.present.drawing import column_width, dots, entry, is_slide, legend
+from study.present.drawing import caption, column_width, dots, entry, is_slide, legend
 from study.present.palette import BLACK, BLUE, FOUNDATION, FOUNDATION_EDGE, OUTLINE, RAMPS, VERMILLION
 from study.present.picture import Array, Picture, Segment
 
@@ -353,26 +353,14 @@ def caption_body(picture: Picture) -> str:
     scale, stresses = BodyScale.of(picture), picture.von_mises.max(axis=1)
     worst = max(picture.shown, key=lambda instant: float(stresses[instant]))
     touching = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.shown]
-    vertices = sum(face.pressure.shape[1] for face in picture.faces)
-    if picture.polygons:
-        drawn = (
-            "the body is turned and seen through its foundation, and Γ3 is coloured by the contact pressure, at most "
-            f"{scale.pressure:.3g}"
-        )
-        seen, deviator = "Γ3 is flat and there is pressure, elsewhere it has come off and there is none", ""
-    else:
-        gap = scale.gap if scale.gap > ROUND_OFF else 0.0
-        drawn = (
-            f"arrows are the contact pressure, at most {scale.pressure:.3g}; what hangs below the foundation is the "
-            f"gap, at most {gap:.3g} and drawn to a scale of its own"
-        )
-        seen = "the body lies on the foundation and there is pressure, elsewhere it has come off and there is none"
-        deviator = ", dev σ the deviator in the plane"
-    return (
-        f"The deformed body at t = {picture.times_shown} ({picture.place}): displacements times "
-        f"{scale.magnification:.2g}, cells coloured by the von Mises stress √(3/2) |dev σ| of the computed "
-        f"stress A ε(δu) + G ε(u){deviator}; {drawn}. What to see: where there is "
-        f"contact ({', '.join(map(str, touching))} of {vertices} vertices of Γ3), {seen}. The largest von Mises stress "
-        f"is {stresses[worst]:.3g}, at t = {picture.times[worst]:.3g}; colours go with the root of the stress, one "
-        f"cell in {1 / (1 - BRIGHTEST):.0f} lies beyond their end, {scale.stress:.3g}."
+    return caption(
+        "body-solid" if picture.polygons else "body-plane",
+        picture=picture,
+        scale=scale,
+        gap=scale.gap if scale.gap > ROUND_OFF else 0.0,
+        touching=", ".join(map(str, touching)),
+        vertices=sum(face.pressure.shape[1] for face in picture.faces),
+        stress=stresses[worst],
+        time=picture.times[worst],
+        bright=1 / (1 - BRIGHTEST),
     )

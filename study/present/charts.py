@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from study.ledger.codes import GRADES, Codes
 from study.ledger.orders import RatesError, fit, orders
 from study.ledger.text import above, below, interval
-from study.present.drawing import column_width, entry, is_slide, legend, mathtext, page_width
+from study.present.drawing import caption, column_width, entry, is_slide, legend, mathtext, page_width
 from study.present.notation import counted
 from study.present.palette import (
     BLACK,
@@ -434,14 +434,9 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
         seen.append(f"on the finest meshes u^h is {spread(closer)} times closer to Π^h u than to u")
     share = 100 * rates["time_share"].max()
     seen.append(f"discretisation in time contributes at most {share:.2g} % of the error on any mesh")
-    caption = (
-        f"Convergence of {rates['case'].iloc[0]} on the mesh families {', '.join(rates['family'].unique())}: the "
-        "largest error over time in the norm of V (filled markers), the discrete error ‖Π^h u − u^h‖_V (open) and what "
-        "discretisation in time contributes (dotted) against the mesh size h; the triangle has the expected slope. "
-        f"What to see: {'; '.join(seen)}. What is below {NEGLIGIBLE:g} of the smallest error is not shown."
-    )
-    summary = "errors against the mesh size, both logarithmic"
-    return Chart(summary, [subplot], [[*styles.items()], kinds], caption)
+    families, summary = ", ".join(rates["family"].unique()), "errors against the mesh size, both logarithmic"
+    text = caption("convergence", case=subplot.title, families=families, seen="; ".join(seen), negligible=NEGLIGIBLE)
+    return Chart(summary, [subplot], [[*styles.items()], kinds], text)
 
 
 def _error_curves(rates: pd.DataFrame, styles: Mapping[str, Style]) -> list[Curve]:
@@ -486,13 +481,9 @@ def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
         ]
     if on_graded:
         seen.append(f"meshes graded towards a singularity reach the order {spread(on_graded)}")
-    caption = (
-        f"The error max_t ‖u − u^h‖_V of {_all_cases(cases)} of {rates['claim'].iloc[0]} against the "
-        "mesh size h, on every mesh family; the triangles have the expected orders, which are written above them. "
-        f"What to see: {'; '.join(seen)}."
-    )
+    text = caption("overview", cases=_all_cases(cases), claim=rates["claim"].iloc[0], seen="; ".join(seen))
     summary = "error of every case against the mesh size, both logarithmic"
-    return Chart(summary, subplots, [[*styles.items()]], caption, columns=columns)
+    return Chart(summary, subplots, [[*styles.items()]], text, columns=columns)
 
 
 def order_differences(rates: pd.DataFrame, expected: Mapping[str, float]) -> pd.DataFrame:
@@ -542,18 +533,14 @@ def orders_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart | 
         for family, rows in table.groupby("family")
     ]
     x, y = Axis("predicted order", 0.0, top), Axis("observed order, last two refinements", 0.0, top)
-    largest = above(float(table["difference"].abs().max()), 2)
+    low, high, sequences = table["difference"].min(), table["difference"].max(), counted(len(table), "sequence")
     return Chart(
         "observed order of convergence over the last two refinements against the predicted order, a point for each "
         "case and mesh family",
         [Subplot("", x, y, [diagonal, *curves])],
         [[HEADING, *dots.items()], [("observed = predicted", diagonal.style)]],
-        "Observed order of max_t ‖u − u^h‖_V over the last two refinements against the order that the regularity of "
-        f"the solution predicts, for {_all_cases(set(rates['case']))}; mesh families are drawn next to each other. "
-        "What to see: how near to the diagonal the points lie; observed minus predicted order is "
-        f"{table['difference'].min():+.2f} to {table['difference'].max():+.2f} for "
-        f"{counted(len(table), 'sequence')} of meshes.",
-        f"Over the last two refinements, observed and predicted orders differ by at most {largest}",
+        caption("orders", cases=_all_cases(set(rates["case"])), low=low, high=high, sequences=sequences),
+        f"Over the last two refinements, observed and predicted orders differ by at most {above(max(high, -low), 2)}",
     )
 
 
@@ -589,11 +576,7 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
             Subplot("", x, linear_axis("error / (C h)", values), relative, rules=(1.0,)),
         ],
         [[HEADING, *styles.items()], [("C h, not fitted", line.style)]],
-        f"The errors max_t ‖u − u^h‖_V of {_all_cases(cases)} of Prop. 5.4 on all mesh families, each divided by its "
-        "constant C. C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh, which "
-        "follows from second derivatives of u; nothing is fitted. What to see: all fall on the line C h; error / (C h) "
-        f"lies between {values.min():.2f} and {values.max():.2f}, on the finest meshes of a case in {finest_meshes}. "
-        "It tends to 1 where u^h is superclose to Π^h u, and to less where u^h is nearer to u than Π^h u is.",
+        caption("collapsed", cases=_all_cases(cases), low=values.min(), high=values.max(), finest=finest_meshes),
         _order_in_words(rates),
     )
 
@@ -662,9 +645,7 @@ def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
             Subplot("", time, Axis(f"ends over {name}", 0.0, 2.0), ratios, rules=[1.0]),
         ],
         [levels, lines],
-        f"Enclosure of the error ‖u(t) − u_h(t)‖_V over time ({title}): bands enclose the error, "
-        f"lines are {line}; below, the ends of the bands divided by it. What to see: {seen}at the last time the bands "
-        f"are {', '.join(last)}.",
+        caption("enclosure", title=title, line=line, seen=seen, last=", ".join(last)),
     )
 
 
@@ -715,9 +696,7 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
         "work of contact, error and excess against the mesh size, all logarithmic",
         subplots,
         [[*styles.items()], kinds],
-        "The root of the work of contact (filled markers), the error (dotted) and the excess of u^h over the solution "
-        "of the linear problem with the exact pressure as traction (dashed) against the mesh size h, for zones with "
-        f"patches of seven widths; the triangle has the slope 1. What to see: {seen}.",
+        caption("contact-work", seen=seen),
         columns=2,
     )
 
@@ -762,9 +741,7 @@ def rollers_chart(statements: pd.DataFrame) -> Chart | None:
         "excess of contact over the linear problem against the mesh size, both logarithmic",
         [Subplot("", x, y, [*curves, linear], bands, triangle)],
         [[*styles.items()], [("slope 1", linear.style)]],
-        "The excess max_t ‖u^h − u^h_{lin}‖_V over the solution of the linear problem with the exact pressure as "
-        "traction against the mesh size h, for a roller of the width 2h; of shaken meshes the mean, and the range as a "
-        f"band. The triangle has the slope ½, the dotted line the slope 1. What to see: {seen}.",
+        caption("rollers", seen=seen),
     )
 
 
@@ -799,13 +776,14 @@ def codes_chart(codes: Codes) -> Chart:
             Subplot("", x, share, curves["share"], rules=(1.0,)),
         ],
         [legend[::2], legend[1::2]],
-        f"{counted(len(rows), 'run')} of {counted(rows['code'].nunique(), 'contact code')}, each with stated "
-        "parameters on one case and mesh family. Above: the order of ‖u − u^h‖_V between the two finest meshes. Below: "
-        "the distance from the solution in K^h over the discretisation error. Both against the error of the pressure "
-        "on the finest mesh, over that of the solution in K^h. What to see: of "
-        f"{counted(len(bad), 'run')} whose contact stagnates or is wrong though their order in V is 1 ± {tolerance}, "
-        f"the error of the pressure is up to {bad['excess'].max():.0f} times what linear elements leave; an order in V "
-        "does not see it.",
+        caption(
+            "codes",
+            runs=counted(len(rows), "run"),
+            codes=counted(rows["code"].nunique(), "contact code"),
+            bad=counted(len(bad), "run"),
+            tolerance=tolerance,
+            most=bad["excess"].max(),
+        ),
     )
 
 
@@ -856,6 +834,5 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
             Subplot("", x, log_axis("KiB per unknown", *(curve.y for curve in memory), least=2), memory),
         ],
         [solvers, [*parts.values(), ("slope 1", line.style)]],
-        "Cost of a level: seconds for all of it, for a factorisation and for a time step, and peak memory per unknown, "
-        f"against the number of unknowns; the grey line has slope 1. What to see: {'; '.join(seen)}.",
+        caption("growth", seen="; ".join(seen)),
     )

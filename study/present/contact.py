@@ -19,7 +19,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from study.present.body import ROUND_OFF, ramp
-from study.present.drawing import column_width, dots, entry, is_slide, legend
+from study.present.drawing import caption, column_width, dots, entry, is_slide, legend
 from study.present.palette import BLACK, BLUE, GREEN, GREY, PURPLE, RIM, SKY, SURFACE, VERMILLION
 from study.present.picture import (
     Array,
@@ -146,12 +146,7 @@ def caption_zone(picture: Picture) -> str:
             f"; hollow dots lie outside of it, where the exact gap is at most {gap:.2g} % and the computed pressure "
             f"{pressure:.2g} % of the largest"
         )
-    return (
-        f"Contact zone of {picture.names} in space and time "
-        f"({picture.place}): exact zone filled, dots are nodes with a positive computed pressure; on the right the "
-        "length of their symmetric difference in cells, after t = 0, where nothing has been solved. What to see: "
-        f"how closely the dots fill the exact zone; {seen}."
-    )
+    return caption("zone", picture=picture, seen=seen)
 
 
 def draw_profiles(picture: Picture) -> Figure:
@@ -216,30 +211,24 @@ def _draw_profile(axes: Axes, face: Segment, quantity: tuple[str, str, str], ins
 
 def caption_profiles(picture: Picture) -> str:
     """Return the caption of ``draw_profiles``."""
-    gap, pressure = _largest_differences(picture)
-    return (
-        f"Gap and contact pressure along Γ3 at t = {picture.times_shown} ({picture.place}): lines are exact, markers "
-        "computed. What to see: nowhere are gap and pressure both positive, and markers lie on the lines: the error at "
-        f"the nodes is at most {gap} for the gap and, for the pressure, a nodal force divided by the integral of its "
-        f"shape function, at most {pressure}."
-    )
+    return caption("profiles", picture=picture, **_largest_differences(picture))
 
 
-def _largest_differences(picture: Picture) -> tuple[str, str]:
-    """Return the largest errors of the gap and of the pressure, as text.
+def _largest_differences(picture: Picture) -> dict[str, str]:
+    """Return "gap" and "pressure" ↦ the largest error of this quantity, as text.
 
     The errors are taken at the nodes and at the times of ``picture.shown``. They are given in per cent of the largest
     exact value, unless this value is zero up to rounding.
     """
-    texts = []
+    texts = {}
     for name in ("gap", "pressure"):
         computed = [getattr(face, name)[picture.shown] for face in picture.faces]
         exact = [getattr(face, f"{name}_exact")[picture.shown] for face in picture.faces]
         difference = max(float(abs(a - b).max()) for a, b in zip(computed, exact, strict=True))
         size = max(float(abs(values).max()) for values in exact)
         relative = f"{100 * difference / size:.2g} % of the largest" if size > ROUND_OFF else ""
-        texts.append(relative or f"{difference:.1e}, the largest being 0")
-    return texts[0], texts[1]
+        texts[name] = relative or f"{difference:.1e}, the largest being 0"
+    return texts
 
 
 def draw_fronts(picture: Picture) -> Figure:
@@ -285,12 +274,7 @@ def caption_fronts(picture: Picture) -> str:
         if worst[when] > 0
         else f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
     )
-    return (
-        f"Contact zone of {picture.names} at t = {picture.times_shown} "
-        f"({picture.place}), seen from inside the body: exact zone filled, dots are nodes with a positive computed "
-        "pressure; below, the number of nodes in the exact zone (lines) and in computed contact (markers) over time, "
-        f"after t = 0, where nothing has been solved. What to see: how closely the dots fill the exact zone; {seen}."
-    )
+    return caption("fronts", picture=picture, seen=seen)
 
 
 def draw_maps(picture: Picture) -> Figure:
@@ -321,17 +305,10 @@ def draw_maps(picture: Picture) -> Figure:
 
 def caption_maps(picture: Picture) -> str:
     """Return the caption of ``draw_maps``."""
-    gap, pressure = _largest_differences(picture)
     displacement = float(np.linalg.norm(picture.displacement[picture.shown], axis=1).max())
     largest_gap = max(float(face.gap_exact[picture.shown].max()) for face in picture.polygons)
-    return (
-        f"Gap and contact pressure on {picture.names} at t = {picture.times_shown} "
-        f"({picture.place}), seen from inside the body: surfaces are exact, dots computed, in the same colours. What "
-        "to see: nowhere are gap and pressure both positive, and where a dot stands out there is an error: at most "
-        f"{pressure} for the pressure, a nodal force divided by the integral of its shape function; at most {gap} for "
-        f"the gap, which itself is at most {100 * largest_gap / (displacement or 1.0):.2g} % of the largest "
-        "displacement."
-    )
+    share = 100 * largest_gap / (displacement or 1.0)
+    return caption("maps", picture=picture, share=share, **_largest_differences(picture))
 
 
 def draw_map(axes: Axes, face: Polygon, instant: int, name: str, top: float) -> None:

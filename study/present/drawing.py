@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -28,6 +29,8 @@ STYLES = Path(__file__).parent
 """The folder of the Matplotlib style files.
 
 ``style.mplstyle`` is for all figures; a file ``USE.mplstyle`` has entries that replace some of them for one use."""
+CAPTIONS: dict[str, str] = tomllib.loads((STYLES / "page" / "captions.toml").read_text(encoding="utf-8"))
+"""Name of a caption ↦ its text, with names of values in braces."""
 SEEN = "What to see: "
 """The words in a caption that are followed by the main point of the figure."""
 SHEET = 6
@@ -255,6 +258,11 @@ def _save(figure: Figure, drawing: Drawing, suffix: str, path: Path) -> None:
         figure.savefig(path, format=suffix, **options)
     except (RuntimeError, LatexError) as error:
         raise UsageError(f"--format pgf measures its texts with {rcParams['pgf.texsystem']}: {error}") from error
+
+
+def caption(name: str, /, **values: object) -> str:
+    """Return the text of ``page/captions.toml`` with this name, with values in place of the names in braces."""
+    return CAPTIONS[name].format(**values)
 
 
 def caption_text(drawing: Drawing) -> str:

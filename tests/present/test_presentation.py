@@ -19,9 +19,10 @@ from matplotlib.mathtext import MathTextParser
 from study.ledger.datafiles import DataError, read_claims, read_rates, read_uncompressed
 from study.ledger.files import write_packed, write_text
 from study.present.drawing import draw_figures
-from study.present.figures import drawings
+from study.present.figures import drawings, overview
 from study.present.notation import encode
 from study.present.outcome import ledger_text, observed_text, orders_text, rates_text
+from study.present.picture import read_pictures
 from study.present.tables import write_tables
 
 ROOT = Path(__file__).parents[2]
@@ -232,7 +233,8 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
     ("present", "name"),
     [
         *((write_tables, f"{name}.csv") for name in ("rates", "claims", "equivalence", "stresses", "bounds")),
-        *((drawings, name) for name in ("rates.csv", "cases.csv", "pictures")),
+        *((overview, name) for name in ("rates.csv", "cases.csv")),
+        (read_pictures, "pictures"),
         (rates_text, "rates.csv"),
         (print_ledger, "claims.csv"),
     ],
@@ -248,18 +250,20 @@ def test_a_missing_file_is_named_with_the_command_that_makes_it(
 
 
 @pytest.mark.parametrize(
-    ("name", "old", "new", "complaint"),
+    ("present", "name", "old", "new", "complaint"),
     [
-        ("rates.csv", "discrete_error", "something", "lacks the columns discrete_error"),
-        ("claims.csv", "undecided", "perhaps", "perhaps"),
-        ("cases.csv", ROUGH, "smooth", f"lacks the cases {ROUGH}"),
-        ("pictures/corner.json.gz", '"zone_exact"', '"zone"', "corner.json.gz is not a picture"),
-        ("pictures/corner.json.gz", '"energy"', '"zone"', "corner.json.gz is not a picture"),
-        ("bounds.csv", "upper", "something", "lacks the columns upper"),
+        (overview, "rates.csv", "discrete_error", "something", "lacks the columns discrete_error"),
+        (write_tables, "claims.csv", "undecided", "perhaps", "perhaps"),
+        (overview, "cases.csv", ROUGH, "smooth", f"lacks the cases {ROUGH}"),
+        (read_pictures, "pictures/corner.json.gz", '"zone_exact"', '"zone"', "corner.json.gz is not a picture"),
+        (read_pictures, "pictures/corner.json.gz", '"energy"', '"zone"', "corner.json.gz is not a picture"),
+        (overview, "bounds.csv", "upper", "something", "lacks the columns upper"),
     ],
 )
-def test_a_damaged_file_is_named(data: Path, name: str, old: str, new: str, complaint: str) -> None:
+def test_a_damaged_file_is_named(
+    data: Path, present: Callable[[Path], object], name: str, old: str, new: str, complaint: str
+) -> None:
     replace(data / "data" / name, old, new)
     with pytest.raises(DataError, match=complaint):
-        (write_tables if name == "claims.csv" else drawings)(data)
+        present(data)
     assert files(data) == ["data"]

@@ -133,8 +133,8 @@ def test_a_film_is_written_by_the_ffmpeg_of_a_package_where_the_system_has_none(
 
 
 WRONG = """from dataclasses import replace
-from manufactured.catalogue import catalogue
-case = catalogue()[0]
+from manufactured.catalogue import named
+case = named("full-contact")
 (face,) = case.solution.faces
 solution = replace(case.solution, faces=(replace(face, gap=face.gap - 1),))
 wrong = replace(case, solution=solution)
