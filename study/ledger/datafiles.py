@@ -7,7 +7,6 @@ import json
 import shlex
 import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, fields
 from io import BytesIO
 from pathlib import Path
@@ -19,8 +18,8 @@ from numpy.typing import NDArray
 
 from study.ledger.chance import promise_verdict
 from study.ledger.files import write_packed, write_text
-from study.ledger.orders import RatesError, orders
 from study.ledger.verdict import HOLDS, KINDS, VERDICTS, Verdict, kind
+from study.orders.sequences import consecutive_orders
 
 SERIES = ["claim", "case", "family", "scheme"]
 RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]
@@ -439,8 +438,5 @@ def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[
     Parameters:
         h, error: mesh sizes and errors, (levels,), coarse to fine.
     """
-    found = np.full(len(h), np.nan)
-    for i in range(1, len(h)):
-        with suppress(RatesError):
-            found[i] = orders(h[i - 1 : i + 1], error[i - 1 : i + 1])[0]
-    return found
+    found = consecutive_orders(h, np.where(error > 0, error, np.nan))
+    return np.append(np.nan, np.where(np.diff(h) < 0, found, np.nan))

@@ -12,6 +12,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.self_proof import Finding, SelfProofError, examine
@@ -136,9 +137,7 @@ class Plan:
         """
         groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
         for case, family, level in self.meshes():
-            body = case.solution.body
-            shape = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
-            groups.setdefault((shape, family, level), []).append((case, family, level))
+            groups.setdefault((shape(case.solution.body), family, level), []).append((case, family, level))
         for group in groups.values():
             case, family, level = group[0]
             try:
@@ -158,6 +157,11 @@ class Plan:
         for job in self.jobs:
             if job.statement.of_every_case:
                 yield resolve(job.setting.case), job.setting.family, job.setting.level
+
+
+def shape(body: Body) -> Hashable:
+    """Return a value that is equal for bodies with the same boundary parts and interfaces, and so the same meshes."""
+    return tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
 
 
 def violations(reference: str) -> list[Finding]:

@@ -8,25 +8,24 @@ of contact codes by other people.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from manufactured.case import Case
 from study.fem.mesh import size_of
 from study.fem.naming import family_named
 from study.ledger.codes import FOLDER, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.datafiles import CsvFile, in_series, line, since_before
+from study.run.plan import shape
 from study.run.provenance import Expectation
 from study.statements.enclosure import BOUNDS, ENCLOSURES, KEY, TIMES, resolve_problem
 from study.statements.prop_5_4 import RATES
 from study.statements.shared.meshes import is_uniform
 
 Tables = Mapping[CsvFile, pd.DataFrame]
-Numbers = NDArray[np.float64]
 DIGITS = 1e-10
 """Relative tolerance for columns that are written with twelve digits."""
 SAMPLED_RTOL = 2e-5
@@ -68,29 +67,30 @@ class Breach:
 Relation = Callable[[Tables, Expectation], Iterator[Breach]]
 
 
-def breaches(file: str, table: pd.DataFrame, column: str, holds: pd.Series, expected: pd.Series) -> Iterator[Breach]:
+def breaches(file: str, table: pd.DataFrame, column: str, holds: Any, expected: Iterable[str]) -> Iterator[Breach]:
     """Yield a ``Breach`` for each row in which a column violates a relation.
 
     Parameters:
-        file, table: name and content of the file.
+        file, table: name of the file, and its content or some of its rows.
         column: the column.
-        holds: for each row whether the relation holds.
-        expected: for each row the expected value in words.
+        holds: for each row whether the relation holds, (rows,).
+        expected: the expected value in words, for all rows or for each row.
     """
-    for row in np.flatnonzero(~holds.to_numpy(dtype=bool)):
-        yield Breach(file, int(row), column, table[column].iloc[row], str(expected.iloc[row]))
+    for row in np.flatnonzero(~np.asarray(holds, dtype=bool)):
+        words = expected if isinstance(expected, str) else [*expected][row]
+        yield Breach(file, int(table.index[row]), column, table[column].iloc[row], words)
 
 
-def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series) -> Iterator[Breach]:
+def equal(file: str, table: pd.DataFrame, column: str, expected: Any) -> Iterator[Breach]:
     """Yield the cells of a column that differ from their expected values.
 
     Parameters:
-        file, table, column: name and content of the file, and the column.
-        expected: the expected values; NaN if the cell must be empty.
+        file, table, column: name of the file, its content or some of its rows, and the column.
+        expected: the expected values, (rows,); NaN if the cell must be empty.
     """
-    stands, wanted = table[column].to_numpy(dtype=float), expected.to_numpy(dtype=float)
-    holds = pd.Series(np.isclose(stands, wanted, rtol=DIGITS, atol=DIGITS, equal_nan=True))
-    yield from breaches(file, table, column, holds, expected.map("{:.12g}".format))
+    wanted = np.asarray(expected, dtype=float)
+    holds = np.isclose(table[column].to_numpy(dtype=float), wanted, rtol=DIGITS, atol=DIGITS, equal_nan=True)
+    yield from breaches(file, table, column, holds, [*map("{:.12g}".format, wanted)])
 
 
 def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
@@ -107,23 +107,19 @@ def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     The numbers of time steps must follow from the plan. Times must be ends or midpoints of time steps, at which errors
     are evaluated.
     """
-    rates = tables[RATES]
-    cases = rates["case"].map(expectation.cases)
-    known = rates[cases.notna()].reset_index()
-    resolved: list[Case] = cases.dropna().tolist()
-    T = pd.Series([case.solution.body.T for case in resolved], dtype=float)
+    known = tables[RATES][tables[RATES]["case"].isin([*expectation.cases])]
+    cases = [expectation.cases[name] for name in known["case"]]
+    T, steps = np.array([case.solution.body.T for case in cases]), known["steps"].to_numpy()
+    expected = {"k": T / steps, "dim": [case.solution.body.dim for case in cases]}
     if expectation.plan:
         scope = expectation.plan.scope
-        steps = [scope.steps(case, n) for case, n in zip(resolved, known["level"], strict=True)]
-        yield from _at(known, equal(RATES.name, known, "steps", pd.Series(steps, dtype=float)))
-    yield from _at(known, equal(RATES.name, known, "k", T / known["steps"]))
-    dim = pd.Series([case.solution.body.dim for case in resolved], dtype=float)
-    yield from _at(known, equal(RATES.name, known, "dim", dim))
+        expected["steps"] = [scope.steps(case, n) for case, n in zip(cases, known["level"], strict=True)]
     for column in ("at", "interpolation_at", "discrete_at"):
         # Errors are evaluated at the ends and midpoints of time steps, so these times are multiples of half a step.
-        half_steps = 2 * known["steps"]
-        nodes = (known[column] * half_steps / T).round().clip(0, half_steps)
-        yield from _at(known, equal(RATES.name, known, column, nodes * T / half_steps))
+        nodes = (known[column].to_numpy() * 2 * steps / T).round().clip(0, 2 * steps)
+        expected[column] = nodes * T / (2 * steps)
+    for column, values in expected.items():
+        yield from equal(RATES.name, known, column, values)
 
 
 def orders(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
@@ -174,31 +170,27 @@ def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """Check that measured columns are positive. A value of exactly 0 means that nothing was measured."""
     for file, table in tables.items():
         for column in MEASURED.get(file.name, ()):
-            wanted = pd.Series("a positive number, as it is measured", table.index)
-            yield from breaches(file.name, table, column, table[column] > 0, wanted)
+            yield from breaches(file.name, table, column, table[column] > 0, "a positive number, as it is measured")
 
 
 def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """Check that the column h in all files is the size of the mesh with this family and level."""
 
-    known: dict[tuple[object, str, int], float] = {}
+    known: dict[Hashable, float] = {}
+
+    def size(case: str, family: str, n: int) -> float:
+        found = expectation.cases.get(case)
+        body = found.solution.body if found else resolve_problem(case).data.body
+        # Each mesh is made once for all bodies of the same shape.
+        key = shape(body), family, n
+        if key not in known:
+            known[key] = size_of(family_named(family), body, n)
+        return known[key]
+
     for file, table in tables.items():
-        if "h" not in table:
-            continue
-        expected = []
-        for case, family, n in table[["case", "family", "level"]].to_numpy():
-            if case in expectation.gone:
-                expected.append(float("nan"))
-                continue
-            found = expectation.cases.get(case)
-            body = found.solution.body if found else resolve_problem(case).data.body
-            # Each mesh is made once for all bodies of the same shape.
-            key = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces)), family, n
-            if key not in known:
-                known[key] = size_of(family_named(family), body, n)
-            expected.append(known[key])
-        wanted = pd.Series(expected, dtype=float)
-        yield from equal(file.name, table, "h", wanted.where(wanted.notna(), table["h"]))
+        if "h" in table:
+            there = table[~table["case"].isin(expectation.gone)]
+            yield from equal(file.name, there, "h", [size(*place) for place in there[MESH].to_numpy()])
 
 
 def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
@@ -211,8 +203,7 @@ def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     for column in ("error", "discrete_error"):
         same = pd.concat([*place, rates[column].map("{:.9e}".format)], axis=1)[uniform].duplicated(keep=False)
         holds = ~same.reindex(rates.index, fill_value=False)
-        wanted = pd.Series("another number than on the meshes of another family", rates.index)
-        yield from breaches(RATES.name, rates, column, holds, wanted)
+        yield from breaches(RATES.name, rates, column, holds, "another number than on the meshes of another family")
 
 
 def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
@@ -222,8 +213,7 @@ def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breac
     """
     bounds = tables[BOUNDS]
     problems = [resolve_problem(case) for case in bounds["case"]]
-    orders = pd.Series([problem.order for problem in problems], dtype=float)
-    yield from equal(BOUNDS.name, bounds, "expected_order", orders)
+    yield from equal(BOUNDS.name, bounds, "expected_order", [problem.order for problem in problems])
     unknown = pd.Series([problem.case is None for problem in problems], dtype=bool)
     for file, table, empty in (
         (BOUNDS, bounds, unknown),
@@ -258,13 +248,6 @@ def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
         yield from breaches(BOUNDS.name, bounds, column, holds, wanted)
     ends = bounds["error"].isna() | (bounds["lowest"] <= bounds["highest"])
     yield from breaches(BOUNDS.name, bounds, "lowest", ends, bounds["highest"].map("at most {:.12g}, highest".format))
-
-
-def _at(known: pd.DataFrame, found: Iterator[Breach]) -> Iterator[Breach]:
-    """Yield breaches in selected rows of a table, with the row numbers of the whole table."""
-    for breach in found:
-        row = int(known["index"].iloc[breach.row])
-        yield Breach(breach.file, row, breach.column, breach.stands, breach.expected)
 
 
 RELATIONS: tuple[Relation, ...] = (
@@ -309,11 +292,9 @@ def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
         finest[number] = dict(zip(CODE_ORDERS.values(), last, strict=True))
     classes = codes.classes
     for column, of in CODE_ORDERS.items():
-        expected = pd.Series(
-            [finest.get(number, {}).get(of, float("nan")) for number in classes["series"]], dtype=float
-        )
+        expected = np.array([finest.get(number, {}).get(of, np.nan) for number in classes["series"]])
         holds = ~(abs(classes[column] - expected) > CODE_ORDER_ROOM)
-        yield from breaches(f"{folder}/classes.csv", classes, column, holds, expected.map("{:.4g}".format))
+        yield from breaches(f"{folder}/classes.csv", classes, column, holds, [*map("{:.4g}".format, expected)])
 
 
 def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
@@ -325,8 +306,8 @@ def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
     there, left_out = codes.classes["series"].isin(codes.errors["series"]), codes.classes["class"] == NOT_EXPRESSED
     wanted = there.map({True: "a class, as there are errors", False: f"{NOT_EXPRESSED}, as there are no errors"})
     yield from breaches(f"{folder}/classes.csv", codes.classes, "class", there != left_out, wanted)
-    wanted = pd.Series("a series of classes.csv", codes.errors.index)
-    yield from breaches(f"{folder}/errors.csv", codes.errors, "series", codes.errors["code"].notna(), wanted)
+    there = codes.errors["code"].notna()
+    yield from breaches(f"{folder}/errors.csv", codes.errors, "series", there, "a series of classes.csv")
 
 
 CODE_RELATIONS: tuple[Callable[[Codes, str], Iterator[Breach]], ...] = (
