@@ -22,11 +22,12 @@ import pandas as pd
 from tabulate import tabulate
 
 from manufactured.tensors import Array
-from study.controls.record import Line, Record, RowKey, fingerprint, two_sided, unpacked
+from study.controls.record import Line, Record, RowKey, fingerprint, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.chance import PROMISE, interval, seeds_needed, tail
 from study.ledger.compare import difference
 from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, table_text
+from study.ledger.window import is_two_sided
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
 COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
@@ -74,7 +75,7 @@ class CountedCheck:
                 latest[key] = rule, line
         wide = 2 * len(record.draws)
         found = [
-            cls(key, rule, unpacked(line.places.ljust(wide, ".")), two_sided(line.window_low, line.window_high))
+            cls(key, rule, unpacked(line.places.ljust(wide, ".")), is_two_sided(line.window_low, line.window_high))
             for key, (rule, line) in latest.items()
         ]
         return [row for row in found if np.isfinite(row.places[newest(record) :]).any()]

@@ -20,10 +20,10 @@ import pandas as pd
 
 from study.ledger.codes import Codes
 from study.ledger.compare import Comparison, Tolerance, compare, difference
-from study.ledger.datafiles import CsvFile, DataError, Row, line, made_by, read_csv, table_text, write_csv
+from study.ledger.datafiles import CsvFile, DataError, line, made_by, read_csv, table_text, write_csv
 from study.ledger.files import UsageError
 from study.run.executor import Pool, execute
-from study.run.judgement import PREDICTED, read_tables
+from study.run.judgement import PREDICTED, read_tables, stored_rows
 from study.run.plan import Job
 from study.run.provenance import Expectation, read_provenance
 from study.run.relations import CODE_RELATIONS, FOLDERS, RELATIONS
@@ -206,14 +206,8 @@ def compare_again(
         old, new = Path(temporary) / "old", Path(temporary) / "new"
         store = Store(new)
         execute(jobs, store, pool, notify)
-        rows: dict[CsvFile, list[Row]] = {}
-        for job in jobs:
-            result = store.load(job.key, job.fingerprint())
-            assert result is not None, job.key
-            for file, row in job.records(result):
-                assert isinstance(file, CsvFile), file.name
-                rows.setdefault(file, []).append(row)
-        for file, measured in rows.items():
+        for file, measured in stored_rows(jobs, store).items():
+            assert isinstance(file, CsvFile), file.name
             table = pd.DataFrame(measured, columns=list(file.columns))
             write_csv(new / "data" / file.name, table)
             # From the file on disk, only the rows that were measured again are compared, without derived columns.
