@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, fields
 from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -221,22 +221,6 @@ def table_text(table: pd.DataFrame) -> str:
 Row = Mapping[str, Any]
 
 
-class DataFile(Protocol):
-    """A file or folder into which measurements are written.
-
-    Attributes:
-        name: name of the file or folder in the folder ``data``.
-        key: the columns that identify a measurement.
-    """
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def key(self) -> tuple[str, ...]: ...
-
-    def write(self, data: Path, rows: Sequence[Row]) -> list[Path]: ...
-
-
 @dataclass(frozen=True)
 class CsvFile:
     """A CSV file of measurements.
@@ -289,6 +273,10 @@ class JsonFiles:
         """
         texts = {row[self.key[0]]: json.dumps(row, separators=(",", ":")) + "\n" for row in rows}
         return [write_packed(data / self.name / f"{name}.json.gz", text) for name, text in texts.items()]
+
+
+DataFile = CsvFile | JsonFiles
+"""A file or folder into which measurements are written."""
 
 
 def read_rates(directory: Path) -> pd.DataFrame:

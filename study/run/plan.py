@@ -130,13 +130,15 @@ class Plan:
     def _check_meshes(self) -> None:
         """Check that every mesh fits its body and the lines along which a solution is not smooth.
 
-        Each mesh is made once for all cases on bodies of the same shape.
+        Only meshes of statements that are measured for every case are checked. Other statements choose meshes that are
+        known to fit. Each mesh is made once for all cases on bodies of the same shape.
 
         Raises:
             MeshError: a mesh does not fit.
         """
         groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
-        for case, family, level in self.meshes():
+        for setting in (job.setting for job in self.jobs if job.statement.of_every_case):
+            case, family, level = resolve(setting.case), setting.family, setting.level
             groups.setdefault((shape(case.solution.body), family, level), []).append((case, family, level))
         for group in groups.values():
             case, family, level = group[0]
@@ -147,16 +149,6 @@ class Plan:
                     rough_cells(mesh, [Line(*line) for line in case.solution.rough], case.solution.singular)
             except MeshError as error:
                 raise MeshError(f"{case.name}, {family}, level {level}: {error}") from error
-
-    def meshes(self) -> Iterator[tuple[Case, str, int]]:
-        """Yield the meshes that must be checked, as (case, mesh family, level).
-
-        They belong to the statements that are measured for every case. Other statements choose meshes that are known to
-        fit.
-        """
-        for job in self.jobs:
-            if job.statement.of_every_case:
-                yield resolve(job.setting.case), job.setting.family, job.setting.level
 
 
 def shape(body: Body) -> Hashable:

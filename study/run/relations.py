@@ -2,14 +2,13 @@
 
 Nothing is solved to test them. Examples: the column h is the mesh size of the mesh family and level; an observed order
 follows from the errors; three norms satisfy the triangle inequality; a bound is the largest of its values over time.
-Each function yields the cells that violate one relation. The second part of this file has the relations for the results
-of contact codes by other people.
+Each function yields a message for each cell that violates one relation. The second part of this file has the relations
+for the results of contact codes by other people.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -41,34 +40,11 @@ CODE_ORDER_ROOM = 0.02
 """Tolerance for an observed order between mesh sizes h and h/2 if the errors are written with three digits."""
 
 
-@dataclass(frozen=True)
-class Breach:
-    """A cell of a data file that violates a relation.
-
-    Attributes:
-        file: name of the file.
-        row: index of the row, from 0.
-        column: name of the column.
-        stands: the value that the file has in this cell.
-        expected: the expected value in words.
-    """
-
-    file: str
-    row: int
-    column: str
-    stands: object
-    expected: str
-
-    def __str__(self) -> str:
-        where = f"{self.file}, line {line(self.row)}, column {self.column}"
-        return f"{where}: found {self.stands}, expected {self.expected}"
+Relation = Callable[[Tables, Expectation], Iterator[str]]
 
 
-Relation = Callable[[Tables, Expectation], Iterator[Breach]]
-
-
-def breaches(file: str, table: pd.DataFrame, column: str, holds: Any, expected: Iterable[str]) -> Iterator[Breach]:
-    """Yield a ``Breach`` for each row in which a column violates a relation.
+def breaches(file: str, table: pd.DataFrame, column: str, holds: Any, expected: Iterable[str]) -> Iterator[str]:
+    """Yield a message for each cell of a column that violates a relation: its place, its value and the expected value.
 
     Parameters:
         file, table: name of the file, and its content or some of its rows.
@@ -78,10 +54,11 @@ def breaches(file: str, table: pd.DataFrame, column: str, holds: Any, expected: 
     """
     for row in np.flatnonzero(~np.asarray(holds, dtype=bool)):
         words = expected if isinstance(expected, str) else [*expected][row]
-        yield Breach(file, int(table.index[row]), column, table[column].iloc[row], words)
+        where = f"{file}, line {line(int(table.index[row]))}, column {column}"
+        yield f"{where}: found {table[column].iloc[row]}, expected {words}"
 
 
-def equal(file: str, table: pd.DataFrame, column: str, expected: Any) -> Iterator[Breach]:
+def equal(file: str, table: pd.DataFrame, column: str, expected: Any) -> Iterator[str]:
     """Yield the cells of a column that differ from their expected values.
 
     Parameters:
@@ -93,7 +70,7 @@ def equal(file: str, table: pd.DataFrame, column: str, expected: Any) -> Iterato
     yield from breaches(file, table, column, holds, [*map("{:.12g}".format, wanted)])
 
 
-def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def propositions(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that each row of ``rates.csv`` names the proposition whose assumptions its case satisfies."""
     rates = tables[RATES]
     named = {line["case"]: str(line["statements"]).partition(", ")[0] for line in expectation.lines}
@@ -101,7 +78,7 @@ def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     yield from breaches(RATES.name, rates, "claim", rates["claim"] == expected, expected)
 
 
-def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check the numbers of time steps, the dimension, and the times of the largest errors in ``rates.csv``.
 
     The numbers of time steps must follow from the plan. Times must be ends or midpoints of time steps, at which errors
@@ -122,13 +99,13 @@ def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
         yield from equal(RATES.name, known, column, values)
 
 
-def orders(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def orders(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that the observed orders in ``rates.csv`` follow from the errors and mesh sizes."""
     rates = tables[RATES]
     yield from equal(RATES.name, rates, "order", in_series(rates, "error"))
 
 
-def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def shares(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that two columns of ``rates.csv`` give the same error of the time discretisation.
 
     The column ``time_share`` has this error divided by the error, ``discrete_time_share`` this error divided by the
@@ -139,7 +116,7 @@ def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     yield from equal(RATES.name, rates, "discrete_time_share", expected)
 
 
-def triangles(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def triangles(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that the three errors in ``rates.csv`` satisfy the triangle inequality.
 
     They are the error, the interpolation error, and the discrete error between both solutions. Also, the error at the
@@ -166,14 +143,14 @@ MEASURED = {
 """File ↦ columns that are computed from many rounded numbers. Such a number is never exactly 0."""
 
 
-def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def positive(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that measured columns are positive. A value of exactly 0 means that nothing was measured."""
     for file, table in tables.items():
         for column in MEASURED.get(file.name, ()):
             yield from breaches(file.name, table, column, table[column] > 0, "a positive number, as it is measured")
 
 
-def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def sizes(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that the column h in all files is the size of the mesh with this family and level."""
 
     known: dict[Hashable, float] = {}
@@ -193,7 +170,7 @@ def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
             yield from equal(file.name, there, "h", [size(*place) for place in there[MESH].to_numpy()])
 
 
-def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def families(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that errors on different mesh families differ; equal errors would be a copy.
 
     Graded meshes are skipped: a coarse one may equal the uniform mesh.
@@ -206,7 +183,7 @@ def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
         yield from breaches(RATES.name, rates, column, holds, "another number than on the meshes of another family")
 
 
-def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check the columns of ``bounds.csv`` and ``enclosures.csv`` that are known before a bound is computed.
 
     The expected order must be that of the problem. Errors must be empty exactly if the exact solution is unknown.
@@ -224,7 +201,7 @@ def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breac
             yield from breaches(file.name, table, column, table[column].isna() == empty, wanted)
 
 
-def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def extremes(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that each number in ``bounds.csv`` is the largest of the values over time in ``enclosures.csv``."""
     bounds, times = tables[BOUNDS], tables[ENCLOSURES]
     upper, room = times["distance"] + times["bound"], SAMPLED_RTOL * (times["distance"] + times["bound"])
@@ -255,7 +232,7 @@ RELATIONS: tuple[Relation, ...] = (
 )  # fmt: skip
 
 
-def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
+def same_best(codes: Codes, folder: str) -> Iterator[str]:
     """Check that the error of the discrete solution on a mesh is the same in the rows of all codes.
 
     The discrete solution is the finite-element solution with exact contact constraints, which this study computes.
@@ -268,7 +245,7 @@ def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
         yield from breaches(f"{folder}/errors.csv", errors, column, holds, wanted)
 
 
-def code_triangle(codes: Codes, folder: str) -> Iterator[Breach]:
+def code_triangle(codes: Codes, folder: str) -> Iterator[str]:
     """Check the triangle inequality between three solutions.
 
     They are the solution of another code, the discrete solution with exact contact constraints, and the exact solution.
@@ -283,7 +260,7 @@ def code_triangle(codes: Codes, folder: str) -> Iterator[Breach]:
 CODE_ORDERS = {"order_in_v": "error", "order_of_distance": "distance", "order_of_pressure": "pressure"}
 
 
-def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
+def code_orders(codes: Codes, folder: str) -> Iterator[str]:
     """Check that the observed orders in ``classes.csv`` follow from the errors on the two finest meshes."""
     finest: dict[object, dict[str, float]] = {}
     for number, rows in codes.errors.sort_values("level").groupby("series", sort=False):
@@ -297,7 +274,7 @@ def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
         yield from breaches(f"{folder}/classes.csv", classes, column, holds, [*map("{:.4g}".format, expected)])
 
 
-def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
+def every_series(codes: Codes, folder: str) -> Iterator[str]:
     """Check that ``classes.csv`` and ``errors.csv`` have the same series.
 
     A series is a code with fixed parameters on the meshes of one case and mesh family. Each series has a class, and it
@@ -310,7 +287,7 @@ def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
     yield from breaches(f"{folder}/errors.csv", codes.errors, "series", there, "a series of classes.csv")
 
 
-CODE_RELATIONS: tuple[Callable[[Codes, str], Iterator[Breach]], ...] = (
+CODE_RELATIONS: tuple[Callable[[Codes, str], Iterator[str]], ...] = (
     same_best,
     code_triangle,
     code_orders,
