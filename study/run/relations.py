@@ -87,10 +87,11 @@ def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[str]:
     known = tables[RATES][tables[RATES]["case"].isin([*expectation.cases])]
     cases = [expectation.cases[name] for name in known["case"]]
     T, steps = np.array([case.solution.body.T for case in cases]), known["steps"].to_numpy()
-    expected = {"k": T / steps, "dim": [case.solution.body.dim for case in cases]}
+    expected: dict[str, Any] = {}
     if expectation.plan:
         scope = expectation.plan.scope
         expected["steps"] = [scope.steps(case, n) for case, n in zip(cases, known["level"], strict=True)]
+    expected |= {"k": T / steps, "dim": [case.solution.body.dim for case in cases]}
     for column in ("at", "interpolation_at", "discrete_at"):
         # Errors are evaluated at the ends and midpoints of time steps, so these times are multiples of half a step.
         nodes = (known[column].to_numpy() * 2 * steps / T).round().clip(0, 2 * steps)

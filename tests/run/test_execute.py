@@ -230,18 +230,13 @@ def test_jobs_that_a_lost_cluster_has_cancelled_end_the_run(tmp_path) -> None:
         execute([Toy("a")], Store(tmp_path), pool(Gone()), ignore)
 
 
-def test_a_job_that_no_worker_has_the_memory_for_is_refused_with_what_it_needs_and_what_there_is() -> None:
-    jobs = [Toy("small", memory=GIB), Toy("rates__case__family__00512", memory=50 * GIB)]
+def test_a_job_that_no_worker_has_the_memory_for_is_refused_before_any_job_starts(tmp_path) -> None:
+    jobs, executor = [Toy("small", memory=GIB), Toy("rates__case__family__00512", memory=50 * GIB)], AtOnce()
     with pytest.raises(UsageError, match=r"^rates__case__family__00512 needs about 50\.0 GiB.*20\.0 GiB are.*--levels"):
-        refuse_too_large(jobs, pool(AtOnce(), together=20 * GIB))
-    refuse_too_large(jobs[:1], pool(AtOnce(), together=20 * GIB))
-    refuse_too_large([], pool(AtOnce()))
-
-
-def test_other_random_meshes_beyond_the_memory_are_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("study.run.executor.available", lambda: 0.1 * GIB)
-    assert main(["seeds", "--jobs", "1", "--out", str(tmp_path)]) == 2
-    assert "GiB of memory, 0.1 GiB are available" in capsys.readouterr().err
+        execute(jobs, Store(tmp_path), pool(executor, together=20 * GIB), ignore)
+    assert executor.order == []
+    refuse_too_large(jobs[:1], pool(executor, together=20 * GIB))
+    refuse_too_large([], pool(executor))
 
 
 def full_contact(n: int) -> Job:
