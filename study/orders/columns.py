@@ -370,7 +370,7 @@ def _split_by_case(columns: Columns) -> list[Columns]:
         if all(len(group) > 1 and len({numbers[k] for k in group}) == len(group) for group in groups.values()):
             parts = []
             for cell, group in groups.items():
-                cases, lines = ([entries[k] for k in group] for entries in (table.rows, table.lines))
-                parts.append(replace(table, rows=cases, lines=lines, label=f"{name} {cell}".strip()))
+                label, lines = f"{name} {cell}".strip(), [table.lines[k] for k in group]
+                parts.append(replace(table, rows=[table.rows[k] for k in group], lines=lines, label=label))
             return [Columns(part, columns.options) for part in parts]
     return [columns]
