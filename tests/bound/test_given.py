@@ -138,6 +138,10 @@ def field() -> dict[str, Array]:
     return {"points": points, "triangles": triangles, "times": times, "u": u}
 
 
+def grid_of(arrays: dict[str, Array]) -> MeshTri:
+    return MeshTri(arrays["points"].T, arrays["triangles"].T)
+
+
 def test_arrays_of_other_shapes_mean_the_same() -> None:
     plain = given(square(), **field())
     solid = {key: np.dstack([a, 0 * a[..., :1]]) if key == "u" else a for key, a in field().items()}
@@ -163,50 +167,43 @@ def with_value(array: Array, place: Any, value: Any) -> Array:
     return changed
 
 
-def curved(p: Array, c: Array) -> dict[str, Array]:
-    points, six = (each.copy() for each in Solver(square(), MeshTri(p.T, c.T), 2).mesh)
-    points[-1] += 0.01
-    return {"points": points, "triangles": six, "u": np.zeros((3, len(points), 2))}
-
-
-FAULTS: dict[str, tuple[Callable[..., dict[str, Array]], str]] = {
-    "hole": (lambda p, c, at, u: {"triangles": c[1:]}, r"does not cover the body: . sides .* near x = \("),
-    "other body": (lambda p, c, at, u: {"points": p * [1.0, 2.0]}, r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
-    "metres": (lambda p, c, at, u: {"points": p / 1000}, "mesh is smaller than the body by the factor 1000: give both"),
-    "millimetres": (lambda p, c, at, u: {"points": 1000 * p + 7}, "is larger than the body by the factor 1000"),
-    "shifted": (lambda p, c, at, u: {"points": p + [0.0, -0.5]}, r"is shifted by \(0, -0.5\): give both"),
-    "other boundary": (
-        lambda p, c, at, u: {"points": with_value(p, np.isclose(p, [0.5, 0]).all(axis=1), [0.5, 0.2])},
-        r"does not cover the body: .* near x = \(",
-    ),
-    "NaN": (
-        lambda p, c, at, u: {"u": with_value(u, (1, 3, 0), np.nan)},
-        r"1 numbers that are not finite, the first at t = 0.5, x = \(",
-    ),
-    "twice": (lambda p, c, at, u: {"triangles": np.vstack([c, c[:1]])}, "overlap or are listed twice|share a side n"),
-    "flat": (
-        lambda p, c, at, u: {"triangles": np.vstack([c, c[:1][:, [0, 0, 1]]])},
-        r"1 triangles have no area, the first near x = \(",
-    ),
-    "curved": (lambda p, c, at, u: curved(p, c), "curved triangles"),
-    "not clamped": (lambda p, c, at, u: {"u": u + 0.01}, r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest .* --near"),
-    "no start": (lambda p, c, at, u: {"times": at + 0.5}, "initial time is missing: the first time is 0.5"),
-    "too short": (lambda p, c, at, u: {"times": at / 2}, "the last time is 0.5, the problem ends at T = 1"),
-    "backwards": (lambda p, c, at, u: {"times": at[::-1]}, "increase strictly"),
-    "one time": (lambda p, c, at, u: {"times": at[:1], "u": u[:1]}, "one time only"),
-    "shape": (lambda p, c, at, u: {"u": u[:, 1:]}, r"u has the shape .* expected \(3, 9, 2\)"),
-    "quads": (lambda p, c, at, u: {"triangles": c[:, [0, 1, 2, 2]]}, "expected integers"),
-    "from 1": (lambda p, c, at, u: {"triangles": c + 1}, "numbers start at 0"),
-    "space": (lambda p, c, at, u: {"points": np.column_stack([p, p[:, 0]])}, "do not lie in a plane"),
+FAULTS: dict[str, tuple[str, Callable[[Array], Array], str]] = {
+    "hole": ("triangles", lambda c: c[1:], r"does not cover the body: . sides .* near x = \("),
+    "other body": ("points", lambda p: p * [1.0, 2.0], r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
+    "metres": ("points", lambda p: p / 1000, "mesh is smaller than the body by the factor 1000: give both"),
+    "millimetres": ("points", lambda p: 1000 * p + 7, "is larger than the body by the factor 1000"),
+    "shifted": ("points", lambda p: p + [0.0, -0.5], r"is shifted by \(0, -0.5\): give both"),
+    "other boundary": ("points", lambda p: with_value(p, 1, [0.5, 0.2]), r"does not cover the body: .* near x = \("),
+    "NaN": ("u", lambda u: with_value(u, (1, 3, 0), np.nan), r"1 numbers .* not finite, the first at t = 0.5, x = \("),
+    "twice": ("triangles", lambda c: np.vstack([c, c[:1]]), "overlap or are listed twice|share a side n"),
+    "flat": ("triangles", lambda c: np.vstack([c, c[:1][:, [0, 0, 1]]]), r"1 triangles have no area, .* near x = \("),
+    "not clamped": ("u", lambda u: u + 0.01, r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest field .* --nearest"),
+    "no start": ("times", lambda at: at + 0.5, "initial time is missing: the first time is 0.5"),
+    "too short": ("times", lambda at: at / 2, "the last time is 0.5, the problem ends at T = 1"),
+    "backwards": ("times", lambda at: at[::-1], "increase strictly"),
+    "shape": ("u", lambda u: u[:, 1:], r"u has the shape .* expected \(3, 9, 2\)"),
+    "quads": ("triangles", lambda c: c[:, [0, 1, 2, 2]], "expected integers"),
+    "from 1": ("triangles", lambda c: c + 1, "numbers start at 0"),
+    "space": ("points", lambda p: np.column_stack([p, p[:, 0]]), "do not lie in a plane"),
 }
-"""Changes of points, triangles, times and u of ``field``, and why they are refused."""
+"""An array of ``field``, its change, and why it is refused."""
 
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_what_does_not_fit_is_refused_by_name(name: str) -> None:
-    change, message = FAULTS[name]
+    array, change, message = FAULTS[name]
     with pytest.raises(BoundError, match=message):
-        given(square(), **(field() | change(*field().values())))
+        given(square(), **(field() | {array: change(field()[array])}))
+
+
+def test_curved_triangles_and_a_single_time_are_refused() -> None:
+    arrays = field()
+    points, six = (each.copy() for each in Solver(square(), grid_of(arrays), 2).mesh)
+    points[-1] += 0.01
+    curved = {"points": points, "triangles": six, "u": np.zeros((3, len(points), 2))}
+    for changed, message in ((curved, "curved tri"), ({"times": np.zeros(1), "u": arrays["u"][:1]}, "one time only")):
+        with pytest.raises(BoundError, match=message):
+            given(square(), **(arrays | changed))
 
 
 def test_a_static_problem_takes_one_time_only() -> None:
@@ -275,8 +272,7 @@ def write(path: Path, arrays: dict[str, Array], name: str = "displacement") -> P
 def test_files_of_other_programs_are_read(suffix: str, degree: int, tmp_path: Path) -> None:
     arrays = field()
     if degree == 2:
-        grid = MeshTri(arrays["points"].T, arrays["triangles"].T)
-        arrays["points"], arrays["triangles"] = Solver(square(), grid, 2).mesh
+        arrays["points"], arrays["triangles"] = Solver(square(), grid_of(arrays), 2).mesh
         arrays["u"] = arrays["times"][:, None, None] * (1 - arrays["points"][None, :, 1:] ** 2) * np.array([0.1, 0.2])
     expected = given(square(), **arrays)
     found = given(square(), **vars(read(write(tmp_path / f"mine{suffix}", arrays))))
