@@ -10,11 +10,10 @@ import pytest
 from scipy.sparse.linalg import eigsh
 from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, FacetBasis, LinearForm, MeshTri
 from skfem.helpers import ddot, dot, sym_grad
-from sympy import exp
+from test_terms import BODY, LAW
 
-from manufactured import Data, KelvinVoigt, Kind, isotropic, polygon, unit_square
+from manufactured import Data, Kind, unit_square
 from manufactured.body import Body
-from manufactured.factor import x1, x2
 from manufactured.problems import problems
 from manufactured.symbols import t
 from manufactured.tensors import Array
@@ -23,14 +22,12 @@ from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose
 from study.bound.problem import load_constants
 from study.bound.remainders import Evidence
-from study.bound.trajectory import DiscreteSolution, Parabola, SmoothedInTime, compute
+from study.bound.trajectory import Parabola, SmoothedInTime, compute
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.solve.tableau import MIDPOINT
 from study.stresses.composite import CORNERS, SIDES
 from study.stresses.oscillation import cell_constants, loaded_sides, side_constants
 
-LAW = KelvinVoigt(isotropic(1, 0), isotropic(1, 0), "without contraction")
-BODY = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED])
 COMPLIANCE = np.linalg.inv(LAW.A.matrix)
 P2 = ElementVector(ElementTriP2())
 
@@ -192,38 +189,3 @@ def test_the_distance_is_cut_at_every_time_of_u_h() -> None:
     piece, times = Parabola(0.0, 0.25, 0 * v, 0 * v, 0 * v), np.array([0.0, 0.05, 0.07, 0.09, 1.0])
     found = enclosing.largest_distance(d, piece, times, lambda time: np.interp(time, times, [0, 0, 3, 0, 0]) * v)
     assert found == pytest.approx(3, rel=1e-12)
-
-
-# ---- data that samples hardly see, from the data to the interval
-
-
-def true_error(coarse: Discretisation, computed: DiscreteSolution) -> float:
-    """The largest error of u_h at its nodes, against the displacement on a mesh and with steps eight times finer."""
-    fine = Discretisation(coarse.data, coarse.mesh.refined(3))
-    u, u_h = compute(fine, MIDPOINT, 8 * computed.steps).on(fine), computed.on(fine)
-    return max(fine.norm(u(time) - u_h(time)) for time in computed.times)
-
-
-PEAK, IN_TIME = (40 * exp(-4000 * (variable - place) ** 2) for variable, place in ((x2, 0.53), (t, 0.56)))
-"""Peaks with a width of a fiftieth, which the coarse mesh and the steps hardly see."""
-ROUND = exp(-2000 * ((x1 - 0.53) ** 2 + (x2 - 0.53) ** 2))
-
-
-@pytest.mark.parametrize(
-    "problem",
-    [
-        {"f2": {1: (t * PEAK, 0)}},
-        {"f0": (0, 40 * t * ROUND)},
-        {"f0": (IN_TIME, 0)},
-        {"f2": {1: (IN_TIME, 0)}},
-        {"u0": (x1 * ROUND / 8, 0)},
-    ],
-    ids=["f_2 in space", "f_0 in space", "f_0 in time", "f_2 in time", "u_0"],
-)
-def test_a_narrow_peak_that_a_coarse_mesh_hardly_sees_does_not_escape_the_bound(problem) -> None:
-    data = Data.formulas(BODY, LAW, **{"f0": (0, 0), "f2": {}, "u0": (0, 0)} | problem)
-    d = Discretisation(data, OneDiagonal()(BODY, 2))
-    computed = compute(d, MIDPOINT, 4)
-    found = enclose(d, computed, SmoothedInTime())
-    assert found.evidence.kind == "guaranteed"
-    assert found.lowest <= true_error(d, computed) <= found.highest
