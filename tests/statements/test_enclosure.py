@@ -11,15 +11,8 @@ from measured_rows import verdicts
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.ledger.window import around
-from study.statements.enclosure import (
-    CHECKED,
-    CHECKED_LEVEL,
-    ROOM,
-    UNPREDICTED,
-    BoundedError,
-    EnclosedError,
-    judge_interval,
-)
+from study.statements import enclosure
+from study.statements.enclosure import BoundedError, EnclosedError
 
 
 def bounds(trajectory: str, levels: tuple[int, ...] = (8, 16), case: str = "a", **changes) -> pd.DataFrame:
@@ -59,7 +52,9 @@ def test_ends_are_close_where_it_was_announced(wide_at: tuple[int, ...], verdict
     upper, lower = (
         [wide if level in wide_at else near for level in (0, 1)] for wide, near in ((1.2, 1.01), (0.8, 0.99))
     )
-    found = verdicts(EnclosedError(), bounds("enclosure", (8, CHECKED_LEVEL), CHECKED, upper=upper, lower=lower))
+    found = verdicts(
+        EnclosedError(), bounds("enclosure", (8, enclosure.CHECKED_LEVEL), enclosure.CHECKED, upper=upper, lower=lower)
+    )
     assert (found["tight-above"], found["tight-below"]) == (verdict, verdict)
 
 
@@ -69,9 +64,9 @@ def test_an_order_is_judged_where_nobody_knows_the_error() -> None:
     assert verdicts(EnclosedError(), UNKNOWN.assign(highest=1.2 * UNKNOWN["highest"])) == {"order": UNDECIDED}
     assert verdicts(BoundedError(), UNKNOWN.assign(trajectory="bound")) == verdicts(EnclosedError(), UNKNOWN[:1]) == {}
     (order,) = EnclosedError().judge(UNKNOWN.assign(expected_order=math.nan))
-    assert (order.verdict, order.expected) == (REPORTED, UNPREDICTED)
+    assert (order.verdict, order.expected) == (REPORTED, enclosure.UNPREDICTED)
 
 
 @pytest.mark.parametrize(("span", "verdict"), [((0.86, 1.14), HOLDS), ((0.84, 1.02), UNDECIDED), ((1.16, 1.2), FAILS)])
 def test_the_whole_interval_of_an_order_must_lie_in_the_window_of_every_other_order(span, verdict: str) -> None:
-    assert judge_interval(span, around(1, ROOM)) == verdict
+    assert enclosure.judge_interval(span, around(1, enclosure.ROOM)) == verdict

@@ -36,15 +36,14 @@ def test_every_row_about_an_initial_gap_can_fail() -> None:
     assert {key for rows in wrong for key, verdict in pairs(InitialGap().judge(rows)) if verdict == FAILS} == keys
 
 
-@pytest.mark.parametrize("changes", [{}, *({column: value} for column, value in WRONG)], ids=lambda one: "".join(one))
-def test_a_smooth_solution_has_the_verdicts_of_proposition_5_4(changes: dict[str, object]) -> None:
-    rows = measured(1.0, **changes)
+@pytest.mark.parametrize(
+    ("order", "claim", "verdicts"),
+    [(1.0, "Prop. 5.4", prop_5_4), (0.5, "Prop. 5.3", prop_5_3)],
+    ids=["smooth", "rough"],
+)
+def test_a_case_has_the_verdicts_of_the_proposition_about_its_regularity(order: float, claim: str, verdicts) -> None:
+    rows = measured(order).assign(expected_order=order)
     found = InitialGap().judge(rows)
-    assert pairs(found) == pairs(prop_5_4(rows.assign(claim="Prop. 5.4")))
+    assert pairs(found) == pairs(verdicts(rows.assign(claim=claim), order))
     assert {row.label for row in found} == {INITIAL_GAP}
-
-
-def test_a_rough_solution_has_the_verdicts_of_proposition_5_3_and_other_cases_have_no_row() -> None:
-    rows = measured(0.5).assign(expected_order=0.5)
-    assert pairs(InitialGap().judge(rows)) == pairs(prop_5_3(rows.assign(claim="Prop. 5.3")))
-    assert InitialGap().judge(rows.assign(claim="Prop. 5.4")) == []
+    assert InitialGap().judge(rows.assign(claim=claim)) == []

@@ -70,7 +70,7 @@ def test_a_raised_rule_integrates_a_steep_pressure_better() -> None:
     assert 0 < abs(raised - reference).max() < abs(plain - reference).max() / 3
 
 
-@pytest.mark.parametrize("name", ["travelling-patch", "merging-patches", "full-contact", "advance-recede"])
+@pytest.mark.parametrize("name", ["travelling-patch", "advance-recede"])
 def test_the_quadrature_is_refined_for_the_state_with_the_largest_error(name: str) -> None:
     found = measured(resolve(name).solution)
     times, errors, *_ = found.history
@@ -82,6 +82,6 @@ def test_the_leading_term_is_maximised_over_all_times(name: str) -> None:
     """Predicted loss: a parabola loses 1 % in half a step of the grid; at T alone 15 % and 79 % are lost."""
     solution = resolve(name).solution
     term = LeadingTerm(solution, Space(OneDiagonal()(solution.body, 16), solution.body))
-    largest = max(term(time) for time in np.linspace(0, term.T, 257))
+    largest = max(term(time) for time in np.linspace(0, term.T, 129))
     assert 0.99 * largest <= term.largest() <= largest
     assert term(term.T) < 0.86 * largest
