@@ -136,9 +136,8 @@ def test_levels_to_try_are_finer_and_in_space_not_too_fine(dim: int, levels: lis
 
 
 def test_levels_are_added_until_an_order_can_be_decided() -> None:
-    assert enough([8], 3, dim=2) == [8, 16, 32]
-    assert enough([9, 12], 4, dim=2) == [9, 12, 15, 18]
-    assert enough([8], 3, dim=3) == [8, 12, 16]
+    cases = (([8], 3, 2, [8, 16, 32]), ([9, 12], 4, 2, [9, 12, 15, 18]), ([8], 3, 3, [8, 12, 16]))
+    assert all(enough(levels, needed, dim) == expected for levels, needed, dim, expected in cases)
     assert "try --levels 16 32 48" in reason(own(following([0.6, 0.8]).assign(dim=3))["order"])
     assert (least_levels("Prop. 5.3"), least_levels("Prop. 5.4")) == (4, 3)
 
