@@ -132,7 +132,7 @@ def test_a_spread_that_stays_and_work_that_cannot_be_seen_fail() -> None:
 
 @pytest.fixture(scope="module")
 def coarse() -> Resolved:
-    return Resolved(resolve("trains").solution, space_of(Setting("trains", "shaken", 4)))
+    return Resolved(resolve("trains").solution, space_of(Setting("trains", "shaken", 8)))
 
 
 def test_functions_of_the_space_are_the_same_on_the_refined_mesh(coarse: Resolved) -> None:
