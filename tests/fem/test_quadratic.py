@@ -17,9 +17,10 @@ from manufactured.tensors import Array, Points, Tensors, mandel
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import prolongation
-from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured, boundary_parts
+from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured
+from study.fem.mesh import barycentric as barycentric_of
 from study.fem.quadratic import Quadratic
-from study.fem.space import Space, form
+from study.fem.space import Space
 from study.stresses.composite import bernstein
 
 CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
@@ -53,7 +54,7 @@ def in_cells(space: Quadratic, rng: np.random.Generator, q: int = 5) -> tuple[Ar
 
 
 def values(space: Quadratic, v: Array, barycentric: Array) -> Array:
-    """v at the points, (2, cells, q)."""
+    """Return v at the points, (2, cells, q)."""
     return np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
 
 
@@ -63,12 +64,8 @@ def strains(space: Quadratic, v: Array, barycentric: Array) -> Tensors:
 
 def on_contact(space: Quadratic, v: Array, x: Array) -> Array:
     """v_ν at places x in [0, 1] of every edge of Γ3, (edges, points)."""
-    found = []
-    for part, edges in zip(space.body.parts, space.parts, strict=True):
-        if part.kind is CONTACT:
-            normal = space.coefficients(v)[space.on_edges(edges)] @ part.normal
-            found.append(normal.T @ bernstein(2, np.array([1 - x, x])))
-    return np.concatenate(found)
+    normal = [space.coefficients(v)[space.on_edges(edges)] @ part.normal for part, edges in space.on(CONTACT)]
+    return np.concatenate(normal, axis=1).T @ bernstein(2, np.array([1 - x, x]))
 
 
 # ---- the cone
@@ -99,21 +96,6 @@ def test_the_cone_is_that_of_the_trace_of_the_coefficients_and_neither_larger_no
         assert set(np.round(space.N @ v, 9)) == set(np.round(free, 9))
 
 
-def test_values_at_nodes_that_do_not_penetrate_would_not_suffice() -> None:
-    """A parabola with the values −1, 0, 0 at the start, the middle and the end of an edge is positive in between."""
-    space = quadratic("square")
-    (edges,) = (edges for part, edges in zip(space.body.parts, space.parts, strict=True) if part.kind is CONTACT)
-    # Its coefficients are −1, 1/2, 0.
-    start, middle, _ = space.on_edges(edges)[:, 1]
-    full = np.zeros((space.count, 2))
-    full[start, 1], full[middle, 1] = 1.0, -0.5
-    v = full.ravel()[space.free]
-    nodal = on_contact(space, v, np.array([0.0, 0.5, 1.0]))[1]
-    assert nodal.max() <= 0
-    assert on_contact(space, v, np.array([0.75]))[1] > 0.1
-    assert (space.N @ v).max() > 0
-
-
 # ---- values and strains
 
 
@@ -125,7 +107,7 @@ def polynomial(rng: np.random.Generator) -> tuple[Array, Array, Array]:
 
 def at(p: tuple[Array, Array, Array], x: Points) -> Array:
     c, g, H = p
-    return np.einsum("i,...->i...", c, np.ones(x.shape[1:])) + np.einsum("ij,j...->i...", g, x) + _form(H, x, x)
+    return c.reshape(2, *[1] * (x.ndim - 1)) + np.einsum("ij,j...->i...", g, x) + _form(H, x, x)
 
 
 def _form(H: Array, x: Points, y: Points) -> Array:
@@ -174,7 +156,7 @@ def test_functions_are_continuous_and_vanish_on_the_clamped_part() -> None:
         space = quadratic(name)
         v = rng.normal(size=space.dofs)
         coefficients = space.coefficients(v)
-        for part, edges in zip(space.body.parts, boundary_parts(space.mesh, space.body), strict=True):
+        for part, edges in zip(space.body.parts, space.parts, strict=True):
             clamped = abs(coefficients[space.on_edges(edges)]).max() == 0
             assert clamped == (part.kind is CLAMPED)
         # A point of every inner edge, three tenths from its first vertex, from both cells.
@@ -203,37 +185,11 @@ def test_linear_functions_keep_their_values_and_strains_on_refined_meshes(body: 
     v = rng.normal(size=space.dofs)
     w = prolongation(space, fine) @ v
     barycentric, x = in_cells(V, rng, 3)
-    finder = coarse.mesh.element_finder()
-    cells = finder(*x.reshape(2, -1))
-    nodal, corners = space.nodal(v), coarse.mesh.p[:, coarse.mesh.t[:, cells]]
-    matrix = np.concatenate([np.ones((1, 3, len(cells))), corners])
-    local = np.linalg.solve(np.moveaxis(matrix, 2, 0), np.vstack([np.ones(len(cells)), x.reshape(2, -1)]).T[..., None])
-    expected = np.einsum("dvc,cv->dc", nodal[:, coarse.mesh.t[:, cells]], local[..., 0])
+    cells = coarse.mesh.element_finder()(*x.reshape(2, -1))
+    local = barycentric_of(coarse.mesh, cells, x.reshape(2, -1, 1))[..., 0]
+    expected = np.einsum("dvc,vc->dc", space.nodal(v)[:, coarse.mesh.t[:, cells]], local)
     assert np.allclose(values(V, w, barycentric).reshape(2, -1), expected, atol=1e-9)
     assert np.allclose(strains(V, w, barycentric).reshape(3, -1), space.strain(v)[:, cells], atol=1e-8)
-
-
-@pytest.mark.parametrize("body", BODIES)
-def test_the_matrix_of_degree_2_is_that_of_p1_on_linear_functions(body: str) -> None:
-    found = discretisation(body)
-    space = Space(found.mesh, found.data.body)
-    J = prolongation(space, found)
-    expected = form(space, found.data.law.A)
-    assert abs(J.T @ found.M @ J - expected).max() <= 1e-12 * abs(expected).max()
-    v = np.random.default_rng(0).normal(size=space.dofs)
-    assert found.norm(J @ v) == pytest.approx(np.sqrt(v @ (expected @ v)), rel=1e-12)
-
-
-@pytest.mark.parametrize("body", BODIES)
-def test_linear_functions_of_the_cone_stay_in_it(body: str) -> None:
-    coarse, fine = discretisation(body), discretisation(body, 1)
-    space = Space(coarse.mesh, coarse.data.body)
-    J, rng = prolongation(space, fine), np.random.default_rng(1)
-    v = rng.normal(size=space.dofs)
-    for _ in range(400):
-        v -= space.N.T @ np.maximum(space.N @ v, 0) * 1.01
-    assert (space.N @ v).max() <= 1e-12
-    assert (fine.displacements.N @ (J @ v)).max() <= 1e-12
 
 
 def test_a_mesh_that_is_no_refinement_is_refused() -> None:

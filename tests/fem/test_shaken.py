@@ -98,15 +98,6 @@ def test_vertices_and_points_of_quadrature_lie_in_the_body_whatever_rounding_doe
         require_inside(body, np.mean(mesh.p[:, mesh.facets], axis=1))
 
 
-def test_shaking_as_announced_leaves_angles_and_a_quarter_more_does_not() -> None:
-    """Where all vertices of a cell are moved as far as they may: an angle is extreme there, or nearly so."""
-    path = np.array([[0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
-    extreme = np.moveaxis(np.array(list(product([-1, 1], repeat=6))).reshape(-1, 2, 3), 0, 2)
-    least, beyond = (smallest_angle(path[..., None] + a * extreme) for a in (0.2, 0.249))
-    assert least > 9 > 1 > beyond
-    assert Shaken().amplitude == 0.2
-
-
 @pytest.mark.parametrize("n", [4, 5])
 def test_alternating_diagonals_give_vertices_of_the_boundary_two_and_four_cells_in_turn(n: int) -> None:
     mesh = Alternating()(unit_square(), n)
