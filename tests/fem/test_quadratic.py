@@ -20,6 +20,7 @@ from study.bound.trajectory import prolongation
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured
 from study.fem.mesh import barycentric as barycentric_of
 from study.fem.quadratic import Quadratic
+from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.stresses.composite import bernstein
 
@@ -244,17 +245,12 @@ def test_loads_act_as_the_integrals_of_polynomial_formulas() -> None:
     found = Discretisation(data, Shaken()(body, 3))
     V, rng = found.displacements, np.random.default_rng(2)
     v = rng.normal(size=V.dofs)
-    x, w = np.polynomial.legendre.leggauss(6)
     barycentric, weights = folded_gauss(6)
     X, Y = np.einsum("dvc,vq->dcq", found.mesh.p[:, found.mesh.t], barycentric)
     u = values(V, v, barycentric)
     expected = np.einsum("cq,q,c->", u[0] * (1 + X * Y) + u[1] * (X - 3 * Y**2), weights, V.volumes)
-    place = (x + 1) / 2
     for side, load in ((1, lambda y: np.array([y**3, 2 - y])), (3, lambda y: np.array([y, y**2]))):
-        edges = V.parts[side]
-        ends = found.mesh.p[:, found.mesh.facets[:, edges]]
-        y = np.outer(ends[1, 0], 1 - place) + np.outer(ends[1, 1], place)
-        shape = bernstein(2, np.array([1 - place, place]))
-        trace = np.einsum("ned,nq->deq", V.coefficients(v)[V.on_edges(edges)], shape)
-        expected += np.einsum("deq,deq,q,e->", trace, load(y), w / 2, found.stresses.lengths[edges])
+        rule = facet_rule(found.mesh, V.parts[side], body.parts[side], (), 6)
+        trace = np.einsum("aed,aeq->deq", V.coefficients(v)[V.on_edges(rule.facets)], bernstein(2, rule.shapes))
+        expected += np.sum(trace * load(body.parts[side].point(rule.s)[1]) * rule.weights)
     assert found.load(0.0) @ v == pytest.approx(expected, rel=1e-11)
