@@ -124,8 +124,9 @@ def test_a_stress_is_admissible_on_every_mesh_and_body(name: str, family: MeshFa
 
     outer = np.flatnonzero(mesh.facets.max(axis=0) < space.mesh.p.shape[1])
     assert np.array_equal(mesh.facets[:, outer], space.mesh.facets)
-    shapes = bernstein(degree, along := np.array([1 - (s := np.linspace(0, 1, degree + 2)), s]))
-    pressures = []
+    s = np.linspace(0, 1, degree + 2)
+    along = np.array([1 - s, s])
+    shapes, pressures = bernstein(degree, along), []
     for part, edges in zip(space.body.parts, space.parts, strict=True):
         points = np.einsum("dvn,vq->dnq", space.mesh.p[:, space.mesh.facets[:, edges]], along)
         traction = np.einsum("ijnq,j->inq", full(stress_in(points, mesh.f2t[0, outer[edges]])), part.normal)
