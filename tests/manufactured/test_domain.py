@@ -69,12 +69,6 @@ def test_a_wrong_shape_says_which_shape_is_wanted(x: object, told: str) -> None:
         evaluate(BRACKET, x, 0.5)
 
 
-def test_a_pressure_like_a_root_is_led_to_the_case_with_a_natural_front() -> None:
-    for label in ({"gap": 2, "pressure": 0.5}, {"gap": 1.5, "pressure": 0.5}):
-        with pytest.raises(ValueError, match=r"natural-front of the catalogue.*SingularFace.*on_contact=1\.5"):
-            Regularity(**label)
-
-
 def test_an_initial_gap_is_refused_in_data_as_there_is_none() -> None:
     law = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "linear")
     with pytest.raises(FormulaError, match=r"got gap; there is no initial gap in data"):

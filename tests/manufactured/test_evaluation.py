@@ -45,8 +45,3 @@ def test_the_gradient_is_the_difference_of_displacements() -> None:
     for j in range(2):
         moved = [evaluate(case, x + sign * step * np.eye(2)[:, [j]], TIME).displacement for sign in (1, -1)]
         assert np.allclose(found[:, j], (moved[0] - moved[1]) / (2 * step), atol=1e-7)
-
-
-def test_points_with_too_few_coordinates_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"shape \(2, n\)"):
-        evaluate(named("full-contact"), [[0.5]], TIME)

@@ -39,12 +39,6 @@ def test_the_skew_part_works_on_no_strain() -> None:
     assert np.sum(NonSymmetric(SKEW)(strain) * strain, axis=0) == pytest.approx(np.zeros(50), abs=1e-12)
 
 
-@pytest.mark.parametrize(("matrix", "message"), [(np.eye(2), "3×3"), (np.diag([1.0, np.nan, 1.0]), "not finite")])
-def test_matrices_of_no_operator_are_refused(matrix: np.ndarray, message: str) -> None:
-    with pytest.raises(LawError, match=message):
-        NonSymmetric(matrix)
-
-
 @pytest.mark.parametrize("matrix", [COUPLED, COUPLED.T], ids=["sn to nn", "nn to sn"])
 def test_a_law_that_couples_nn_with_sn_needs_a_prescribed_strain(matrix: np.ndarray) -> None:
     body = unit_square()

@@ -58,15 +58,6 @@ FIELDS = "displacement", "velocity", "strain", "strain_rate"
 WITH_FORCES = *FIELDS, "strain_gradient", "stress", "body_force"
 
 
-def agree_in_time(case: Case, x: np.ndarray, names: tuple[str, ...]) -> None:
-    """Fields at many times, which come last, are those at each."""
-    fields, times = case.solution.at(x), case.solution.body.T * np.array([0.0, 0.31, 0.64, 1.0])
-    for name in names:
-        of = getattr(fields, name)
-        each, together = np.array([of(float(time)) for time in times]), np.moveaxis(of(times), -1, 0)
-        assert near(together, each, rel=1e-12, abs=1e-12 * abs(each).max()), name
-
-
 OTHERS: dict[str, Callable[[], Case]] = {
     "natural-motion": natural_motion,
     "trains": lambda: multiscale()[0],
@@ -74,25 +65,22 @@ OTHERS: dict[str, Callable[[], Case]] = {
 }
 
 
-@pytest.mark.parametrize("name", by_cost([*NAMES, "natural-motion"]))
+@pytest.mark.parametrize(
+    "name",
+    [
+        *by_cost([*NAMES, "natural-motion"]),
+        *(pytest.param(name, marks=pytest.mark.slow) for name in ("trains", "roller")),
+    ],
+)
 def test_fields_at_many_times_are_those_at_each(name: str) -> None:
+    """At points of which many share their coordinates along a face, as on a mesh; the times come last."""
     case = OTHERS[name]() if name in OTHERS else named(name)
-    agree_in_time(case, case.solution.body.sample(np.random.default_rng(3), 50), WITH_FORCES)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["trains", "roller"])
-def test_fields_of_liftings_of_variable_depth_at_many_times_are_those_at_each(name: str) -> None:
-    case = OTHERS[name]()
-    agree_in_time(case, case.solution.body.sample(np.random.default_rng(3), 200), FIELDS)
-
-
-@pytest.mark.parametrize("case", by_cost(["hexagon", "cube-disc", "layered"]))
-def test_fields_on_a_grid_at_many_times_are_those_at_each(case: str) -> None:
-    """Points of a grid share their place along a face."""
-    grid = np.round(8 * named(case).solution.body.sample(np.random.default_rng(3), 200)) / 8
-    inside = named(case).solution.body.contains(grid + 1e-3)
-    agree_in_time(named(case), grid[:, inside] + 1e-3, WITH_FORCES)
+    body = case.solution.body
+    grid = np.round(8 * body.sample(np.random.default_rng(3), 200)) / 8 + 1e-3
+    fields, times = case.solution.at(grid[:, body.contains(grid)]), body.T * np.array([0.0, 0.31, 0.64, 1.0])
+    for of in (getattr(fields, quantity) for quantity in (FIELDS if name in ("trains", "roller") else WITH_FORCES)):
+        each, together = np.array([of(float(time)) for time in times]), np.moveaxis(of(times), -1, 0)
+        assert near(together, each, rel=1e-12, abs=1e-12 * abs(each).max()), of.__name__
 
 
 @pytest.mark.parametrize("name", ["junction", "natural-front"])
@@ -177,16 +165,6 @@ def test_a_case_with_layers_needs_one_power_more_of_its_pressure() -> None:
         replace(case, solution=replace(case.solution, faces=(rougher,)), regularity=Regularity(4, 2, moving=True))
 
 
-def test_labels_must_own_up_to_corners_traces_and_kinks() -> None:
-    for name, label, reason in (
-        ("re-entrant", Regularity(gap=4, pressure=2, moving=True), r"formulas say .*, r\^0\.5445 at a corner"),
-        ("junction", Regularity(on_contact=1.0), r"formulas say r\^0\.5 on Γ3"),
-        ("layered-unmet", Regularity(), "formulas say strain with a jump inside cells"),
-    ):
-        with pytest.raises(CaseError, match=reason):
-            replace(named(name), regularity=label, order=1.0)
-
-
 def test_a_body_that_no_family_can_mesh_is_refused_by_name() -> None:
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
     kinds = [Kind.CONTACT, Kind.CLAMPED, Kind.LOADED, Kind.LOADED]
@@ -218,10 +196,20 @@ def test_exponents_say_what_to_expect_and_what_the_proof_gives(regularity, order
     assert regularity.proposition == proposition
 
 
-def test_exponents_of_no_solution_in_h_1_are_refused() -> None:
-    for label, message in (({"corner": 0.0}, "λ > 0"), ({"gap": 1.5}, "α > 3/2")):
-        with pytest.raises(ValueError, match=message):
-            Regularity(**label)
+NATURAL = r"natural-front of the catalogue.*SingularFace.*on_contact=1\.5"
+
+
+@pytest.mark.parametrize(
+    ("label", "message"),
+    [
+        ({"corner": 0.0}, "λ > 0"),
+        ({"gap": 1.5}, "α > 3/2"),
+        *(({"gap": gap, "pressure": 0.5}, NATURAL) for gap in (2, 1.5)),
+    ],
+)
+def test_exponents_of_no_solution_in_h_1_or_of_no_contact_face_are_refused(label: dict, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Regularity(**label)
 
 
 def test_a_twin_is_the_same_body_in_another_position() -> None:
