@@ -6,7 +6,7 @@ import pytest
 
 DEAR = (
     *("cube-two-faces", "cube-bowl", "cube-disc", "hexagon", "long-time", "merging-patches", "corner"),
-    *("parabolic-gap", "travelling-patch", "trains", "breathing-trains"),
+    *("parabolic-gap", "travelling-patch", "trains", "breathing-trains", "roller"),
 )
 
 

@@ -65,20 +65,17 @@ OTHERS: dict[str, Callable[[], Case]] = {
 }
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        *by_cost([*NAMES, "natural-motion"]),
-        *(pytest.param(name, marks=pytest.mark.slow) for name in ("trains", "roller")),
-    ],
-)
+VARIABLE_DEPTH = "trains", "roller"
+
+
+@pytest.mark.parametrize("name", by_cost([*NAMES, "natural-motion", *VARIABLE_DEPTH]))
 def test_fields_at_many_times_are_those_at_each(name: str) -> None:
     """At points of which many share their coordinates along a face, as on a mesh; the times come last."""
     case = OTHERS[name]() if name in OTHERS else named(name)
     body = case.solution.body
     grid = np.round(8 * body.sample(np.random.default_rng(3), 200)) / 8 + 1e-3
     fields, times = case.solution.at(grid[:, body.contains(grid)]), body.T * np.array([0.0, 0.31, 0.64, 1.0])
-    for of in (getattr(fields, quantity) for quantity in (FIELDS if name in ("trains", "roller") else WITH_FORCES)):
+    for of in (getattr(fields, quantity) for quantity in (FIELDS if name in VARIABLE_DEPTH else WITH_FORCES)):
         each, together = np.array([of(float(time)) for time in times]), np.moveaxis(of(times), -1, 0)
         assert near(together, each, rel=1e-12, abs=1e-12 * abs(each).max()), of.__name__
 
