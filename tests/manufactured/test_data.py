@@ -43,8 +43,8 @@ X = np.array([[0.0, 0.0], [0.2, 0.8]])
 U = (t * x1 * (1 - x2), (1 + t) * x2 * (x2 - 1) * (2 + x1))
 
 
-def data(f0=(0, 0), f2=None, u0=None) -> Data:
-    return Data.formulas(SQUARE, LAW, f0=f0, f2=f2, u0=u0)
+def data(f0=(0, 0), **others) -> Data:
+    return Data.formulas(SQUARE, LAW, f0=f0, **others)
 
 
 def by_hand(u) -> tuple[sp.Matrix, sp.Matrix]:
@@ -63,7 +63,7 @@ def by_hand(u) -> tuple[sp.Matrix, sp.Matrix]:
 def test_formulas_have_their_values_at_every_place_and_time() -> None:
     stress, force = by_hand(U)
     loads = {RIGHT: tuple(stress[:, 0]), LEFT: tuple(-stress[:, 0])}
-    found = data(tuple(force), loads, tuple(u.subs(t, 0) for u in U))
+    found = data(tuple(force), f2=loads, u0=tuple(u.subs(t, 0) for u in U))
     found.check()
     expected_force, expected_stress = (sp.lambdify((x1, x2, t), formula) for formula in (force, stress))
     rng = np.random.default_rng(0)
@@ -88,7 +88,7 @@ def test_the_data_of_an_exact_solution_are_those_of_its_formulas() -> None:
     memory = -20 * (t / g - a / g**2 * (1 - sp.exp(-g * t / a)))
     u = (sp.Integer(0), x2 * (1 - x2**2) * memory * (1 + 4 * x1 * (1 - x1)))
     stress, force = by_hand(u)
-    second = data(tuple(force), {RIGHT: stress[:, 0], LEFT: -stress[:, 0]}, [v.subs(t, 0) for v in u])
+    second = data(tuple(force), f2={RIGHT: stress[:, 0], LEFT: -stress[:, 0]}, u0=[v.subs(t, 0) for v in u])
     first, rng = Data.of(case.solution), np.random.default_rng(1)
     x = rng.random((2, 30))
     for time in (0.0, 0.4, 1.0):
@@ -139,6 +139,7 @@ LOG = sp.log(x1 - sp.Rational(1, 2))
         ({"u0": (0, t * x2)}, FormulaError, "u0 has the symbols t; use x1, x2$"),
         ({"f2": {RIGHT: (sp.Symbol("s"), 0)}}, FormulaError, "f2 on part 1 has the symbols s"),
         *(({"f2": {n: (1, 1)}}, FormulaError, rf"part {n}, but the parts of Γ2 .* \[1, 3\]") for n in (0, 2, 7, -1)),
+        ({"gap": 0.05}, FormulaError, "got gap; there is no initial gap in data"),
         ({"f0": (LOG, 0)}, LoadError, r"f_0 is not finite at x = \[0\.[0-4].*at t = 0"),
         ({"f0": (0, 1 / t)}, LoadError, r"f_0 is not finite at x = .* at t = 0, so no stress can balance it"),
         ({"f0": (0, 1 / (1 - t))}, LoadError, "f_0 is not finite at x = .* at t = 1"),

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from on_floor import on_floor
 from sympy import Rational
 
 from manufactured import (
     Case,
     CaseError,
-    ContactFace,
-    Data,
-    ExactSolution,
-    FormulaError,
     KelvinVoigt,
-    Kind,
     Regularity,
     SelfProofError,
     evaluate,
@@ -24,7 +20,6 @@ from manufactured import (
     prove,
     s,
     t,
-    unit_square,
 )
 
 BRACKET = named("re-entrant").solution
@@ -69,18 +64,10 @@ def test_a_wrong_shape_says_which_shape_is_wanted(x: object, told: str) -> None:
         evaluate(BRACKET, x, 0.5)
 
 
-def test_an_initial_gap_is_refused_in_data_as_there_is_none() -> None:
-    law = KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "linear")
-    with pytest.raises(FormulaError, match=r"got gap; there is no initial gap in data"):
-        Data.formulas(unit_square(), law, f0=(0, 0), gap=0.05)
-
-
 def test_an_initial_gap_given_as_the_gap_is_led_to_initial_gap() -> None:
-    body, law = unit_square(), KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
-    (floor,) = body.of(Kind.CONTACT)
+    law = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
     zone = Rational(1, 16) - (s - Rational(1, 2)) ** 2
-    face = ContactFace.linear(floor, law, body.T, (s - Rational(1, 2)) ** 2 / 2, 100 * t * pos(zone, 2), level=zone)
-    solution = ExactSolution(body, law, (face,))
+    solution = on_floor(law, (s - Rational(1, 2)) ** 2 / 2, 100 * t * pos(zone, 2), zone)
     advice = r"give it as `initial_gap` of ContactFace\.linear"
     with pytest.raises(CaseError, match=f"the pressure has a front and the gap has none.*{advice}"):
         Case("bowl", "initial gap", solution, Regularity(gap=2, pressure=2), order=1, reason="test")

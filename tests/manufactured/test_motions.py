@@ -7,6 +7,7 @@ import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
+from on_floor import on_floor
 from random_examples import COSTLY
 from scipy.integrate import quad
 
@@ -28,7 +29,6 @@ from manufactured import (
     s1,
     s2,
     t,
-    unit_square,
 )
 from manufactured.cases.laws import not_proportional
 from manufactured.compiled import function
@@ -90,28 +90,20 @@ def test_the_strain_solves_its_differential_equation(pressure, place: float, tim
 
 def test_fronts_that_swing_many_times_are_passed_as_often_as_they_do() -> None:
     level = sp.sin(20 * t) / 4 + sp.Rational(1, 2) - s
-    times = smooth(level).passes(PLACES, 2.0)
-    for place, column in zip(PLACES[0], times.T, strict=True):
+    for place, column in zip(PLACES[0], smooth(level).passes(PLACES, 2.0).T, strict=True):
         roots = np.sort(column[(column > 1e-12) & (column < 2.0)])
-        value = 4 * (place - 0.5)
         known = []
-        if abs(value) < 1:
-            first = np.arcsin(value)
-            every = [k * np.pi + (first if k % 2 == 0 else -first) for k in range(14)]
-            known = [r / 20 for r in every if 1e-9 < r < 40]
+        if abs(place - 0.5) < 1 / 4:
+            first = np.arcsin(4 * (place - 0.5))
+            every = np.arange(14) * np.pi + first * (-1.0) ** np.arange(14)
+            known = every[(every > 1e-9) & (every < 40)] / 20
         np.testing.assert_allclose(roots, known, rtol=0, atol=1e-13)
-
-
-def swinging(level: sp.Expr, pressure: sp.Expr, gap: sp.Expr) -> ExactSolution:
-    body, law = unit_square(), not_proportional()
-    (part,) = body.of(Kind.CONTACT)
-    return ExactSolution(body, law, (ContactFace.linear(part, law, body.T, gap, pressure, level),))
 
 
 @pytest.mark.slow
 def test_a_case_whose_front_swings_is_an_exact_solution() -> None:
     level = RETURN - s
-    solution = swinging(level, 40 * pos(level, 2) * sp.exp(-t), 20 * pos(-level, 4))
+    solution = on_floor(not_proportional(), 20 * pos(-level, 4), 40 * pos(level, 2) * sp.exp(-t), level)
     prove(solution, "swinging")
     case = Case("swinging", "front swings", solution, Regularity(gap=4, pressure=2, moving=True), 1, "(5.36)")
     assert case.proposition == "Prop. 5.4"
@@ -148,7 +140,7 @@ def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_to_follow_is_r
 @pytest.mark.slow
 def test_a_wrong_memory_of_a_swinging_front_is_refused_by_the_self_proof() -> None:
     level = RETURN - s
-    right = swinging(level, 40 * pos(level, 2), 20 * pos(-level, 4))
+    right = on_floor(not_proportional(), 20 * pos(-level, 4), 40 * pos(level, 2), level)
     (face,) = right.faces
     late = Memory(40 * pos(level.subs(t, t - sp.Rational(1, 50)), 2), 3, 3, 1.0)
     with pytest.raises(SelfProofError, match=r"p = −σ_ν|the stated zone"):

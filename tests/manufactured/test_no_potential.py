@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from on_floor import on_floor
 
 from manufactured import prove
-from manufactured.body import Kind, unit_square
-from manufactured.contact import ContactFace
 from manufactured.law import KelvinVoigt, LawError, NonSymmetric, isotropic
 from manufactured.no_potential import NAME, SKEW, law_without_potential, no_potential
 from manufactured.symbols import pos, s, t
@@ -41,11 +40,9 @@ def test_the_skew_part_works_on_no_strain() -> None:
 
 @pytest.mark.parametrize("matrix", [COUPLED, COUPLED.T], ids=["sn to nn", "nn to sn"])
 def test_a_law_that_couples_nn_with_sn_needs_a_prescribed_strain(matrix: np.ndarray) -> None:
-    body = unit_square()
-    (part,) = body.of(Kind.CONTACT)
     law = KelvinVoigt(isotropic(1, 0), NonSymmetric(matrix), "coupled")
     with pytest.raises(LawError, match="prescribe the strain"):
-        ContactFace.linear(part, law, body.T, t * pos(s - 0.5, 4), t * pos(0.5 - s, 2), 0.5 - s)
+        on_floor(law, t * pos(s - 0.5, 4), t * pos(0.5 - s, 2), 0.5 - s)
 
 
 def test_no_energy_is_stored_without_a_potential() -> None:

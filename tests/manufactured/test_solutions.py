@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 from costly_cases import by_cost
 from entrywise import near
-from sympy import Integer, Rational, cos, expand, sin
+from on_floor import on_floor
+from sympy import Rational, cos, expand, sin
 
 from manufactured import (
     Body,
     Case,
     CaseError,
-    ContactFace,
-    ExactSolution,
     Factor,
     FormulaError,
     KelvinVoigt,
@@ -25,7 +24,6 @@ from manufactured import (
     Regularity,
     SelfProofError,
     cutoff,
-    examine,
     isotropic,
     layered,
     named,
@@ -33,7 +31,6 @@ from manufactured import (
     prove,
     s,
     t,
-    unit_square,
     x1,
     x2,
 )
@@ -105,12 +102,9 @@ def test_a_law_that_couples_nn_with_sn_needs_a_shear_on_the_face() -> None:
     assert isinstance(face.strain, Coupled)
     q, r = face.strain.at(np.linspace(0.1, 0.6, 7)[None])(0.8, False, 0)
     assert abs(r[0,]).max() > 0.05 * abs(q[0,]).max()
-    body = unit_square()
-    plain = ContactFace.linear(
-        body.of(Kind.CONTACT)[0], not_proportional(), 1.0, face.gap, face.strain.pressure, face.level
-    )
+    plain = on_floor(not_proportional(), face.gap, face.strain.pressure, face.level)
     with pytest.raises(SelfProofError, match="σ_τ = 0"):
-        prove(ExactSolution(body, anisotropic(), (plain,)), "without the shear")
+        prove(replace(plain, law=anisotropic()), "without the shear")
 
 
 def test_the_landing_jumps_in_velocity_but_not_in_load() -> None:
@@ -126,31 +120,26 @@ def test_the_landing_jumps_in_velocity_but_not_in_load() -> None:
 
 def test_a_lifting_without_a_kink_at_an_interface_is_refused() -> None:
     factor = layers((0.0, 1.0), 0.5, 4.0)
-    body, law = unit_square(), not_proportional(2, factor, factor)
-    (part,) = body.of(Kind.CONTACT)
-    right = ContactFace.linear(part, law, 1.0, Integer(0), (3 + s) * (1 + t), Integer(1), profile=layered(0.5, 4.0))
-    assert all(finding.passes for finding in examine(ExactSolution(body, law, (right,))))
+    law, pressure = not_proportional(2, factor, factor), (3 + s) * (1 + t)
+    prove(on_floor(law, 0, pressure, profile=layered(0.5, 4.0)), "right")
     for profile in (layered(0.5, 3.0), cutoff(1.0)):
         with pytest.raises(SelfProofError, match="σν continuous on"):
-            prove(ExactSolution(body, law, (replace(right, profile=profile),)), "wrong ratio, or no kink")
+            prove(on_floor(law, 0, pressure, profile=profile), "wrong ratio, or no kink")
 
 
 def test_a_relaxation_rate_is_a_number_where_factors_agree_along_the_face_and_is_refused_where_it_varies() -> None:
     factor = (1 + s / 2) * (2 + s)
     assert relaxation_rate(3 * expand(factor), factor) == 3
     assert relaxation_rate(sin(s) ** 2 + cos(s) ** 2, 2.0) == 0.5
-    body = unit_square()
     law = not_proportional(2, Factor(1 + x1, 1.0, 2.0), Factor(1 + 2 * x1, 1.0, 3.0))
     with pytest.raises(FormulaError, match="varies along the face"):
-        ContactFace.linear(body.of(Kind.CONTACT)[0], law, 1.0, Integer(0), 3 + s, Integer(1))
+        on_floor(law, 0, 3 + s)
 
 
 def test_bounds_of_a_factor_that_do_not_hold_are_found() -> None:
-    body = unit_square()
     law = KelvinVoigt(isotropic(1, 1, factor=Factor(1 + x2, 1.0, 1.5)), isotropic(1, 1), "wrong bounds")
-    face = ContactFace.linear(body.of(Kind.CONTACT)[0], law, 1.0, Integer(0), 3 + s, Integer(1))
     with pytest.raises(SelfProofError, match=r"\(3.1\) bounds of the factor"):
-        prove(ExactSolution(body, law, (face,)), "wrong bounds")
+        prove(on_floor(law, 0, 3 + s), "wrong bounds")
 
 
 def test_a_case_with_layers_needs_one_power_more_of_its_pressure() -> None:
