@@ -1,4 +1,4 @@
-"""Cases whose formulas take a second or more to compile are left to the slow tests."""
+"""The cases that take the most time are left to the slow tests."""
 
 from collections.abc import Iterable
 

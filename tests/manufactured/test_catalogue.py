@@ -1,14 +1,15 @@
-"""Every exact solution has a file of its own: formulas first, then the order that they predict, and why."""
+"""Every exact solution has a file with its formulas and the order that they predict, and is shown in notebooks."""
 
 from __future__ import annotations
 
 from importlib import import_module
 from pkgutil import iter_modules
+from xml.etree import ElementTree
 
 import pytest
 from case_docstrings import missing_parts
 
-from manufactured import cases, catalogue, named
+from manufactured import Kind, cases, catalogue, named
 from manufactured.catalogue import NAMES, module_of
 
 
@@ -46,3 +47,17 @@ def test_a_docstring_that_leaves_something_out_is_noticed(
     docstring = documentation(name)
     assert before in docstring
     assert missing_parts(docstring.replace(before, after), named(name)) == missing
+
+
+def test_a_case_is_shown_with_its_prediction_and_every_piece_of_the_contact_face() -> None:
+    """A parser of XML refuses elements that are not closed in the right order."""
+    for case in catalogue():
+        shown = "".join(ElementTree.fromstring(f"<html>{case._repr_html_()}</html>").itertext())
+        for text in (case.name, case.reason, f"{case.order:g}", case.solution.law.name):
+            assert text in shown, case.name
+        assert shown.count("gap w") == len(case.solution.faces), case.name
+        body = case.solution.body
+        if body.dim == 2:
+            assert case._repr_html_().count("<line") == len(body.parts) + len(body.interfaces), case.name
+        else:
+            assert f"Γ3, contact: {len(body.of(Kind.CONTACT))} flat parts" in shown, case.name

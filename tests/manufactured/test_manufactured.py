@@ -1,4 +1,4 @@
-"""The continuous problem: laws, lifting, memory and the self-proof of every case."""
+"""The continuous problem: contact data, initial gaps, labels and the self-proof of every case."""
 
 from __future__ import annotations
 
@@ -38,6 +38,7 @@ from manufactured import (
     s,
     t,
 )
+from manufactured.case import INITIAL_GAP
 from manufactured.catalogue import NAMES
 from manufactured.face_strain.fronts import real_roots, within
 from manufactured.self_proof.finding import ROUND_OFF
@@ -117,24 +118,16 @@ def test_a_strain_that_jumps_and_jumps_back_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "label", "formulas"),
-    [
-        ("rough-2.25", Regularity(gap=3, pressure=2), r"fixed front, α = 2\.25, m = 1\.25; correct the label"),
-        ("advance-recede", Regularity(gap=4, pressure=2), "moving front"),
-        ("re-entrant", Regularity(gap=4, pressure=2, moving=True), r".*, r\^0\.5445 at a corner"),
-        ("junction", Regularity(on_contact=1.0), r"r\^0\.5 on Γ3"),
-        ("layered-unmet", Regularity(), "strain with a jump inside cells"),
-        ("double-well", Regularity(gap=4, pressure=3, moving=True), "moving front, α = 4, m = 2"),
-    ],
-)
-def test_a_label_that_promises_more_than_the_formulas_is_refused(name: str, label: Regularity, formulas: str) -> None:
-    with pytest.raises(CaseError, match=f"formulas say {formulas}"):
-        replace(named(name), regularity=label, order=1.0)
-
-
-@pytest.mark.parametrize(
     ("name", "label"),
     [
+        # These labels promise more than the formulas.
+        ("rough-2.25", Regularity(gap=3, pressure=2)),
+        ("advance-recede", Regularity(gap=4, pressure=2)),
+        ("re-entrant", Regularity(gap=4, pressure=2, moving=True)),
+        ("junction", Regularity(on_contact=1.0)),
+        ("layered-unmet", Regularity()),
+        ("double-well", Regularity(gap=4, pressure=3, moving=True)),
+        # These labels promise less, so that a case of Prop. 5.4 could escape its rows and speak of (5.36).
         ("advance-recede", Regularity(gap=3.25, pressure=2, moving=True)),
         ("advance-recede", Regularity(gap=4, pressure=1.75, moving=True)),
         ("fixed-front-on-vertex", Regularity(gap=3, pressure=2, moving=True)),
@@ -145,8 +138,7 @@ def test_a_label_that_promises_more_than_the_formulas_is_refused(name: str, labe
         ("rough-1.75", Regularity(gap=1.75, pressure=0.75, kink=True)),
     ],
 )
-def test_a_label_that_promises_less_than_the_formulas_is_refused(name: str, label: Regularity) -> None:
-    """Else a case of Prop. 5.4 could escape its rows and speak of (5.36)."""
+def test_a_label_that_promises_more_or_less_than_the_formulas_is_refused(name: str, label: Regularity) -> None:
     with pytest.raises(CaseError) as refusal:
         replace(named(name), regularity=label, order=label.order)
     correct = named(name).regularity
@@ -330,3 +322,40 @@ def test_a_case_needs_a_predicted_order_that_its_exponents_give_and_a_reason(sta
     rough = named("rough-2")
     with pytest.raises(CaseError, match=message):
         Case("mine", "", rough.solution, rough.regularity, **stated)
+
+
+def with_gap(g: sp.Expr, name: str = "parabolic-gap") -> Case:
+    """A case with another initial gap."""
+    case = named(name)
+    (face,) = case.solution.faces
+    assert isinstance(face, ContactFace)
+    return replace(case, solution=replace(case.solution, faces=(replace(face, initial_gap=g),)))
+
+
+def test_no_statement_of_the_paper_is_about_a_gap_other_than_zero() -> None:
+    assert {named(name).proposition for name in ("closing-gap", "parabolic-gap", "cube-bowl")} == {INITIAL_GAP}
+    assert with_gap(sp.Integer(0)).proposition == "Prop. 5.4"
+
+
+@pytest.mark.parametrize(
+    ("g", "error", "message"),
+    [
+        (s * t, FormulaError, "depends on t"),
+        (s - sp.Rational(1, 3), FormulaError, r"is -0\.3333 at s = 0, where .* penetrate"),
+        (abs(s - HALF), FormulaError, "write fronts with pos"),
+        (sp.Symbol("x"), FormulaError, "has x"),
+        (pos(s - HALF, 1), CaseError, "a front that stays with α = 1"),
+        (pos(s - HALF, sp.Rational(9, 4)), CaseError, r"a front that stays with α = 2\.25"),
+        (sp.sqrt(s), CaseError, "not known to be smooth"),
+    ],
+)
+def test_a_formula_that_is_no_gap_or_has_fronts_that_the_label_does_not_state_is_refused(g, error, message) -> None:
+    with pytest.raises(error, match=message):
+        with_gap(g)
+
+
+def test_a_gap_that_is_open_where_contact_meets_the_clamp_is_no_solution() -> None:
+    """u = 0 on Γ1, so g = w where Γ3 ends at Γ1."""
+    with pytest.raises(SelfProofError, match=r"\(2\.3\)"):
+        prove(with_gap(sp.Rational(1, 10) + s, "contact-at-clamp").solution, "open")
+    prove(with_gap(s**2, "contact-at-clamp").solution, "closed")
