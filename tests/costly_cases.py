@@ -1,4 +1,4 @@
-"""Cases whose formulas take a second or more to compile are left to the slow tests."""
+"""The cases that take the most time are left to the slow tests."""
 
 from collections.abc import Iterable
 
@@ -6,7 +6,7 @@ import pytest
 
 DEAR = (
     *("cube-two-faces", "cube-bowl", "cube-disc", "hexagon", "long-time", "merging-patches", "corner"),
-    *("parabolic-gap", "travelling-patch"),
+    *("parabolic-gap", "travelling-patch", "trains", "breathing-trains", "roller"),
 )
 
 

@@ -24,7 +24,7 @@ from manufactured.catalogue import catalogue
 from study.ledger.datafiles import read_csv
 from study.present.body import BodyScale, draw_deformed_mesh
 from study.present.drawing import in_style
-from study.present.picture import Picture, picture_path, read_record, with_every_shape
+from study.present.picture import Picture, picture_path, read_record
 from study.present.show import write_gif
 
 INSTRUCTIVE = (
@@ -73,7 +73,7 @@ def drawn_once(data: Path, suffix: str, draw: Callable[[Path, Picture], object])
     if not image.exists():
         image.parent.mkdir(parents=True, exist_ok=True)
         with in_style():
-            draw(image, with_every_shape(read_record(data)))
+            draw(image, Picture.of(read_record(data)).at_all_times())
     return image.name
 
 
@@ -83,13 +83,13 @@ def write_film(path: Path, picture: Picture) -> None:
 
 def write_thumbnail(path: Path, picture: Picture) -> None:
     """Writes the deformed body at the time of the largest contact pressure."""
-    largest = [max(float(face.pressure[n].max()) for face in picture.faces) for n in picture.instants]
-    shape = picture.shapes[largest.index(max(largest))]
+    largest = [max(float(face.pressure[n].max()) for face in picture.faces) for n in picture.shown]
+    instant = picture.shown[largest.index(max(largest))]
     figure = Figure(figsize=(2.0, 1.6), dpi=150)
     axes = figure.subplots()
     # The colours and the scale of this time alone: a film has to show the largest values of all times.
-    picture = replace(picture, shapes=[shape])
-    draw_deformed_mesh(axes, picture, shape, BodyScale.of(picture), 2.0)
+    picture = replace(picture, shown=[instant])
+    draw_deformed_mesh(axes, picture, instant, BodyScale.of(picture), 2.0)
     FigureCanvasAgg(figure).print_png(path)
 
 

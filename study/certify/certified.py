@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -19,9 +19,9 @@ from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined, compute, spline
 from study.certify import checker
-from study.certify.constants import columns, constants
+from study.certify.constants import constants, reference_element
 from study.certify.statement import Twins, in_doubles, rational_mesh, statement
-from study.certify.witnesses import COARSE, DISPLACEMENT, FINE, AdmissibleRounding, Load, StressEncoder, bits_below
+from study.certify.witnesses import COARSE, DISPLACEMENT, FINE, StressEncoder, bits_below, rounded
 from study.fem.mesh import MeshFamily, Unstructured
 from study.ledger.files import write_packed
 from study.solve.evolution import Scheme
@@ -85,9 +85,8 @@ class Making:
             exact = exact.refined()
         twins, V = Twins(fine.mesh, exact), fine.displacements
         nodes = [node for _, node in self.refined.nodes(fine, u_h)]
-        order = np.concatenate([twins.vertices, V.mesh.p.shape[1] + twins.edges])
-        bits = bits_below(max(float(abs(u).max()) for u in nodes), DISPLACEMENT)
-        rounding = AdmissibleRounding(exact, bits)
+        u = np.array([V.coefficients(node)[twins.nodes] for node in nodes])
+        bits = bits_below(float(abs(u).max()), DISPLACEMENT)
         m = float(fine.moduli.values.min())
         damping = max(Fraction(math.floor(m * (1 - BELOW) * 2**DAMPING), 2**DAMPING), Fraction(0))
         mesh_of_constants = rational_mesh(Unstructured()(self.data.body, CONSTANTS_LEVEL), self.data.body)
@@ -100,8 +99,8 @@ class Making:
             "mesh": mesh,
             "refinements": self.refined.refinements,
             "computed": [u_h.space.nodal(u).T.ravel().tolist() for u in u_h.nodes],
-            "element": columns(),
-            "displacement": {"bits": bits, "nodes": differences([rounding(V.coefficients(u)[order]) for u in nodes])},
+            "element": reference_element()[0],
+            "displacement": {"bits": bits, "nodes": differences(rounded(exact, u, bits))},
             "stress": _rounded_stresses(StressEncoder(problem, twins, fine), fine, nodes, progress),
         }
 
@@ -114,40 +113,25 @@ def _rounded_stresses(
     Between two knots of the spline ũ, σ̃ is a parabola in time. It is stored at every knot, and by one control point
     between any two knots. The result is the entry "stress" of the certificate.
     """
-    # All stresses are computed before any is rounded, because the unit of rounding depends on the largest one.
-    stresses = list(_stresses(encoder, fine, nodes, progress))
-    bits = bits_below(max(float(abs(encoder.tractions(stress)).max()) for stress, _ in stresses), FINE)
-    coarse = FINE - COARSE
-    tractions, inner = zip(*(encoder.numbers(stress, load, bits, coarse) for stress, load in stresses), strict=True)
-    return {"bits": bits, "coarse": coarse, "tractions": differences(tractions), "inner": differences(inner)}
-
-
-def _stresses(
-    encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
-) -> Iterator[tuple[Array, Load]]:
-    """Yield the stress σ̃ on the cells and the load that it balances.
-
-    Between two knots of the spline ũ, both are parabolas in time. Their values at the knots and one control point
-    between any two knots are yielded, in the order of time.
-    """
-    T = encoder.problem.T
+    T = Fraction(encoder.problem.T)
     k = T / (len(nodes) - 1)
     knots = [Fraction(0), *(k * Fraction(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
-    steps = [float(t) for t in np.linspace(0, float(T), len(nodes))]
-
-    def nearest(load: Load, u: Array, rate: Array) -> tuple[Array, Load]:
-        target = fine.viscous(rate) + fine.elastic(u)
-        stress = fine.nearest_stress(encoder.study_loads(load), target, u).values + target
-        return encoder.bernstein(stress), load
-
-    for j, piece in enumerate(spline(zip(steps, nodes, strict=True))):
+    times = [float(t) for t in np.linspace(0, float(T), len(nodes))]
+    stresses: list[tuple[Array, Array]] = []
+    for piece, (a, b) in zip(spline(zip(times, nodes, strict=True)), pairwise(knots), strict=True):
         first, last = piece.rate(end=False), piece.rate(end=True)
-        start, control, end = encoder.loads(knots[j], knots[j + 1])
-        if not j:
-            yield nearest(start, piece.start, first)
-        yield nearest(control, piece.control, (first + last) / 2)
-        yield nearest(end, piece.end, last)
-        progress(float(knots[j + 1]))
+        controls = (piece.start, first), (piece.control, (first + last) / 2), (piece.end, last)
+        for j, (load, (u, rate)) in enumerate(zip(encoder.loads(a, b), controls, strict=True)):
+            if j or not stresses:  # the start of a piece is the end of the piece before
+                target = fine.viscous(rate) + fine.elastic(u)
+                stress = fine.nearest_stress(load, target, u)
+                stresses.append((encoder.tractions(stress), encoder.inner(stress.values + target)))
+        progress(float(b))
+    # All stresses are computed before any is rounded, because the unit of rounding depends on the largest one.
+    bits = bits_below(max(float(abs(tractions).max()) for tractions, _ in stresses), FINE)
+    coarse = FINE - COARSE
+    tractions, inner = zip(*(encoder.integers(*stress, bits, coarse) for stress in stresses), strict=True)
+    return {"bits": bits, "coarse": coarse, "tractions": differences(tractions), "inner": differences(inner)}
 
 
 def differences(rows: Sequence[list[int]]) -> list[list[int]]:

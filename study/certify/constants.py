@@ -1,7 +1,7 @@
 """The stress element and the constants of the loads, which certificates state and the checker verifies.
 
 **The reference element** is the composite element of degree 3 on the reference triangle, with exact coefficients. The
-unknowns are 90 Bernstein coefficients of a stress σ̂ and three coefficients of a rigid motion q̂. The equations say that
+unknowns are the 90 coefficients of a stress σ̂ and three coefficients of a rigid motion q̂. The equations say that
 tractions are continuous inside and prescribed on the boundary, and that Div σ̂ − q̂ = −f̂. They are solved for all
 prescribed data at once, by row reduction over the rational numbers.
 
@@ -24,7 +24,6 @@ semidefinite programme. Its conditions are written with a Schur complement:
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
@@ -41,7 +40,6 @@ from manufactured.tensors import Array
 from study.bound.problem import BoundError
 from study.certify import checker
 from study.certify.checker import CENTRE, CORNERS, CUBIC, SQUARE, Poly, X, Y
-from study.stresses.composite import indices
 
 GIVEN, INNER = 36, 9
 """Numbers of inputs of the reference element: 36 prescribed tractions and forces, and 9 free coefficients."""
@@ -62,111 +60,62 @@ ENTRIES = ((0, 0), (0, 1), (1, 1))
 
 The k-th entry of Φv contains the components k and k + 1 of the tensor field Φ.
 """
-Field = list[list[Poly]]
-"""A stress on the reference triangle: its components as polynomials, indexed by [subtriangle][component]."""
 
 
 # ---- the reference element: the stress for each prescribed traction and force
 
 
-def bernstein(third: int) -> list[Poly]:
-    """Return the cubic Bernstein polynomials of one subtriangle of the reference triangle, as polynomials in X and Y.
+def _coefficients(tractions: list[Poly], divergences: list[Poly]) -> list[Fraction]:
+    """Return the coefficients of 12 cubic polynomials on edges and of 6 polynomials of degree 2 on subtriangles."""
+    on_edges = [p.get((n, 0, 0), Fraction(0)) for p in tractions for n in range(4)]
+    return on_edges + [p.get(key, Fraction(0)) for p in divergences for key in SQUARE]
 
-    The barycentre divides the reference triangle into three subtriangles, with the numbers ``third`` = 0, 1, 2. The
-    polynomials are in the order of ``indices``.
+
+def _of_stress(component: int, third: int, monomial: int) -> list[Fraction]:
+    """Return the contributions to all equations of a stress of which one coefficient is 1 and all others are 0.
+
+    The equations are for tractions on the boundary, jumps of tractions inside, and divergences on the subtriangles.
     """
-    (p, q), (r, s), (m, n) = CORNERS[(third + 1) % 3], CORNERS[(third + 2) % 3], CENTRE
-    rows = checker.inverse([[p, r, m], [q, s, n], [Fraction(1)] * 3])
-    factors = [X * a + Y * b + checker.ONE * c for a, b, c in rows]
-    return [
-        math.prod([factor for factor, e in zip(factors, alpha, strict=True) for _ in range(e)], start=checker.ONE)
-        * math.factorial(3)
-        * Fraction(1, math.prod(map(math.factorial, alpha)))
-        for alpha in indices(3)
-    ]
-
-
-def _conditions(field: Field) -> list[Fraction]:
-    """Return the left-hand sides of all equations of the element for a stress, as coefficients of polynomials.
-
-    They are the tractions on the boundary, the jumps of tractions inside, and the divergences on the three
-    subtriangles.
-    """
+    one, stress = (third, component, monomial), []
+    for i in range(3):
+        stress.append([[Fraction((i, c, m) == one) for m in range(10)] for c in range(3)])
     outside, jumps, divergences = [], [], []
-    stress = [[[p.get(key, Fraction(0)) for key in CUBIC] for p in third] for third in field]
-    for i, (x, y, z) in enumerate(field):
+    for i in range(3):
         outside += checker.tractions(stress[i], CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3])
-        one, other = (checker.tractions(stress[(i + n) % 3], CORNERS[i], CENTRE) for n in (1, 2))
-        jumps += [p - q for p, q in zip(one, other, strict=True)]
+        left, right = (checker.tractions(stress[(i + n) % 3], CORNERS[i], CENTRE) for n in (1, 2))
+        jumps += [p - q for p, q in zip(left, right, strict=True)]
+        x, y, z = (checker.combination(checker.PLAIN, values) for values in stress[i])
         divergences += [x.slope(0) + z.slope(1), z.slope(0) + y.slope(1)]
-    on_edges = [p.get((n, 0, 0), Fraction(0)) for p in outside + jumps for n in range(4)]
-    return on_edges + _at(divergences)
-
-
-def _at(divergences: list[Poly]) -> list[Fraction]:
-    """Return the six coefficients of each of several polynomials of degree 2, in one list."""
-    return [p.get(key, Fraction(0)) for p in divergences for key in SQUARE]
-
-
-def _right_sides() -> list[list[Fraction]]:
-    """Return the right-hand sides of all equations of the element, one column for each prescribed traction or force."""
-    found = []
-    for i, p, d in product(range(3), checker.bernstein(3, X), (0, 1)):
-        column = [Fraction(0)] * 84
-        start = 8 * i + 4 * d
-        column[start : start + 4] = [p.get((n, 0, 0), Fraction(0)) for n in range(4)]
-        found.append(column)
-    for key, d in product(SQUARE, (0, 1)):
-        force = [Poly({key: Fraction(-1)}) if c == d else Poly() for c in (0, 1)]
-        found.append([Fraction(0)] * 48 + _at(force * 3))
-    return found
+    return _coefficients(outside + jumps, divergences)
 
 
 @cache
-def columns() -> dict[str, Any]:
-    """Return the reference element as a certificate states it.
+def reference_element() -> tuple[dict[str, Any], Array]:
+    """Return the reference element as a certificate states it, and which coefficients of its stresses are free.
 
     The element has 45 degrees of freedom: 36 prescribed tractions and forces, and 9 free coefficients. For each of
-    them, ``columns`` contains the coefficients of the stress for which it is 1 and all others are 0, as numerators of
-    the common denominator ``over``.
+    them, ``columns`` contains the 90 coefficients of the stress for which it is 1 and all others are 0, as numerators
+    of the common denominator ``over``. Coefficients are numbered by component (3), subtriangle (3) and monomial (10).
     """
-    # The stresses in which the solution is expanded: one Bernstein coefficient is 1, the others are 0.
-    fields: list[Field] = [
-        [[p if (i, c) == place else Poly() for c in range(3)] for i in range(3)]
-        for place in product(range(3), repeat=2)
-        for p in bernstein(place[0])
-    ]
-    motions = [[Fraction(0)] * 48 + _at([p * -1 for p in motion] * 3) for motion in RIGID]
-    every = [*map(_conditions, fields), *motions, *_right_sides()]
+    # Monomials of high degree are eliminated first: the columns are then ten times smaller, and low degrees stay free.
+    unknowns = sorted(product(range(3), range(3), range(10)), key=lambda place: -sum(CUBIC[place[2]]))
+    none = [Poly()]
+    every = [_of_stress(*place) for place in unknowns]
+    every += [_coefficients(none * 12, [p * -1 for p in motion] * 3) for motion in RIGID]
+    for side, p, d in product(range(3), checker.bernstein(3, X), (0, 1)):
+        every.append(_coefficients([p * -(n == 2 * side + d) for n in range(12)], none * 6))
+    for key, d in product(SQUARE, (0, 1)):
+        every.append(_coefficients(none * 12, [Poly({key: Fraction(1)}) if c == d else Poly() for c in (0, 1)] * 3))
     rows = [[QQ(x.numerator, x.denominator) for x in row] for row in zip(*every, strict=True)]
-    reduced, pivots = DomainMatrix(rows, (len(rows), len(every)), QQ).rref()
-    solved, unknowns = reduced.to_list(), len(fields) + len(motions)
-    free = [n for n in range(len(fields)) if n not in pivots]
-    if len(free) != INNER or max(pivots) >= unknowns:
-        raise ArithmeticError(f"the reference element has {len(free)} free coefficients, expected {INNER}")
-    found = []
-    for column in [*range(unknowns, unknowns + GIVEN), *free]:
-        sign = 1 if column >= unknowns else -1
-        weights = {pivot: sign * row[column] for pivot, row in zip(pivots, solved, strict=False) if pivot < len(fields)}
-        found.append(_monomials(fields, weights | ({column: QQ(1)} if sign < 0 else {})))
-    over = math.lcm(*(x.denominator for column in found for x in column))
-    return {"over": over, "columns": [[int(x * over) for x in column] for column in found]}
-
-
-def _monomials(fields: list[Field], weights: dict[int, Any]) -> list[Fraction]:
-    """Return the 90 coefficients of a linear combination of stresses.
-
-    Their order: component (3), then subtriangle (3), then monomial (10).
-
-    Args:
-        fields: the stresses.
-        weights: a dict from the number of a stress to its factor; all other stresses have the factor 0.
-    """
-    total = [[Poly() for _ in range(3)] for _ in range(3)]
-    for n, weight in weights.items():
-        factor = Fraction(int(weight.numerator), int(weight.denominator))
-        total = [[p + q * factor for p, q in zip(r, s, strict=True)] for r, s in zip(total, fields[n], strict=True)]
-    return [total[i][c].get(key, Fraction(0)) for c, i, key in product(range(3), range(3), CUBIC)]
+    solutions = DomainMatrix(rows, (len(rows), len(every)), QQ).nullspace(divide_last=True).to_list()
+    # In each solution, the last coefficient that is not 0 is the degree of freedom, which is 1.
+    freedoms = [max(n for n, x in enumerate(row) if x) for row in solutions]
+    if freedoms[INNER:] != [*range(len(every) - GIVEN, len(every))]:
+        raise ArithmeticError(f"the reference element has {len(freedoms) - GIVEN} free coefficients, expected {INNER}")
+    order = np.lexsort(np.transpose(unknowns)[::-1])
+    found = [[Fraction(int(row[n].numerator), int(row[n].denominator)) for n in order] for row in solutions]
+    numerators, over = checker.common(found[INNER:] + found[:INNER])
+    return {"over": over, "columns": numerators}, np.array(unknowns)[freedoms[:INNER]]
 
 
 # ---- the constants of the loads, from a semidefinite programme

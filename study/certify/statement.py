@@ -199,27 +199,26 @@ def in_doubles(mesh: checker.Mesh) -> Mesh:
 
 
 class Twins:
-    """One mesh in two programs: translates numbers of vertices, edges and cells between the checker and scikit-fem.
+    """One mesh in two programs: translates numbers of nodes and cells from the checker to scikit-fem.
 
     Args:
         skfem: the mesh in scikit-fem.
-        exact: the same mesh in the checker, with rational vertices. Its vertices, edges and cells are called exact.
+        exact: the same mesh in the checker, with rational vertices.
 
     Attributes:
-        triangles: the numbers of the vertices of the exact cells in the checker, (cells, 3).
-        vertices, edges, cells: for each exact vertex, edge or cell, its number in scikit-fem.
-        corners: for each corner of an exact cell, its position 0, 1 or 2 in the cell of scikit-fem, (cells, 3).
-        turned: for each exact edge, whether its vertex of lower number comes second in scikit-fem, (edges,).
+        nodes: for each vertex and then each edge of the checker, the number of this node in scikit-fem, where vertices
+            are also numbered before edges.
+        cells: for each cell of the checker, its number in scikit-fem.
+        corners: for each corner of a cell of the checker, its position 0, 1 or 2 in the cell of scikit-fem, (cells, 3).
     """
 
     def __init__(self, skfem: Mesh, exact: checker.Mesh) -> None:
         self.skfem, self.exact = skfem, exact
-        self.triangles: Array = np.array([cell.v for cell in exact.cells])
-        self.vertices: Array = cKDTree(skfem.p.T).query(np.array(exact.points, dtype=float) / exact.h)[1]
-        ends, corners = self.vertices[np.array(exact.edges)], self.vertices[self.triangles]
-        edge_of = {frozenset(pair): n for n, pair in enumerate(skfem.facets.T.tolist())}
-        cell_of = {frozenset(three): n for n, three in enumerate(skfem.t.T.tolist())}
-        self.edges: Array = np.array([edge_of[frozenset(pair)] for pair in ends.tolist()])
-        self.cells: Array = np.array([cell_of[frozenset(three)] for three in corners.tolist()])
-        self.corners: Array = (skfem.t.T[self.cells][:, None, :] == corners[:, :, None]).argmax(axis=2)
-        self.turned: Array = skfem.facets[0, self.edges] != ends[:, 0]
+        points = np.array(exact.points, dtype=float) / exact.h
+        triangles = np.array([cell.v for cell in exact.cells])
+        nodes = np.hstack([skfem.p, skfem.p[:, skfem.facets].mean(axis=1)])
+        mine = np.vstack([points, points[np.array(exact.edges)].mean(axis=1)])
+        self.nodes: Array = cKDTree(nodes.T).query(mine)[1]
+        self.cells: Array = cKDTree(skfem.p[:, skfem.t].mean(axis=1).T).query(points[triangles].mean(axis=1))[1]
+        vertices = self.nodes[triangles]
+        self.corners: Array = (skfem.t.T[self.cells][:, None, :] == vertices[:, :, None]).argmax(axis=2)

@@ -12,18 +12,18 @@ from which the checker makes a stress with exactly continuous tractions.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
 from fractions import Fraction
-from functools import cache, cached_property
 
 import numpy as np
 
-from manufactured.tensors import Array, Tensors
+from manufactured.tensors import Array, Tensors, basis
 from study.bound.discretisation import Discretisation
 from study.certify import checker
-from study.certify.constants import GIVEN, INNER, bernstein, columns
+from study.certify.constants import reference_element
 from study.certify.statement import Twins
-from study.stresses.composite import SIDES, indices
+from study.stresses.composite import bernstein
+from study.stresses.hybrid import EquilibratedStress
 from study.stresses.loads import Loads
 
 FINE, COARSE = 38, 20
@@ -33,13 +33,10 @@ FINE, COARSE = 38, 20
 """
 DISPLACEMENT = 38
 """Number of binary digits of the displacement ũ, relative to its largest value."""
-EDGE_PLACES = np.array([[math.comb(3, i) * (n / 3) ** i * (1 - n / 3) ** (3 - i) for i in range(4)] for n in range(4)])
-"""Matrix from the Bernstein coefficients of a cubic polynomial to its values at 0, 1/3, 2/3 and 1."""
-CUBICS = indices(3)
-"""The multi-indices of the cubic Bernstein polynomials on a subtriangle of a triangle."""
 LOAD_BITS = 60
 """Number of binary digits to which the body forces here agree with the body forces of the checker."""
-Edge = tuple[int, int]
+ON_EDGE = [Fraction(i, 3) for i in range(4)]
+"""The relative positions on an edge at which the traction f_2 is interpolated by a cubic polynomial."""
 
 
 def bits_below(size: float, digits: int) -> int:
@@ -47,90 +44,41 @@ def bits_below(size: float, digits: int) -> int:
     return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
 
 
-@dataclass(frozen=True, eq=False)
-class AdmissibleRounding:
-    """Rounds displacements to integers over 2^bits that are exactly admissible: v = 0 on Γ1, and v·ν ≤ 0 on Γ3.
+def rounded(mesh: checker.Mesh, values: Array, bits: int) -> list[list[int]]:
+    """Round displacements to integers over 2^bits that are exactly admissible: v = 0 on Γ1, and v·ν ≤ 0 on Γ3.
 
-    Attributes:
+    Args:
         mesh: the mesh of the checker.
+        values: for each time, the coefficients at the vertices, then at the edges, (times, vertices + edges, 2).
         bits: the number of binary digits behind the point.
+
+    Returns:
+        For each time the integers in one list, x and y in turn.
     """
-
-    mesh: checker.Mesh
-    bits: int
-
-    def __call__(self, values: Array) -> list[int]:
-        """Return the rounded coefficients of a displacement as one list of integers, x and y in turn.
-
-        Args:
-            values: the coefficients at the vertices, then at the edges, (vertices + edges, 2).
-        """
-        found = np.round(values * 2.0**self.bits).astype(object)
-        rounded = [[int(c) for c in row] for row in found]
-        for n, normals in self._normals.items():
-            rounded[n] = self._admissible(rounded[n], normals)
-        return [c for row in rounded for c in row]
-
-    @cached_property
-    def _normals(self) -> dict[int, list[tuple[int, int]]]:
-        """For each node on Γ3 or Γ1, the normals of Γ3 at this node as integer vectors; no normals at nodes on Γ1."""
-        found: dict[int, list[tuple[int, int]]] = {}
-        clamped = set()
-        for edge, side in self.mesh.boundary.items():
-            scale = math.lcm(*(c.denominator for c in side.normal))
-            x, y = (int(c * scale) for c in side.normal)
-            normal = x // math.gcd(x, y), y // math.gcd(x, y)
-            for n in self.mesh.nodes_of(edge):
-                if side.kind == "clamped":
-                    clamped.add(n)
-                elif side.kind == "contact" and normal not in found.setdefault(n, []):
-                    found[n].append(normal)
-        return found | {n: [] for n in clamped}
-
-    @staticmethod
-    def _admissible(value: list[int], normals: list[tuple[int, int]]) -> list[int]:
-        """Return an integer vector near ``value`` with value·N ≤ 0 for one or two normals N.
-
-        If there are no normals, the zero vector is returned.
-        """
-        if not normals:
-            return [0, 0]
-        x, y = normals[0]
-        if len(normals) == 1:
-            # The first direction runs along the side, and the second one is normal to it, so only the second factor has
-            # a sign.
-            p, q, signs = (-y, x), (x, y), (0, 1)
-        else:
-            # Each direction is orthogonal to one of the two normals, so each factor affects only one condition.
-            (u, v) = normals[1]
-            p, q = (-v, u), (-y, x)
-            signs = p[0] * x + p[1] * y, q[0] * u + q[1] * v
-        factors = np.linalg.solve(np.array([p, q], dtype=float).T, np.array(value, dtype=float))
-        a, b = (
-            round(factor) if not sign else min(round(factor), 0) if sign > 0 else max(round(factor), 0)
-            for factor, sign in zip(factors, signs, strict=True)
-        )
-        return [a * p[0] + b * q[0], a * p[1] + b * q[1]]
+    normals: dict[int, list[checker.Vector]] = {}
+    for edge, side in mesh.boundary.items():
+        for n in mesh.nodes_of(edge) if side.kind == "contact" else ():
+            if side.normal not in normals.setdefault(n, []):
+                normals[n].append(side.normal)
+    clamped = {n for edge, side in mesh.boundary.items() if side.kind == "clamped" for n in mesh.nodes_of(edge)}
+    found = np.round(values * 2.0**bits).astype(np.int64).tolist()
+    for v in found:
+        for n, of_node in normals.items():
+            v[n] = admissible(v[n], of_node)
+        for n in clamped:
+            v[n] = [0, 0]
+    return [[c for point in v for c in point] for v in found]
 
 
-@cache
-def element() -> checker.Element:
-    """Return the reference element of the stresses as the checker reads it."""
-    return checker.Element.of(columns())
-
-
-@dataclass(frozen=True)
-class Load:
-    """The loads f̃ of the checker at one time, in double precision.
-
-    Attributes:
-        force: twice the area of the cell times the body force f̃_0, as coefficients of six monomials, (cells, 6, 2).
-        surface: the length of the edge times the traction f̃_2 on loaded edges, as four Bernstein coefficients of a
-            cubic, (loaded edges, 4, 2).
-    """
-
-    force: Array
-    surface: Array
+def admissible(value: Sequence[int], normals: Sequence[checker.Vector]) -> list[int]:
+    """Return an integer vector near ``value`` with value·N ≤ 0 for all normals N, none of which are opposite."""
+    inward = -np.sum([np.array(N, dtype=float) / math.hypot(*N) for N in normals], axis=0)
+    # A short vector (p, q) is sought, because a multiple of it is added.
+    scale, p, q = 1, 0, 0
+    while any(checker.dot((p, q), N) >= 0 for N in normals):
+        (p, q), scale = (round(c) for c in scale * inward), 2 * scale
+    steps = max(0, *(math.ceil(Fraction(checker.dot(value, N)) / -checker.dot((p, q), N)) for N in normals))
+    return [value[0] + steps * p, value[1] + steps * q]
 
 
 class StressEncoder:
@@ -143,221 +91,109 @@ class StressEncoder:
     """
 
     def __init__(self, problem: checker.Problem, twins: Twins, fine: Discretisation) -> None:
-        self.problem, self.twins, self.fine = problem, twins, fine
-        self.exact = twins.exact
-        self.layout = checker.Stresses(self.exact, {"bits": 1, "coarse": 0}, element())
-        self.rows = np.array(element().rows, dtype=float).reshape(3, 30, 45) / element().over
-        gram = np.array(element().gram, dtype=float).reshape(3, 10, 10) / element().unit
-        self.roots = np.linalg.cholesky(gram)
-        self.vertices = twins.triangles
-        points = np.array(self.exact.points, dtype=float) / self.exact.h
-        self.corners = points[self.vertices]  # shape (cells, 3, 2)
-        F = np.stack([self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0]], axis=2)
-        self.F, self.J = F, np.linalg.det(F)
-        self.adjugate = np.linalg.inv(F) * self.J[:, None, None]
-        edges = np.array(self.exact.edges)
-        along = points[edges[:, 1]] - points[edges[:, 0]]
-        self.normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
-        self.lengths = np.linalg.norm(along, axis=1)
-        self.number = {edge: n for n, edge in enumerate(self.exact.edges)}
-        self.sides = np.array([cell.nodes[3:] for cell in self.exact.cells]) - len(points)
-        # Tractions are stored from the vertex of lower number on. These flags say whether a side of a cell runs that
-        # way.
-        self.forward = self.vertices[:, [1, 2, 0]] < self.vertices[:, [2, 0, 1]]
-        self.to_monomials = np.array(
-            [[[float(p.get(key, 0)) for p in bernstein(third)] for key in checker.CUBIC] for third in range(3)]
-        )
+        space = fine.stresses
+        self.problem, self.exact, self.twins, self.space = problem, twins.exact, twins, space
+        element, self._free = reference_element()
+        self.layout = checker.Stresses(self.exact, {"bits": 1, "coarse": 0}, checker.Element.of(element))
+        self._loads = checker.Loads(problem, self.exact, LOAD_BITS)
+        F = np.array([cell.F for cell in self.exact.cells], dtype=float).reshape(-1, 2, 2) / self.exact.h
+        self._twice_area = np.linalg.det(F)
+        self._adjugate = np.linalg.inv(F) * self._twice_area[:, None, None]
+        self._fit = np.linalg.pinv(self._monomials(checker.CUBIC))
+        # Every edge of the layout is a side of a cell, from its first to its second vertex counter-clockwise.
+        sides = {(v[i - 2], v[i - 1]): (n, i) for n, v in enumerate(c.v for c in self.exact.cells) for i in range(3)}
+        edges = [*self.layout.contact, *self.layout.loaded, *self.layout.free]
+        self._loaded = slice(len(self.layout.contact), len(self.layout.contact) + len(self.layout.loaded))
+        cells, places = np.array([sides[edge] for edge in edges]).T
+        self._sides = twins.cells[cells], twins.corners[cells, places]
+        self._edges = space.edges[self._sides]
+        self._backward = space.mesh.facets[0, self._edges] != twins.nodes[[a for a, _ in edges]]
+        self._normals = np.array([self.exact.along(edge) for edge in edges])[:, ::-1] * [1, -1] / self.exact.h
 
-    def loads(self, a: Fraction, b: Fraction) -> list[Load]:
+    def loads(self, a: Fraction, b: Fraction) -> list[Loads]:
         """Return the loads f̃ of the checker for a time interval [a, b], as three Bernstein coefficients in time."""
-        controls = [self._exact.on_cells(control) for control in self._exact.controls(a, b)]
-        inside = [
-            np.array(found, dtype=float).reshape(-1, 6, 2) / 2.0**LOAD_BITS if found else np.zeros((len(self.J), 6, 2))
-            for found in controls
-        ]
         first, middle, last = (self._surface(t) for t in (a, (a + b) / 2, b))
-        outside = [first, 2 * middle - (first + last) / 2, last]
-        return [Load(f, g) for f, g in zip(inside, outside, strict=True)]
+        surfaces = first, 2 * middle - (first + last) / 2, last
+        controls = self._loads.controls(a, b)
+        return [Loads(self._force(f), surface) for f, surface in zip(controls, surfaces, strict=True)]
 
-    @cached_property
-    def _exact(self) -> checker.Loads:
-        return checker.Loads(self.problem, self.exact, LOAD_BITS)
+    def _force(self, control: list[checker.Poly]) -> Array:
+        """Return a body force of the checker as in ``Loads.force``."""
+        found = np.zeros((self.space.cells, 3, 6, 2))
+        numbers = self._loads.on_cells(control)
+        if numbers:
+            force = np.reshape(np.array(numbers, dtype=float), (-1, 6, 2)) / 2.0**LOAD_BITS
+            values = self._monomials(checker.SQUARE) @ (force / self._twice_area[:, None, None])[:, None]
+            found[self.twins.cells] = np.linalg.pinv(self.space.force_shapes.T) @ values
+        return found
+
+    def _monomials(self, exponents: list[tuple[int, int, int]]) -> Array:
+        """Return monomials on the reference triangle of the checker at the quadrature points of scikit-fem.
+
+        Axes: cell of the checker, subtriangle of scikit-fem, point, monomial.
+        """
+        _, X, Y = np.moveaxis(self.space.barycentric[self.twins.corners], 1, 0)
+        return np.stack([X**i * Y**j for i, j, _ in exponents], axis=-1).reshape(len(X), 3, -1, len(exponents))
 
     def _surface(self, time: Fraction) -> Array:
-        """Return the traction ``Load.surface`` at a time.
-
-        On every loaded edge it is the cubic polynomial that interpolates |e| f_2 at the relative positions 0, 1/3, 2/3
-        and 1.
-        """
-        found = np.zeros((len(self.layout.loaded), 4, 2))
-        for n, edge in enumerate(self.layout.loaded):
+        """Return the traction f_2 at a time as in ``Loads.surface``, interpolated on every loaded edge."""
+        found = np.zeros((len(self.space.lengths), 4, 2))
+        here = self._loaded
+        for n, backward, edge in zip(self._edges[here], self._backward[here], self.layout.loaded, strict=True):
             p, q = (self.exact.place(v) for v in edge)
-            for i in range(4):
-                place = [a + Fraction(i, 3) * (b - a) for a, b in zip(p, q, strict=True)]
+            for i, share in enumerate(reversed(ON_EDGE) if backward else ON_EDGE):
+                place = [a + share * (b - a) for a, b in zip(p, q, strict=True)]
                 found[n, i] = [value_of(f, (*place, time)) for f in self.exact.boundary[edge].load]
-            found[n] *= self.lengths[self.number[min(edge), max(edge)]]
-        return np.linalg.solve(EDGE_PLACES, found)
+        x = np.array(ON_EDGE, dtype=float)
+        return np.linalg.solve(bernstein(3, np.array([1 - x, x])).T, found)
 
-    def study_loads(self, load: Load) -> Loads:
-        """Convert loads of the checker to the class ``study.stresses.loads.Loads``."""
-        space = self.fine.stresses
-        nodal = np.einsum("nm,cmd->cnd", [_square(place) for place in PLACES], load.force) / self.J[:, None, None]
-        theirs, force = np.empty_like(nodal), np.zeros((space.cells, 3, 6, 2))
-        cells = np.arange(len(nodal))[:, None]
-        theirs[cells, self.twins.corners] = nodal[:, :3]
-        theirs[cells, 3 + self.twins.corners] = nodal[:, 3:]
-        force[self.twins.cells] = np.einsum("tan,cnd->ctad", _polar_forms(), theirs)
-        surface = np.zeros((len(space.lengths), 4, 2))
-        for edge, values in zip(self.layout.loaded, load.surface, strict=True):
-            e = self.number[min(edge), max(edge)]
-            forward = self.twins.turned[e] == (edge[0] > edge[1])
-            surface[self.twins.edges[e]] = (values if forward else values[::-1]) / self.lengths[e]
-        return Loads(force, surface)
+    def tractions(self, stress: EquilibratedStress) -> Array:
+        """Return the Bernstein coefficients of tractions |e|σν on the edges, (edges, 4, 2).
 
-    def numbers(self, stress: Array, load: Load, bits: int, coarse: int) -> tuple[list[int], list[int]]:
+        Edges are in the order of ``checker.Stresses``: contact, loaded, free. ν points to the right of an edge.
+        """
+        cartesian = stress.tractions[self._sides] @ self.space.frames[self._edges]
+        along = np.where(self._backward[:, None, None], cartesian[:, ::-1], cartesian)
+        return along * self.space.lengths[self._edges, None, None]
+
+    def inner(self, values: Tensors) -> Array:
+        """Return the nine inner numbers of every cell of a stress, (cells, 9).
+
+        They are those coefficients of the stress on the reference triangle that tractions and forces do not determine.
+
+        Args:
+            values: the stress at the quadrature points of the space, (3, cells, Q).
+        """
+        of_thirds = np.moveaxis(values[:, self.twins.cells], 0, -1).reshape(len(self._adjugate), 3, -1, 3)
+        coefficients = self._fit @ of_thirds
+        # The stress on the reference triangle is σ̂ = F⁻¹ σ F⁻ᵀ det F, and the checker multiplies it by det F.
+        A, E = self._adjugate, basis(2)
+        hat = np.einsum("cik,Ikl,cjl,ctnI->ctnij", A, E, A, coefficients, optimize=True)
+        component, third, monomial = self._free.T
+        row, column = np.array([[0, 0], [1, 1], [0, 1]])[component].T
+        found: Array = hat[np.arange(len(hat))[:, None], self.twins.corners[:, third], monomial, row, column]
+        return found * self.exact.h
+
+    def integers(self, tractions: Array, inner: Array, bits: int, coarse: int) -> tuple[list[int], list[int]]:
         """Return the integers by which a certificate stores a stress: tractions, and inner numbers of the cells.
 
         The tractions are rounded such that σ̃_ν ≤ 0 holds exactly on Γ3.
 
         Args:
-            stress: the stress in Bernstein form, as ``bernstein`` returns it.
-            load: the load that it balances.
+            tractions, inner: the stress, as the methods with these names return it.
             bits: the number of binary digits of the unit of tractions.
             coarse: the unit of the inner numbers, and of the last two of the four modes on an edge that is neither
                 loaded nor in contact, is 2^coarse times larger.
         """
-        layout, T, unit = self.layout, self.tractions(stress), 2.0**bits
-        n = np.array([self.exact.along(edge) for edge in layout.contact])[:, None, ::-1] * [1, -1] / self.exact.h
-        mine, others = (self._flipped(T[self._numbers(edges)], edges) for edges in (layout.contact, layout.free))
-        tau = np.round(np.minimum((mine * n).sum(axis=2) / (n * n).sum(axis=2), 0) * unit)
-        loaded = np.round(load.surface * unit)
-        modes, units = np.array(checker.MODES), unit / 2.0 ** (coarse * (np.arange(4)[:, None] > 1))
-        free = np.round(np.linalg.solve(modes.T, others) * units)
-        rounded = np.zeros_like(T)
-        parts = ((layout.contact, tau[..., None] * n / unit), (layout.loaded, loaded / unit))
-        for edges, values in (*parts, (layout.free, modes.T @ (free / units))):
-            rounded[self._numbers(edges)] = self._flipped(values, edges)
-        inner = np.round(self.inner(stress, rounded, load.force) * unit / 2.0**coarse)
-        return [int(c) for part in (tau, loaded, free) for c in part.ravel()], [int(c) for c in inner.ravel()]
-
-    def _numbers(self, edges: list[Edge]) -> list[int]:
-        """Return the numbers of edges that are given by their two vertices, in any order."""
-        return [self.number[min(edge), max(edge)] for edge in edges]
-
-    @staticmethod
-    def _flipped(values: Array, edges: list[Edge]) -> Array:
-        """Reverse the direction of tractions on edges whose first vertex has the higher number."""
-        flip = np.array([a > b for a, b in edges], dtype=bool)[:, None, None]
-        return np.where(flip, -values[:, ::-1], values)
-
-    def bernstein(self, values: Tensors) -> Array:
-        """Return a stress in Bernstein form with Voigt's components, from its values at the quadrature points.
-
-        The shape is (3, cells, Q) → (cells, 3, 10, 3). Axes of the result: cell in the order of the checker,
-        subtriangle, Bernstein polynomial, component.
-        """
-        coefficients = np.moveaxis(self.fine.stresses.coefficients(values).reshape(3, -1, 3, 10), 0, 3)
-        coefficients = coefficients / np.array([1, 1, np.sqrt(2)])
-        of_cells = coefficients[self.twins.cells]
-        cells, found = np.arange(len(of_cells)), np.empty_like(of_cells)
-        swap = [CUBICS.index((b, a, c)) for a, b, c in CUBICS]
-        for third in range(3):
-            local = self.twins.corners[:, third]
-            mine = of_cells[cells, local]
-            # In ``study.stresses`` a subtriangle starts at the vertex SIDES[local][0], in the checker at the next
-            # corner, so some are reversed.
-            first: Array = np.array([a for a, _ in SIDES])[local]
-            turned = first != self.twins.corners[:, (third + 1) % 3]
-            mine[turned] = mine[turned][:, swap]
-            found[:, third] = mine
-        return found
-
-    def tractions(self, stress: Array) -> Array:
-        """Return the tractions of all edges in Bernstein form, (edges, 4, 2).
-
-        Every edge runs from the vertex of lower number to the vertex of higher number. On an inner edge the result is
-        the mean of the tractions of both cells.
-
-        Args:
-            stress: a result of ``bernstein``.
-        """
-        places = [CUBICS.index((3 - i, i, 0)) for i in range(4)]
-        found, count = np.zeros((len(self.normals), 4, 2)), np.zeros(len(self.normals))
-        for side in range(3):
-            e, forward = self.sides[:, side], self.forward[:, side]
-            s = stress[:, side][:, places]
-            s = np.where(forward[:, None, None], s, s[:, ::-1])
-            n = self.normals[e][:, None]
-            T = np.stack(
-                [s[..., 0] * n[..., 0] + s[..., 2] * n[..., 1], s[..., 2] * n[..., 0] + s[..., 1] * n[..., 1]], axis=2
-            )
-            np.add.at(found, e, T)
-            np.add.at(count, e, 1)
-        return found / count[:, None, None]
-
-    def inner(self, stress: Array, T: Array, force: Array) -> Array:
-        """Return the nine inner numbers of every cell, which with tractions and loads determine a stress, (cells, 9).
-
-        The part of the stress that tractions and loads determine is subtracted. The inner numbers are the coordinates
-        of the rest, by best approximation in L².
-
-        Args:
-            stress: a result of ``bernstein``.
-            T: the tractions of the edges in Bernstein form, (edges, 4, 2).
-            force: the body force, as in ``Load.force``, (cells, 6, 2).
-        """
-        given = [
-            np.where(self.forward[:, i, None, None], T[self.sides[:, i]], -T[self.sides[:, i]][:, ::-1])
-            for i in range(3)
-        ]
-        inputs = np.concatenate([*given, force], axis=1)
-        pulled = np.einsum("cij,cnj->cni", self.adjugate, inputs).reshape(len(stress), -1)
-        tensor = np.empty((*stress.shape[:-1], 2, 2))
-        tensor[..., 0, 0], tensor[..., 1, 1] = stress[..., 0], stress[..., 1]
-        tensor[..., 0, 1] = tensor[..., 1, 0] = stress[..., 2]
-        # The inner numbers refer to the reference triangle, so the stresses are transformed: σ̂ det F = F⁻¹ σ F⁻ᵀ (det
-        # F)².
-        hat = np.einsum("cij,ctajk,clk->ctail", self.adjugate, tensor, self.adjugate, optimize=True)
-        voigt = np.stack([hat[..., 0, 0], hat[..., 1, 1], hat[..., 0, 1]])
-        wanted = np.einsum("tna,Icta->Ictn", self.to_monomials, voigt)
-        rows = self.rows.reshape(3, 3, 10, 45)
-        left = wanted - np.einsum("Itnj,cj->Ictn", rows[..., :GIVEN], pulled)
-        # The Cholesky factors turn norms in L² into Euclidean lengths, so that least squares give the best
-        # approximation.
-        left = np.einsum("tnm,Ictn->cItm", self.roots, left).reshape(len(stress), 90) * self.exact.h
-        basis = np.einsum("tnm,Itnj->Itmj", self.roots, rows[..., GIVEN:]).reshape(90, INNER)
-        return left @ np.linalg.pinv(basis).T
+        contact, loaded, free = np.split(tractions, [self._loaded.start, self._loaded.stop])
+        n = self._normals[: len(contact), None]
+        pressed = np.minimum((contact * n).sum(axis=2) / (n * n).sum(axis=2), 0)
+        modes = np.linalg.solve(np.array(checker.MODES).T, free) / 2.0 ** (coarse * (np.arange(4)[:, None] > 1))
+        numbers = np.concatenate([part.ravel() for part in (pressed, loaded, modes)]) * 2.0**bits
+        return [int(x) for x in np.round(numbers)], [int(x) for x in np.round(inner * 2.0 ** (bits - coarse)).ravel()]
 
 
 def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
     """Return the value of a formula of the checker at a point (x, y, t) in space and time."""
     terms = [term(*map(checker.constant, place)).plain() for term in formula]
     return float(sum((p.get((0, 0, 0), Fraction(0)) for p in terms if p is not None), Fraction(0)))
-
-
-PLACES = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0)]
-"""The points at which a quadratic function is given.
-
-They are the vertices of the reference triangle, then the midpoints of the opposite sides in the same order.
-"""
-
-
-def _square(place: tuple[float, float]) -> Array:
-    """Return the values at a point of the six monomials of degree 2 or less."""
-    return np.array([place[0] ** i * place[1] ** j for i, j, _ in checker.SQUARE])
-
-
-def _polar_forms() -> Array:
-    """Return matrices from six nodal values of a quadratic function to its Bernstein coefficients on subtriangles.
-
-    The barycentre divides the triangle into three subtriangles. The shape is (3, 6, 6). Axes: subtriangle, Bernstein
-    coefficient, nodal value. The coefficients are values of the polar form of the function.
-    """
-    found, to_monomials = np.zeros((3, 6, 6)), np.linalg.inv([_square(place) for place in PLACES])
-    corners, centre = np.array(PLACES[:3]), np.array([1 / 3, 1 / 3])
-    for third in range(3):
-        vertices = [corners[(third + 1) % 3], corners[(third + 2) % 3], centre]
-        for row, beta in enumerate(indices(2)):
-            p, q = (vertices[v] for v, count in enumerate(beta) for _ in range(count))
-            found[third, row] = (2 * _square((p + q) / 2) - (_square(p) + _square(q)) / 2) @ to_monomials
-    return found

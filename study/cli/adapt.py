@@ -17,11 +17,11 @@ from study.bound import adaptive, bounded
 from study.bound.adaptive import Stage
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
-from study.cli.common import listed
+from study.cli.common import tell_written
 from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.files import UsageError, write_text
-from study.ledger.text import folded, up
+from study.ledger.files import write_text
+from study.ledger.text import up
 from study.present.drawing import draw_one
 from study.present.figures import AdaptedMesh, adapted_mesh
 from study.run.executor import GIB, available
@@ -44,8 +44,6 @@ def do_adapt(options: argparse.Namespace) -> int:
     level = min(options.levels)
     check_force(case)
     tolerance = adaptive.tolerance_from(options.adapt)
-    if options.cells < 1:
-        raise UsageError(f"--cells must be 1 or more, got {options.cells}")
     bounded.check_bound(data, family, [level], options.steps, Refined(0, 1))
     mesh = family(data.body, level)
     stage = Stage(mesh.p, mesh.t, bounded.steps_on(data, level, options.steps))
@@ -85,7 +83,7 @@ def do_adapt(options: argparse.Namespace) -> int:
         norm = bounded.norm_of(data)
         error = norm if isinstance(data, Static) else f"max {norm}"
         written += draw_one(store.directory, adapted_mesh(name, shown, error))
-    print(folded(f"written: {listed(written)}"))
+    tell_written(written)
     sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
     print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, norm)) + "\n")
     return OK if reached and all(one["inside"] for one in results if case) else FAILED

@@ -1,24 +1,27 @@
-"""``study bound``: computes displacements and encloses their errors without the exact solution.
+"""``study bound``: encloses the errors of displacements that it computes or reads, without the exact solution.
 
-Levels are meshes from coarse to fine. Finished levels are stored, so that the command continues after Ctrl-C.
+Finished meshes are stored, so that the command continues after Ctrl-C.
 """
 
 from __future__ import annotations
 
 import argparse
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from manufactured.case import Case
+from manufactured.data import Data
 from manufactured.self_proof import prove
 from manufactured.static import Static
 from study.bound import bounded
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.adapt import do_adapt
-from study.cli.common import listed, with_progress
-from study.cli.displacement import do_displacement
+from study.cli.common import tell_written, with_progress
+from study.cli.displacement import Displacement, displacements_in_files
 from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
@@ -33,7 +36,7 @@ from study.statements.shared import estimates
 
 
 def do_bound(options: argparse.Namespace) -> int:
-    """Enclose the error on each level, and write tables and figures.
+    """Enclose the error of the displacement on each mesh, and write tables and figures.
 
     Returns:
         0 if the exact solution is unknown, or if every error lies in its enclosure; otherwise 1.
@@ -42,44 +45,69 @@ def do_bound(options: argparse.Namespace) -> int:
         raise UsageError("--adapt computes the displacements itself: give --adapt or --displacement, not both")
     if not options.displacement and (options.field or options.nearest):
         raise UsageError("--field and --nearest need a file: give it with --displacement FILE")
-    if options.displacement:
-        return do_displacement(options)
     if options.adapt is not None:
         return do_adapt(options)
     name, data, case = resolve_data(options.problem)
-    scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
     check_force(case)
+    find = displacements_in_files if options.displacement else computed_displacements
+    directory, displacements = find(options, name, data, case, refined)
+    if case:
+        prove(case.solution, f"case {case.name}")
+    store = Store(directory, written=(".",))
+    with store.locked():
+        rows = [store.cached(one.key, one.cache_key, one.compute, *one.files) for one in displacements]
+        table = bounded.levels([row["row"] for row in rows])
+        over_time = pd.concat([pd.DataFrame(row["series"]) for row in rows])
+        written = bounded.write(store.directory, table, over_time)
+        written += [file for one in displacements for file in one.files]
+        no_figure = ""
+        if isinstance(data, Static):
+            no_figure = "the figure shows the bounds over time, and a static problem has no time"
+        elif not table["level"].is_unique:
+            no_figure = "the figure shows one mesh of each size, and two files have meshes of the same size"
+        else:
+            written += draw_one(store.directory, enclosure("enclosure", over_time, name))
+    tell_written(written)
+    names = [one.file_name for one in displacements if one.file_name]
+    if names and no_figure:
+        print(f"no figure: {no_figure}")
+    for one in displacements:
+        if one.remark:
+            print(folded(one.remark))
+    sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
+    last = pd.DataFrame(rows[-1]["series"])
+    print(f"\n{bounded.text(name, table, last, sentences, bounded.norm_of(data), names or None)}\n")
+    return OK if case is None or all(row["inside"] for row in rows) else FAILED
+
+
+def computed_displacements(
+    options: argparse.Namespace, name: str, data: Data, case: Case | None, refined: Refined
+) -> tuple[Path, list[Displacement]]:
+    """Return the result directory, and for each level the displacement that is to be computed.
+
+    Parameters:
+        options: the options of the command.
+        name, data, case: name and data of the problem, and the case with its exact solution, or None.
+        refined: how the mesh and the time steps are refined for the bound.
+    """
+    scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)
-    if case:
-        prove(case.solution, f"case {case.name}")
-    static = isinstance(data, Static)
-    plan = {level: bounded.steps_on(data, level, options.steps) for level in options.levels}
-    store = Store(options.out / name, written=(".",))
-    with store.locked():
-        kept = []
-        for level, steps in plan.items():
+    directory = options.out / name
 
-            def compute(level: int = level, steps: int = steps) -> dict[str, Any]:
-                solve = partial(bounded.bounded_solution, data, case, family, level, scheme, steps, refined)
-                found = with_progress(f"level {level}", data.body.T, solve)
-                bounded.write_displacement(bounded.trajectory_file(store.directory, level), found.computed)
-                return bounded.record(level, found)
+    def displacement(level: int) -> Displacement:
+        steps, file = bounded.steps_on(data, level, options.steps), bounded.trajectory_file(directory, level)
 
-            made_by = of_problem(data, case, (family, level, scheme, steps, refined, static))
-            trajectory = bounded.trajectory_file(store.directory, level)
-            kept.append(store.cached(f"level-{level}", made_by, compute, trajectory))
-        table = bounded.levels([one["row"] for one in kept])
-        over_time = pd.concat([pd.DataFrame(one["series"]) for one in kept])
-        written = bounded.write(store.directory, table, over_time)
-        written += [bounded.trajectory_file(store.directory, level) for level in plan]
-        if not static:  # The figure shows bounds over time.
-            written += draw_one(store.directory, enclosure("enclosure", over_time, name))
-    print(folded(f"written: {listed(written)}"))
-    sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
-    found = bounded.text(name, table, over_time, sentences, bounded.norm_of(data))
-    print(f"\n{found}\n")
-    return OK if case is None or all(one["inside"] for one in kept) else FAILED
+        def compute() -> dict[str, Any]:
+            solve = partial(bounded.bounded_solution, data, case, family, level, scheme, steps, refined)
+            found = with_progress(f"level {level}", data.body.T, solve)
+            bounded.write_displacement(file, found.computed)
+            return bounded.record(level, found)
+
+        cache_key = of_problem(data, case, (family, level, scheme, steps, refined, isinstance(data, Static)))
+        return Displacement(f"level-{level}", cache_key, compute, (file,))
+
+    return directory, [displacement(level) for level in options.levels]

@@ -11,11 +11,10 @@ from study.bound import bounded
 from study.bound.trajectory import Refined
 from study.certify import checker
 from study.certify.certified import Making, write
-from study.cli.common import listed, with_progress
+from study.cli.common import tell_written, with_progress
 from study.cli.options import OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
-from study.ledger.text import folded
 from study.run.executor import available, require
 from study.run.store import Store
 from study.solve.steps import rate_steps
@@ -44,7 +43,7 @@ def do_certify(options: argparse.Namespace) -> int:
             compute = partial(making.certificate, level, options.steps or rate_steps(data.body.T, level))
             found = with_progress(f"level {level}", data.body.T, compute)
             paths.append(write(store.directory / f"certificate-{level}.json.gz", found))
-    print(folded(f"written: {listed(paths)}; now they are checked") + "\n")
+    tell_written(paths, "; now they are checked\n")
     code = checker.main([str(path) for path in paths])
     print(f"\nto check them without this package, with a copy of {checker.__file__}:")
     print(f"python checker.py {' '.join(map(str, paths))}")

@@ -7,12 +7,11 @@ import secrets
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from study.cli.common import check_jobs, code_of, known_undecided, progress_bar
-from study.cli.compare import tolerance_from
+from study.cli.common import code_of, known_undecided, progress_bar
 from study.cli.options import FAILED, OK
 from study.controls.alarms import compare_record
 from study.ledger.codes import FOLDER, MARCHES
-from study.ledger.compare import ROUNDED, as_text, difference
+from study.ledger.compare import ROUNDED, Tolerance, as_text, difference
 from study.ledger.datafiles import CsvFile, DataError, read_claims, table_text
 from study.ledger.files import UsageError
 from study.ledger.text import folded
@@ -44,15 +43,9 @@ def do_check(options: argparse.Namespace) -> int:
         0 if everything agrees, 1 if a check fails or a repeated measurement differs, 3 if a check is undecided. A file
         with an unexpected content raises an error, for which the command returns 2.
     """
-    check_jobs(options.jobs)
     known_undecided(options.undecided)
-    tolerance_from(options)
     if options.again is None and options.seed is not None:
         raise UsageError("--seed chooses the rows of --again: give --again N with it")
-    if options.again is not None and options.again < 1:
-        raise UsageError(f"--again must be 1 or more rows, got {options.again}")
-    if options.seed is not None and options.seed < 0:
-        raise UsageError(f"--seed must be 0 or more, got {options.seed}")
     with Store(options.out).steady():
         verified = verify(options.out)
         found = verdicts(options.out)
@@ -88,9 +81,8 @@ def _again(options: argparse.Namespace) -> int:
         Processes(min(options.jobs, len(jobs))) as processes,
         progress_bar(round(sum(job.cost for job in jobs))) as bar,
     ):
-        found = compare_again(
-            options.out, jobs, Pool.of(processes), tolerance_from(options), lambda cost: bar.update(round(cost))
-        )
+        tolerance = Tolerance(options.tolerance, options.absolute)
+        found = compare_again(options.out, jobs, Pool.of(processes), tolerance, lambda cost: bar.update(round(cost)))
     if not found.differs:
         print(f"all numbers agree within {options.tolerance:g} relative + {options.absolute:g}")
         return OK

@@ -12,6 +12,7 @@ from tqdm import tqdm
 
 from study.cli.options import FAILED, OK, UNCLEAR
 from study.ledger.files import UsageError
+from study.ledger.text import folded
 from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdict, exit_code
 from study.present.drawing import ARTICLE, Drawing, Output, draw_figures
 from study.run.executor import Processes
@@ -19,12 +20,6 @@ from study.run.executor import Processes
 Result = TypeVar("Result")
 SURE = 0.1
 """The remaining time is estimated after this fraction of the work is done."""
-
-
-def check_jobs(jobs: int) -> None:
-    """Raise UsageError if the number of processes is less than 1."""
-    if jobs < 1:
-        raise UsageError(f"--jobs must be 1 or more, got {jobs}")
 
 
 def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
@@ -146,12 +141,13 @@ def draw(
         return draw_figures(directory, chosen, processes.map, show, output)
 
 
-def listed(paths: Sequence[Path]) -> str:
-    """Return the names of files as one text, for messages.
+def tell_written(paths: Sequence[Path], more: str = "") -> None:
+    """Print the names of files that a command has written, and perhaps more words.
 
     Three or more files with the same ending in a folder become FOLDER/*.ENDING (NUMBER).
     """
     kinds: dict[str, list[Path]] = {}
     for path in paths:
         kinds.setdefault(f"{path.parent}/*{path.suffix}", []).append(path)
-    return ", ".join(f"{kind} ({len(of)})" if len(of) > 2 else ", ".join(map(str, of)) for kind, of in kinds.items())
+    names = (f"{kind} ({len(of)})" if len(of) > 2 else ", ".join(map(str, of)) for kind, of in kinds.items())
+    print(folded(f"written: {', '.join(names)}{more}"))

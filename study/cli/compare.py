@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 
 from study.cli.options import FAILED, OK
 from study.ledger.compare import Tolerance, as_json, as_text, compare
-from study.ledger.files import UsageError
 from study.run.store import Store
 
 
@@ -18,7 +16,7 @@ def do_compare(options: argparse.Namespace) -> int:
     Returns:
         0 if they agree within the tolerance, else 1.
     """
-    tolerance = tolerance_from(options)
+    tolerance = Tolerance(options.tolerance, options.absolute)
     with Store(options.old).steady(), Store(options.new).steady():
         found = compare(options.old, options.new, tolerance)
     if options.json:
@@ -26,15 +24,3 @@ def do_compare(options: argparse.Namespace) -> int:
     else:
         print(as_text(found))
     return FAILED if found.differs else OK
-
-
-def tolerance_from(options: argparse.Namespace) -> Tolerance:
-    """Return the tolerance from the options ``--tolerance`` and ``--absolute``.
-
-    Raises:
-        UsageError: one of them is negative or not finite.
-    """
-    for name in ("tolerance", "absolute"):
-        if not 0 <= getattr(options, name) < math.inf:
-            raise UsageError(f"--{name} must be a number, 0 or more, got {getattr(options, name):g}")
-    return Tolerance(options.tolerance, options.absolute)

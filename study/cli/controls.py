@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 
-from study.cli.common import check_jobs, progress_bar
+from study.cli.common import progress_bar
 from study.cli.options import FAILED, OK
 from study.controls import table
 from study.controls.run_controls import controls_text, run_controls, settings, write_controls
@@ -23,7 +23,6 @@ def do_controls(options: argparse.Namespace) -> int:
     Returns:
         0 if all defects are noticed, else 1.
     """
-    check_jobs(options.jobs)
     store = Store(options.out)
     store.check()
     controls = table.CONTROLS
@@ -42,7 +41,6 @@ def do_sensitivity(options: argparse.Namespace) -> int:
     Returns:
         0 if each part has such a defect, else 1.
     """
-    check_jobs(options.jobs)
     store = Store(options.out)
     store.check()
     with Processes(min(options.jobs, len(PLACES))) as executor, store.locked():

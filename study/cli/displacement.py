@@ -5,84 +5,84 @@ from __future__ import annotations
 import argparse
 import hashlib
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.self_proof import prove
-from manufactured.static import Static
 from study.bound import bounded, fields
-from study.bound.discretisation import check_force
 from study.bound.given import bounded_displacement, given
 from study.bound.trajectory import GivenDisplacement, Refined
-from study.cli.common import listed, with_progress
-from study.cli.options import FAILED, OK
-from study.fem.naming import resolve_data
+from study.cli.common import with_progress
 from study.ledger.files import UsageError
-from study.ledger.text import folded
-from study.present.drawing import draw_one
-from study.present.figures import enclosure
 from study.run.executor import GIB, available
 from study.run.fingerprint import of_problem
-from study.run.store import Store
 from study.statements.shared import estimates
 
 
-def do_displacement(options: argparse.Namespace) -> int:
-    """Enclose the error of the displacement in each file, and write the results.
+@dataclass(frozen=True)
+class Displacement:
+    """A displacement on one mesh whose error is to be enclosed.
 
-    Returns:
-        0 if the exact solution is unknown, or if all errors lie in their enclosures; otherwise 1.
+    Attributes:
+        key, cache_key: name and cache key of the result.
+        compute: function that computes the displacement, unless it is given, and encloses its error.
+        files: files that ``compute`` writes.
+        file_name, remark: name of the file with the given displacement, and a line about its content; empty if the
+            displacement is computed.
     """
-    name, data, case = resolve_data(options.problem)
-    refined = Refined(options.refine, options.shorter)
-    check_force(case)
+
+    key: str
+    cache_key: str
+    compute: Callable[[], dict[str, Any]]
+    files: tuple[Path, ...] = ()
+    file_name: str = ""
+    remark: str = ""
+
+
+def displacements_in_files(
+    options: argparse.Namespace, name: str, data: Data, case: Case | None, refined: Refined
+) -> tuple[Path, list[Displacement]]:
+    """Return the result directory, and the displacements in the files of --displacement, from coarse to fine meshes.
+
+    Parameters:
+        options: the options of the command.
+        name, data, case: name and data of the problem, and the case with its exact solution, or None.
+        refined: how the mesh and the time steps are refined for the bound.
+    """
     bounded.check_problem(data, options.steps, refined)
-    read = [_read(data, path, options, refined) for path in options.displacement]
-    if case:
-        prove(case.solution, f"case {case.name}")
-    # The meshes are sorted from coarse to fine, because observed orders are computed between consecutive meshes.
+    read = [(path, _read(data, path, options, refined)) for path in options.displacement]
+    # The meshes are sorted, because observed orders are computed between consecutive meshes.
     read.sort(key=lambda pair: -pair[1].h)
-    stems = dict.fromkeys(path.stem for path, _ in read)
-    store = Store(options.out / "-".join([name, *stems]), written=(".",))
-    with store.locked():
-        rows = [_row(store, data, case, number, *pair, refined) for number, pair in enumerate(read)]
-        table = bounded.levels([one["row"] for one in rows])
-        over_time = pd.concat([pd.DataFrame(one["series"]) for one in rows])
-        written = bounded.write(store.directory, table, over_time)
-        if not isinstance(data, Static) and table["level"].is_unique:
-            written += draw_one(store.directory, enclosure("enclosure", over_time, name))
-    print(folded(f"written: {listed(written)}"))
-    if isinstance(data, Static):
-        print("no figure: the figure shows the bounds over time, and a static problem has no time")
-    elif not table["level"].is_unique:
-        print("no figure: the figure shows one mesh of each size, and two files have meshes of the same size")
-    for path, u_h in read:
-        print(folded(f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"))
-    sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
-    last = pd.DataFrame(rows[-1]["series"])
-    names = [path.name for path, _ in read]
-    print(f"\n{bounded.text(name, table, last, sentences, bounded.norm_of(data), names)}\n")
-    return OK if case is None or all(one["inside"] for one in rows) else FAILED
+
+    def displacement(number: int, path: Path, u_h: GivenDisplacement) -> Displacement:
+        def compute() -> dict[str, Any]:
+            found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
+            # The level is the number of cells of this size along a side of a square with the area of the body.
+            return bounded.record(max(1, round(math.sqrt(u_h.body.measure) / u_h.h)), found)
+
+        arrays = (u_h.mesh.p, u_h.mesh.t, u_h.times, u_h.nodes)
+        content = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
+        cache_key = of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
+        remark = f"{path}: degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles, h = {u_h.h:.4g}"
+        return Displacement(f"displacement-{number}", cache_key, compute, (), path.name, remark)
+
+    directory = options.out / "-".join([name, *dict.fromkeys(path.stem for path, _ in read)])
+    return directory, [displacement(number, *pair) for number, pair in enumerate(read)]
 
 
-def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined) -> tuple[Path, GivenDisplacement]:
-    """Read a displacement file and check the displacement.
-
-    Returns:
-        The path and the displacement.
+def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined) -> GivenDisplacement:
+    """Read a displacement file, check the displacement, and return it.
 
     Raises:
         UsageError: there is too little memory to bound the error on this mesh.
     """
     field = fields.read(path, options.field)
-    need, room = (estimates.BASE, available())
     per_cell = (estimates.bound(1, refined.refinements, "unstructured") - estimates.BASE) / 2
-    need += per_cell * len(field.triangles)
+    need, room = estimates.BASE + per_cell * len(field.triangles), available()
     if need > room:
         served = max(0, int((room - estimates.BASE) / per_cell))
         raise UsageError(
@@ -90,28 +90,4 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
             f"{need / GIB:.1f} GiB of memory; {room / GIB:.1f} GiB are available, enough for {served} triangles: take "
             "a coarser mesh, --refine 0, or a machine with more memory"
         )
-    return path, given(data, **vars(field), steps=options.steps, nearest=options.nearest)
-
-
-def _row(
-    store: Store, data: Data, case: Case | None, number: int, path: Path, u_h: GivenDisplacement, refined: Refined
-) -> dict[str, Any]:
-    """Return the results for a displacement file: read them if they are stored, otherwise compute and store them.
-
-    Parameters:
-        store: the result directory.
-        data, case: the problem, and the case with its exact solution, or None.
-        number: number of the file.
-        path, u_h: the file and its displacement.
-        refined: how the mesh and the time steps are refined for the bound.
-    """
-    arrays = (u_h.mesh.p, u_h.mesh.t, u_h.times, u_h.nodes)
-    content = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
-
-    def compute() -> dict[str, Any]:
-        found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
-        # The level is the number of cells of this size along a side of a square with the area of the body.
-        return bounded.record(max(1, round(math.sqrt(u_h.body.measure) / u_h.h)), found)
-
-    cache_key = of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
-    return store.cached(f"displacement-{number}", cache_key, compute)
+    return given(data, **vars(field), steps=options.steps, nearest=options.nearest)

@@ -69,15 +69,11 @@ def _instants(options: argparse.Namespace, case: Case) -> list[float]:
 
 def _check(options: argparse.Namespace, case: Case) -> None:
     """Raise UsageError for options that cannot be used, before anything is written."""
-    if min(options.levels) < 2:
-        raise UsageError(f"--levels must be 2 or more, got {min(options.levels)}")
     if options.mode == "march" and options.instants:
         raise UsageError("--instants belong to --mode frozen; for --mode march give the number of --steps")
     if options.mode == "frozen" and options.steps is not None:
         raise UsageError("--steps belong to --mode march; for --mode frozen give --instants")
     if options.steps is not None:
-        if options.steps < 1:
-            raise UsageError(f"--steps must be 1 or more, got {options.steps}")
         require_steps(options.steps)
     require_instants(_instants(options, case), case.solution.body.T)
     require_scale(options.scale)

@@ -8,7 +8,7 @@ import os
 import sys
 from collections.abc import Sequence
 
-from study.cli.options import CLOSED, INTERRUPTED, USAGE, parser
+from study.cli.options import CLOSED, INTERRUPTED, USAGE, out_of_range, parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -25,8 +25,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")
     options = parser().parse_args(arguments)
     module, name = options.command
-    if sys.flags.optimize >= 2 and module in WITH_PYAMG:
-        print(f"study: {STRIPPED}", file=sys.stderr)
+    stripped = STRIPPED if sys.flags.optimize >= 2 and module not in WITHOUT_PYAMG else ""
+    if refusal := stripped or out_of_range(options):
+        print(f"study: {refusal}", file=sys.stderr)
         return USAGE
     try:
         # Only the module of this command is imported, because importing the solvers takes seconds.
@@ -55,12 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 LACKING = "this command needs {}, which is not installed: python -m pip install '.[{}]' in a clone of the repository"
-
-
-WITH_PYAMG = (
-    "adapt", "bound", "certify", "check", "controls", "displacement", "export", "present", "run", "seeds", "show",
-)  # fmt: skip
-"""Modules of the commands that import pyamg, directly or indirectly."""
+WITHOUT_PYAMG = "cases", "compare", "rates"
+"""Modules of the commands that import pyamg neither directly nor indirectly."""
 STRIPPED = (
     "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them: "
     "run python or python -O"

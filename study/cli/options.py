@@ -8,9 +8,10 @@ from __future__ import annotations
 import argparse
 import math
 import os
+import sys
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 OK, FAILED, USAGE, UNCLEAR, INTERRUPTED, CLOSED = 0, 1, 2, 3, 130, 141
 """Exit codes: success; a check or a job fails; bad usage or input; undecided; Ctrl-C; broken pipe."""
@@ -31,13 +32,33 @@ RESUMED = "finished results are kept; run the same command again to compute the 
 STARTS_AGAIN = "no file is half-written; the same command starts from the beginning"
 
 
-Option = tuple[tuple[str, ...], dict[str, Any]]
-"""An option: the arguments of ``ArgumentParser.add_argument``."""
+class Range(NamedTuple):
+    """The permitted values of an option, as numbers and in words."""
+
+    least: float
+    words: str
+    most: float = sys.float_info.max
 
 
-def option(*flags: str, **settings: Any) -> Option:
-    """Return an option, given the arguments of ``ArgumentParser.add_argument``."""
-    return flags, settings
+POSITIVE, FROM_0, FROM_2 = Range(1, "1 or more"), Range(0, "0 or more"), Range(2, "2 or more")
+FINITE = Range(0, "a number, 0 or more")
+Option = tuple[tuple[str, ...], dict[str, Any], Range | None]
+"""An option: the arguments of ``ArgumentParser.add_argument``, and its permitted values; None permits all."""
+
+
+def option(*flags: str, within: Range | None = None, **settings: Any) -> Option:
+    """Return an option, given the arguments of ``ArgumentParser.add_argument`` and its permitted values."""
+    return flags, settings, within
+
+
+def out_of_range(options: argparse.Namespace) -> str:
+    """Return a message about the first option with a value that is not permitted; an empty text if there is none."""
+    for name, (flag, within) in options.ranges.items():
+        given = getattr(options, name)
+        for value in given if isinstance(given, list) else [given]:
+            if value is not None and not within.least <= value <= within.most:
+                return f"{flag} must be {within.words}, got {value:g}"
+    return ""
 
 
 def out(default: str = "results", *also: str) -> Option:
@@ -96,7 +117,8 @@ def _finite(text: str) -> float:
 
 
 JSON = option("--json", action="store_true", help="print as JSON")
-JOBS = option("--jobs", type=int, default=os.cpu_count() or 1, help="number of processes (default: all cores)")
+JOBS = option("--jobs", type=int, within=POSITIVE, default=os.cpu_count() or 1,
+              help="number of processes (default: all cores)")  # fmt: skip
 UNDECIDED = option(
     "--undecided",
     type=Path,
@@ -136,15 +158,15 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "check": ("check", "compare data, verdicts and tables on disk with their expected contents", [
         option("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML"),
         UNDECIDED,
-        option("--again", type=int, metavar="N",
+        option("--again", type=int, within=Range(1, "1 or more rows"), metavar="N",
                help="also measure N random rows again, cheap rows more often, and compare; exit code 1 if a number "
                "differs"),
-        option("--seed", type=int, metavar="S",
+        option("--seed", type=int, within=FROM_0, metavar="S",
                help="seed with which --again draws rows (default: a new seed, which is printed)"),
-        option("--tolerance", type=float, default=AGAIN_TOLERANCE, metavar="X",
+        option("--tolerance", type=float, within=FINITE, default=AGAIN_TOLERANCE, metavar="X",
                help="numbers a, b of --again are equal if |a - b| <= Y + X max(|a|, |b|) "
                f"(default {AGAIN_TOLERANCE:g})"),
-        option("--absolute", type=float, default=AGAIN_ABSOLUTE, metavar="Y",
+        option("--absolute", type=float, within=FINITE, default=AGAIN_ABSOLUTE, metavar="Y",
                help=f"(default {AGAIN_ABSOLUTE:g}) for numbers near round-off, which differ between processors"),
         JOBS,
         out(),
@@ -152,9 +174,10 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "compare": ("compare", "show in which numbers and verdicts two result directories differ", [
         option("old", type=Path, metavar="OLD", help="result directory of a run"),
         option("new", type=Path, metavar="NEW", help="result directory of another run"),
-        option("--tolerance", type=float, default=TOLERANCE, metavar="X",
+        option("--tolerance", type=float, within=FINITE, default=TOLERANCE, metavar="X",
                help=f"numbers a, b are equal if |a - b| <= Y + X max(|a|, |b|) (default {TOLERANCE:g})"),
-        option("--absolute", type=float, default=0.0, metavar="Y", help="(default 0) for numbers near round-off"),
+        option("--absolute", type=float, within=FINITE, default=0.0, metavar="Y",
+               help="(default 0) for numbers near round-off"),
         JSON,
     ]),
     "controls": ("controls", "test that deliberate defects are noticed; exit code 0 if all are", [JOBS, out()]),
@@ -164,9 +187,11 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     ]),
     "seeds": ("seeds", "estimate how often chance makes a check fail, on new random meshes", [
         option("--minutes", type=_finite, default=MINUTES, metavar="M",
+               within=Range(0, "0 or more (0 makes the table again from the record)"),
                help="time for new seeds (default 60; 0: only write the table again)"),
-        option("--seeds", type=int, metavar="N", help="largest number of new seeds"),
-        option("--seed", type=int, metavar="N", help="measure this seed again and compare with the record"),
+        option("--seeds", type=int, within=POSITIVE, metavar="N", help="largest number of new seeds"),
+        option("--seed", type=int, within=FROM_0, metavar="N",
+               help="measure this seed again and compare with the record"),
         JOBS,
         out(),
     ]),
@@ -199,7 +224,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                "is"),
         option("--adapt", metavar="TOL|P%%",
                help="refine the first mesh until the error bound is at most TOL, or P per cent of the norm of u"),
-        option("--cells", type=int, default=CELLS, metavar="N",
+        option("--cells", type=int, within=POSITIVE, default=CELLS, metavar="N",
                help=f"largest number of cells of --adapt (default {CELLS})"),
         out("bounds"),
     ]),
@@ -210,7 +235,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     ]),
     "export": ("export", "write cases as data files, to test other contact codes", [
         option("case", nargs="+", metavar=CASE, help="cases with linear laws"),
-        option("--levels", nargs="+", type=int, default=[8, 16, 32], metavar="N",
+        option("--levels", nargs="+", type=int, within=FROM_2, default=[8, 16, 32], metavar="N",
                help="cells along a side (default 8 16 32)"),
         option("--family", nargs="+", metavar="NAME",
                help=f"meshes: {', '.join(FAMILIES)} (default: those on which `study run` measures the case)"),
@@ -218,7 +243,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                help="frozen: static problems (default); march: a problem with time steps"),
         option("--instants", nargs="+", type=_finite, metavar="T",
                help="times of the static problems (default: three times)"),
-        option("--steps", type=int, metavar="N", help="number of time steps of --mode march (default: the level)"),
+        option("--steps", type=int, within=POSITIVE, metavar="N",
+               help="number of time steps of --mode march (default: the level)"),
         option("--scale", type=_finite, default=1.0, metavar="S", help="factor of all loads (default 1)"),
         option("--foundation", type=int, metavar="SEGMENTS",
                help="also write a mesh of the foundation, with this number of segments"),
@@ -226,7 +252,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     ]),
     "show": ("show", "solve a case on one mesh, draw images and an animation, and write files for ParaView", [
         option("case", metavar=CASE, help="a case"),
-        option("--level", type=int, metavar="N", help="cells along a side (default 24, in 3D 9)"),
+        option("--level", type=int, within=FROM_2, metavar="N", help="cells along a side (default 24, in 3D 9)"),
         option("--mp4", action="store_true",
                help="require animation.mp4: a missing ffmpeg is an error (without this option the film is then left "
                "out)"),
@@ -242,7 +268,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
             option("--overview", action="store_true", help="only the figures that show all cases together"),
             option("--only", nargs="+", metavar="NAME", help="only these figures, such as zone-hexagon"),
         ],
-        option("--dpi", type=_finite, metavar="N", help="dots per inch of PNG files"),
+        option("--dpi", type=_finite, within=Range(10, "10 to 2400", 2400), metavar="N",
+               help="dots per inch of PNG files"),
         option("--style", type=Path, metavar="FILE", help=STYLE),
         option("--data", type=Path, metavar="DIR", help=DRAWN),
         JOBS,
@@ -256,6 +283,7 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of all commands.
 
     The parsed options have an attribute ``command``: the module in ``study.cli`` and the name of the function to call.
+    Their attribute ``ranges`` has the permitted values, for ``out_of_range``.
     """
     top = argparse.ArgumentParser(
         prog="study",
@@ -268,12 +296,12 @@ def parser() -> argparse.ArgumentParser:
     for name, (module, help, options) in COMMANDS.items():
         command = commands.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".")
         interrupted = RESUMED if name in RESUMES else STARTS_AGAIN
-        command.set_defaults(command=(module, f"do_{name}"), interrupted=interrupted)
+        ranges = {}
         for one in options:
-            if isinstance(one, list):
-                group = command.add_mutually_exclusive_group()
-                for flags, settings in one:
-                    group.add_argument(*flags, **settings)
-            else:
-                command.add_argument(*one[0], **one[1])
+            group = command.add_mutually_exclusive_group() if isinstance(one, list) else command
+            for flags, settings, within in one if isinstance(one, list) else [one]:
+                action = group.add_argument(*flags, **settings)
+                if within:
+                    ranges[action.dest] = flags[0], within
+        command.set_defaults(command=(module, f"do_{name}"), interrupted=interrupted, ranges=ranges)
     return top

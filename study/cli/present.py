@@ -8,10 +8,9 @@ from pathlib import Path
 
 from matplotlib import rcParams
 
-from study.cli.common import check_jobs, draw, listed
+from study.cli.common import draw, tell_written
 from study.cli.options import OK
 from study.ledger.files import UsageError
-from study.ledger.text import folded
 from study.present.drawing import Drawing, Output, in_style
 from study.present.figures import drawings_of
 from study.present.report import write_report
@@ -27,7 +26,7 @@ def do_tables(options: argparse.Namespace) -> int:
     read_provenance(options.out)
     with Store(options.out).steady():
         judge(options.out)
-        print(folded(f"written: {listed([claims_file(options.out), *write_tables(options.out)])}"))
+        tell_written([claims_file(options.out), *write_tables(options.out)])
     return OK
 
 
@@ -40,10 +39,7 @@ def do_report(options: argparse.Namespace) -> int:
 
 def do_figures(options: argparse.Namespace) -> int:
     """Draw all figures of the data, or those that ``--case``, ``--overview`` or ``--only`` choose; return 0."""
-    check_jobs(options.jobs)
     output = Output(options.use, tuple(options.format or ()), options.dpi, options.style)
-    if output.dpi is not None and not 10 <= output.dpi <= 2400:
-        raise UsageError(f"--dpi must be 10 to 2400, got {output.dpi:g}")
     with in_style(output):
         latex = rcParams["pgf.texsystem"]
     if "pgf" in output.suffixes and not shutil.which(latex):
@@ -56,5 +52,5 @@ def do_figures(options: argparse.Namespace) -> int:
         return [drawing for drawing in found if not (options.overview and drawing.case)]
 
     with Processes(options.jobs) as executor, Store(data).steady():
-        print(folded(f"written: {listed(draw(options.out, executor, chosen, output))}"))
+        tell_written(draw(options.out, executor, chosen, output))
     return OK

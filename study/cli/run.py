@@ -10,7 +10,7 @@ from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from study.cli.common import check_jobs, code_of, draw, known_undecided, listed, progress_bar
+from study.cli.common import code_of, draw, known_undecided, progress_bar, tell_written
 from study.controls.contact_test import DEFECTS, contact_tests, write_contact_test
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
@@ -41,7 +41,6 @@ def do_run(options: argparse.Namespace) -> int:
         UsageError, SelfProofError, MeshError, StoreError: bad input; raised before anything is computed.
     """
     choose("scheme", options.scheme, SCHEMES)
-    check_jobs(options.jobs)
     known_undecided(options.undecided)
     scope = scope_from_options(options)
     scope.check()
@@ -65,7 +64,7 @@ def do_run(options: argparse.Namespace) -> int:
             drawn = draw(store.directory, processes, drawings if options.case else overview)
     data = ["rates.csv", "equivalence.csv", "claims.csv", "cases.csv", *tested, "provenance.json", "pictures/"]
     print("\n" + folded(f"data: {store.data}/{', '.join(data)}"))
-    print(folded(f"written: {listed([*tables, *drawn])}"))
+    tell_written([*tables, *drawn])
     print(f"\n{rates_text(store.directory)}")
     if tested:
         print(contact_test_text(store.directory))

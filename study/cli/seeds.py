@@ -15,7 +15,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from study.cli.common import check_jobs, progress_bar
+from study.cli.common import progress_bar
 from study.cli.options import FAILED, OK, UNCLEAR
 from study.controls.alarms import tally, text, verdict
 from study.controls.record import Draw, Record
@@ -23,7 +23,6 @@ from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
 from study.fem.naming import family_named
 from study.ledger.datafiles import write_csv
-from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute
 from study.run.judgement import collect, judge
@@ -70,18 +69,9 @@ def do_seeds(options: argparse.Namespace) -> int:
         0 if the false-alarm rate is at most the permitted one, 1 if it is larger, 3 if this is undecided. With
         ``--seed``: 0 if all checks hold that the study claims to hold on random meshes, otherwise 1.
     """
-    check_jobs(options.jobs)
-    if options.minutes < 0:
-        raise UsageError(
-            f"--minutes must be 0 or more (0 makes the table again from the record), got {options.minutes:g}"
-        )
-    if options.seed is not None and options.seed < 0:
-        raise UsageError(f"--seed must be 0 or more, got {options.seed}")
     if options.seed is not None:
         # A seed that is too long for the name of a directory raises an error here.
         family_named(f"shaken-{options.seed}")
-    if options.seeds is not None and options.seeds < 1:
-        raise UsageError(f"--seeds must be 1 or more, got {options.seeds}")
     Store(options.out).check()
     with Processes(options.jobs) as processes:
         pool = Pool.of(processes)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from manufactured.self_proof import prove
-from study.cli.common import listed, progress_bar
+from study.cli.common import progress_bar, tell_written
 from study.cli.options import OK
 from study.fem.naming import resolve
 from study.ledger.files import UsageError
@@ -19,8 +19,6 @@ def do_show(options: argparse.Namespace) -> int:
     """Solve a case on one mesh, draw it, and write files for ParaView; return 0."""
     case = resolve(options.case)
     level = LEVELS[case.solution.body.dim] if options.level is None else options.level
-    if level < 2:
-        raise UsageError(f"--level must be 2 or more, got {level}")
     if options.mp4 and not find_ffmpeg():
         raise UsageError(f"--mp4: {NO_FFMPEG}")
     prove(case.solution, f"case {case.name}")
@@ -33,7 +31,7 @@ def do_show(options: argparse.Namespace) -> int:
         with progress_bar(count_images(solved.picture)) as bar:
             bar.set_description("images")
             shown = draw_show(solved.picture, solved.series, directory, bar.update)
-    print(folded(f"written: {listed(shown.written)}"))
+    tell_written(shown.written)
     for line in shown.left_out:
         print(folded(f"left out: {line}"))
     return OK

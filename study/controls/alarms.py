@@ -22,11 +22,12 @@ import pandas as pd
 from tabulate import tabulate
 
 from manufactured.tensors import Array
-from study.controls.record import Line, Record, RowKey, fingerprint, two_sided, unpacked
+from study.controls.record import Line, Record, RowKey, fingerprint, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.chance import PROMISE, interval, seeds_needed, tail
 from study.ledger.compare import difference
 from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, table_text
+from study.ledger.window import is_two_sided
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
 COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
@@ -74,7 +75,7 @@ class CountedCheck:
                 latest[key] = rule, line
         wide = 2 * len(record.draws)
         found = [
-            cls(key, rule, unpacked(line.places.ljust(wide, ".")), two_sided(line.window_low, line.window_high))
+            cls(key, rule, unpacked(line.places.ljust(wide, ".")), is_two_sided(line.window_low, line.window_high))
             for key, (rule, line) in latest.items()
         ]
         return [row for row in found if np.isfinite(row.places[newest(record) :]).any()]
@@ -90,14 +91,30 @@ class CountedCheck:
         Parameters:
             part: LIGHT if the check is measured on each seed, WHOLE if it is only measured on every few seeds.
         """
-        where = np.flatnonzero(np.isfinite(self.places))
-        places = self.places[where]
-        alarms = int((abs(places) > 1).sum())
-        low, high = interval(alarms, len(places))
-        model = tail(places, self.both)
-        known = (*self.key, self.rule, part, "yes" if self.claimed else "no", int(where[0]) + 1, len(places))
-        found = alarms, low, high, float(places.min()), float(places.max()), model.model, model.fit, model.rate
-        return dict(zip(COLUMNS, (*known, *found), strict=True))
+        model = tail(self.places[np.isfinite(self.places)], self.both)
+        known = *self.key, self.rule, part, "yes" if self.claimed else "no"
+        return count_alarms(known, self.places[None, :], (model.model, model.fit, model.rate))
+
+
+def count_alarms(known: tuple[str, ...], places: Array, model: tuple[str, float, float]) -> dict[str, object]:
+    """Return a row of ``seeds.csv`` about one or several checks, from the seeds on which all of them were judged.
+
+    A seed has a false alarm if at least one check fails.
+
+    Parameters:
+        known: the cells of the row that name the checks: its columns from ``label`` to ``claimed``.
+        places: positions of the values in the tolerance windows, shape (number of checks, number of seeds).
+        model: the model of the tail, the p-value of its test and the extrapolated rate. The rate of several checks is
+            only known if there is a seed on which all of them were judged.
+    """
+    counted = np.flatnonzero(np.isfinite(places).all(axis=0)) if len(places) else np.empty(0, dtype=int)
+    places, judged = places[:, counted], len(counted)
+    alarms = int((abs(places) > 1).any(axis=0).sum())
+    since = int(counted[0]) + 1 if judged else 0
+    ends = (float(places.min()), float(places.max())) if judged else (math.nan, math.nan)
+    *tested, rate = model
+    found = since, judged, alarms, *interval(alarms, judged), *ends, *tested, rate if judged else math.nan
+    return dict(zip(COLUMNS, (*known, *found), strict=True))
 
 
 def newest(record: Record) -> int:
@@ -115,33 +132,13 @@ def tally(record: Record) -> pd.DataFrame:
     table = pd.DataFrame([row.line(part) for row, part in zip(rows, parts, strict=True)], columns=COLUMNS)
     places = np.array([row.places for row in rows])
     mine = (table["claimed"] == "yes").to_numpy()
-    light = mine & np.array(on_each)
-    every = _together("every", table[mine], np.where(whole & in_force, places[mine], math.nan))
-    of_light = _together("light", table[light], places[light])
-    return pd.concat([pd.DataFrame([every, of_light], columns=COLUMNS), table], ignore_index=True)
-
-
-def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
-    """Return a row of ``seeds.csv`` about several checks together, from the seeds on which all of them were judged.
-
-    A seed has a false alarm if at least one check fails. The extrapolated rate of the row is the sum of the rates that
-    are extrapolated for the single checks.
-
-    Parameters:
-        key: name of the row.
-        rows: the rows of ``seeds.csv`` for the checks.
-        places: positions of the values in the tolerance windows, shape (number of checks, number of seeds).
-    """
-    counted = np.flatnonzero(np.isfinite(places).all(axis=0)) if len(places) else np.empty(0, dtype=int)
-    places, judged = places[:, counted], len(counted)
-    since = int(counted[0]) + 1 if judged else 0
-    red = int((abs(places) > 1).any(axis=0).sum())
-    low, high = interval(red, judged)
-    ends = (float(np.nanmin(places)), float(np.nanmax(places))) if judged else (math.nan, math.nan)
-    # The sum of the rates is unknown if the rate of one check is unknown, or if there is no seed.
-    rate = float(rows["rate_tail"].sum(skipna=False)) if judged else math.nan
-    known = ALL_ROWS, key, f"{len(rows)} rows", "", "", "yes", since, judged
-    return dict(zip(COLUMNS, (*known, red, low, high, *ends, "sum", math.nan, rate), strict=True))
+    together, light, always = [], mine & np.array(on_each), np.ones_like(whole)
+    for key, these, shown in (("every", mine, whole & in_force), ("light", light, always)):
+        # The sum of the rates is unknown if the rate of one check is unknown.
+        rate = float(table["rate_tail"][these].sum(skipna=False))
+        known = ALL_ROWS, key, f"{these.sum()} rows", "", "", "yes"
+        together.append(count_alarms(known, np.where(shown, places[these], math.nan), ("sum", math.nan, rate)))
+    return pd.concat([pd.DataFrame(together, columns=COLUMNS), table], ignore_index=True)
 
 
 def newer(table: pd.DataFrame) -> pd.DataFrame:

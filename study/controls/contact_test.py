@@ -21,9 +21,10 @@ import pandas as pd
 from study.controls import replacements as wrong
 from study.controls.control import Replacement, patched, within
 from study.fem.naming import is_own, resolve
-from study.ledger.datafiles import DataFile, Row, write_csv
+from study.ledger.datafiles import Row, write_csv
 from study.ledger.verdict import HOLDS, Verdict
 from study.run.fingerprint import code_hash
+from study.run.judgement import stored_rows
 from study.run.plan import Job, Plan
 from study.run.store import Store
 from study.statements.contact_force import EXACT, ContactForce, touches
@@ -111,18 +112,13 @@ class ContactTest:
 
 
 def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
-    """Judge the stored results of measurements (jobs); return the checks that compare with the exact solution.
+    """Judge the stored results of jobs on one case; return the checks that compare with the exact solution.
 
     Returns:
         "LABEL, KEY" ↦ the check, with the label of its statement and its key (short name).
     """
-    rows: dict[DataFile, list[Row]] = {}
-    for job in jobs:
-        result = store.load(job.key, job.fingerprint())
-        assert result is not None, job.key
-        for file, row in job.records(result):
-            rows.setdefault(file, []).append({**row, "expected_order": resolve(job.setting.case).order})
-    tables = {file: pd.DataFrame(of_file) for file, of_file in rows.items()}
+    order = resolve(jobs[0].setting.case).order
+    tables = {file: pd.DataFrame(rows).assign(expected_order=order) for file, rows in stored_rows(jobs, store).items()}
     statements = dict.fromkeys(job.statement for job in jobs)
     found = judge_own([verdict for one in statements for verdict in one.judge(tables[one.file])], tables[RATES])
     return {f"{one.label}, {one.key}": one for one in found if one.key not in OF_THE_PROGRAM}

@@ -33,7 +33,7 @@ from manufactured.tensors import Array
 from study.ledger.datafiles import DataError, read_table, table_text, write_csv
 from study.ledger.files import write_packed
 from study.ledger.verdict import HOLDS, Verdict, worst_value
-from study.ledger.window import SMALL
+from study.ledger.window import position
 
 DIGITS = ascii_letters + digits + "+-"
 NONE = ".."
@@ -62,28 +62,15 @@ def place(verdict: Verdict) -> float:
 
     The position is −1 or 1 at an end of the window. It lies between −1 and 1 exactly if the check holds.
     """
-    judged = float(worst_value(pd.Series(asdict(verdict))))
-    low, high, value = verdict.window_low, verdict.window_high, judged
-    if not low < high or (low <= 0 and np.isinf(high)):
-        found = 0.0
-    elif np.isinf(high):
-        found = low / value if value > 0 else FURTHEST
-    else:
-        found = (2 * value - low - high) / (high - low) if two_sided(low, high) else value / high
+    value = float(worst_value(pd.Series(asdict(verdict))))
+    low, high = verdict.window_low, verdict.window_high
+    found = 0.0 if not low < high or (low <= 0 and np.isinf(high)) else position(value, low, high)
     if verdict.verdict == HOLDS:
         return float(np.clip(found, -1, 1))
     # A check that does not hold is an alarm, even if its value is NaN or, for an undecided check, inside the window.
     # So its position is moved out of the window.
     beyond = np.nan_to_num(found, nan=FURTHEST)
     return float(np.copysign(np.clip(abs(beyond), 1 + 2 * STEP, FURTHEST), beyond))
-
-
-def two_sided(low: float, high: float) -> bool:
-    """Return whether values can come near both ends of the window [low, high].
-
-    They cannot if an end is infinite, or if the lower end is 0 or negligible next to the upper end.
-    """
-    return bool(np.isfinite([low, high]).all() and not 0 <= low <= SMALL * high)
 
 
 def packed(value: float) -> str:

@@ -95,29 +95,34 @@ def depending(place: str, wrong: Callable[[Any], Replacement]) -> Replacement:
     return lambda setup: replaced(setup, place, wrong(setup))
 
 
-def in_calls(wrong: Replacement, defective: Callable[[int], bool]) -> Replacement:
-    """Deliberate defect: a function is replaced in some of its calls.
+def where(defective: Callable[..., Any], wrong: Replacement) -> Replacement:
+    """Deliberate defect: a function is replaced in the calls whose arguments satisfy a condition.
 
     Args:
+        defective: function of the arguments of a call, which tells whether the call is wrong.
         wrong: replacement of the function.
-        defective: function that tells, given the number of a call, counted from 0, whether the call is wrong.
     """
 
     def change(right: Function) -> Function:
-        calls, other = count(), wrong(right)
-        return lambda *given: (other if defective(next(calls)) else right)(*given)
+        other = wrong(right)
+        return lambda *given: (other if defective(*given) else right)(*given)
 
     return change
 
 
-def in_one_call(call: int, change: Function) -> Replacement:
-    """Deliberate defect: the result of a function is changed in one of its calls.
+def in_calls(wrong: Replacement, *calls: int) -> Replacement:
+    """Deliberate defect: a function is replaced in some of its calls.
 
     Args:
-        call: number of this call, counted from 0.
-        change: function that returns the wrong result, given the correct one.
+        wrong: replacement of the function.
+        calls: numbers of the wrong calls, counted from 0.
     """
-    return in_calls(result(change), lambda n: n == call)
+
+    def change(right: Function) -> Function:
+        numbers = count()
+        return where(lambda *given: next(numbers) in calls, wrong)(right)  # type: ignore[no-any-return]
+
+    return change
 
 
 def at_time(time: float, change: Function) -> Replacement:
@@ -127,7 +132,7 @@ def at_time(time: float, change: Function) -> Replacement:
         time: the time at which the result is changed.
         change: function that returns the wrong result, given the correct one.
     """
-    return lambda method: lambda of, now, *given: _when(np.isclose(now, time), change, method(of, now, *given))
+    return where(lambda of, now, *given: np.isclose(now, time), result(change))
 
 
 def row_times(calls: tuple[int, ...], row: int, factor: float) -> Replacement:
@@ -139,11 +144,12 @@ def row_times(calls: tuple[int, ...], row: int, factor: float) -> Replacement:
         factor: the factor.
     """
     in_row = result(lambda values: values * np.where(np.arange(len(values)) == row, factor, 1.0)[:, None])
-    return in_calls(in_row, lambda call: not calls or call in calls)
+    return in_calls(in_row, *calls) if calls else in_row
 
 
-def _when(condition: Any, change: Function, value: Any) -> Any:
-    return change(value) if condition else value
+def scaled(**factors: float) -> Function:
+    """Return a function that multiplies attributes of a dataclass by factors: name of an attribute ↦ its factor."""
+    return lambda whole: replace(whole, **{name: factor * getattr(whole, name) for name, factor in factors.items()})
 
 
 def late(right: Function, delay: float) -> Function:
@@ -188,8 +194,7 @@ def shifted_gap(by: float) -> Replacement:
 
 def forces_times(factor: float) -> Replacement:
     """Deliberate defect: the contact forces are multiplied by ``factor``; the displacement is correct."""
-    scaled = result(lambda found: (found[0], factor * found[1]))
-    return replaced_by(lambda S, N, *points: scaled(Signorini(S, N)))
+    return result(result(lambda found: (found[0], factor * found[1])))
 
 
 held = contact(lambda solver, gap: solver.multipliers_on(np.ones_like(solver.active), gap))
@@ -237,9 +242,7 @@ def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
 
     def solver(setup: Any) -> Replacement:
         call = node(which, int(part * setup.steps)) - 1
-        return replaced_by(
-            lambda S, N, *points: in_calls(replaced_by(wrong(Signorini)(S, N)), lambda n: n == call)(Signorini(S, N))
-        )
+        return replaced_by(lambda S, N, *points: in_calls(replaced_by(wrong(Signorini)(S, N)), call)(Signorini(S, N)))
 
     return depending("problem.solver", solver)
 
@@ -258,45 +261,36 @@ def node(which: str, last: int) -> int:
     return {"first": 1, "odd": last // 2 | 1, "even": (last // 2 + 2) // 2 * 2, "last": last}[which]
 
 
-def marching(march: Callable[[Any, Any, int], Iterator[Any]]) -> Replacement:
-    """Deliberate defect: the time scheme computes other states.
+def each_state(change: Function) -> Replacement:
+    """Deliberate defect: all states that a function such as ``Tableau.march`` computes are changed by ``change``."""
+    return result(partial(map, change))
+
+
+def at_node(which: str, change: Function) -> Replacement:
+    """Deliberate defect: the state at one time node is changed by ``change``.
+
+    The replacement concerns a function whose last argument is the number of time steps, such as ``Tableau.march``.
 
     Args:
-        march: function that returns the wrong states, given the correct scheme, a problem and a number of time steps.
+        which: "first", "odd", "even" or "last", as for ``node``.
+        change: function that returns the wrong state, given the correct one.
     """
-    return lambda scheme: SimpleNamespace(name=scheme.name, order=scheme.order, march=partial(march, scheme))
-
-
-def states(change: Callable[[Any, int, Any, int], Any]) -> Replacement:
-    """Deliberate defect: the states that the time scheme computes are changed afterwards.
-
-    Args:
-        change: function that returns the changed state, given the state, its number, the problem and the number of time
-            steps.
-    """
-    return marching(
-        lambda scheme, problem, steps: (
-            change(state, n, problem, steps) for n, state in enumerate(scheme.march(problem, steps))
+    return lambda march: (
+        lambda *given: (
+            change(state) if n == node(which, given[-1]) else state for n, state in enumerate(march(*given))
         )
     )
 
 
-def states_of_some(defective: Callable[[Any, int, Any, int], bool], **factors: float) -> Replacement:
-    """Deliberate defect: parts of some of the states that the time scheme of an experiment computes are too large.
+def marching(defective: Callable[[Any, Any, int], bool], wrong: Replacement) -> Replacement:
+    """Deliberate defect: the time scheme of an experiment returns wrong states in some of its computations.
 
     Args:
-        defective: function that tells which states are changed. Its arguments are the experiment, the number of the
-            state, the problem that is solved and the number of time steps.
-        factors: name of an attribute of the state ↦ its factor.
+        defective: function that tells whether a computation is wrong. Its arguments are the experiment, the problem
+            that is solved and the number of time steps.
+        wrong: replacement of ``Tableau.march``.
     """
-    return depending(
-        "scheme",
-        lambda setup: states(
-            lambda state, n, problem, steps: (
-                _times_parts(state, factors) if defective(setup, n, problem, steps) else state
-            )
-        ),
-    )
+    return depending("scheme.march", lambda setup: where(partial(defective, setup), wrong))
 
 
 def solving(alter: Callable[[SemiDiscrete], SemiDiscrete]) -> Replacement:
@@ -305,7 +299,7 @@ def solving(alter: Callable[[SemiDiscrete], SemiDiscrete]) -> Replacement:
     Args:
         alter: function that returns the other problem, given the correct one.
     """
-    return marching(lambda scheme, problem, steps: scheme.march(alter(problem), steps))
+    return arguments(lambda problem, steps: (alter(problem), steps))
 
 
 def state_off(which: str, halvings: int, **factors: float) -> Replacement:
@@ -317,13 +311,7 @@ def state_off(which: str, halvings: int, **factors: float) -> Replacement:
             step is halved this many times has the defect.
         factors: name of an attribute of the state ↦ its factor.
     """
-    return states_of_some(
-        lambda setup, n, _, steps: steps == int(setup.steps * 2**halvings) and n == node(which, steps), **factors
-    )
-
-
-def _times_parts(state: Any, factors: dict[str, float]) -> Any:
-    return replace(state, **{name: factor * getattr(state, name) for name, factor in factors.items()})
+    return marching(lambda setup, _, steps: steps == int(setup.steps * 2**halvings), at_node(which, scaled(**factors)))
 
 
 def rival_off(which: str) -> Replacement:
@@ -332,9 +320,7 @@ def rival_off(which: str) -> Replacement:
     Args:
         which: "first", "odd", "even" or "last", as for ``node``.
     """
-    return states_of_some(
-        lambda setup, n, problem, steps: problem is not setup.problem and n == node(which, steps), u=1.001
-    )
+    return marching(lambda setup, problem, _: problem is not setup.problem, at_node(which, scaled(u=1.001)))
 
 
 def displacement_off(which: str, right_first: int) -> Replacement:
@@ -344,13 +330,9 @@ def displacement_off(which: str, right_first: int) -> Replacement:
         which: "first", "odd", "even" or "last", as for ``node``.
         right_first: number of first calls of the scheme that have no defect.
     """
-    wrong = states(lambda state, n, _, steps: _times_parts(state, {"u": 10.0}) if n == node(which, steps) else state)
-
-    def change(scheme: Any) -> Any:
-        march = in_calls(replaced_by(wrong(scheme).march), lambda call: call >= right_first)(scheme.march)
-        return overridden(wrong(scheme), march=march)
-
-    return change
+    wrong = at_node(which, scaled(u=10.0))
+    march: Replacement = lambda right: in_calls(replaced_by(right), *range(right_first))(wrong(right))  # noqa: E731
+    return lambda scheme: replaced(scheme, "march", march)
 
 
 def coarse_forces(change: Callable[[Any], Any]) -> Replacement:
@@ -359,9 +341,9 @@ def coarse_forces(change: Callable[[Any], Any]) -> Replacement:
     Args:
         change: function that returns the wrong contact forces, given the correct ones.
     """
-    alter = lambda state: replace(state, multipliers=change(state.multipliers))  # noqa: E731
-    return depending(
-        "scheme", lambda setup: states(lambda state, n, _, steps: _when(steps < setup.steps, alter, state))
+    return marching(
+        lambda setup, _, steps: steps < setup.steps,
+        each_state(lambda state: replace(state, multipliers=change(state.multipliers))),
     )
 
 
@@ -376,23 +358,17 @@ def one_step_behind(states: Iterator[Any]) -> Iterator[Any]:
     return iter([first, *(replace(state, u=before.u) for before, state in pairwise((first, *others)))])
 
 
-last_state = marching(lambda scheme, problem, steps: iter([*scheme.march(problem, steps)][-1:]))
-one_behind = marching(lambda scheme, problem, steps: one_step_behind(scheme.march(problem, steps)))
-without_residual = states(lambda state, *where: replace(state, residual=lambda: 0.0))
+last_state = result(lambda states: iter([*states][-1:]))
+one_behind = result(one_step_behind)
+without_residual = each_state(lambda state: replace(state, residual=lambda: 0.0))
 no_viscosity = solving(lambda problem: replace(problem, M=0 * problem.M))
 no_elasticity = solving(lambda problem: replace(problem, reference=0 * problem.reference))
 swapped = solving(lambda problem: replace(problem, M=problem.reference, reference=problem.M))
 
 
-companion_is_the_run = depending(
-    "scheme",
-    lambda setup: marching(
-        lambda scheme, problem, steps: (
-            islice(scheme.march(problem, 2 * steps), 0, None, 2)
-            if steps == setup.steps
-            else scheme.march(problem, steps)
-        )
-    ),
+companion_is_the_run = marching(
+    lambda setup, _, steps: steps == setup.steps,
+    lambda march: lambda problem, steps: islice(march(problem, 2 * steps), 0, None, 2),
 )
 """Deliberate defect: the solution with time step k is copied from the solution with time step k/2.
 
@@ -433,7 +409,7 @@ def nearest_axis(N: Any) -> Any:
     return N
 
 
-load_late = depending("problem.load", lambda setup: lambda load: late(load, setup.problem.T / setup.steps))
+load_late = depending("problem.load", lambda setup: partial(late, delay=setup.problem.T / setup.steps))
 """Deliberate defect: the load at time t is the load of the time step before, at t − k."""
 
 
@@ -496,11 +472,6 @@ def k_like_h(setup: Any) -> Any:
 # Defects of the measurement of errors.
 
 
-def _v_norm(setup: Any, **methods: Any) -> Any:
-    """Return the experiment with a new object that measures errors, some of whose methods are replaced."""
-    return replace(setup, v_norm=overridden(ErrorNorm(setup.solution, setup.space), **methods))
-
-
 def _l2_distance(setup: Any) -> Function:
     basis = Basis(setup.space.mesh, ElementTriP1(), intorder=DEGREE)
     exact = setup.solution.at(np.asarray(basis.global_coordinates()))
@@ -518,15 +489,14 @@ norm_of_l2 = depending("v_norm.distance", lambda setup: replaced_by(_l2_distance
 
 def norm_of_h1(setup: Any) -> Any:
     """Deliberate defect: errors are measured in the norm (‖v‖² + ‖ε(v)‖²)^½ instead of the energy norm."""
-    found, of_values = _v_norm(setup, A=isotropic(0.5, 0, setup.space.dim)), _l2_distance(setup)
-    of_strain = found.v_norm.distance
-    overridden(found.v_norm, distance=lambda sample, v: math.hypot(of_strain(sample, v), of_values(sample, v)))
-    return found
+    of_values = _l2_distance(setup)
+    of_strain = replaced(setup, "v_norm.A", replaced_by(isotropic(0.5, 0, setup.space.dim)))
+    both: Replacement = lambda right: lambda sample, v: math.hypot(right(sample, v), of_values(sample, v))  # noqa: E731
+    return replaced(of_strain, "v_norm.distance", both)
 
 
-def norm_with_elasticity(setup: Any) -> Any:
-    """Deliberate defect: the energy norm is computed with the elasticity tensor instead of the viscosity tensor."""
-    return _v_norm(setup, A=setup.solution.law.G)
+norm_with_elasticity = depending("v_norm.A", lambda setup: replaced_by(setup.solution.law.G))
+"""Deliberate defect: the energy norm is computed with the elasticity tensor instead of the viscosity tensor."""
 
 
 def one_point_quadrature(setup: Any) -> Any:
@@ -535,8 +505,8 @@ def one_point_quadrature(setup: Any) -> Any:
     There the strain of the interpolant is nearly exact, so errors appear too small.
     """
     centres = setup.solution.at(setup.space.mesh.p[:, setup.space.mesh.t].mean(axis=1))
-    sample = setup.v_norm.sample
-    return _v_norm(setup, sample=lambda t: replace(sample(t), means=centres.strain(t), oscillation=0.0))
+    at_centres = result(lambda found: replace(found, means=centres.strain(found.time), oscillation=0.0))
+    return replaced(setup, "v_norm.sample", at_centres)
 
 
 def sum_of_roots(setup: Any) -> Any:
@@ -551,7 +521,7 @@ def sum_of_roots(setup: Any) -> Any:
         local = np.sum(setup.v_norm.A(difference) * difference, axis=0) * setup.space.volumes
         return float(np.sqrt(local + sample.oscillation / len(local)).sum())
 
-    return _v_norm(setup, distance=distance)
+    return replaced(setup, "v_norm.distance", replaced_by(distance))
 
 
 def interpolant_off(which: str) -> Replacement:
@@ -560,10 +530,9 @@ def interpolant_off(which: str) -> Replacement:
     Args:
         which: "first", "odd", "even" or "last", as for ``node``.
     """
-    five = lambda found: replace(found, interpolant=5.0 * found.interpolant)  # noqa: E731
     return depending(
         "v_norm.sample",
-        lambda setup: lambda right: lambda time: _when(np.isclose(time, _time(which, setup)), five, right(time)),
+        lambda setup: where(lambda time: np.isclose(time, _time(which, setup)), result(scaled(interpolant=5.0))),
     )
 
 
@@ -575,11 +544,10 @@ def interpolation_error_off(which: str, factor: float) -> Replacement:
         factor: the factor.
     """
 
-    def distance(setup: Any, right: Function, sample: Any, v: Any) -> float:
-        off = v is sample.interpolant and np.isclose(sample.time, _time(which, setup))
-        return float((factor if off else 1.0) * right(sample, v))
+    def defective(setup: Any, sample: Any, v: Any) -> bool:
+        return v is sample.interpolant and bool(np.isclose(sample.time, _time(which, setup)))
 
-    return depending("v_norm.distance", lambda setup: lambda right: partial(distance, setup, right))
+    return depending("v_norm.distance", lambda setup: where(partial(defective, setup), times(factor)))
 
 
 def _time(which: str, setup: Any) -> float:
@@ -668,15 +636,6 @@ This stress follows from the computed displacement by the material law.
 """
 
 
-def stress_march(change: Callable[[Iterator[Any], int], Iterator[Any]]) -> Replacement:
-    """Deliberate defect: the states that the stress formulation computes are changed afterwards.
-
-    Args:
-        change: function that returns the changed states, given the states and the number of time steps.
-    """
-    return stresses(lambda right: overridden(copy(right), march=lambda steps: change(right.march(steps), steps)))
-
-
 def step_times(which: str, **factors: float) -> Replacement:
     """Deliberate defect: in one time step, parts of the solution of the stress formulation are multiplied by factors.
 
@@ -684,14 +643,12 @@ def step_times(which: str, **factors: float) -> Replacement:
         which: "first", "odd", "even" or "last", as for ``node``.
         factors: name of a part, such as ``stress`` ↦ its factor.
     """
-    return stress_march(
-        lambda states, steps: (_times_parts(s, factors) if n == node(which, steps) else s for n, s in enumerate(states))
-    )
+    return stresses(lambda right: replaced(right, "march", at_node(which, scaled(**factors))))
 
 
 stress_gaps = stresses(lambda problem: replace(problem, N=problem.N[::2]))
-displacement_late = stress_march(lambda states, steps: one_step_behind(states))
-stress_load_late = stresses(depending("load", lambda problem: lambda load: late(load, problem.space.body.T / 8)))
+displacement_late = stresses(lambda right: replaced(right, "march", one_behind))
+stress_load_late = stresses(lambda right: replaced(right, "load", partial(late, delay=right.space.body.T / 8)))
 
 
 # Defects of the stress formulation when it is solved without displacements, on a stress space of equilibrium elements.
@@ -699,11 +656,6 @@ stress_load_late = stresses(depending("load", lambda problem: lambda load: late(
 
 law_swapped = depending("data.law", lambda setup: lambda law: replace(law, A=law.G, G=law.A))
 """Deliberate defect: the viscosity and the elasticity tensor are swapped in the stress formulation."""
-
-
-def no_surface_load(part: Any, x: Any) -> Function:
-    """Return zero tractions at points x of a boundary part, as a function of one time or of several times."""
-    return lambda time: np.zeros((*x.shape, *np.shape(time)))
 
 
 surface_load_late = depending(
@@ -745,7 +697,7 @@ def inadmissible_once(kind: str, call: int) -> Replacement:
             tractions[cell, side, :, 1] += little
         return space, replaced(state, "stress.tractions", replaced_by(tractions))
 
-    return in_calls(arguments(spoiled), lambda n: n == call)
+    return in_calls(arguments(spoiled), call)
 
 
 # Defects of finite-element spaces and meshes.
@@ -767,9 +719,8 @@ def pinned(right: Space) -> dict[str, Any]:
     return {"free": np.flatnonzero(np.repeat(~np.isin(np.arange(right.mesh.p.shape[1]), fixed), right.dim))}
 
 
-def inward(right: Space) -> dict[str, Any]:
-    """Return the attributes of a space whose normals on the contact boundary point into the body."""
-    return {"N": -right.N}
+inward = space(lambda right: {"N": -right.N})
+"""Deliberate defect: normals on the contact boundary point into the body."""
 
 
 def off_contact(right: Space) -> dict[str, Any]:
@@ -821,8 +772,8 @@ def law(tensor: str, change: Replacement) -> Replacement:
 
     def misstated(case: Any) -> Any:
         right = case.solution.law
-        parts = {"A": right.A, "G": right.G, tensor: Misstated(getattr(right, tensor), change)}
-        return SimpleNamespace(solution=SimpleNamespace(law=SimpleNamespace(**parts)))
+        wrong = overridden(copy(right), **{tensor: Misstated(getattr(right, tensor), change)})
+        return SimpleNamespace(solution=SimpleNamespace(law=wrong))
 
     return result(misstated)
 
@@ -849,12 +800,12 @@ def returning(radius: float = 1.0, share: float = 1.0) -> Replacement:
         share: factor of the resulting stress.
     """
 
-    class Returning(Yield):
-        def __call__(self, strain: Any) -> Any:
-            ball: Any = self.convex
-            return share * Yield(self.beta, replace(ball, radius=radius * ball.radius))(strain)
+    def changed(G: Yield, count: int) -> tuple[Any, int]:
+        ball: Any = G.convex
+        other = Yield(G.beta, replace(ball, radius=radius * ball.radius))
+        return Misstated(G, replaced_by(times(share)(other))), count
 
-    return lambda projection: lambda G, count: projection(Returning(G.beta, G.convex), count)
+    return arguments(changed)
 
 
 # Defects of terms of an estimate, of exact solutions, and of solvers that are compared.
@@ -869,14 +820,8 @@ def without(*names: str) -> Replacement:
     return result(lambda terms: replace(terms, **{name: 0 * getattr(terms, name) for name in names}))
 
 
-def no_body_force(terms: Any) -> Any:
-    """Return the terms of the residual functional with the work of the body force set to 0."""
-    return replace(terms, body=0 * terms.body)
-
-
-def no_work_on_loaded(work_on: Function) -> Function:
-    """Deliberate defect: the work of the tractions on the loaded boundary is left out."""
-    return lambda kind, *given: (0.0 if kind is Kind.LOADED else 1.0) * work_on(kind, *given)
+no_work_on_loaded = where(lambda kind, *given: kind is Kind.LOADED, times(0.0))
+"""Deliberate defect: the work of the tractions on the loaded boundary is left out."""
 
 
 no_rate = result(lambda cells: SimpleNamespace(stress=arguments(lambda rate, strain: (0 * rate, strain))(cells.stress)))
@@ -898,7 +843,7 @@ def exact_displacement(change: Function, time: float | None = None) -> Replaceme
         change: function that returns the wrong displacement, given the correct one.
         time: the time at which it is changed, relative to the final time; None for all times.
     """
-    return arguments(lambda trace, solution: (trace, _changed(solution, "displacement", time, change)))
+    return arguments(lambda trace, solution: (trace, _changed(solution, "displacement", change, time)))
 
 
 def exact_solution(method: str, time: float, change: Function) -> Replacement:
@@ -909,15 +854,13 @@ def exact_solution(method: str, time: float, change: Function) -> Replacement:
         time: the time, relative to the final time.
         change: function that returns the wrong field, given the correct one.
     """
-    return result(lambda case: SimpleNamespace(solution=_changed(case.solution, method, time, change)))
+    return result(lambda case: SimpleNamespace(solution=_changed(case.solution, method, change, time)))
 
 
-def _changed(solution: Any, method: str, time: float | None, change: Function) -> Any:
-    def evaluated(right: Function, *given: Any) -> Any:
-        return _when(time is None or np.isclose(given[-1], time * solution.body.T), change, right(*given))
-
-    fields = result(lambda at_x: SimpleNamespace(**{method: partial(evaluated, getattr(at_x, method))}))
-    return SimpleNamespace(body=solution.body, at=fields(solution.at))
+def _changed(solution: Any, method: str, change: Function, time: float | None) -> Any:
+    now = lambda *given: time is None or np.isclose(given[-1], time * solution.body.T)  # noqa: E731
+    field = where(now, result(change))
+    return overridden(copy(solution), at=lambda x: SimpleNamespace(**{method: field(getattr(solution.at(x), method))}))
 
 
 def interpolant_late(sample: Function) -> Function:
@@ -1007,27 +950,10 @@ unweighted = result(lambda rule: replace(rule, weights=1 + 0 * rule.weights))
 """Deliberate defect: integrals over boundary edges are sums over quadrature points without weights."""
 
 
-def body_load_off(right: Function) -> Function:
-    """Deliberate defect: the load that is integrated with the coarser rule is wrong by a tenth at one time."""
-    off: Function = lambda solution, time, degree: degree < 3 and np.isclose(time, 0.375 * solution.body.T)  # noqa: E731
-    return lambda solution, space, time, degree: (
-        (1.1 if off(solution, time, degree) else 1.0) * right(solution, space, time, degree)
-    )
-
-
-def known_error(call: int, factor: float) -> Replacement:
-    """Deliberate defect: the error that follows from the exact solution is multiplied by a factor at one time.
-
-    Args:
-        call: number of this time, counted from 0.
-        factor: the factor.
-    """
-    return result(in_one_call(call, lambda value: factor * value))
-
-
-def larger(*names: str) -> Function:
-    """Return a function that multiplies some measured squares of norms, given by their names, by 10⁶."""
-    return lambda course: _times_parts(course, dict.fromkeys(names, 1e6))
+body_load_off = where(
+    lambda solution, space, time, degree: degree < 3 and np.isclose(time, 0.375 * solution.body.T), times(1.1)
+)
+"""Deliberate defect: the load that is integrated with the coarser rule is wrong by a tenth at one time."""
 
 
 load_of_before = arguments(lambda problem, times: (replace(problem, load=late(problem.load, problem.T / 8)), times))

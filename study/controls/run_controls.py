@@ -202,18 +202,11 @@ def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict
 
 def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:
     """Write ``controls.csv`` with one row for each outcome, and return its path."""
+    shown = ("label", "quantity", "expected", "observed", "verdict")
     table = pd.DataFrame(
-        {
-            "defect": finding.defect,
-            "what": finding.what,
-            "setting": finding.setting,
-            "label": finding.row.label,
-            "quantity": finding.row.quantity,
-            "expected": finding.row.expected,
-            "observed": finding.row.observed,
-            "verdict": finding.row.verdict,
-            "caught": {None: "", True: "yes", False: "no"}[finding.caught],
-        }
+        {"defect": finding.defect, "what": finding.what, "setting": finding.setting}
+        | {name: getattr(finding.row, name) for name in shown}
+        | {"caught": {None: "", True: "yes", False: "no"}[finding.caught]}
         for finding in findings
     )
     text = table.to_csv(index=False, float_format="%.9g", lineterminator="\n")

@@ -87,11 +87,11 @@ class Place:
             The size, and the key of the check; infinity and an empty text if no check fails.
         """
         holds, fails = LEAST, MOST
-        if not (seen := self.failing(defect.apply(self.setup, fails))):
+        if not (seen := self.failing(defect(self.setup, fails))):
             return float("inf"), ""
         while fails > CLOSE * holds:
             amount = float(np.sqrt(holds * fails))
-            if found := self.failing(defect.apply(self.setup, amount)):
+            if found := self.failing(defect(self.setup, amount)):
                 fails, seen = amount, found
             else:
                 holds = amount
@@ -105,8 +105,8 @@ def lines(setting: Setting) -> list[Row]:
     """
     with threadpool_limits(1):
         place = Place.of(setting)
-        chosen = [defect for defect in DEFECTS if defect is not START or place.setup.problem.u0.any()]
-        found = [(defect.name, *place.smallest(defect)) for defect in chosen]
+        chosen = [name for name in DEFECTS if name != START or place.setup.problem.u0.any()]
+        found = [(name, *place.smallest(DEFECTS[name])) for name in chosen]
     return [{**vars(setting), "defect": name, "amount": amount, "seen_by": row} for name, amount, row in found]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -19,22 +18,12 @@ from study.fem.independent import work_on
 from study.fem.space import means
 from study.statements.shared.experiment import Experiment
 
-
-@dataclass(frozen=True)
-class SmallDefect:
-    """A deliberate defect whose relative size can be chosen.
-
-    Attributes:
-        name: name of the defect.
-        apply: function of an experiment and a relative size. It returns the experiment with a defect of this size.
-    """
-
-    name: str
-    apply: Callable[[Experiment, float], Experiment]
+SmallDefect = Callable[[Experiment, float], Experiment]
+"""Function of an experiment and a relative size; it returns the experiment with a defect of this size."""
 
 
-def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callable[[Experiment, float], Experiment]:
-    """Return a function for ``SmallDefect.apply`` that adds a wrong part to the load of an experiment.
+def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> SmallDefect:
+    """Return the defect that adds a wrong part to the load of an experiment.
 
     Parameters:
         more: function that returns, for an experiment, the wrong part as a function of time, t ↦ load vector (n_dofs,).
@@ -70,8 +59,8 @@ def contact_load(setup: Experiment) -> Callable[[float], Array]:
     return cache(lambda time: v_norm._contact_work(*(amplitudes(time, rate) for rate in (False, True))))
 
 
-def changed(place: str, change: Callable[[Any, float], Any]) -> Callable[[Experiment, float], Experiment]:
-    """Return a function for ``SmallDefect.apply`` that makes an attribute of an experiment wrong.
+def changed(place: str, change: Callable[[Any, float], Any]) -> SmallDefect:
+    """Return the defect that makes an attribute of an experiment wrong.
 
     Parameters:
         place: name of the attribute, such as "problem.u0".
@@ -80,8 +69,8 @@ def changed(place: str, change: Callable[[Any, float], Any]) -> Callable[[Experi
     return lambda setup, amount: replaced(setup, place, lambda right: change(right, amount))
 
 
-def modulus(matrix: str, tensor: str, name: str) -> Callable[[Experiment, float], Experiment]:
-    """Return a function for ``SmallDefect.apply`` that makes an elastic or viscous modulus too large.
+def modulus(matrix: str, tensor: str, name: str) -> SmallDefect:
+    """Return the defect that makes an elastic or viscous modulus too large.
 
     With the relative size δ, the solver uses 1 + δ times the modulus; the exact solution is unchanged.
 
@@ -98,28 +87,28 @@ def modulus(matrix: str, tensor: str, name: str) -> Callable[[Experiment, float]
         parts = {"μ": (law.matrix[0, 0] - lam) * np.eye(len(law.matrix)), "λ": lam * np.multiply.outer(unit, unit)}
         wrong = amount * setup.space.form(parts[name], means(setup.space, law.factor))
         altered = solving(lambda problem: replaced(problem, matrix, lambda right: right + wrong))
-        return replaced(setup, "scheme", altered)
+        return replaced(setup, "scheme.march", altered)
 
     return apply
 
 
-START = SmallDefect("start u_0^h", changed("problem.u0", lambda u0, amount: (1 + amount) * u0))
-DEFECTS = (
-    SmallDefect("load f", loaded_by(lambda setup: setup.problem.load)),
-    SmallDefect("surface load f_2", loaded_by(surface_load)),
-    SmallDefect("body force f_0", loaded_by(body_force)),
-    SmallDefect("contact load", loaded_by(contact_load)),
-    SmallDefect("contact force λ", changed("problem.solver", lambda right, amount: forces_times(1 + amount)(right))),
-    SmallDefect("μ of A", modulus("M", "A", "μ")),
-    SmallDefect("λ of A", modulus("M", "A", "λ")),
-    SmallDefect("μ of G", modulus("reference", "G", "μ")),
-    SmallDefect("λ of G", modulus("reference", "G", "λ")),
-    START,
-    SmallDefect("time t", changed("problem.load", lambda load, amount: lambda time: load((1 - amount) * time))),
-)
+START = "start u_0^h"
+"""Name of the defect that multiplies the initial displacement."""
+DEFECTS: dict[str, SmallDefect] = {
+    "load f": loaded_by(lambda setup: setup.problem.load),
+    "surface load f_2": loaded_by(surface_load),
+    "body force f_0": loaded_by(body_force),
+    "contact load": loaded_by(contact_load),
+    "contact force λ": changed("problem.solver", lambda right, amount: forces_times(1 + amount)(right)),
+    "μ of A": modulus("M", "A", "μ"),
+    "λ of A": modulus("M", "A", "λ"),
+    "μ of G": modulus("reference", "G", "μ"),
+    "λ of G": modulus("reference", "G", "λ"),
+    START: changed("problem.u0", lambda u0, amount: (1 + amount) * u0),
+    "time t": changed("problem.load", lambda load, amount: lambda time: load((1 - amount) * time)),
+}
 
 
 def by_amount(name: str, amount: float) -> Replacement:
     """Return a function that gives an experiment the named defect of ``DEFECTS`` with a fixed relative size."""
-    (defect,) = (each for each in DEFECTS if each.name == name)
-    return lambda setup: defect.apply(setup, amount)
+    return lambda setup: DEFECTS[name](setup, amount)

@@ -25,33 +25,11 @@ from study.controls.small_defects import by_amount
 from study.solve.interior_point import Accuracy
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.admissibility import Admissibility
-from study.statements.advancing_front import AdvancingFront
-from study.statements.boundary import NaturalConditions
-from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
-from study.statements.constraint import Interpolant, VertexConstraint
+from study.statements import STATEMENTS
 from study.statements.enclosure import BoundedError, EnclosedError, by_midpoint
-from study.statements.error_bounds import ErrorBounds
-from study.statements.green import Green
-from study.statements.growing_errors import GrowingErrors
-from study.statements.hypercircle import Hypercircle
-from study.statements.interpolation import InterpolationInV, InterpolationOnContact
-from study.statements.korn import Korn, Norms
-from study.statements.lipschitz import Lipschitz
-from study.statements.no_potential import NoPotential
-from study.statements.nodal_start import NodalStart
-from study.statements.norms_in_time import LoadInTime, TractionInTime
-from study.statements.residual import Residual
-from study.statements.residual_bound import ResidualBound
-from study.statements.resolvent import Resolvent
-from study.statements.separation import Separation
 from study.statements.shared import eigen
-from study.statements.solution_divergence import SolutionDivergence
-from study.statements.steps_of_the_estimate import StepsOfTheEstimate
-from study.statements.superclose import Superclose
+from study.statements.shared.base import ListedNumbers
 from study.statements.thm_4_2 import Gaps
-from study.statements.uniqueness import OneStress, OneTrajectory
-from study.statements.wellposed import BoundedVelocity, Dependence
 
 # Settings: cases and meshes on which defects are measured. Each is as small as possible. Without a defect all checks hold
 # there, and with a defect the check fails that must notice it.
@@ -72,43 +50,51 @@ BOUND = Bounding(BoundedError(), tuple(by_midpoint("advance-recede", "one-diagon
 ENCLOSURE = Bounding(EnclosedError(), tuple(by_midpoint("advance-recede", "one-diagonal", (4,), Refined(0, 2))))
 
 
-def on(statement: Any, case: str, family: str, *levels: int) -> Listing:
-    """Return the setting in which a statement is measured on some meshes: a case, a mesh family and its levels."""
-    return Listing(statement, case, family, levels)
+def on(statement: str, case: str, family: str, *levels: int) -> Listing:
+    """Return the setting in which a statement is measured on some meshes.
+
+    Args:
+        statement: name of the class of the statement.
+        case, family: names of the case and of the mesh family.
+        levels: numbers of cells along a unit length, coarse to fine.
+    """
+    (listed,) = (one for one in STATEMENTS if type(one).__name__ == statement)
+    assert isinstance(listed, ListedNumbers), statement
+    return Listing(listed, case, family, levels)
 
 
-KORN, NORMS = (on(statement, "full-contact", "one-diagonal", 4, 8, 16) for statement in (Korn(), Norms()))
-GREEN, KINKED = (on(Green(), case, "one-diagonal", 4) for case in ("full-contact", "advance-recede"))
-VISCOSITY, ELASTICITY = (on(law, "full-contact", "one-diagonal", 4) for law in (Viscosity(), ElasticityOperator()))
-PROJECTION = on(Projection(), "yield-on-a-part", "one-diagonal", 4)
-ADMISSIBLE = on(Admissibility(), "advance-recede", "shaken", 8)
-NATURAL = on(NaturalConditions(), "advance-recede", "shaken", 8, 16, 32)
-HYPERCIRCLE = on(Hypercircle(), "full-contact", "shaken", 16)
-MEMBERS, INTERPOLANT = on(VertexConstraint(), "full-contact", "shaken", 5), on(Interpolant(), "no-contact", "shaken", 5)
-BOUNDS = on(ErrorBounds(), "full-contact", "shaken", 6, 12, 24)
-IN_V = on(InterpolationInV(), "advance-recede", "one-diagonal", 8, 16, 32)
-ON_CONTACT = on(InterpolationOnContact(), "advance-recede", "one-diagonal", 16, 32, 64)
-FACES = on(InterpolationOnContact(), "hexagon", "unstructured", 16, 32, 64)
-CLOSE = on(Superclose(), "full-contact", "one-diagonal", 8, 16, 32)
-LINEAR, NONLINEAR = (on(Lipschitz(), case, "one-diagonal", 8, 16) for case in ("full-contact", "yield-on-a-part"))
-RESIDUAL = on(Residual(), "full-contact", "shaken", 6)
-TRAJECTORY = on(OneTrajectory(), "advance-recede", "shaken", 6)
-ONE_STRESS = on(OneStress(), "advance-recede", "shaken", 4)
-VELOCITY = on(BoundedVelocity(), "advance-recede", "shaken", 8, 16)
-DEPENDENCE = on(Dependence(), "advance-recede", "unstructured", 6)
+KORN, NORMS = (on(statement, "full-contact", "one-diagonal", 4, 8, 16) for statement in ("Korn", "Norms"))
+GREEN, KINKED = (on("Green", case, "one-diagonal", 4) for case in ("full-contact", "advance-recede"))
+VISCOSITY, ELASTICITY = (on(law, "full-contact", "one-diagonal", 4) for law in ("Viscosity", "ElasticityOperator"))
+PROJECTION = on("Projection", "yield-on-a-part", "one-diagonal", 4)
+ADMISSIBLE = on("Admissibility", "advance-recede", "shaken", 8)
+NATURAL = on("NaturalConditions", "advance-recede", "shaken", 8, 16, 32)
+HYPERCIRCLE = on("Hypercircle", "full-contact", "shaken", 16)
+MEMBERS, INTERPOLANT = on("VertexConstraint", "full-contact", "shaken", 5), on("Interpolant", "no-contact", "shaken", 5)
+BOUNDS = on("ErrorBounds", "full-contact", "shaken", 6, 12, 24)
+IN_V = on("InterpolationInV", "advance-recede", "one-diagonal", 8, 16, 32)
+ON_CONTACT = on("InterpolationOnContact", "advance-recede", "one-diagonal", 16, 32, 64)
+FACES = on("InterpolationOnContact", "hexagon", "unstructured", 16, 32, 64)
+CLOSE = on("Superclose", "full-contact", "one-diagonal", 8, 16, 32)
+LINEAR, NONLINEAR = (on("Lipschitz", case, "one-diagonal", 8, 16) for case in ("full-contact", "yield-on-a-part"))
+RESIDUAL = on("Residual", "full-contact", "shaken", 6)
+TRAJECTORY = on("OneTrajectory", "advance-recede", "shaken", 6)
+ONE_STRESS = on("OneStress", "advance-recede", "shaken", 4)
+VELOCITY = on("BoundedVelocity", "advance-recede", "shaken", 8, 16)
+DEPENDENCE = on("Dependence", "advance-recede", "unstructured", 6)
 ESTIMATE, FROM_REST = (
-    on(StepsOfTheEstimate(), case, "unstructured", 8) for case in ("advance-recede", "lift-and-land")
+    on("StepsOfTheEstimate", case, "unstructured", 8) for case in ("advance-recede", "lift-and-land")
 )
-SEPARATION = on(Separation(), "full-contact", "unstructured", 8)
-MONOTONE = on(Resolvent(), "full-contact", "unstructured", 8)
-LOADS = on(LoadInTime(), "lift-and-land", "unstructured", 4, 8)
-TRACTION, LOGARITHM = (on(TractionInTime(), case, "one-diagonal", 8, 16, 32) for case in ("advance-recede", "junction"))
-AT_REST = on(ResidualBound(), "full-contact", "unstructured", 8)
-DIVERGENCE = on(SolutionDivergence(), "softening", "shaken", 4)
-GROWING = on(GrowingErrors(), "softening", "unstructured", 4)
-ADVANCING = on(AdvancingFront(), "natural-motion", "unstructured", 6, 12, 24)
-NO_POTENTIAL = on(NoPotential(), "no-potential", "one-diagonal", 6, 8, 10)
-NODAL_START = on(NodalStart(), "full-contact", "one-diagonal", 8, 16, 32)
+SEPARATION = on("Separation", "full-contact", "unstructured", 8)
+MONOTONE = on("Resolvent", "full-contact", "unstructured", 8)
+LOADS = on("LoadInTime", "lift-and-land", "unstructured", 4, 8)
+TRACTION, LOGARITHM = (on("TractionInTime", case, "one-diagonal", 8, 16, 32) for case in ("advance-recede", "junction"))
+AT_REST = on("ResidualBound", "full-contact", "unstructured", 8)
+DIVERGENCE = on("SolutionDivergence", "softening", "shaken", 4)
+GROWING = on("GrowingErrors", "softening", "unstructured", 4)
+ADVANCING = on("AdvancingFront", "natural-motion", "unstructured", 6, 12, 24)
+NO_POTENTIAL = on("NoPotential", "no-potential", "one-diagonal", 6, 8, 10)
+NODAL_START = on("NodalStart", "full-contact", "one-diagonal", 8, 16, 32)
 
 # Names of parts of the study that several defects replace, and keys of checks that several defects must make fail.
 
@@ -146,9 +132,9 @@ CONTROLS: tuple[Control, ...] = (
     Control("normal along an axis", "the axis nearest to ν instead of ν", TURNED, "problem.N", wrong.nearest_axis, "order"),
     Control("one active set", "the contact solve stops after one iteration", MOVING, SOLVER, wrong.one_iteration, "residual"),
     Control("clamp short", "Γ1 ends one cell too early", FULL, "", wrong.clamp_one_cell_short, "clamped"),
-    Control("viscosity dropped", "G(u) = F without A u̇", NONE, "scheme", wrong.no_viscosity, "order"),
-    Control("elasticity dropped", "A u̇ = F without G(u)", NONE, "scheme", wrong.no_elasticity, "order"),
-    Control("law swapped", "G u̇ + A u = F", NONE, "scheme", wrong.swapped, "order"),
+    Control("viscosity dropped", "G(u) = F without A u̇", NONE, "scheme.march", wrong.no_viscosity, "order"),
+    Control("elasticity dropped", "A u̇ = F without G(u)", NONE, "scheme.march", wrong.no_elasticity, "order"),
+    Control("law swapped", "G u̇ + A u = F", NONE, "scheme.march", wrong.swapped, "order"),
     Control("load late", "the load of the previous time step", MOVING, "", wrong.load_late, DISCRETE_ORDER),
     Control("start at zero", "u_0^h = 0 instead of Π^h u_0", NONE, START, zero, "order"),
     Control("k like h", "backward Euler with time steps k ~ h, which are too long", MOVING, "", wrong.k_like_h, "time-share"),
@@ -157,28 +143,28 @@ CONTROLS: tuple[Control, ...] = (
     Control("norm with G", "(G ε(v), ε(v))^½ instead of ‖v‖_V", FIXED, "", wrong.norm_with_elasticity, "leading-term"),
     Control("one-point quadrature", "the error is evaluated at the centres of cells only", FIXED, "", wrong.one_point_quadrature, "leading-term"),
     Control("sum of roots", "Σ_T ‖·‖_T instead of (Σ_T ‖·‖_T²)^½", FIXED, "", wrong.sum_of_roots, "order"),
-    Control("final time only", "errors sampled at t = T only", MERGING, "scheme", wrong.last_state, "leading-term"),
+    Control("final time only", "errors sampled at t = T only", MERGING, "scheme.march", wrong.last_state, "leading-term"),
     Control("baseline judged", "‖u − Π^h u‖_V instead of ‖u − u^h‖_V", FIXED, DISTANCE,
             lambda right: lambda sample, v: right(sample, sample.interpolant), "parallelogram"),
     Control("contact by springs", "a stiff foundation instead of v_ν ≤ 0", FULL, SOLVER, wrong.springs, "discrete-share"),
-    Control("one time behind", "u^h(t − k) instead of u^h(t)", MOVING, "scheme", wrong.one_behind, "size"),
+    Control("one time behind", "u^h(t − k) instead of u^h(t)", MOVING, "scheme.march", wrong.one_behind, "size"),
     Control("start at the end", "u_0^h = Π^h u(T) instead of Π^h u_0", NONE, "", wrong.start_at_the_end, "start-share"),
     Control("size of a mesh", "1/(n − 2) instead of 1/n", FULL, "space.h", lambda h: h / (1 - 2 * h), "order"),
     Control("few steps", "an eighth of the number of time steps", MOVING, "steps", wrong.an_eighth, "discrete-time-share"),
     Control("load too large", "1.1 F instead of F", CROSSED, LOAD, wrong.times(1.1), "discrete-order-others"),
     Control("energy for norm", "½‖·‖_V² instead of ‖·‖_V", NONE, DISTANCE, wrong.energy, "leading-term"),
-    Control("rough: elasticity dropped", "A u̇ = F without G(u)", ROUGH, "scheme", wrong.no_elasticity, "falling"),
+    Control("rough: elasticity dropped", "A u̇ = F without G(u)", ROUGH, "scheme.march", wrong.no_elasticity, "falling"),
     Control("rough: start at the end", "u_0^h = Π^h u(T) instead of Π^h u_0", ROUGH, "", wrong.start_at_the_end, "falling"),
-    Control("rough: law swapped", "G u̇ + A u = F", ROUGH, "scheme", wrong.swapped, "limit"),
+    Control("rough: law swapped", "G u̇ + A u = F", ROUGH, "scheme.march", wrong.swapped, "limit"),
     Control("rough: norm of L²", "‖v‖ instead of ‖v‖_V", ROUGH, "", wrong.norm_of_l2, "order"),
     Control("blind: companion", "the solution is compared with itself instead of the solution with the time step k", MOVING, "", wrong.companion_is_the_run, "time-share"),
-    Control("blind: solver", "the residual of the contact solves is reported as 0", MOVING, "scheme", wrong.without_residual, "residual"),
+    Control("blind: solver", "the residual of the contact solves is reported as 0", MOVING, "scheme.march", wrong.without_residual, "residual"),
     Control("blind: quadrature", "the quadrature rule is compared with itself instead of a finer rule", MOVING, f"{MEASURE}.quadrature_change", wrong.returns(0.0), "quadrature"),
     Control("blind: parallelogram", "the defect of the parallelogram law is reported as 0", MOVING, f"{MEASURE}.parallelogram", wrong.returns(0.0), "parallelogram"),
     Control("rough: contact two-sided", "v_ν = 0 instead of v_ν ≤ 0", ROUGH, SOLVER, wrong.held, "size"),
     Control("rough: clamp short", "Γ1 ends one cell too early", ROUGH, "", wrong.clamp_one_cell_short, "clamped"),
     Control("rough, blind: companion", "the solution is compared with itself instead of the solution with the time step k", ROUGH, "", wrong.companion_is_the_run, "time-share"),
-    Control("rough, blind: solver", "the residual of the contact solves is reported as 0", ROUGH, "scheme", wrong.without_residual, "residual"),
+    Control("rough, blind: solver", "the residual of the contact solves is reported as 0", ROUGH, "scheme.march", wrong.without_residual, "residual"),
     Control("rough, blind: quadrature", "the quadrature rule is compared with itself instead of a finer rule", ROUGH, f"{MEASURE}.quadrature_change", wrong.returns(0.0), "quadrature"),
     Control("rough, blind: parallelogram", "the defect of the parallelogram law is reported as 0", ROUGH, f"{MEASURE}.parallelogram", wrong.returns(0.0), "parallelogram"),
     Control("solid: contact dropped", "V^h instead of K^h", SOLID, "problem", wrong.no_contact, "order-finest"),
@@ -187,8 +173,8 @@ CONTROLS: tuple[Control, ...] = (
     # Defects of the contact force. The error of the displacement hardly shows them, so checks of the force must.
     Control("contact load", "1.2 ∫ σ_ν v_ν in (3.7)", PRESSED, "", wrong.contact_work_times(1.2), "resultant"),
     Control("contact in places", "v_ν ≤ 0 at every other vertex only", PRESSED, SOLVER, wrong.in_places, "penetration"),
-    Control("force: elasticity dropped", "A u̇ = F without G(u)", PRESSED, "scheme", wrong.no_elasticity, "order-pressure"),
-    Control("force: law swapped", "G u̇ + A u = F", PRESSED, "scheme", wrong.swapped, "order-resultant"),
+    Control("force: elasticity dropped", "A u̇ = F without G(u)", PRESSED, "scheme.march", wrong.no_elasticity, "order-pressure"),
+    Control("force: law swapped", "G u̇ + A u = F", PRESSED, "scheme.march", wrong.swapped, "order-resultant"),
     Control("multipliers", "1.2 λ instead of λ, with the correct u^h", PATCH, SOLVER, wrong.forces_times(1.2), "order-dual-superclose"),
     Control("multipliers on other meshes", "1.2 λ instead of λ, with the correct u^h", CROSSED_PATCH, SOLVER, wrong.forces_times(1.2), "order-dual-other"),
     Control("force: few steps", "an eighth of the number of time steps", CROSSED_PATCH, "steps", wrong.an_eighth, "time-share"),
@@ -198,7 +184,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("stress without contact", "σ_ν = 0 instead of σ_ν ≤ 0", OWN, "solver", wrong.no_multipliers, "order-stress"),
     Control("stress law swapped", "A and G swapped in Problem 3.2", OWN, "", wrong.law_swapped, "order-strain"),
     Control("stress without memory", "the strains of earlier times are taken as 0", OWN, "scheme.past", wrong.replaced_by((0.0, 0.0)), "order-strain"),
-    Control("stress without f_2", "σν = 0 instead of f_2 on Γ2", OWN, "data.surface_load", wrong.replaced_by(wrong.no_surface_load), ("order-stress", "order-sup")),
+    Control("stress without f_2", "σν = 0 instead of f_2 on Γ2", OWN, "data.surface_load", wrong.result(wrong.times(0.0)), ("order-stress", "order-sup")),
     Control("first step off", "u_1 is wrong by 1e-4, later steps are correct", BOTH, "", wrong.step_times("first", u=1.0001), "displacement"),
     Control("first stress off", "σ_1 is wrong by 1e-4, later steps are correct", BOTH, "", wrong.step_times("first", stress=1.0001), "stress"),
     Control("stopped early", "the solver stops at duality gaps of 1e-8 instead of 1e-15", BOTH, "solve.stress_problem:AIM", wrong.replaced_by(Accuracy(gap=1e-8, feasibility=1e-11)), "allowed"),
@@ -245,9 +231,9 @@ CONTROLS: tuple[Control, ...] = (
     Control("5 % of the load", "1.05 F instead of F", NATURAL, "boundary:Experiment", within(LOAD, wrong.times(1.05)), "tangential-weakly"),
     Control("sign of f_2", "σν + f_2 instead of σν − f_2", NATURAL, "boundary:traction", wrong.times(-1.0), "loaded"),
     Control("blind: Prager–Synge", "Cε(u^h) instead of a balanced σ^h", HYPERCIRCLE, "hypercircle:Pair", wrong.law_alone, "guaranteed"),
-    Control("normals inwards", "−ν instead of ν in N", MEMBERS, "constraint:space_of", wrong.space(wrong.inward), "members"),
+    Control("normals inwards", "−ν instead of ν in N", MEMBERS, "constraint:space_of", wrong.inward, "members"),
     Control("vertex off Γ3", "a constraint inside the body", MEMBERS, "constraint:space_of", wrong.space(wrong.off_contact), "strangers"),
-    Control("Π^h u on the other side", "−ν instead of ν in N", INTERPOLANT, "constraint:space_of", wrong.space(wrong.inward), "smooth"),
+    Control("Π^h u on the other side", "−ν instead of ν in N", INTERPOLANT, "constraint:space_of", wrong.inward, "smooth"),
     Control("sign of u", "−u instead of u", INTERPOLANT, "constraint:over_time", wrong.exact_displacement(negative), "exact"),
     Control("Γ1 moved", "u + 10⁻⁶ instead of u", INTERPOLANT, "constraint:over_time", wrong.exact_displacement(lambda u: u + 1e-6), "clamped"),
     Control("bounds without contact", "V^h instead of K^h", BOUNDS, "error_bounds:Experiment", within(SOLVER, wrong.freed), "steady-5.21"),
@@ -420,9 +406,9 @@ CONTROLS: tuple[Control, ...] = (
           ("growth", DIVERGENCE, 0, "bound"))),
     Control("backward Euler: one node", "100 u_n instead of u_n at one time step only", GROWING, "growing_errors:interpolated", wrong.row_times((), 129, 100.0), "time"),
     Control("one instant: e", "10⁶ ‖e‖² instead of ‖e‖² at the fourth instant only", ESTIMATE, "steps_of_the_estimate:course",
-            wrong.in_one_call(3, wrong.larger("e")), ("5.14", "5.16", "5.19")),
+            wrong.in_calls(wrong.result(wrong.scaled(e=1e6)), 3), ("5.14", "5.16", "5.19")),
     Control("one instant: η", "10⁶ times the correct ‖η‖² and (e, η)_V at the fourth instant only", ESTIMATE, "steps_of_the_estimate:course",
-            wrong.in_one_call(3, wrong.larger("eta", "both")), ("5.15", "5.18")),
+            wrong.in_calls(wrong.result(wrong.scaled(eta=1e6, both=1e6)), 3), ("5.15", "5.18")),
     Control("one instant: σ^h", "10 σ^h instead of σ^h at the fifth instant only", NATURAL, "boundary:discrete_stresses",
             wrong.stress_off_at_an_instant, ("loaded", "contact", "loaded-weakly", "tangential-weakly")),
     *(Control(f"front: {name}", what, ADVANCING, f"advancing_front:{function}", by, key)
@@ -441,18 +427,18 @@ CONTROLS: tuple[Control, ...] = (
             wrong.at_time(33 / 64, lambda errors: [100 * error for error in errors]), ("error", "interpolation-error")),
     Control("computed again: Π^h u at one time", "10 Π^h u instead of Π^h u in the second computation", AGAIN, f"{PLAIN}.interpolant",
             wrong.at_time(33 / 64, lambda u: 10 * u), ("interpolation-error", "discrete-error")),
-    *(Control(f"{name} at time {call}", f"{factor:g} times the exact error at one time", setting, KNOWN_ERROR, wrong.known_error(call, factor), key)
+    *(Control(f"{name} at time {call}", f"{factor:g} times the exact error at one time", setting, KNOWN_ERROR, wrong.result(wrong.in_calls(wrong.times(factor), call)), key)
       for call in (5, 6)
       for name, setting, factor, key in (
           ("bound: error", BOUND, 1e3, "above"), ("enclosure: large error", ENCLOSURE, 1e3, "above"),
           ("enclosure: small error", ENCLOSURE, 1e-6, "below"))),
     Control("R without f_0 at one time", "(f_0, v) left out of R at the second time only", RESIDUAL, "residual:terms",
-            wrong.in_one_call(1, wrong.no_body_force), ("smooth", "remainder", "bound")),
+            wrong.in_calls(wrong.without("body"), 1), ("smooth", "remainder", "bound")),
     Control("sign of u at one time", "−u instead of u at T/2 only", INTERPOLANT, "constraint:over_time", wrong.exact_displacement(negative, 0.5), "exact"),
     Control("Γ1 moved at one time", "u + 10⁻⁴ instead of u at 15 T/32 only", INTERPOLANT, "constraint:over_time", wrong.exact_displacement(lambda u: u + 1e-4, 15 / 32), "clamped"),
-    Control("R at one time", "100 R instead of R at one time only", AT_REST, "residual_bound:Energies.functional", wrong.in_one_call(5, lambda R: 100 * R), "bound"),
+    Control("R at one time", "100 R instead of R at one time only", AT_REST, "residual_bound:Energies.functional", wrong.in_calls(wrong.times(100.0), 5), "bound"),
     Control("load at one time", "100 ‖f(t_i) − f(t_{i−1})‖ in one interval alone", LOADS, "norms_in_time:dual_norm",
-            wrong.in_one_call(30, lambda norm: 100 * norm), ("variation", "increments")),
+            wrong.in_calls(wrong.times(100.0), 30), ("variation", "increments")),
     Control("traction at one time", "10⁴ σν instead of σν at one time of the finest grid only", TRACTION, "norms_in_time:resolve",
             wrong.exact_solution("surface_load", 33 / 64, lambda load: 1e4 * load), "bounded"),
 )

@@ -7,11 +7,10 @@ import json
 import shlex
 import zlib
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, fields
 from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -19,8 +18,8 @@ from numpy.typing import NDArray
 
 from study.ledger.chance import promise_verdict
 from study.ledger.files import write_packed, write_text
-from study.ledger.orders import RatesError, orders
 from study.ledger.verdict import HOLDS, KINDS, VERDICTS, Verdict, kind
+from study.orders.sequences import consecutive_orders
 
 SERIES = ["claim", "case", "family", "scheme"]
 RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]
@@ -222,22 +221,6 @@ def table_text(table: pd.DataFrame) -> str:
 Row = Mapping[str, Any]
 
 
-class DataFile(Protocol):
-    """A file or folder into which measurements are written.
-
-    Attributes:
-        name: name of the file or folder in the folder ``data``.
-        key: the columns that identify a measurement.
-    """
-
-    @property
-    def name(self) -> str: ...
-    @property
-    def key(self) -> tuple[str, ...]: ...
-
-    def write(self, data: Path, rows: Sequence[Row]) -> list[Path]: ...
-
-
 @dataclass(frozen=True)
 class CsvFile:
     """A CSV file of measurements.
@@ -290,6 +273,10 @@ class JsonFiles:
         """
         texts = {row[self.key[0]]: json.dumps(row, separators=(",", ":")) + "\n" for row in rows}
         return [write_packed(data / self.name / f"{name}.json.gz", text) for name, text in texts.items()]
+
+
+DataFile = CsvFile | JsonFiles
+"""A file or folder into which measurements are written."""
 
 
 def read_rates(directory: Path) -> pd.DataFrame:
@@ -439,8 +426,5 @@ def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[
     Parameters:
         h, error: mesh sizes and errors, (levels,), coarse to fine.
     """
-    found = np.full(len(h), np.nan)
-    for i in range(1, len(h)):
-        with suppress(RatesError):
-            found[i] = orders(h[i - 1 : i + 1], error[i - 1 : i + 1])[0]
-    return found
+    found = consecutive_orders(h, np.where(error > 0, error, np.nan))
+    return np.append(np.nan, np.where(np.diff(h) < 0, found, np.nan))

@@ -20,7 +20,7 @@ import pandas as pd
 
 from study.ledger.numbered import named
 from study.ledger.theorems import EXACT_QUOTIENTS, THEOREMS
-from study.ledger.window import SMALL, Window
+from study.ledger.window import Window, is_two_sided, position
 
 HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
 VERDICTS = (HOLDS, REPORTED, MISSED, UNDECIDED, FAILS)
@@ -137,7 +137,7 @@ def kind(row: pd.Series) -> str:
     """
     label, key = str(row["label"]), str(row["key"])
     low, high = float(row["window_low"]), float(row["window_high"])
-    one_sided = math.isinf(low) or math.isinf(high) or 0 <= low < SMALL * high or high == 0
+    one_sided = not is_two_sided(low, high) or high == 0
     if high - low <= EXACT or (one_sided and high <= EXACT) or key in EXACT_QUOTIENTS.get(label, ()):
         return IDENTITY
     if key in THEOREMS.get(label, ()):
@@ -204,8 +204,5 @@ def _judged(row: pd.Series) -> list[float]:
 
 def _share(value: float, row: pd.Series) -> float:
     low, high = float(row["window_low"]), float(row["window_high"])
-    if math.isinf(high):
-        return low / value
-    if math.isinf(low) or 0 <= low <= SMALL * high:
-        return value / high
-    return abs(2 * value - low - high) / (high - low)
+    found = position(value, low, high)
+    return abs(found) if is_two_sided(low, high) else found

@@ -72,6 +72,24 @@ class Window:
         return values[int(np.argmax(np.nan_to_num(distances, nan=np.inf)))]
 
 
+def is_two_sided(low: float, high: float) -> bool:
+    """Return whether values can come near both ends of the window [low, high].
+
+    They cannot if an end is infinite, or if the lower end is 0 or negligible next to the upper end.
+    """
+    return math.isfinite(low) and math.isfinite(high) and not 0 <= low <= SMALL * high
+
+
+def position(value: float, low: float, high: float) -> float:
+    """Return the position of a value in the window [low, high], whose ends have the positions −1 and 1.
+
+    If only one end can be reached, it has the position 1, and the position is the share of the window that is used.
+    """
+    if math.isinf(high):
+        return low / value if value > 0 else math.inf
+    return (2 * value - low - high) / (high - low) if is_two_sided(low, high) else value / high
+
+
 def at_most(high: float, why: str = "", low: float = 0.0) -> Window:
     """Return the tolerance window of values up to ``high``.
 

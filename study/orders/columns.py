@@ -115,9 +115,10 @@ class Columns:
     Attributes:
         table, options: the table as text, and the user's description of the columns.
         names: names of the columns; repeated names are numbered.
-        cells, values, roles: name of a column ↦ its cells as text, its numbers, its role.
+        cells, values, roles: name of a column ↦ its cells as text; its numbers, None for other text; its role.
+        numbers: name of a column ↦ its numbers as an array, (rows,), NaN for other text.
         size: name of the column of mesh sizes; None if there is none.
-        errors: names of the columns of errors.
+        filled, errors: names of the columns with at least one number, and of the columns of errors.
     """
 
     def __init__(self, table: RawTable, options: Options) -> None:
@@ -125,13 +126,14 @@ class Columns:
         self.names = _distinct(table.names)
         self.cells = {name: [row[k] for row in table.rows] for k, name in enumerate(self.names)}
         self.values = {name: [to_number(cell) for cell in column] for name, column in self.cells.items()}
+        self.numbers = {name: np.array(column, dtype=float) for name, column in self.values.items()}
         self.roles = {name: role(original) for name, original in zip(self.names, table.names, strict=True)}
         for name, original in zip(self.names, table.names, strict=True):
             self.roles[name] = self._role_by_numbers(name, original)
         self.size = self._size_column()
         self.roles |= {name: GROWING for name in self.names if self.roles[name] == "unknown" and self._grows(name)}
-        filled = [name for name, values in self.values.items() if any(value is not None for value in values)]
-        recognised = [name for name in filled if self.roles[name] in ("error", "unknown") and name != self.size]
+        self.filled = [name for name, values in self.values.items() if any(value is not None for value in values)]
+        recognised = [name for name in self.filled if self.roles[name] in ("error", "unknown") and name != self.size]
         self.errors = [name for name in self.names if name in options.columns] if options.columns else recognised
 
     def _role_by_numbers(self, name: str, original: str) -> str:
@@ -158,12 +160,11 @@ class Columns:
         Numbers of cells and unknowns, iterations and seconds grow in this way, whatever their name and its language.
         Only numbers without decimal point and exponent count, so that a growing error such as 2.0e+3 is judged.
         """
-        cells, values = self.cells[name], np.array(self.values[name], dtype=float)
-        if len(values) < 2 or not values.any() or not all(WHOLE.fullmatch(cell.strip()) for cell in cells):
+        values = self.numbers[name]
+        if len(values) < 2 or not values.any() or not all(WHOLE.fullmatch(cell.strip()) for cell in self.cells[name]):
             return False
         if self.size is not None:
-            sizes = np.array(self.values[self.size], dtype=float)
-            kind = self.roles[self.size]
+            sizes, kind = self.numbers[self.size], self.roles[self.size]
             counts = kind in ("count", "total") or (kind not in SIZES and (sizes > 1).all())
             values = values[np.argsort(sizes if counts else -sizes, kind="stable")]
         return bool((np.diff(values) >= 0).all())
@@ -202,10 +203,7 @@ class Columns:
         errors = {name: self._checked(name) for name in self.errors if name != self.size}
         h, words = self._sizes(errors)
         left = [name for name in self.names if name not in errors and name != self.size]
-        ignored = {
-            name or "(no name)": self.roles[name] if any(value is not None for value in self.values[name]) else "text"
-            for name in left
-        }
+        ignored = {name or "(no name)": self.roles[name] if name in self.filled else "text" for name in left}
         self._check_sizes(h)
         return Series(h, errors, words, ignored, self.table.caption, self.table.form, self.table.label)
 
@@ -217,7 +215,7 @@ class Columns:
         rows, ratio = len(self.table.rows), self.options.ratio
         levels = [name for name in self.names if self.roles[name] == "level"]
         if ratio is not None:
-            if levels and rows > 1 and (np.diff(np.array(self.values[levels[0]], dtype=float)) < 0).all():
+            if levels and rows > 1 and (np.diff(self.numbers[levels[0]]) < 0).all():
                 return _from_ratio(ratio, rows)[::-1], f"ratio {ratio:g}, finest mesh first as column {levels[0]} says"
             return _from_ratio(ratio, rows), f"ratio {ratio:g}"
         if self.size is not None:
@@ -249,7 +247,7 @@ class Columns:
             # In a column with an unknown name, numbers > 1 are taken as numbers of cells if they are whole, or if the
             # user gives the dimension of the meshes.
             kind = "count"
-        found = [math.nan if value is None else value for value in self.values[name]]
+        found = self.numbers[name].tolist()
         if kind not in ("count", "total"):
             return found, f"{'Δt' if kind == 'step' else 'h'} from column {label}"
         if any(value <= 0 for value in found):
@@ -271,7 +269,7 @@ class Columns:
         for error, order in pairwise(self.names):
             if error not in errors or self.roles[order] != "order":
                 continue
-            printed = [math.nan if value is None else value for value in self.values[order]][1:]
+            printed = self.numbers[order][1:]
             used = np.isfinite(printed) & (np.abs(printed) > 0.3)
             difference = np.abs(consecutive_orders(h, errors[error]) - printed) - 0.01 * np.abs(printed)
             differences += difference[used].tolist()
@@ -370,12 +368,9 @@ def _split_by_case(columns: Columns) -> list[Columns]:
         if name == size or columns.roles[name] == "error" or not candidate or not 1 < len(groups) < len(cells):
             continue
         if all(len(group) > 1 and len({numbers[k] for k in group}) == len(group) for group in groups.values()):
-            parts = [
-                (cell, [table.rows[k] for k in group], [table.lines[k] for k in group])
-                for cell, group in groups.items()
-            ]
-            return [
-                Columns(replace(table, rows=rows, lines=lines, label=f"{name} {cell}".strip()), columns.options)
-                for cell, rows, lines in parts
-            ]
+            parts = []
+            for cell, group in groups.items():
+                label, lines = f"{name} {cell}".strip(), [table.lines[k] for k in group]
+                parts.append(replace(table, rows=[table.rows[k] for k in group], lines=lines, label=label))
+            return [Columns(part, columns.options) for part in parts]
     return [columns]

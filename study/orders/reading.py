@@ -13,6 +13,8 @@ import math
 import re
 from collections import Counter
 from dataclasses import dataclass, replace
+from itertools import groupby
+from typing import NamedTuple
 
 from .cells import SIZES, UNIT, role, to_number, uses_decimal_commas
 from .sequences import OrderError
@@ -170,15 +172,34 @@ def _lines(text: str) -> list[Line]:
 
 # Tables with separators between the cells of a row.
 
-Split = list[tuple[str, int, int]]
-"""The cells of a line, each with the positions at which it begins and ends."""
 _WITHIN_NUMBER = re.compile(r"(?<=[\d.])\s+(%(?!\S)|(?:±|\+/-|\\pm|x|×|\\times|\\cdot|·)\s*(?=\d))")
 _PAIRS = re.compile(r"(?<!\S)([^\s:]+:) +(?=[-+.\d])")
 _NORM = re.compile(r"\\?\|\\?\|[^|]+\\?\|\\?\||\\\|[^|]+\\\|")
+NUMBER, MISSING, TEXT = "number", "missing", "text"
+"""What a cell contains: a number; nothing, or a sign for a missing number; any other text."""
 
 
-def _split(line: str, separator: str) -> Split:
-    """Return the cells of a line with their positions.
+def _kind(cell: str) -> str:
+    """Return what a cell contains. A number may have a decimal comma, or a unit behind it; nan is a number."""
+    value = to_number(cell)
+    if value is not None and math.isnan(value) and "nan" not in cell.lower():
+        return MISSING
+    value = to_number(cell, decimal_comma=True) if value is None else value
+    if value is None and (found := UNIT.fullmatch(cell)):
+        value = to_number(found["number"])
+    return TEXT if value is None else NUMBER
+
+
+class Cell(NamedTuple):
+    """A cell or a heading with its place: characters of the line if blanks separate cells, otherwise the column."""
+
+    text: str
+    start: int
+    end: int
+
+
+def _split(line: str, separator: str) -> list[Cell]:
+    """Return the cells of a line.
 
     Parameters:
         line: the line.
@@ -190,7 +211,7 @@ def _split(line: str, separator: str) -> Split:
         line = re.sub(r"(?<=\S) *(=+) *(?=\S)", r"\1", joined)
         if len(_PAIRS.findall(line)) > 1:
             line = _PAIRS.sub(r"\1", line)
-        return [(found[0], *found.span()) for found in re.finditer(r"\S+", line) if found[0] not in ("|", ",")]
+        return [cell for cell in _places(r"\S+", line) if cell.text not in ("|", ",")]
     if separator in ",;":
         try:
             cells = next(csv.reader([line.strip()], delimiter=separator, skipinitialspace=True), [])
@@ -199,53 +220,75 @@ def _split(line: str, separator: str) -> Split:
     elif separator == "|":
         # Bars in a norm such as ||u - u_h|| do not separate cells, but bars around a number do.
         protected = _NORM.sub(
-            lambda found: found[0] if _is_number(found[0].strip("|\\ ")) else found[0].replace("|", "\0"), line
+            lambda found: found[0] if _kind(found[0].strip("|\\ ")) == NUMBER else found[0].replace("|", "\0"), line
         )
         protected = protected if "|" in protected else line
         cells = [cell.replace("\0", "|") for cell in re.sub(r"^\s*\||\|\s*$", "", protected).split("|")]
-    elif separator == "&":
-        cells = re.split(r"(?<!\\)&", line)
     else:
-        cells = line.strip("\n\r ").split(separator)
-    return [(cell.strip(), 0, 0) for cell in cells]
+        cells = re.split(r"(?<!\\)&", line) if separator == "&" else line.strip("\n\r ").split(separator)
+    return [Cell(cell.strip(), k, k + 1) for k, cell in enumerate(cells)]
 
 
-def _is_number(cell: str) -> bool:
-    """Return whether a cell contains a number, with a decimal point or a decimal comma, or with a unit."""
-    value = to_number(cell)
-    value = to_number(cell, decimal_comma=True) if value is None else value
-    if value is None and (found := UNIT.fullmatch(cell)):
-        value = to_number(found["number"])
-    return value is not None and (not math.isnan(value) or "nan" in cell.lower())
+def _places(pattern: str, text: str) -> list[Cell]:
+    return [Cell(found[0], *found.span()) for found in re.finditer(pattern, text)]
 
 
-def _is_missing(cell: str) -> bool:
-    value = to_number(cell)
-    return value is not None and math.isnan(value) and "nan" not in cell.lower()
+class Row:
+    """A line that is divided into cells by a separator.
 
+    Attributes:
+        number, is_comment: the line number, and whether the line is a comment.
+        text: the line without surrounding blanks; ``raw`` is the line with them.
+        cells, texts, kinds: the cells, their texts, and what they contain.
+        numbers: number of the cells with numbers.
+        used: number of the cells up to the last one that is not empty.
+    """
 
-def _separator(lines: list[Line]) -> str | None:
-    """Return the separator that divides most lines into cells with numbers; None if there is none."""
-    best, most = None, 0.0
-    for separator in ("|", "&", "\t", ";", ",", " "):
-        score = 0.0
-        for line in lines[:300]:
-            if line.is_comment or (separator != " " and separator not in line.text):
-                continue
-            cells = [cell for cell, *_ in _split(line.text, separator)]
-            while cells and not cells[-1]:
-                cells.pop()
-            numbers = sum(map(_is_number, cells[:50]))
-            filled = numbers + sum(map(_is_missing, cells[:50]))
-            if numbers >= 2 or (numbers == 1 and filled >= 2):
-                score += filled / len(cells[:50])
-        if score > most + 1e-9:
-            best, most = separator, score
-    return best
+    def __init__(self, line: Line, separator: str) -> None:
+        self.number, self.raw, self.is_comment = line.number, line.text, line.is_comment
+        self.text, self.separator = line.text.strip(), separator
+        self.cells = _split(line.text, separator)
+        self.texts = [cell.text for cell in self.cells]
+        self.kinds = [_kind(text) for text in self.texts]
+        self.numbers = self.kinds.count(NUMBER)
+        self.used = max((k for k, text in enumerate(self.texts, start=1) if text), default=0)
+
+    def score(self) -> float:
+        """Return the share of cells with or without a number; 0 if the separator does not divide the line well."""
+        kinds = self.kinds[: min(self.used, 50)]
+        filled = len(kinds) - kinds.count(TEXT)
+        return filled / len(kinds) if filled > 1 and NUMBER in kinds and not self.is_comment else 0.0
+
+    def is_data(self, width: int = 0) -> bool:
+        """Return whether the line is a row of a table, because at least half of its cells are numbers.
+
+        One number is enough for a line with as many cells as the table.
+
+        Parameters:
+            width: number of columns of the table above the line; 0 if no table has begun.
+        """
+        if self.is_comment or not self.numbers or _SUMMARY.match(self.texts[0]):
+            return False
+        words = sum(map(bool, self.texts))
+        if self.separator != " " and width == len(self.texts):
+            return True
+        return words >= 2 * self.kinds.count(TEXT) and (words > 1 or width > 1)
+
+    def labelled(self) -> tuple[str, list[str]] | None:
+        """Return label and values of a line that consists of a label and at least two numbers; otherwise None."""
+        end = len(self.texts) if self.separator == "|" else self.used
+        first = next((k for k in range(1, end) if self.texts[k] and self.kinds[k] != TEXT), end)
+        kinds = self.kinds[first:end]
+        if self.is_comment or kinds.count(NUMBER) < 2 or TEXT in kinds or self.kinds[0] == NUMBER:
+            return None
+        if self.separator != " " and first > 2:
+            return None
+        return " ".join(self.texts[:first]).strip(), self.texts[first:end]
 
 
 _FORMS = {"|": "columns separated by |", "&": "LaTeX rows", "\t": "columns separated by tabs"}
 _FORMS |= {";": "columns separated by semicolons", ",": "CSV", " ": "columns separated by blanks"}
+"""Separator ↦ the form of a table in words; of separators that divide lines equally well, the first one is taken."""
 _SUMMARY = re.compile(r"(?i)\W*(?:mean|average|avg|overall|total|fit|fitted|slope|eoc|rate|order|median|min|max)\b")
 _NO_CAPTION = re.compile(rf"{_SUMMARY.pattern}|\W*$|\.\.|[@\\]")
 _TYPE_OR_UNIT = re.compile(
@@ -254,299 +297,215 @@ _TYPE_OR_UNIT = re.compile(
 
 
 def _delimited(lines: list[Line]) -> list[RawTable]:
-    """Return the tables whose cells are separated by a sign or by blanks."""
-    separator = _separator(lines)
-    if separator is not None:
-        grid = _Grid(lines, separator)
-        return grid.transposed() or grid.tables()
-    if all(not re.search(r"[=:]", line.text) for line in lines):
-        first = _short(lines[0].text.strip())
-        if not any(_is_number(cell) for line in lines for cell, *_ in _split(line.text, " ")[:50]):
-            raise OrderError(f"no line with numbers; the first line is '{first}'; {EXAMPLE}")
-        if all(len(_split(line.text, " ")) == 1 for line in lines):
-            rows = [line for line in lines if _is_number(line.text.strip())]
-            names = [line.text.strip() for line in lines if not _is_number(line.text.strip())]
-            if len(names) > 1:
-                raise OrderError(f"there is one column only ('{first}'); {EXAMPLE}")
-            cells, numbers = [[line.text.strip()] for line in rows], [line.number for line in rows]
-            return [RawTable("one column", names or ["error"], cells, numbers)]
-    return []
+    """Return the tables whose cells are separated by a sign or by blanks.
 
-
-class _Grid:
-    """The lines of a text, divided into cells by one separator."""
-
-    def __init__(self, lines: list[Line], separator: str) -> None:
-        self.lines, self.separator = lines, separator
-        self.split = [_split(line.text, separator) for line in lines]
-        self.texts = [[cell for cell, *_ in cells] for cells in self.split]
-
-    def tables(self) -> list[RawTable]:
-        """Return the tables in the lines. A table is a block of rows with a header above it."""
-        tables: list[RawTable] = []
-        above: list[int] = []
-        block: list[int] = []
-        comments: list[int] = []
-        for i in range(len(self.lines)):
-            if self._is_row(i, len(self.split[block[0]]) if block else 0):
-                block.append(i)
-            elif not (block and self.lines[i].is_comment and not self._starts_table(i, block)):
-                if block:
-                    tables += self._table(above, block, tables)
-                    above, block, comments = comments, [], []
-                above.append(i)
-            else:
-                comments.append(i)
-        return tables + (self._table(above, block, tables) if block else [])
-
-    def _is_row(self, i: int, width: int) -> bool:
-        """Return whether a line is a row of a table, because enough of its cells are numbers.
-
-        At least half of the cells must be numbers. One number is enough for a line with as many cells as the table.
-
-        Parameters:
-            i: index of the line.
-            width: number of columns of the table above the line; 0 if no table has begun.
-        """
-        texts = self.texts[i]
-        numbers = sum(map(_is_number, texts))
-        if self.lines[i].is_comment or not numbers or _SUMMARY.match(texts[0]):
-            return False
-        filled = numbers + sum(cell != "" and _is_missing(cell) for cell in texts)
-        used = sum(cell != "" for cell in texts)
-        if self.separator != " " and width:
-            return len(texts) == width or filled >= used / 2
-        return filled >= used / 2 and (used > 1 or width > 1)
-
-    def _starts_table(self, i: int, block: list[int]) -> bool:
-        """Return whether a comment between rows of numbers is the header of another table."""
-        width = len(self.texts[i])
-        following = next((j for j in range(i + 1, len(self.lines)) if not self.lines[j].is_comment), None)
-        if following is None or any(map(_is_number, self.texts[i])):
-            return False
-        return len(self.split[following]) == width == len(self.split[block[0]]) > 1
-
-    def _table(self, above: list[int], block: list[int], before: list[RawTable]) -> list[RawTable]:
-        """Return the table that consists of a block of rows, in a list; the list is empty if it is not a table.
-
-        The header is the nearest line above the block with a name for each column.
-
-        Parameters:
-            above: indices of the lines above the block.
-            block: indices of the rows.
-            before: tables above the block. If the block has no header, it gets the header of the last one.
-        """
-        rows, width = self._aligned(block)
-        names, used = self._header(above, rows, width)
-        if not names and before and len(before[-1].names) == width:
-            names = before[-1].names
-        if not names and len(block) < 2 and above:
-            return []
-        if not names:
-            first, sign = self.lines[block[0]], self.separator.replace("\t", " ")
-            others = f"; the line above is '{_short(self.lines[above[-1]].text.strip())}'" if above else ""
-            raise OrderError(
-                f"the table that begins in line {first.number}, '{_short(first.text.strip())}', has {width} columns, "
-                f"but no line above names them{others}: add a header such as "
-                f"'{_short(sign.join(['h', *['error'] * (width - 1)]))}'"
-            )
-        captions = [self.lines[i].text.strip() for i in above if i not in used]
-        caption = next((text for text in reversed(captions) if not _NO_CAPTION.match(text)), "")
-        numbers = [self.lines[i].number for i in block]
-        return [RawTable(_FORMS[self.separator], names, rows, numbers, _short(caption, 100))]
-
-    def _aligned(self, block: list[int]) -> tuple[list[list[str]], int]:
-        """Return lines as rows with equal numbers of cells, and this number.
-
-        If columns are separated by blanks, the position of the other cells shows which cell of a line is empty.
-
-        Parameters:
-            block: indices of the lines.
-        """
-        lengths = [len(self.split[i]) for i in block]
-        width = max(lengths) if self.separator == " " else Counter(lengths).most_common(1)[0][0]
-        model = self.split[block[lengths.index(width)]]
-        rows = []
-        for i in block:
-            texts = self.texts[i]
-            placed = _place(self.split[i], model) if self.separator == " " and len(texts) < width else None
-            padded = len(texts) > width or (self.separator in "\t&|" and len(texts) > 1)
-            if placed or len(texts) == width or (padded and not any(texts[width:])):
-                rows.append(placed or (texts + [""] * width)[:width])
-                continue
-            hint = "; decimal commas? Then separate columns by semicolons" if self.separator == "," else ""
-            line = self.lines[i]
-            raise OrderError(
-                f"line {line.number}: {len(texts)} entries, expected {width}: '{_short(line.text.strip())}'{hint}"
-            )
-        return rows, width
-
-    def _header(self, above: list[int], rows: list[list[str]], width: int) -> tuple[list[str], list[int]]:
-        """Find the header of a table among the lines above it.
-
-        Parameters:
-            above: indices of these lines.
-            rows, width: the rows of the table, and the number of its columns.
-
-        Returns:
-            The names of the columns, and the indices of the lines of the header; two empty lists if no line is a
-            header.
-        """
-        units = [i for i in above if all(map(_TYPE_OR_UNIT.fullmatch, self.texts[i]))]
-        for i in (i for i in reversed(above) if i not in units):
-            names = self._names(i, rows, width)
-            if names is None or any(name == "=" or (_is_number(name) and not name.isalpha()) for name in names):
-                continue
-            group = next((j for j in reversed(above) if j < i), None)
-            if group is not None and self.lines[i].number - self.lines[group].number <= 2:
-                grouped = self._grouped(group, i, names)
-                if grouped:
-                    return grouped, [i, group, *units]
-            return names, [i, *units]
-        return [], []
-
-    def _names(self, i: int, rows: list[list[str]], width: int) -> list[str] | None:
-        """Return the names of columns in a line; None if the line does not have enough names.
-
-        A name may be missing for columns of orders, and for the first column if it only counts the rows.
-
-        Parameters:
-            i: index of the line.
-            rows, width: the rows of the table, and the number of its columns.
-        """
-        text, texts = self.lines[i].text, list(self.texts[i])
-        # A bar or comma between blanks is not part of a name.
-        wide = re.split(r"\s{2,}|\t", re.sub(r"(?<!\S)[|,](?!\S)", "  ", text).strip())
-        if self.separator != " ":
-            while len(texts) > width and not texts[-1]:
-                texts.pop()
-            candidates = [
-                texts,
-                *([wide] if self.separator == "\t" else []),
-                *([text.split()] if self.separator != "," else []),
-            ]
-            return next((words for words in candidates if len(words) == width), None)
-        counts = [to_number(row[0]) for row in rows]
-        indexed = any(counts == [float(k) for k in range(start, start + len(rows))] for start in (0, 1))
-        primary = [k for k in range(width) if not _is_missing(rows[0][k])]
-        for words in (wide, texts):
-            if len(words) == width:
-                return words
-            if len(words) == width - 1 and indexed and text[:1].isspace():
-                return [UNNAMED, *words]
-        for words in (wide, texts):
-            if len(words) == len(primary) < width and len(rows) > 1:
-                named = dict(zip(primary, words, strict=True))
-                last = [max((j for j in primary if j <= k), default=primary[0]) for k in range(width)]
-                return [named.get(k, f"order of {named[last[k]]}") for k in range(width)]
-            if len(words) == width - 1 and indexed:
-                return [UNNAMED, *words]
-        return None
-
-    def _grouped(self, group: int, i: int, names: list[str]) -> list[str] | None:
-        """Return the names of columns from a header of two rows; None if it is no such header.
-
-        Each heading in the upper row spans several columns, and is joined with the names below it.
-
-        Parameters:
-            group, i: indices of the upper and of the lower row.
-            names: the names in the lower row.
-        """
-        if self.separator == " ":
-            upper, wide = _phrases(self.lines[group].text), _phrases(self.lines[i].text)
-            lower = wide if len(wide) == len(names) else self.split[i]
-        else:
-            upper = [(cell, k, k + 1) for k, cell in enumerate(self.texts[group]) if cell]
-            lower = [(name, k, k + 1) for k, name in enumerate(names)]
-        if (
-            len(set(names)) == len(names)
-            or not 1 < len(upper) <= len(names) <= MOST_GROUPED
-            or len(lower) != len(names)
-        ):
-            return None
-        labels = _labels_of_repeated(upper, lower) or _labels_from_left(upper, lower)
-        if labels is None:
-            return None
-        combined = []
-        for name, label in zip(names, labels, strict=True):
-            # The heading replaces a name such as ``error``. But a heading such as h is joined with the name, because an
-            # error of a quantity h must not be taken as the mesh size.
-            is_error = re.fullmatch(r"(?i)err(?:or)?s?|e", name) and role(label) not in SIZES
-            combined.append(label if label and is_error else f"{label} {name}".strip())
-        return combined
-
-    def transposed(self) -> list[RawTable]:
-        """Return the tables with one line for each quantity and one column for each mesh.
-
-        The list is empty if there is no such table.
-        """
-        runs: list[list[int]] = []
-        labelled = {i: parts for i in range(len(self.lines)) if (parts := self._labelled(i))}
-        for i in range(len(self.lines)):
-            if i not in labelled and self._is_row(i, 0) and _is_number(self.texts[i][0]):
-                return []
-            if i in labelled and i - 1 in labelled:
-                runs[-1].append(i)
-            elif i in labelled:
-                runs.append([i])
-        for attempt in (runs, [sorted(labelled)] if labelled else []):
-            tables = [table for run in attempt if (table := self._transposed_run(run, [labelled[i] for i in run]))]
-            if tables:
-                return tables
+    The separator is the one that divides most lines into cells with numbers.
+    """
+    scores = {separator: sum(Row(line, separator).score() for line in lines[:300]) for separator in _FORMS}
+    best = max(scores.values())
+    if best > 0:
+        separator = next(separator for separator, score in scores.items() if score > best - 1e-9)
+        rows = [Row(line, separator) for line in lines]
+        return _transposed(rows) or _blocks(rows)
+    if any(re.search(r"[=:]", line.text) for line in lines):
         return []
+    rows = [Row(line, " ") for line in lines]
+    first = _short(rows[0].text)
+    if not any(NUMBER in row.kinds[:50] for row in rows):
+        raise OrderError(f"no line with numbers; the first line is '{first}'; {EXAMPLE}")
+    if any(len(row.cells) != 1 for row in rows):
+        return []
+    names = [row.text for row in rows if _kind(row.text) != NUMBER]
+    if len(names) > 1:
+        raise OrderError(f"there is one column only ('{first}'); {EXAMPLE}")
+    rows = [row for row in rows if _kind(row.text) == NUMBER]
+    return [RawTable("one column", names or ["error"], [[row.text] for row in rows], [row.number for row in rows])]
 
-    def _labelled(self, i: int) -> tuple[str, list[str]] | None:
-        """Return label and values of a line that consists of a label and at least two numbers; otherwise None."""
-        texts = list(self.texts[i])
-        while texts and not texts[-1] and self.separator != "|":
-            texts.pop()
-        first = next(
-            (k for k, cell in enumerate(texts) if k and (_is_number(cell) or (cell and _is_missing(cell)))), None
+
+def _blocks(rows: list[Row]) -> list[RawTable]:
+    """Return the tables in the lines of a text. A table is a block of rows with a header above it."""
+    tables: list[RawTable] = []
+    above: list[Row] = []
+    block: list[Row] = []
+    comments: list[Row] = []
+    for i, row in enumerate(rows):
+        if row.is_data(len(block[0].cells) if block else 0):
+            block.append(row)
+        elif block and row.is_comment and not _starts_table(rows[i:], block[0]):
+            comments.append(row)
+        else:
+            if block:
+                tables += _table(above, block, tables)
+                above, block, comments = comments, [], []
+            above.append(row)
+    return tables + (_table(above, block, tables) if block else [])
+
+
+def _starts_table(rows: list[Row], data: Row) -> bool:
+    """Return whether a comment between rows of numbers is the header of another table.
+
+    Parameters:
+        rows: the comment and the lines below it.
+        data: a row of the table above the comment.
+    """
+    following = next((row for row in rows if not row.is_comment), None)
+    widths = {len(row.cells) for row in (rows[0], data, following) if row}
+    return following is not None and not rows[0].numbers and widths == {len(data.cells)} != {1}
+
+
+def _table(above: list[Row], block: list[Row], before: list[RawTable]) -> list[RawTable]:
+    """Return the table that consists of a block of rows, in a list; the list is empty if it is not a table.
+
+    The header is the nearest line above the block with a name for each column.
+
+    Parameters:
+        above: the lines above the block.
+        block: the rows.
+        before: tables above the block. If the block has no header, it gets the header of the last one.
+    """
+    rows, width = _aligned(block)
+    names, used = _header(above, rows, width)
+    if not names and before and len(before[-1].names) == width:
+        names = before[-1].names
+    if not names and len(block) < 2 and above:
+        return []
+    if not names:
+        first, sign = block[0], block[0].separator.replace("\t", " ")
+        others = f"; the line above is '{_short(above[-1].text)}'" if above else ""
+        raise OrderError(
+            f"the table that begins in line {first.number}, '{_short(first.text)}', has {width} columns, but no line "
+            f"above names them{others}: add a header such as '{_short(sign.join(['h', *['error'] * (width - 1)]))}'"
         )
-        if first is None or self.lines[i].is_comment or _is_number(texts[0]) or (self.separator != " " and first > 2):
-            return None
-        values = texts[first:]
-        if sum(map(_is_number, values)) < 2 or not all(_is_number(cell) or _is_missing(cell) for cell in values):
-            return None
-        return " ".join(texts[:first]).strip(), values
+    captions = [row.text for row in above if row not in used]
+    caption = next((text for text in reversed(captions) if not _NO_CAPTION.match(text)), "")
+    return [RawTable(_FORMS[block[0].separator], names, rows, [row.number for row in block], _short(caption, 100))]
 
-    def _transposed_run(self, run: list[int], labelled: list[tuple[str, list[str]]]) -> RawTable | None:
-        """Return the table that consists of consecutive lines, one for each quantity; None if it has no mesh sizes.
 
-        Parameters:
-            run: indices of the lines.
-            labelled: label and values of each line.
-        """
-        number, width = self.lines[run[0]].number, max(len(values) for _, values in labelled)
-        form, caption = "one line for each quantity", ""
-        if any(role(label.strip(" :=")) in SIZES for label, _ in labelled):
-            return _from_columns(
-                form, {label: [""] * (width - len(values)) + values for label, values in labelled}, number
-            )
-        if any(len(values) != width for _, values in labelled):
+def _aligned(block: list[Row]) -> tuple[list[list[str]], int]:
+    """Return lines as rows with equal numbers of cells, and this number.
+
+    If columns are separated by blanks, the position of the other cells shows which cell of a line is empty.
+    """
+    lengths, separator = [len(row.cells) for row in block], block[0].separator
+    width = max(lengths) if separator == " " else Counter(lengths).most_common(1)[0][0]
+    model = block[lengths.index(width)].cells
+    rows = []
+    for row, length in zip(block, lengths, strict=True):
+        cells: list[str] | None = row.texts
+        if length < width and separator == " ":
+            cells = _place(row.cells, model)
+        elif 1 < length < width and separator in "\t&|":
+            cells = row.texts + [""] * (width - length)
+        if cells is None or len(cells) < width or any(cells[width:]):
+            hint = "; decimal commas? Then separate columns by semicolons" if separator == "," else ""
+            raise OrderError(f"line {row.number}: {length} entries, expected {width}: '{_short(row.text)}'{hint}")
+        rows.append(cells[:width])
+    return rows, width
+
+
+def _place(cells: list[Cell], model: list[Cell]) -> list[str] | None:
+    """Return the cells of an incomplete row in the columns of a complete row, with empty cells for missing ones.
+
+    The position of a cell in its line shows its column. None is returned if two cells belong to the same column.
+    """
+    placed = [""] * len(model)
+    for cell, start, end in cells:
+        overlap = [min(end, right) - max(start, left) for _, left, right in model]
+        k = max(range(len(model)), key=overlap.__getitem__)
+        if placed[k] or overlap[k] < 0:
             return None
-        above = self.texts[run[0] - 1] if run[0] else []
-        named = [_NAMED_SIZE.fullmatch(cell.strip("$ ")) for cell in above]
-        if any(named) and all(found is None or to_number(found["value"]) is not None for found in named):
-            sizes = [(k - (len(named) - width), found) for k, found in enumerate(named) if found]
-            columns = {sizes[0][1]["name"]: [found["value"] for _, found in sizes]}
-            columns |= {label: [values[k] for k, _ in sizes] for label, values in labelled}
-            caption = self.lines[run[0] - 2].text.strip() if run[0] > 1 and run[0] - 2 not in run else ""
-            return replace(_from_columns(f"{form}, sizes in the header", columns, number), caption=caption)
-        if width % 2 and width >= 3 and (not above or _orders_between(labelled)):
-            # The AMReX library prints errors and orders in turn: error order error order error.
-            pairs = [((label, values[::2]), (f"order of {label}", ["", *values[1::2]])) for label, values in labelled]
-            columns = dict(pair for both in pairs for pair in both)
-            return _from_columns(f"{form}, orders between the errors", columns, number)
+        placed[k] = cell
+    return placed
+
+
+def _header(above: list[Row], rows: list[list[str]], width: int) -> tuple[list[str], list[Row]]:
+    """Find the header of a table among the lines above it.
+
+    Parameters:
+        above: these lines.
+        rows, width: the rows of the table, and the number of its columns.
+
+    Returns:
+        The names of the columns, and the lines of the header; two empty lists if no line is a header.
+    """
+    units = [row for row in above if all(map(_TYPE_OR_UNIT.fullmatch, row.texts))]
+    for k, row in reversed([*enumerate(above)]):
+        names = None if row in units else _names(row, rows, width)
+        if names is None or any(name == "=" or (_kind(name) == NUMBER and not name.isalpha()) for name in names):
+            continue
+        near = k > 0 and row.number - above[k - 1].number <= 2
+        if near and (grouped := _grouped(above[k - 1], row, names)):
+            return grouped, [row, above[k - 1], *units]
+        return names, [row, *units]
+    return [], []
+
+
+def _names(row: Row, rows: list[list[str]], width: int) -> list[str] | None:
+    """Return the names of columns in a line; None if the line does not have enough names.
+
+    A name may be missing for columns of orders, and for the first column if it only counts the rows.
+
+    Parameters:
+        row: the line.
+        rows, width: the rows of the table, and the number of its columns.
+    """
+    # A bar or comma between blanks is not part of a name.
+    wide = re.split(r"\s{2,}|\t", re.sub(r"(?<!\S)[|,](?!\S)", "  ", row.raw).strip())
+    if row.separator != " ":
+        candidates = [row.texts[: max(width, row.used)]]
+        candidates += [wide] if row.separator == "\t" else []
+        candidates += [row.text.split()] if row.separator != "," else []
+        return next((words for words in candidates if len(words) == width), None)
+    counts = [to_number(cells[0]) for cells in rows]
+    indexed = any(counts == [float(k) for k in range(start, start + len(rows))] for start in (0, 1))
+    primary = [k for k in range(width) if _kind(rows[0][k]) != MISSING]
+    for words in (wide, row.texts):
+        if len(words) == width:
+            return words
+        if len(words) == width - 1 and indexed and row.raw[:1].isspace():
+            return [UNNAMED, *words]
+    for words in (wide, row.texts):
+        if len(words) == len(primary) < width and len(rows) > 1:
+            named = dict(zip(primary, words, strict=True))
+            last = [max((j for j in primary if j <= k), default=primary[0]) for k in range(width)]
+            return [named.get(k, f"order of {named[last[k]]}") for k in range(width)]
+        if len(words) == width - 1 and indexed:
+            return [UNNAMED, *words]
+    return None
+
+
+def _grouped(group: Row, row: Row, names: list[str]) -> list[str] | None:
+    """Return the names of columns from a header of two rows; None if it is no such header.
+
+    Each heading in the upper row spans several columns, and is joined with the names below it.
+
+    Parameters:
+        group, row: the upper and the lower row.
+        names: the names in the lower row.
+    """
+    if row.separator == " ":
+        # Between two headings there are two or more blanks.
+        upper, wide = (_places(r"\S+(?: \S+)*", line.raw) for line in (group, row))
+        lower = wide if len(wide) == len(names) else row.cells
+    else:
+        upper = [cell for cell in group.cells if cell.text]
+        lower = [Cell(name, k, k + 1) for k, name in enumerate(names)]
+    repeated = len(set(names)) < len(names) == len(lower)
+    if not repeated or not 1 < len(upper) <= len(names) <= MOST_GROUPED:
         return None
+    labels = _labels_of_repeated(upper, lower) or _labels_from_left(upper, lower)
+    if labels is None:
+        return None
+    combined = []
+    for name, label in zip(names, labels, strict=True):
+        # The heading replaces a name such as ``error``. But a heading such as h is joined with the name, because an
+        # error of a quantity h must not be taken as the mesh size.
+        is_error = re.fullmatch(r"(?i)err(?:or)?s?|e", name) and role(label) not in SIZES
+        combined.append(label if label and is_error else f"{label} {name}".strip())
+    return combined
 
 
-def _phrases(text: str) -> Split:
-    """Return the phrases of a line with their positions; between two phrases there are two or more blanks."""
-    return [(found[0], *found.span()) for found in re.finditer(r"\S+(?: \S+)*", text)]
-
-
-def _labels_of_repeated(upper: Split, lower: Split) -> list[str] | None:
+def _labels_of_repeated(upper: list[Cell], lower: list[Cell]) -> list[str] | None:
     """Return for each column name the heading in the upper row of a header; None if the columns form no groups.
 
     A group has different names, which are repeated in the next group, and one heading above it. Columns of mesh sizes
@@ -575,7 +534,7 @@ def _labels_of_repeated(upper: Split, lower: Split) -> list[str] | None:
     return labels
 
 
-def _labels_from_left(upper: Split, lower: Split) -> list[str] | None:
+def _labels_from_left(upper: list[Cell], lower: list[Cell]) -> list[str] | None:
     """Return for each column name the last heading of the upper row that begins above the name or left of it.
 
     None is returned if a heading does not begin above the beginning of a name.
@@ -587,6 +546,53 @@ def _labels_from_left(upper: Split, lower: Split) -> list[str] | None:
         return None
     near = 0 if all(end - start == 1 for _, start, end in lower) else 1
     return [next((label for label, begin, _ in reversed(upper) if begin <= start + near), "") for _, start, _ in lower]
+
+
+def _transposed(rows: list[Row]) -> list[RawTable]:
+    """Return the tables with one line for each quantity and one column for each mesh.
+
+    The list is empty if there is no such table.
+    """
+    labelled = {i: parts for i, row in enumerate(rows) if (parts := row.labelled())}
+    if any(row.is_data() and row.kinds[0] == NUMBER for i, row in enumerate(rows) if i not in labelled):
+        return []
+    # Consecutive lines have the same difference of line and place among the labelled lines.
+    runs = [[i for _, i in run] for _, run in groupby(enumerate(labelled), lambda pair: pair[1] - pair[0])]
+    for attempt in (runs, [[*labelled]] if labelled else []):
+        tables = [table for run in attempt if (table := _transposed_run(rows, run, [labelled[i] for i in run]))]
+        if tables:
+            return tables
+    return []
+
+
+def _transposed_run(rows: list[Row], run: list[int], labelled: list[tuple[str, list[str]]]) -> RawTable | None:
+    """Return the table that consists of lines, one for each quantity; None if it has no mesh sizes.
+
+    Parameters:
+        rows: all lines.
+        run: indices of the lines of the table.
+        labelled: label and values of each line of the table.
+    """
+    start, form, width = run[0], "one line for each quantity", max(len(values) for _, values in labelled)
+    number = rows[start].number
+    if any(role(label.strip(" :=")) in SIZES for label, _ in labelled):
+        return _from_columns(form, dict(labelled), number, width)
+    if any(len(values) != width for _, values in labelled):
+        return None
+    above = rows[start - 1].texts if start else []
+    named = [_NAMED_SIZE.fullmatch(cell.strip("$ ")) for cell in above]
+    if any(named) and all(found is None or to_number(found["value"]) is not None for found in named):
+        sizes = [(k - (len(named) - width), found) for k, found in enumerate(named) if found]
+        columns = {sizes[0][1]["name"]: [found["value"] for _, found in sizes]}
+        columns |= {label: [values[k] for k, _ in sizes] for label, values in labelled}
+        caption = rows[start - 2].text if start > 1 else ""
+        return replace(_from_columns(f"{form}, sizes in the header", columns, number), caption=caption)
+    if width % 2 and width >= 3 and (not above or _orders_between(labelled)):
+        # The AMReX library prints errors and orders in turn: error order error order error.
+        pairs = [((label, values[::2]), (f"order of {label}", ["", *values[1::2]])) for label, values in labelled]
+        columns = dict(pair for both in pairs for pair in both)
+        return _from_columns(f"{form}, orders between the errors", columns, number)
+    return None
 
 
 def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
@@ -605,30 +611,13 @@ def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
     return bool(checked) and all(checked)
 
 
-def _place(cells: Split, model: Split) -> list[str] | None:
-    """Return the cells of an incomplete row in the columns of a complete row, with empty cells for missing ones.
-
-    The position of a cell in its line shows its column. None is returned if two cells belong to the same column.
-
-    Parameters:
-        cells: the cells of the incomplete row, with their positions.
-        model: the cells of the complete row, with their positions.
-    """
-    placed = [""] * len(model)
-    for cell, start, end in cells:
-        overlap = [min(end, right) - max(start, left) for _, left, right in model]
-        k = max(range(len(model)), key=overlap.__getitem__)
-        if placed[k] or overlap[k] < 0:
-            return None
-        placed[k] = cell
-    return placed
-
-
 _NAMED_SIZE = re.compile(r"(?P<name>[^\W\d][\w ]*|Δx|Δt)\s*=\s*(?P<value>.+)")
 
 
-def _from_columns(form: str, columns: dict[str, list[str]], line: int) -> RawTable:
-    rows = [list(row) for row in zip(*columns.values(), strict=True)]
+def _from_columns(form: str, columns: dict[str, list[str]], line: int, length: int = 0) -> RawTable:
+    """Return the table with the given columns. Columns shorter than ``length`` get empty cells at the top."""
+    filled = [[""] * (length - len(cells)) + cells for cells in columns.values()]
+    rows = [list(row) for row in zip(*filled, strict=True)]
     return RawTable(form, list(columns), rows, [line] * len(rows))
 
 
@@ -656,7 +645,7 @@ def _lists(lines: list[Line]) -> list[RawTable]:
     groups: list[dict[str, list[str]]] = [{}]
     for found in _LIST.finditer(text):
         values = re.split(r"[,;\s]+", found["values"].strip(" ,;\n\t"))
-        if len(values) < 2 or not all(map(_is_number, values)):
+        if len(values) < 2 or not all(_kind(value) == NUMBER for value in values):
             continue
         name = found["name"].strip(" \t,").strip("\"'")
         if name in groups[-1] and role(name) in SIZES:
@@ -666,12 +655,11 @@ def _lists(lines: list[Line]) -> list[RawTable]:
     alone = _LIST.fullmatch(text.strip(" ;\n")) is not None
     tables = []
     for columns in (columns for columns in groups if len(columns) > 1 or (alone and columns)):
-        longest = max(map(len, columns.values()))
-        if min(map(len, columns.values())) < longest - 1:
+        lengths = [len(values) for values in columns.values()]
+        if min(lengths) < max(lengths) - 1:
             sizes = ", ".join(f"{name} has {len(values)}" for name, values in columns.items())
             raise OrderError(f"lists of different lengths: {sizes}; expected one value for each mesh in every list")
-        filled = {name: [""] * (longest - len(values)) + values for name, values in columns.items()}
-        tables.append(_from_columns("lists", filled, lines[0].number))
+        tables.append(_from_columns("lists", columns, lines[0].number, max(lengths)))
     return tables
 
 
@@ -714,7 +702,7 @@ def _key_values(lines: list[Line]) -> list[RawTable]:
             before, end, value = line.text[end : found.start()], found.end(), found["value"].strip("*|`}]")
             key = re.split(r"[,;]", before)[-1].strip(" \t*-\"'{[")
             named = len(key) <= 80 and key[-1:] not in "<>!" and re.search(r"[^\W\d]", key)
-            if not named or not (_is_number(value) or _is_missing(value)):
+            if not named or _kind(value) == TEXT:
                 continue
             if not records or key in records[-1]:
                 records.append({})
@@ -734,7 +722,7 @@ def _plain(table: RawTable) -> RawTable:
 
     A column is empty, for example, if each line ends with a separator.
     """
-    filled = [k for k, name in enumerate(table.names) if name or any(not _is_missing(row[k]) for row in table.rows)]
+    filled = [k for k, name in enumerate(table.names) if name or any(_kind(row[k]) != MISSING for row in table.rows)]
     columns = [[row[k] for row in table.rows] for k in filled]
     cells = [cell for column in columns for cell in column]
     comma = uses_decimal_commas(cells)
@@ -744,7 +732,7 @@ def _plain(table: RawTable) -> RawTable:
             f"'{cell}' may be {cell.replace(',', '.')} or {cell.replace(',', '')}: write it without a comma"
         )
     for column in columns:
-        found = [UNIT.fullmatch(cell) for cell in column if not _is_missing(cell)]
+        found = [UNIT.fullmatch(cell) for cell in column if _kind(cell) != MISSING]
         if found and all(found) and len({match["unit"] for match in found if match}) == 1:
             column[:] = [UNIT.sub(r"\g<number>", cell) for cell in column]
         if comma:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,9 +18,9 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from study.present.drawing import column_width, dots, entry, is_slide, legend
+from study.present.drawing import caption, column_width, dots, entry, is_slide, legend
 from study.present.palette import BLACK, BLUE, FOUNDATION, FOUNDATION_EDGE, OUTLINE, RAMPS, VERMILLION
-from study.present.picture import Array, Picture, Segment, Shape
+from study.present.picture import Array, Picture, Segment
 
 DISPLACEMENT = 0.12
 """The length of the largest displacement in figures, as a fraction of the longest side of the body."""
@@ -61,14 +61,14 @@ def ramp(name: str, shades: int = 256) -> Colormap:
     return LinearSegmentedColormap.from_list(name, RAMPS[name], shades)
 
 
-def magnification(vertices: Array, displacements: Iterable[Array]) -> float:
+def magnification(vertices: Array, displacements: Array) -> float:
     """Return the factor by which displacements are multiplied in figures, rounded down to two digits.
 
     Parameters:
         vertices: the vertices of the mesh, (d, vertices).
-        displacements: the displacements of the vertices at all times, (d, vertices) each.
+        displacements: the displacements of the vertices at all times, (times, d, vertices).
     """
-    largest = max(float(np.linalg.norm(displacement, axis=0).max()) for displacement in displacements)
+    largest = float(np.linalg.norm(displacements, axis=1).max())
     if largest == 0:
         return 1.0
     exact = DISPLACEMENT * float(np.ptp(vertices, axis=1).max()) / largest
@@ -143,13 +143,13 @@ class BodyScale:
     def of(cls, picture: Picture) -> BodyScale:
         """Return the scales of a run, with limits for the body at all drawn times and for the longest arrows."""
         view = view_of(picture)
-        factor = magnification(picture.vertices, [shape.displacement for shape in picture.shapes])
-        points = [picture.vertices] + [picture.vertices + factor * shape.displacement for shape in picture.shapes]
+        at, faces = picture.shown, picture.faces
+        factor = magnification(picture.vertices, picture.displacement[at])
+        points = [picture.vertices, *(picture.vertices + factor * picture.displacement[at])]
         points += [face.x + ARROW * picture.size * face.normal[:, None] for face in picture.segments]
         drawn = view[:2] @ np.hstack(points)
         margin = 0.02 * picture.size * np.array([-1, 1])
-        at, faces = picture.instants, picture.faces
-        stresses = np.array([shape.von_mises for shape in picture.shapes])
+        stresses = picture.von_mises[at]
         return cls(
             view=view,
             size=picture.size,
@@ -176,19 +176,18 @@ class BodyScale:
         return ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
 
 
-def draw_deformed_mesh(axes: Axes, picture: Picture, shape: Shape, scale: BodyScale, width: float) -> None:
+def draw_deformed_mesh(axes: Axes, picture: Picture, instant: int, scale: BodyScale, width: float) -> None:
     """Draw the deformed mesh at one time with stress, contact pressure and, in 2D, foundation and gap.
 
     Parameters:
         axes: the axes, which are cleared of ticks and labels.
         picture: the run.
-        shape: displacement and stress at the time.
+        instant: the index of the time.
         scale: the scales for all times.
         width: the width of the axes in inches.
     """
-    instant = picture.nearest(shape.time)
-    moved = picture.vertices + scale.magnification * shape.displacement
-    shades, colours = cell_shades(picture, shape, scale)
+    moved = picture.vertices + scale.magnification * picture.displacement[instant]
+    shades, colours = cell_shades(picture, instant, scale)
     order, flat = drawing_order(scale.view, moved, picture.cells, shades), scale.view[:2] @ moved
     # A cell is about this many points wide; thicker lines would cover fine meshes.
     cell = 72 * width / math.sqrt(len(order) / 2)
@@ -204,8 +203,8 @@ def draw_deformed_mesh(axes: Axes, picture: Picture, shape: Shape, scale: BodySc
     axes.axis("off")
 
 
-def cell_shades(picture: Picture, shape: Shape, scale: BodyScale) -> tuple[NDArray[np.int64], Array]:
-    """Return a colour number for each triangle of the mesh at one time, and the colours.
+def cell_shades(picture: Picture, instant: int, scale: BodyScale) -> tuple[NDArray[np.int64], Array]:
+    """Return a colour number for each triangle of the mesh at the time of index ``instant``, and the colours.
 
     In 3D, the colour of a triangle on a contact face shows the mean pressure at its corners; the colours of all other
     triangles show their von Mises stress.
@@ -213,9 +212,10 @@ def cell_shades(picture: Picture, shape: Shape, scale: BodyScale) -> tuple[NDArr
     Returns:
         The colour numbers, (cells,), and the list of colours, (2 · SHADES, 4): first of stresses, then of pressures.
     """
-    shares, first = shade(shape.von_mises / scale.stress), np.zeros(len(shape.von_mises), dtype=np.int64)
+    shares = shade(picture.von_mises[instant] / scale.stress)
+    first = np.zeros(len(shares), dtype=np.int64)
     for face in picture.polygons:
-        pressure = face.pressure[picture.nearest(shape.time)][face.facets.corners].mean(axis=0)
+        pressure = face.pressure[instant][face.facets.corners].mean(axis=0)
         shares[face.facets.cells], first[face.facets.cells] = pressure / (scale.pressure or 1.0), SHADES
     numbers = first + np.clip(shares * SHADES, 0, SHADES - 1).astype(np.int64)
     every = np.arange(SHADES)
@@ -274,7 +274,7 @@ def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) 
 def draw_shapes(
     figure: Figure, panels: Sequence[Axes], picture: Picture, width: float, columns: int, **layout: Any
 ) -> None:
-    """Draw the deformed body at all times of ``picture.shapes``, with colour bars and a legend.
+    """Draw the deformed body at the times ``picture.shown``, with colour bars and a legend.
 
     Parameters:
         figure: the figure.
@@ -285,9 +285,9 @@ def draw_shapes(
         layout: place and size of the colour bars, as keyword arguments of ``Figure.colorbar``.
     """
     scale = BodyScale.of(picture)
-    for axes, shape in zip(panels, picture.shapes, strict=True):
-        draw_deformed_mesh(axes, picture, shape, scale, width)
-        axes.set_title(f"$t={shape.time:.3g}$")
+    for axes, instant in zip(panels, picture.shown, strict=True):
+        draw_deformed_mesh(axes, picture, instant, scale, width)
+        axes.set_title(picture.clock(instant))
     draw_keys(figure, list(panels), picture, scale, columns, **layout)
     figure.suptitle(picture.heading)
 
@@ -332,12 +332,12 @@ def draw_keys(
 
 
 def draw_body(picture: Picture) -> Figure:
-    """Draw the deformed body at all times of ``picture.shapes``, coloured by its von Mises stress.
+    """Draw the deformed body at the times ``picture.shown``, coloured by its von Mises stress.
 
     In 2D, the foundation is drawn grey; arrows show the contact pressure, and the gap is drawn below the surface of the
     foundation. In 3D, the body is seen through its foundation, and the colours of contact faces show the pressure.
     """
-    count, bars = len(picture.shapes), 2 if picture.polygons else 1
+    count, bars = len(picture.shown), 2 if picture.polygons else 1
     aspect = BodyScale.of(picture).aspect
     figure = Figure(figsize=(column_width(), 0.7 + 0.45 * bars + (column_width() - 0.1) / count * aspect))
     panels = figure.subplots(1, count, squeeze=False)[0]
@@ -350,29 +350,17 @@ def draw_body(picture: Picture) -> Figure:
 
 def caption_body(picture: Picture) -> str:
     """Return the caption of ``draw_body``."""
-    scale = BodyScale.of(picture)
-    shape = max(picture.shapes, key=lambda shape: float(shape.von_mises.max()))
-    touching = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.instants]
-    vertices = sum(face.pressure.shape[1] for face in picture.faces)
-    if picture.polygons:
-        drawn = (
-            "the body is turned and seen through its foundation, and Γ3 is coloured by the contact pressure, at most "
-            f"{scale.pressure:.3g}"
-        )
-        seen, deviator = "Γ3 is flat and there is pressure, elsewhere it has come off and there is none", ""
-    else:
-        gap = scale.gap if scale.gap > ROUND_OFF else 0.0
-        drawn = (
-            f"arrows are the contact pressure, at most {scale.pressure:.3g}; what hangs below the foundation is the "
-            f"gap, at most {gap:.3g} and drawn to a scale of its own"
-        )
-        seen = "the body lies on the foundation and there is pressure, elsewhere it has come off and there is none"
-        deviator = ", dev σ the deviator in the plane"
-    return (
-        f"The deformed body at t = {picture.times_shown} ({picture.place}): displacements times "
-        f"{scale.magnification:.2g}, cells coloured by the von Mises stress √(3/2) |dev σ| of the computed "
-        f"stress A ε(δu) + G ε(u){deviator}; {drawn}. What to see: where there is "
-        f"contact ({', '.join(map(str, touching))} of {vertices} vertices of Γ3), {seen}. The largest von Mises stress "
-        f"is {shape.von_mises.max():.3g}, at t = {shape.time:.3g}; colours go with the root of the stress, one "
-        f"cell in {1 / (1 - BRIGHTEST):.0f} lies beyond their end, {scale.stress:.3g}."
+    scale, stresses = BodyScale.of(picture), picture.von_mises.max(axis=1)
+    worst = max(picture.shown, key=lambda instant: float(stresses[instant]))
+    touching = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.shown]
+    return caption(
+        "body-solid" if picture.polygons else "body-plane",
+        picture=picture,
+        scale=scale,
+        gap=scale.gap if scale.gap > ROUND_OFF else 0.0,
+        touching=", ".join(map(str, touching)),
+        vertices=sum(face.pressure.shape[1] for face in picture.faces),
+        stress=stresses[worst],
+        time=picture.times[worst],
+        bright=1 / (1 - BRIGHTEST),
     )

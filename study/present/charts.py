@@ -11,7 +11,7 @@ import math
 import textwrap
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import cycle, starmap
 from typing import Any, Literal
 
@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from study.ledger.codes import GRADES, Codes
 from study.ledger.orders import RatesError, fit, orders
 from study.ledger.text import above, below, interval
-from study.present.drawing import column_width, entry, is_slide, legend, mathtext, page_width
+from study.present.drawing import caption, column_width, entry, is_slide, legend, mathtext, page_width
 from study.present.notation import counted
 from study.present.palette import (
     BLACK,
@@ -131,6 +131,11 @@ class Curve:
     x: Array
     y: Array
     style: Style
+
+    @classmethod
+    def of(cls, rows: pd.DataFrame, column: str, style: Style, x: str = "h") -> Curve:
+        """Return the line through the values in a column of a table, over the column ``x``."""
+        return cls(rows[x].to_numpy(dtype=float), rows[column].to_numpy(dtype=float), style)
 
 
 @dataclass(frozen=True, eq=False)
@@ -398,14 +403,14 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
         rates: the rows of one case in ``rates.csv``.
         order: the expected order, which is the slope of the triangle.
     """
+    rates = rates.assign(in_time=rates["time_share"] * rates["error"])
     styles = family_styles(rates["family"])
     errors, parts = _error_curves(rates, styles), []
     for family, rows in by_family(rates):
-        h, style = rows["h"].to_numpy(), styles[family]
-        in_time = (rows["time_share"] * rows["error"]).to_numpy()
-        parts.append(Curve(h, in_time, Style(style.colour, stroke="dotted")))
-        parts.append(Curve(h, rows["discrete_error"].to_numpy(), Style(style.colour, style.marker, "dashed", True)))
-    values = pd.concat([rates["error"], rates["discrete_error"], rates["time_share"] * rates["error"]])
+        style = styles[family]
+        parts.append(Curve.of(rows, "in_time", Style(style.colour, stroke="dotted")))
+        parts.append(Curve.of(rows, "discrete_error", Style(style.colour, style.marker, "dashed", True)))
+    values = rates[["error", "discrete_error", "in_time"]].to_numpy()
     values = values[values >= NEGLIGIBLE * rates["error"].min()]
     triangle = slope_triangle(errors, order, math.log10(values.max() / values.min()))
     tops = [triangle.top] if triangle else []
@@ -429,18 +434,13 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
         seen.append(f"on the finest meshes u^h is {spread(closer)} times closer to Π^h u than to u")
     share = 100 * rates["time_share"].max()
     seen.append(f"discretisation in time contributes at most {share:.2g} % of the error on any mesh")
-    caption = (
-        f"Convergence of {rates['case'].iloc[0]} on the mesh families {', '.join(rates['family'].unique())}: the "
-        "largest error over time in the norm of V (filled markers), the discrete error ‖Π^h u − u^h‖_V (open) and what "
-        "discretisation in time contributes (dotted) against the mesh size h; the triangle has the expected slope. "
-        f"What to see: {'; '.join(seen)}. What is below {NEGLIGIBLE:g} of the smallest error is not shown."
-    )
-    summary = "errors against the mesh size, both logarithmic"
-    return Chart(summary, [subplot], [[*styles.items()], kinds], caption)
+    families, summary = ", ".join(rates["family"].unique()), "errors against the mesh size, both logarithmic"
+    text = caption("convergence", case=subplot.title, families=families, seen="; ".join(seen), negligible=NEGLIGIBLE)
+    return Chart(summary, [subplot], [[*styles.items()], kinds], text)
 
 
 def _error_curves(rates: pd.DataFrame, styles: Mapping[str, Style]) -> list[Curve]:
-    return [Curve(rows["h"].to_numpy(), rows["error"].to_numpy(), styles[name]) for name, rows in by_family(rates)]
+    return [Curve.of(rows, "error", styles[family]) for family, rows in by_family(rates)]
 
 
 def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
@@ -481,13 +481,9 @@ def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
         ]
     if on_graded:
         seen.append(f"meshes graded towards a singularity reach the order {spread(on_graded)}")
-    caption = (
-        f"The error max_t ‖u − u^h‖_V of {_all_cases(cases)} of {rates['claim'].iloc[0]} against the "
-        "mesh size h, on every mesh family; the triangles have the expected orders, which are written above them. "
-        f"What to see: {'; '.join(seen)}."
-    )
+    text = caption("overview", cases=_all_cases(cases), claim=rates["claim"].iloc[0], seen="; ".join(seen))
     summary = "error of every case against the mesh size, both logarithmic"
-    return Chart(summary, subplots, [[*styles.items()]], caption, columns=columns)
+    return Chart(summary, subplots, [[*styles.items()]], text, columns=columns)
 
 
 def order_differences(rates: pd.DataFrame, expected: Mapping[str, float]) -> pd.DataFrame:
@@ -537,18 +533,14 @@ def orders_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart | 
         for family, rows in table.groupby("family")
     ]
     x, y = Axis("predicted order", 0.0, top), Axis("observed order, last two refinements", 0.0, top)
-    largest = above(float(table["difference"].abs().max()), 2)
+    low, high, sequences = table["difference"].min(), table["difference"].max(), counted(len(table), "sequence")
     return Chart(
         "observed order of convergence over the last two refinements against the predicted order, a point for each "
         "case and mesh family",
         [Subplot("", x, y, [diagonal, *curves])],
         [[HEADING, *dots.items()], [("observed = predicted", diagonal.style)]],
-        "Observed order of max_t ‖u − u^h‖_V over the last two refinements against the order that the regularity of "
-        f"the solution predicts, for {_all_cases(set(rates['case']))}; mesh families are drawn next to each other. "
-        "What to see: how near to the diagonal the points lie; observed minus predicted order is "
-        f"{table['difference'].min():+.2f} to {table['difference'].max():+.2f} for "
-        f"{counted(len(table), 'sequence')} of meshes.",
-        f"Over the last two refinements, observed and predicted orders differ by at most {largest}",
+        caption("orders", cases=_all_cases(set(rates["case"])), low=low, high=high, sequences=sequences),
+        f"Over the last two refinements, observed and predicted orders differ by at most {above(max(high, -low), 2)}",
     )
 
 
@@ -584,11 +576,7 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
             Subplot("", x, linear_axis("error / (C h)", values), relative, rules=(1.0,)),
         ],
         [[HEADING, *styles.items()], [("C h, not fitted", line.style)]],
-        f"The errors max_t ‖u − u^h‖_V of {_all_cases(cases)} of Prop. 5.4 on all mesh families, each divided by its "
-        "constant C. C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh, which "
-        "follows from second derivatives of u; nothing is fitted. What to see: all fall on the line C h; error / (C h) "
-        f"lies between {values.min():.2f} and {values.max():.2f}, on the finest meshes of a case in {finest_meshes}. "
-        "It tends to 1 where u^h is superclose to Π^h u, and to less where u^h is nearer to u than Π^h u is.",
+        caption("collapsed", cases=_all_cases(cases), low=values.min(), high=values.max(), finest=finest_meshes),
         _order_in_words(rates),
     )
 
@@ -637,10 +625,9 @@ def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
         t, low, high = (rows[column].to_numpy() for column in ("time", "lower", "upper"))
         bands.append(Band(t, low.clip(min=floor), high, colour))
         if "plain" in rows:
-            curves.append(Curve(t, rows["plain"].to_numpy(), Style(colour, stroke="dotted")))
-        middle = rows["middle"].to_numpy()
-        curves.append(Curve(t, middle, Style(colour)))
-        ratios += [Curve(t, end / middle, Style(colour)) for end in (low, high)]
+            curves.append(Curve.of(rows, "plain", Style(colour, stroke="dotted"), "time"))
+        curves.append(middle := Curve.of(rows, "middle", Style(colour), "time"))
+        ratios += [Curve(t, end / middle.y, Style(colour)) for end in (low, high)]
         levels.append((f"n = {level}", Style(colour, stroke="band")))
         final = int(np.argmax(t))
         last.append(f"{interval(low[final], high[final], 3)} with n = {level}")
@@ -658,9 +645,7 @@ def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
             Subplot("", time, Axis(f"ends over {name}", 0.0, 2.0), ratios, rules=[1.0]),
         ],
         [levels, lines],
-        f"Enclosure of the error ‖u(t) − u_h(t)‖_V over time ({title}): bands enclose the error, "
-        f"lines are {line}; below, the ends of the bands divided by it. What to see: {seen}at the last time the bands "
-        f"are {', '.join(last)}.",
+        caption("enclosure", title=title, line=line, seen=seen, last=", ".join(last)),
     )
 
 
@@ -686,12 +671,10 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
     for case, of_case in rows.groupby("case", sort=False):
         curves = []
         for (family, quantity), unsorted in of_case.groupby(["family", "quantity"], sort=False):
-            table, family_style = unsorted.sort_values("level"), styles[str(family)]
-            h, values = table["h"].to_numpy(), table["value"].to_numpy()
-            stroke, hollow = strokes[str(quantity)], quantity != "work"
-            curves.append(Curve(h, values, Style(family_style.colour, family_style.marker, stroke, hollow)))
-            if family == "one-diagonal" and len(table) > 1:
-                found[str(quantity)] += [float(order) for order in orders(h[-3:], values[-3:])]
+            look = replace(styles[str(family)], stroke=strokes[str(quantity)], hollow=quantity != "work")
+            curves.append(curve := Curve.of(unsorted.sort_values("level"), "value", look))
+            if family == "one-diagonal" and len(curve.x) > 1:
+                found[str(quantity)] += [float(order) for order in orders(curve.x[-3:], curve.y[-3:])]
         # The subplots share axes on which every case must have room.
         triangle = slope_triangle(curves, 1.0, decades)
         y = log_axis("", rows["value"], [triangle.top] if triangle else [])
@@ -713,9 +696,7 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
         "work of contact, error and excess against the mesh size, all logarithmic",
         subplots,
         [[*styles.items()], kinds],
-        "The root of the work of contact (filled markers), the error (dotted) and the excess of u^h over the solution "
-        "of the linear problem with the exact pressure as traction (dashed) against the mesh size h, for zones with "
-        f"patches of seven widths; the triangle has the slope 1. What to see: {seen}.",
+        caption("contact-work", seen=seen),
         columns=2,
     )
 
@@ -760,9 +741,7 @@ def rollers_chart(statements: pd.DataFrame) -> Chart | None:
         "excess of contact over the linear problem against the mesh size, both logarithmic",
         [Subplot("", x, y, [*curves, linear], bands, triangle)],
         [[*styles.items()], [("slope 1", linear.style)]],
-        "The excess max_t ‖u^h − u^h_{lin}‖_V over the solution of the linear problem with the exact pressure as "
-        "traction against the mesh size h, for a roller of the width 2h; of shaken meshes the mean, and the range as a "
-        f"band. The triangle has the slope ½, the dotted line the slope 1. What to see: {seen}.",
+        caption("rollers", seen=seen),
     )
 
 
@@ -797,13 +776,14 @@ def codes_chart(codes: Codes) -> Chart:
             Subplot("", x, share, curves["share"], rules=(1.0,)),
         ],
         [legend[::2], legend[1::2]],
-        f"{counted(len(rows), 'run')} of {counted(rows['code'].nunique(), 'contact code')}, each with stated "
-        "parameters on one case and mesh family. Above: the order of ‖u − u^h‖_V between the two finest meshes. Below: "
-        "the distance from the solution in K^h over the discretisation error. Both against the error of the pressure "
-        "on the finest mesh, over that of the solution in K^h. What to see: of "
-        f"{counted(len(bad), 'run')} whose contact stagnates or is wrong though their order in V is 1 ± {tolerance}, "
-        f"the error of the pressure is up to {bad['excess'].max():.0f} times what linear elements leave; an order in V "
-        "does not see it.",
+        caption(
+            "codes",
+            runs=counted(len(rows), "run"),
+            codes=counted(rows["code"].nunique(), "contact code"),
+            bad=counted(len(bad), "run"),
+            tolerance=tolerance,
+            most=bad["excess"].max(),
+        ),
     )
 
 
@@ -816,6 +796,7 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
         growth: the content of ``benchmarks/growth.csv``.
     """
     kib = 1024
+    growth = growth.assign(kib_per_dof=growth["peak_bytes"] / growth["dofs"] / kib)
     parts = {
         "level_seconds": ("a level: all steps", Style(DARK)),
         "factor_seconds": ("once: factorising or coarsening", Style(DARK, stroke="dashed")),
@@ -827,24 +808,23 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
     looks = cycle(zip(COLOURS, "os^DvP", strict=True))
     for ((dim, solver), unsorted), (colour, marker) in zip(growth.groupby(["dim", "solver"], sort=False), looks):  # noqa: B905
         rows, style, name = unsorted.sort_values("dofs"), Style(colour, marker), f"{dim}D, {solver}"
-        dofs = rows["dofs"].to_numpy(dtype=float)
         for column, (_, part) in parts.items():
-            seconds.append(Curve(dofs, rows[column].to_numpy(), Style(colour, marker, part.stroke)))
-        memory.append(Curve(dofs, (rows["peak_bytes"] / rows["dofs"] / kib).to_numpy(), style))
+            seconds.append(Curve.of(rows, column, replace(style, stroke=part.stroke), "dofs"))
+        memory.append(Curve.of(rows, "kib_per_dof", style, "dofs"))
         solvers.append((f"{name} ({len(rows)} {'mesh' if len(rows) == 1 else 'meshes'})", style))
         last = rows.iloc[-1]
         text = (
             f"{name}: {last['level_seconds']:.3g} s and {last['peak_bytes'] / kib**3:.2g} GiB for {last['dofs']:.0f} "
             "unknowns"
         )
-        if dofs[-1] > dofs[0]:
-            exponent, _ = np.polyfit(np.log(dofs), np.log(rows["level_seconds"]), 1)
+        if last["dofs"] > rows["dofs"].iloc[0]:
+            exponent, _ = np.polyfit(np.log(rows["dofs"]), np.log(rows["level_seconds"]), 1)
             text += f", time growing like unknowns^{exponent:.2f}"
         seen.append(text)
     # The line of slope 1 starts above the curves so that it does not cover them.
     ends = np.array([growth["dofs"].min(), growth["dofs"].max()], dtype=float)
-    first = growth["dofs"] == ends[0]
-    line = Curve(ends, 1.6 * float((growth["level_seconds"] / growth["dofs"])[first].max()) * ends, Style(GREY))
+    first = growth[growth["dofs"] == ends[0]]
+    line = Curve(ends, 1.6 * (first["level_seconds"] / first["dofs"]).max() * ends, Style(GREY))
     positive: list[Array] = [curve.y[curve.y > 0] for curve in [*seconds, line]]
     x = log_axis("unknowns", ends, least=2)
     return Chart(
@@ -854,6 +834,5 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
             Subplot("", x, log_axis("KiB per unknown", *(curve.y for curve in memory), least=2), memory),
         ],
         [solvers, [*parts.values(), ("slope 1", line.style)]],
-        "Cost of a level: seconds for all of it, for a factorisation and for a time step, and peak memory per unknown, "
-        f"against the number of unknowns; the grey line has slope 1. What to see: {'; '.join(seen)}.",
+        caption("growth", seen="; ".join(seen)),
     )

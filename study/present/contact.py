@@ -19,7 +19,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from study.present.body import ROUND_OFF, ramp
-from study.present.drawing import column_width, dots, entry, is_slide, legend
+from study.present.drawing import caption, column_width, dots, entry, is_slide, legend
 from study.present.palette import BLACK, BLUE, GREEN, GREY, PURPLE, RIM, SKY, SURFACE, VERMILLION
 from study.present.picture import (
     Array,
@@ -28,7 +28,6 @@ from study.present.picture import (
     Segment,
     caps,
     misplaced_length,
-    outside,
     strands,
 )
 
@@ -57,12 +56,12 @@ def draw_zone(picture: Picture) -> Figure:
     figure = Figure(figsize=(column_width() + 0.8 * (count - 1), 3.2))
     *panels, last = figure.subplots(1, count + 1, sharey=True, width_ratios=(*[1] * count, 0.4))
     for axes, face in zip(panels, picture.segments, strict=True):
-        _draw_zone_of_face(axes, face, picture.times, count)
+        _draw_zone_of_face(axes, face, count)
         axes.set_xlabel(rf"{'position $s$ along' if count < 3 else '$s$ on'} ${picture.symbol(face)}$")
     errors: list[Line2D] = []
     largest = 2.0
     for face, (colour, marker) in zip(picture.segments, cycle(LINES), strict=False):
-        error = misplaced_length(face, picture.times)
+        error = misplaced_length(face)
         largest = max(largest, 1.05 * float(error.max()))
         style: dict[str, Any] = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.7, "clip_on": False}
         errors += last.plot(error, picture.times[1:], label=rf"fronts on ${picture.symbol(face)}$", **style)
@@ -75,9 +74,9 @@ def draw_zone(picture: Picture) -> Figure:
     return figure
 
 
-def _draw_zone_of_face(axes: Axes, face: Segment, times: Array, faces: int) -> None:
+def _draw_zone_of_face(axes: Axes, face: Segment, faces: int) -> None:
     """Draw the contact zone of one face in 2D; ``faces`` is the number of faces in the figure."""
-    pieces = strands(face.zone_times, face.zone)
+    times, pieces = face.times, strands(face.zone_times, face.zone)
     columns = [np.array(piece).T for piece in pieces]
     outlines = [np.column_stack([[*left, *right[::-1]], [*t, *t[::-1]]]) for t, left, right in columns]
     axes.add_collection(PolyCollection(outlines, facecolor=SKY, alpha=0.45, linewidth=0, zorder=1))
@@ -87,7 +86,7 @@ def _draw_zone_of_face(axes: Axes, face: Segment, times: Array, faces: int) -> N
         if times[0] < time < times[-1]:
             axes.plot([start, end], [time, time], **FRONT, zorder=2)
     stride = max(1, round(len(times) / MOST_TIMES))
-    stray = outside(face, times)[::stride]
+    stray = face.outside[::stride]
     inside = face.touching[::stride] & ~stray
     # A diameter in points that leaves white space between neighbouring dots.
     size = float(np.clip(0.55 * min(200 / (len(face.s) * faces), 150 / (len(times) // stride)), 0.7, 2.5))
@@ -120,7 +119,7 @@ def _strays(picture: Picture) -> tuple[float, float]:
         The largest gap and the largest pressure at these nodes, in per cent of the largest value on all faces; 0 if
         there are no such nodes.
     """
-    where = [outside(face, picture.times) for face in picture.faces]
+    where = [face.outside for face in picture.faces]
     shares = []
     for name in ("gap_exact", "pressure"):
         values = [getattr(face, name) for face in picture.faces]
@@ -132,7 +131,7 @@ def _strays(picture: Picture) -> tuple[float, float]:
 
 def caption_zone(picture: Picture) -> str:
     """Return the caption of ``draw_zone``."""
-    errors = [misplaced_length(face, picture.times) for face in picture.segments]
+    errors = [misplaced_length(face) for face in picture.segments]
     face, worst = max(zip(picture.segments, errors, strict=True), key=lambda pair: float(pair[1].max()))
     when = int(np.argmax(worst))
     seen = (
@@ -147,30 +146,25 @@ def caption_zone(picture: Picture) -> str:
             f"; hollow dots lie outside of it, where the exact gap is at most {gap:.2g} % and the computed pressure "
             f"{pressure:.2g} % of the largest"
         )
-    return (
-        f"Contact zone of {picture.names} in space and time "
-        f"({picture.place}): exact zone filled, dots are nodes with a positive computed pressure; on the right the "
-        "length of their symmetric difference in cells, after t = 0, where nothing has been solved. What to see: "
-        f"how closely the dots fill the exact zone; {seen}."
-    )
+    return caption("zone", picture=picture, seen=seen)
 
 
 def draw_profiles(picture: Picture) -> Figure:
-    """Draw gap and pressure along each contact face in 2D at the times of ``picture.shapes``.
+    """Draw gap and pressure along each contact face in 2D at the times of ``picture.shown``.
 
     There is a row for each face and quantity, and a column for each time. Lines are exact values. Markers are computed
     values at the nodes; if there are many nodes, some have no markers. If
     there are several faces, a slide has a column for each face, at the time of the largest pressure.
     """
-    faces, instants = picture.segments, picture.instants
+    faces, instants = picture.segments, picture.shown
     quantities = ("gap", "gap $w$", BLUE), ("pressure", "pressure $p$", VERMILLION)
     rows = [[(face, quantity, instant) for instant in instants] for face in faces for quantity in quantities]
-    titles, heading = [f"$t={picture.times[instant]:.3g}$" for instant in instants], picture.heading
+    titles, heading = list(map(picture.clock, instants)), picture.heading
     if is_slide() and len(faces) > 1:
         loudest = max(instants, key=lambda instant: max(float(face.pressure[instant].max()) for face in faces))
         rows = [[(face, quantity, loudest) for face in faces] for quantity in quantities]
         titles = [f"${picture.symbol(face)}$" for face in faces]
-        heading += f", $t={picture.times[loudest]:.3g}$"
+        heading += f", {picture.clock(loudest)}"
     figure = Figure(figsize=(column_width(), 0.9 + 1.1 * len(rows)))
     panels = figure.subplots(len(rows), len(rows[0]), sharey="row", squeeze=False)
     for row, shown in zip(panels, rows, strict=True):
@@ -217,34 +211,28 @@ def _draw_profile(axes: Axes, face: Segment, quantity: tuple[str, str, str], ins
 
 def caption_profiles(picture: Picture) -> str:
     """Return the caption of ``draw_profiles``."""
-    gap, pressure = _largest_differences(picture)
-    return (
-        f"Gap and contact pressure along Γ3 at t = {picture.times_shown} ({picture.place}): lines are exact, markers "
-        "computed. What to see: nowhere are gap and pressure both positive, and markers lie on the lines: the error at "
-        f"the nodes is at most {gap} for the gap and, for the pressure, a nodal force divided by the integral of its "
-        f"shape function, at most {pressure}."
-    )
+    return caption("profiles", picture=picture, **_largest_differences(picture))
 
 
-def _largest_differences(picture: Picture) -> tuple[str, str]:
-    """Return the largest errors of the gap and of the pressure, as text.
+def _largest_differences(picture: Picture) -> dict[str, str]:
+    """Return "gap" and "pressure" ↦ the largest error of this quantity, as text.
 
-    The errors are taken at the nodes and at the times of ``picture.shapes``. They are given in per cent of the largest
+    The errors are taken at the nodes and at the times of ``picture.shown``. They are given in per cent of the largest
     exact value, unless this value is zero up to rounding.
     """
-    texts = []
+    texts = {}
     for name in ("gap", "pressure"):
-        computed = [getattr(face, name)[picture.instants] for face in picture.faces]
-        exact = [getattr(face, f"{name}_exact")[picture.instants] for face in picture.faces]
+        computed = [getattr(face, name)[picture.shown] for face in picture.faces]
+        exact = [getattr(face, f"{name}_exact")[picture.shown] for face in picture.faces]
         difference = max(float(abs(a - b).max()) for a, b in zip(computed, exact, strict=True))
         size = max(float(abs(values).max()) for values in exact)
         relative = f"{100 * difference / size:.2g} % of the largest" if size > ROUND_OFF else ""
-        texts.append(relative or f"{difference:.1e}, the largest being 0")
-    return texts[0], texts[1]
+        texts[name] = relative or f"{difference:.1e}, the largest being 0"
+    return texts
 
 
 def draw_fronts(picture: Picture) -> Figure:
-    """Draw maps of the contact zone in 3D, exact and computed, at the times of ``picture.shapes``.
+    """Draw maps of the contact zone in 3D, exact and computed, at the times of ``picture.shown``.
 
     There is a row for each face and a column for each time.
 
@@ -254,11 +242,11 @@ def draw_fronts(picture: Picture) -> Figure:
     rows = len(picture.polygons)
     figure = Figure(figsize=(column_width(), 2.2 + 1.25 * rows))
     grid = figure.add_gridspec(2, height_ratios=(rows, 0.9))
-    panels = grid[0].subgridspec(rows, len(picture.shapes)).subplots(sharex="row", sharey="row", squeeze=False)
+    panels = grid[0].subgridspec(rows, len(picture.shown)).subplots(sharex="row", sharey="row", squeeze=False)
     counts = figure.add_subplot(grid[1])
     for face, row, (colour, marker) in zip(picture.polygons, panels, cycle(LINES), strict=False):
-        strays = outside(face, picture.times)
-        for axes, instant in zip(row, picture.instants, strict=True):
+        strays = face.outside
+        for axes, instant in zip(row, picture.shown, strict=True):
             _draw_zone_map(axes, face, instant, strays[instant])
         times, label = picture.times[1:], f"${picture.symbol(face)}$"
         counts.plot(times, face.inside.sum(axis=1)[1:], color=colour, lw=0.8)
@@ -286,22 +274,17 @@ def caption_fronts(picture: Picture) -> str:
         if worst[when] > 0
         else f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
     )
-    return (
-        f"Contact zone of {picture.names} at t = {picture.times_shown} "
-        f"({picture.place}), seen from inside the body: exact zone filled, dots are nodes with a positive computed "
-        "pressure; below, the number of nodes in the exact zone (lines) and in computed contact (markers) over time, "
-        f"after t = 0, where nothing has been solved. What to see: how closely the dots fill the exact zone; {seen}."
-    )
+    return caption("fronts", picture=picture, seen=seen)
 
 
 def draw_maps(picture: Picture) -> Figure:
-    """Draw maps of gap and pressure in 3D at the times of ``picture.shapes``.
+    """Draw maps of gap and pressure in 3D at the times of ``picture.shown``.
 
     There is a row for each face and quantity, and a column for each time.
 
     Surfaces show exact values, dots show computed values at the nodes, in the same colours.
     """
-    instants, rows = picture.instants, 2 * len(picture.polygons)
+    instants, rows = picture.shown, 2 * len(picture.polygons)
     figure = Figure(figsize=(column_width(), 0.7 + 1.05 * rows))
     panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
     quantities = ("gap", "gap $w$"), ("pressure", "pressure $p$")
@@ -322,17 +305,10 @@ def draw_maps(picture: Picture) -> Figure:
 
 def caption_maps(picture: Picture) -> str:
     """Return the caption of ``draw_maps``."""
-    gap, pressure = _largest_differences(picture)
-    displacement = max(float(np.linalg.norm(shape.displacement, axis=0).max()) for shape in picture.shapes)
-    largest_gap = max(float(face.gap_exact[picture.instants].max()) for face in picture.polygons)
-    return (
-        f"Gap and contact pressure on {picture.names} at t = {picture.times_shown} "
-        f"({picture.place}), seen from inside the body: surfaces are exact, dots computed, in the same colours. What "
-        "to see: nowhere are gap and pressure both positive, and where a dot stands out there is an error: at most "
-        f"{pressure} for the pressure, a nodal force divided by the integral of its shape function; at most {gap} for "
-        f"the gap, which itself is at most {100 * largest_gap / (displacement or 1.0):.2g} % of the largest "
-        "displacement."
-    )
+    displacement = float(np.linalg.norm(picture.displacement[picture.shown], axis=1).max())
+    largest_gap = max(float(face.gap_exact[picture.shown].max()) for face in picture.polygons)
+    share = 100 * largest_gap / (displacement or 1.0)
+    return caption("maps", picture=picture, share=share, **_largest_differences(picture))
 
 
 def draw_map(axes: Axes, face: Polygon, instant: int, name: str, top: float) -> None:
@@ -372,11 +348,11 @@ def _draw_front(axes: Axes, face: Polygon, level: Array) -> None:
 
 
 def _label_maps(panels: Array, picture: Picture, faces: Sequence[Polygon]) -> None:
-    """Label a grid of maps, with a row for each of the faces and a column for each time of ``picture.shapes``."""
+    """Label a grid of maps, with a row for each of the faces and a column for each time of ``picture.shown``."""
     for row, face in zip(panels, faces, strict=True):
         row[0].set_ylabel(rf"$s_2$ on ${picture.symbol(face)}$")
-    for axes, shape in zip(panels[0], picture.shapes, strict=True):
-        axes.set_title(f"$t={shape.time:.3g}$")
+    for axes, instant in zip(panels[0], picture.shown, strict=True):
+        axes.set_title(picture.clock(instant))
     for axes in panels[-1]:
         axes.set_xlabel("$s_1$")
 

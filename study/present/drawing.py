@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,9 +16,7 @@ from cycler import cycler
 from matplotlib import rc_context, rc_params_from_file, rcParams
 from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_pdf import FigureCanvasPdf
-from matplotlib.backends.backend_pgf import FigureCanvasPgf, LatexError
-from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.backends.backend_pgf import LatexError
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
@@ -30,6 +29,8 @@ STYLES = Path(__file__).parent
 """The folder of the Matplotlib style files.
 
 ``style.mplstyle`` is for all figures; a file ``USE.mplstyle`` has entries that replace some of them for one use."""
+CAPTIONS: dict[str, str] = tomllib.loads((STYLES / "page" / "captions.toml").read_text(encoding="utf-8"))
+"""Name of a caption ↦ its text, with names of values in braces."""
 SEEN = "What to see: "
 """The words in a caption that are followed by the main point of the figure."""
 SHEET = 6
@@ -94,6 +95,10 @@ class Output:
 
 FORMATS = {"article": ("png", "pdf", "svg"), "slides": ("png", "pdf"), "web": ("svg", "png")}
 """Use of figures ↦ the formats that are written unless the user asks for others."""
+ALTERNATIVE = {"png": "Description", "pdf": "Subject", "svg": "Description"}
+"""Format ↦ the entry of its metadata with the alternative text. The format pgf has no metadata."""
+CHANGING = {"png": ["Software"], "pdf": ["CreationDate", "Creator", "Producer"], "svg": ["Date", "Creator"]}
+"""Format ↦ metadata with dates and versions, which are left out, so that equal data give equal files."""
 ARTICLE = Output()
 
 
@@ -231,44 +236,33 @@ def draw_one(directory: Path, drawing: Drawing, output: Output = ARTICLE) -> lis
         if is_slide():
             figure.set_size_inches(rcParams["figure.figsize"])
         FigureCanvasAgg(figure)
-        # The figure is laid out once and drawn once for each format; Figure.savefig would lay it out for each format.
+        # The figure is laid out once. With a layout engine, Figure.savefig would lay it out again for each format.
         layout = figure.get_layout_engine()
         assert layout is not None
         layout.execute(figure)
-        figure.set_layout_engine("none")
+        rcParams["figure.constrained_layout.use"] = False
+        figure.set_layout_engine()
         # A name may contain dots (rough-1.75), so the suffix is appended, not replaced.
-        written = [
-            write_whole(directory / f"{drawing.name}.{suffix}", _printer(figure, suffix, drawing))
-            for suffix in output.suffixes
-        ]
+        files = {suffix: directory / f"{drawing.name}.{suffix}" for suffix in output.suffixes}
+        written = [write_whole(path, partial(_save, figure, drawing, suffix)) for suffix, path in files.items()]
     return [*written, write_text(directory / f"{drawing.name}.txt", caption_text(drawing))]
 
 
-def _printer(figure: Figure, suffix: str, drawing: Drawing) -> Callable[[Path], None]:
-    """Return the function that saves a figure with its alternative text in the format ``suffix``.
+def _save(figure: Figure, drawing: Drawing, suffix: str, path: Path) -> None:
+    """Save a figure with its alternative text in the format ``suffix``."""
+    options: dict[str, Any] = {}
+    if suffix in ALTERNATIVE:
+        texts = {"Title": drawing.name, ALTERNATIVE[suffix]: drawing.alternative}
+        options["metadata"] = dict.fromkeys(CHANGING[suffix]) | texts
+    try:
+        figure.savefig(path, format=suffix, **options)
+    except (RuntimeError, LatexError) as error:
+        raise UsageError(f"--format pgf measures its texts with {rcParams['pgf.texsystem']}: {error}") from error
 
-    Dates and versions are left out, so that equal data give equal files.
-    """
-    text = drawing.alternative
-    if suffix == "png":
-        figure.set_dpi(rcParams["figure.dpi"])  # print_svg and print_pdf change it
-        described = {"Software": None, "Title": drawing.name, "Description": text}
-        return partial(FigureCanvasAgg(figure).print_png, metadata=described)
-    if suffix == "pdf":
-        described = {"CreationDate": None, "Creator": None, "Producer": None, "Title": drawing.name, "Subject": text}
-        return partial(FigureCanvasPdf(figure).print_pdf, metadata=described)
-    if suffix == "svg":
-        described = {"Date": None, "Creator": None, "Title": drawing.name, "Description": text}
-        return partial(FigureCanvasSVG(figure).print_svg, metadata=described)
-    canvas = FigureCanvasPgf(figure)
 
-    def write(part: Path) -> None:
-        try:
-            canvas.print_pgf(part)
-        except (RuntimeError, LatexError) as error:
-            raise UsageError(f"--format pgf measures its texts with {rcParams['pgf.texsystem']}: {error}") from error
-
-    return write
+def caption(name: str, /, **values: object) -> str:
+    """Return the text of ``page/captions.toml`` with this name, with values in place of the names in braces."""
+    return CAPTIONS[name].format(**values)
 
 
 def caption_text(drawing: Drawing) -> str:

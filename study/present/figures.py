@@ -7,7 +7,7 @@ pressures by ``study.present.contact``.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -31,6 +31,7 @@ from study.present.charts import Array, Chart, draw_chart
 from study.present.drawing import (
     SHEET,
     Drawing,
+    caption,
     column_width,
     dots,
     entry,
@@ -76,9 +77,9 @@ def drawings(directory: Path) -> list[Drawing]:
         zone, profiles = ("zone", "profiles") if picture.segments else ("fronts", "maps")
         kinds = {"body": PICTURES["body"], "zone": PICTURES[zone], "profiles": PICTURES[profiles]}
         kinds["energy"] = draw_energy, caption_energy, "The balance of energy over time, and its defect"
-        for kind, (draw, caption, summary) in kinds.items():
+        for kind, (draw, describe, summary) in kinds.items():
             name, about = f"{kind}-{picture.case}", f"{summary}: {picture.case}"
-            found.append(Drawing(name, partial(draw, picture), caption(picture), about, picture.case))
+            found.append(Drawing(name, partial(draw, picture), describe(picture), about, picture.case))
     return found
 
 
@@ -96,7 +97,8 @@ def drawings_of(
         UsageError: there is no figure of a case, or with a name.
         DataError: a data file is missing or damaged.
     """
-    found = for_slides(drawings(directory)) if slides else drawings(directory)
+    # A figure with a subplot for each of many cases cannot be read on a slide.
+    found = [drawing for drawing in drawings(directory) if not (slides and drawing.sheet)]
     for option, kind, of, wanted in (("--case", "case", "case", cases), ("--only", "figure", "name", names)):
         known = list(dict.fromkeys(getattr(drawing, of) for drawing in found if getattr(drawing, of)))
         if unknown := [name for name in wanted if name not in known]:
@@ -146,12 +148,7 @@ def overview(directory: Path) -> list[Drawing]:
     if len(known):
         about = "Bounds of the error divided by the error, for each case"
         figures.append(Drawing("effectivity", partial(draw_effectivity, known), caption_effectivity(known), about))
-    return [*figures, Drawing("problem", draw_sketch, SKETCH, "Sketch of a body on a rigid foundation")]
-
-
-def for_slides(figures: Iterable[Drawing]) -> list[Drawing]:
-    """Return the figures that can be read on a slide: all except those with a subplot for each of many cases."""
-    return [figure for figure in figures if not figure.sheet]
+    return [*figures, Drawing("problem", draw_sketch, caption("problem"), "Sketch of a body on a rigid foundation")]
 
 
 def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
@@ -234,10 +231,7 @@ def caption_effectivity(known: pd.DataFrame) -> str:
             f"{enclosed['lower'].max():.3g} and its upper end at {enclosed['upper'].min():.3g} … "
             f"{enclosed['upper'].max():.3g} times the error"
         )
-    return (
-        f"Effectivity of the bounds for {counted(known['case'].nunique(), 'case')} whose error is known, the worst "
-        f"over the second half of time; a larger marker is a finer mesh. What to see: {'; '.join(seen)}."
-    )
+    return caption("effectivity", cases=counted(known["case"].nunique(), "case"), seen="; ".join(seen))
 
 
 def _marker_area(level: Any) -> Any:
@@ -281,15 +275,16 @@ def caption_energy(picture: Picture) -> str:
         f"{value:.3g}" if abs(value) > 1e-12 * scale else "0"
         for value in (energy.stored[-1] - energy.stored[0], energy.contact[-1])
     )
-    return (
-        f"Balance of energy ({picture.place}, BDF2). Up to t = {energy.times[-1]:.3g} the load has done the work "
-        f"{energy.work[-1]:.3g}; {energy.dissipated[-1]:.3g} is dissipated by the viscosity, the stored energy has "
-        f"changed by {stored} and contact has done the work "
-        f"{of_contact}. What to see: the parts add up to the work of the load but for a "
-        f"defect of at most {100 * abs(energy.defect[worst]) / scale:.2g} % of the largest energy (at "
-        f"t = {energy.times[worst]:.3g}), which is due to the trapezoidal rule and the time scheme and of second "
-        "order in the step. The foundation is rigid and frictionless: contact does work only where a vertex "
-        "changes between contact and release."
+    return caption(
+        "energy",
+        picture=picture,
+        end=energy.times[-1],
+        work=energy.work[-1],
+        dissipated=energy.dissipated[-1],
+        stored=stored,
+        contact=of_contact,
+        defect=100 * abs(energy.defect[worst]) / scale,
+        worst=energy.times[worst],
     )
 
 
@@ -323,12 +318,9 @@ def adapted_mesh(name: str, found: AdaptedMesh, norm: str) -> Drawing:
     """
     against = ", for meshes refined everywhere as well" if len(found.uniform) else ""
     contact = "with what of Γ3 is in contact at the last time in colour, " if found.closed.size else ""
-    caption = (
-        f"{name}: the last mesh, {contact}and the bound of {norm} from u_h alone over unknowns{against}. The slope "
-        "−1/2 is the best there is for P1."
-    )
+    text = caption("adaptive", name=name, contact=contact, norm=norm, against=against)
     summary = f"An adapted mesh, and the bound of the error over the unknowns: {name}"
-    return Drawing("adaptive", partial(_draw_adapted, found), caption, summary)
+    return Drawing("adaptive", partial(_draw_adapted, found), text, summary)
 
 
 def _draw_adapted(found: AdaptedMesh) -> Figure:
@@ -362,13 +354,6 @@ def _draw_adapted(found: AdaptedMesh) -> Figure:
     bounds.set(xlabel="unknowns", ylabel="bound of the error")
     legend(figure, handles, len(handles))
     return figure
-
-
-SKETCH = (
-    "The problem: a body Ω is clamped on Γ1, loaded on Γ2 and in its interior, and may touch a rigid foundation along "
-    "Γ3, whose outward unit normal is ν. What to see: where there is a gap w = −u_ν > 0 there is no pressure "
-    "p = −σ_ν, and where there is a pressure the gap is 0; the front between the two is unknown and moves."
-)
 
 
 def draw_sketch() -> Figure:

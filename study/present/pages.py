@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 from xml.sax.saxutils import escape
 
 import pandas as pd
@@ -23,7 +24,7 @@ from study.ledger.codes import MADE, Codes
 from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_kinds, count_verdicts
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
-from study.ledger.text import above, below, up
+from study.ledger.text import above, below, cell, up
 from study.ledger.verdict import (
     CAN_FAIL,
     FAILS,
@@ -46,10 +47,9 @@ from study.present.article import two_digits_up
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
 from study.present.full_run import FullRun
-from study.present.missed import missed_rows
 from study.present.notation import counted, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
-from study.present.picture import picture_path, read_record, with_every_shape
+from study.present.picture import Picture, picture_path, read_record
 from study.present.show import write_gif
 from study.present.tables import texts
 from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, changes
@@ -58,8 +58,8 @@ BY_TABLES, BY_FIGURES, BY_PAGES = "study tables --out {}", "study figures --out 
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
 FILM, FILM_DPI, FILM_COLOURS = "hexagon", 66, 32
 """The case that the animation at the top of the README shows, its dots per inch, and the number of its colours."""
-ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling", "limit", "order", "order-graded")
-"""Keys of the checks that test the order of Proposition 5.4 and the convergence of Proposition 5.3 directly."""
+TEXTS: dict[str, Any] = tomllib.loads((Path(__file__).parent / "page" / "results.toml").read_text(encoding="utf-8"))
+"""Texts about the results, with names of values in braces."""
 MISPRINTS = "slips"
 """The label of the checks that list misprints."""
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
@@ -74,9 +74,9 @@ def main() -> None:
     data = FullRun.read(directory)
     if data is None:
         raise DataError(f"{directory} has no full run: `make full`, `make controls` and `make seeds` make it")
-    picture = with_every_shape(read_record(picture_path(directory, FILM)))
+    picture = Picture.of(read_record(picture_path(directory, FILM)))
     # Every second time is enough, and keeps the file below 120 kB.
-    picture = replace(picture, shapes=picture.shapes[::2])
+    picture = replace(picture, shown=range(0, len(picture.times), 2))
     with in_style():
         write_gif(directory / "figures" / f"{FILM}.gif", picture, lambda: None, FILM_DPI, FILM_COLOURS)
     for name, svg in badges(data, Path("pyproject.toml")).items():
@@ -159,220 +159,145 @@ def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 # Answer and results: claim, prediction, observation, verdict
 
 
-Result = list[str]
-"""A line of the tables of results: claim, prediction, observation, verdict."""
-
-
 def answer(data: FullRun) -> str:
     """Return the claims of the paper, the tests and their result in a few sentences, in Markdown.
 
     The page that shows the sentences defines the targets of the links [problem], [ledger], [results], [misprints] and
     [bounds].
     """
-    smooth, rough = data.rows("Prop. 5.4", "order-extrapolated"), data.rows("Prop. 5.3", "order")
-    predicted = data.cases.loc[rough["case"], "expected_order"]
     unclaimed = data.claims[data.claims["verdict"].isin(UNCLAIMED)]
-    met = unclaimed[unclaimed["expected"].str.startswith("predicted ")].apply(agreement, axis=1).value_counts()
-    holding = verdicts_in_words(data.claims, "checks").partition("; ")[0].capitalize()
+    predictions = unclaimed[unclaimed["expected"].str.startswith("predicted ")].apply(agreement, axis=1)
+    met = {name: int((predictions == name).sum()) for name in ("met", "undecided", "wrong")}
     claimed = data.claims[data.claims["verdict"].isin(CLAIMED)]
     of_paper = claimed[claimed["label"].map(is_of_the_paper)]
     counts = count_kinds(of_paper)
-    tests = f"{counts[ORDER]} observed orders, {counts[SIZE]} sizes and {counts[ONE_SIDED]} one-sided bounds"
-    off = _largest_difference(data)
-    said = {
-        "Claimed": "A viscoelastic body (Kelvin–Voigt law, small strains) is pressed onto a rigid foundation without "
-        "friction; the contact zone is unknown and moves. M. Barboteu, W. Han and M. Sofonea proved in 2002 that this "
-        "problem has exactly one solution, that it has two equivalent formulations, for displacements and for "
-        "stresses, and that linear finite elements in space converge in the energy norm, uniformly in time, with order "
-        "1 in the mesh size h if the solution is smooth. Their paper has no computations. ([Problem][problem])",
-        "Tested": "Every statement of the paper that a computation can test, on "
-        f"{counted(len(data.cases), 'exact solution')} with known contact zones. A check compares a measured number "
-        f"with a tolerance window. {counts[ORDER] + counts[SIZE] + counts[ONE_SIDED]} checks can contradict the paper: "
-        f"{tests}. {counts[THEOREM] + counts[IDENTITY]} checks are relations of the paper that fail only if the "
-        f"program is wrong. The other {len(claimed) - len(of_paper)} checks are about theorems of this study, contact "
-        "forces, and the program. ([All checks][ledger], [windows that were changed after a measurement][windows])",
-        "Result": f"{holding}. For smooth solutions ({_cases(smooth)}) the observed order, "
-        f"extrapolated to h → 0, is {_range(smooth)}; the paper predicts 1. For solutions that are not smooth "
-        f"({_cases(rough)}) the paper predicts convergence without an order; their "
-        f"regularity predicts orders from {predicted.min():.3g} to {predicted.max():.3g}, and the observed orders "
-        f"differ from them by at most {off}. Besides these checks, this study predicted {met.sum()} numbers about "
-        f"which the paper claims nothing: {met['met']} predictions were met, {met['undecided']} are undecided, "
-        f"{met['wrong']} were wrong. "
-        "([Results][results])",
-        "Wrong in print": f"{(data.claims['label'] == MISPRINTS).sum()} places, among them one false remark: nodal "
-        "interpolants of a continuous initial displacement need not converge to it in the energy norm. In our reading, "
-        "no theorem depends on these places. ([Misprints][misprints])",
-        "New": "In the plane, order 1 holds without the assumption of the paper on the normal displacement on the "
-        "contact boundary (proved). With backward Euler and smooth solutions the error is at most C (h + k) in the "
-        "energy norm, for mesh size h and every time step k below a limit that the material sets (proved). The error "
-        "of a computed displacement can be enclosed without the exact solution. "
-        "([Problem][problem], [error bounds][bounds])",
-    }
-    return "".join(f"- **{lead}.** {_literal(text)}\n" for lead, text in said.items())
+    values = (
+        _paper_values(data)
+        | met
+        | {
+            "exact_solutions": counted(len(data.cases), "exact solution"),
+            "decisive": counts[ORDER] + counts[SIZE] + counts[ONE_SIDED],
+            "orders": counts[ORDER],
+            "sizes": counts[SIZE],
+            "one_sided": counts[ONE_SIDED],
+            "relations": counts[THEOREM] + counts[IDENTITY],
+            "others": len(claimed) - len(of_paper),
+            "holding": verdicts_in_words(data.claims, "checks").partition("; ")[0].capitalize(),
+            "predictions": len(predictions),
+            "misprints": (data.claims["label"] == MISPRINTS).sum(),
+        }
+    )
+    sentences = {lead: text.format_map(values) for lead, text in TEXTS["answer"].items()}
+    return "".join(f"- **{lead}.** {_literal(text)}\n" for lead, text in sentences.items())
 
 
 def short(data: FullRun) -> str:
     """Return the main result in one sentence, in Markdown."""
     failing = count_verdicts(data.claims[data.claims["label"].map(is_of_the_paper)])[FAILS]
     contradict = f"{failing} of its checks contradict" if failing else "none of its checks contradicts"
-    orders = _range(data.rows("Prop. 5.4", "order-extrapolated"))
-    return (
-        f"In short: this study computes what the paper proves, and {contradict} the paper. The order of convergence, "
-        f"proved to be 1 for smooth solutions, was observed as {orders}.\n"
-    )
+    smooth = _range(data.rows("Prop. 5.4", "order-extrapolated"))
+    return str(TEXTS["short"]).format(contradict=contradict, smooth=smooth) + "\n"
 
 
 def headline(data: FullRun) -> str:
     """Return the main results with links to the code behind them, in Markdown; DataError if checks are missing."""
-    (smooth, rough, _, own_space), (bound, *_) = _paper_results(data), _beyond_results(data)
-    files = {"prop_5_4": smooth, "prop_5_3": rough, "thm_4_2_own_space": own_space, "enclosure": bound}
-    lines = [
-        [_literal(claim), _literal(observed), verdict, f"[code](study/statements/{file}.py)"]
-        for file, (claim, _, observed, verdict) in files.items()
-    ]
+    files = {"smooth": "prop_5_4", "rough": "prop_5_3", "own_space": "thm_4_2_own_space", "bound": "enclosure"}
+    lines = []
+    for name, (claim, _, observed, verdict) in _result_lines(data, files).items():
+        lines.append([_literal(claim), _literal(observed), verdict, f"[code](study/statements/{files[name]}.py)"])
     return markdown(["claim", "observed", "verdict", "source"], lines)
 
 
 def results(data: FullRun) -> str:
-    """Return the tables of results in Markdown: claims, predictions, observations rounded outwards, and verdicts."""
-    rows = *_paper_results(data), *_beyond_results(data), *_program_results(data)
-    return markdown(["claim", "predicted", "observed", "verdict"], [list(map(_literal, row)) for row in rows])
+    """Return the table of results in Markdown: claims, predictions, observations rounded outwards, and verdicts."""
+    lines = _result_lines(data, TEXTS["lines"]).values()
+    return markdown(["claim", "predicted", "observed", "verdict"], [list(map(_literal, line)) for line in lines])
 
 
-def _paper_results(data: FullRun) -> list[Result]:
-    """Return the results for Propositions 5.4 and 5.3, and for Theorem 4.2 without and with a space for stresses."""
+def _result_lines(data: FullRun, names: Iterable[str]) -> dict[str, list[str]]:
+    """Return name ↦ claim, prediction, observation and verdict for lines of the tables of results."""
+    values, found = _paper_values(data) | _beyond_values(data) | _program_values(data), {}
+    for name in names:
+        line = TEXTS["lines"][name]
+        texts = [line[part].format_map(values) for part in ("claim", "predicted", "observed")]
+        counts = () if "verdict" in line else (line["label"], line.get("keys", ()), line.get("noun", "checks"))
+        found[name] = [*texts, _verdict(data, *counts) if counts else line["verdict"].format_map(values)]
+    return found
+
+
+def _paper_values(data: FullRun) -> dict[str, Any]:
+    """Return the values in the texts on Propositions 5.4 and 5.3, and on Theorem 4.2 without and with own space."""
     smooth, rough = data.rows("Prop. 5.4", "order-extrapolated"), data.rows("Prop. 5.3", "order")
-    expected = data.cases.loc[rough["case"], "expected_order"]
-    limits = data.rows("Prop. 5.3", "limit")
-    limit, steeper = (above(100 * rows["high"].max(), 0) for rows in (limits, data.rows("Prop. 5.3", "limit-steeper")))
+    limits, steeper = data.rows("Prop. 5.3", "limit"), data.rows("Prop. 5.3", "limit-steeper")
+    predicted = data.cases.loc[rough["case"], "expected_order"].to_numpy()
     steps = data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna()
-    allowed, seen = (f"{two_digits_up(data.equivalence[name].max()):.2g}" for name in ("stress_bound", "stress_gap"))
-    label = "Thm 4.2, own space"
-    measured = data.rows(label, "order-stress")
+    measured = data.rows("Thm 4.2, own space", "order-stress")
     meets = measured["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
     others = measured[~meets]
-    each = "; ".join(f"{case}: {_range(rows)}" for case, rows in others.groupby("case", sort=False))
-    return [
-        [
-            "Proposition 5.4: for smooth solutions the error falls with order 1, O(h)",
-            "order 1",
-            f"{_cases(smooth)}: observed orders {_range(smooth)} extrapolated to h → 0, "
-            f"{_range(data.rows('Prop. 5.4', 'order'))} between consecutive meshes (on irregular meshes in the leading "
-            "term of the error instead of h)",
-            _verdict(data, "Prop. 5.4", ORDERS, "checks of the order"),
-        ],
-        [
-            "Proposition 5.3: the error also tends to 0 if the solution is not smooth",
-            f"error → 0; by regularity with orders {expected.min():.3g} to {expected.max():.3g}",
-            f"{_cases(rough)}: observed orders {_range(rough)} over two refinements; they differ from the predicted "
-            f"orders by at most {_largest_difference(data)}. Extrapolated to h → 0, the errors are "
-            f"{below(100 * limits['low'].min(), 0)} % to {limit} % of the errors on the two finest meshes; at most "
-            f"{100 * limits['window_high'].max():g} % is required. Not judged: orders over single refinements are "
-            f"{below(steps.min(), 2)} to {above(steps.max(), 2)}; errors extrapolated with an order that is larger by "
-            f"{STEEPER:g} are at most {steeper} %",
-            _verdict(data, "Prop. 5.3", CONVERGENCE, "checks of convergence"),
-        ],
-        [
-            "Theorem 4.2, displacements and stresses on the same mesh: two solvers find the same stress",
-            f"equal up to the tolerance of the stress solver: at most {allowed}, by its duality gap",
-            f"the stresses differ by at most {seen}",
-            _verdict(data, "Thm 4.2"),
-        ],
-        [
-            "Theorem 4.2: the stress formulation, solved without displacements, gives the stress of the displacement "
-            "formulation",
-            "order 3/2 to 2 for smooth solutions, less for others",
-            f"{_cases(measured[meets], 'smooth case')}: the error of the stress has observed orders "
-            f"{_range(measured[meets])}, predicted 3/2 to 2; {_cases(others, 'other case')}: {each}",
-            _verdict(data, label),
-        ],
-    ]
+    return {
+        "smooth_cases": _cases(smooth),
+        "smooth": _range(smooth),
+        "levels": _range(data.rows("Prop. 5.4", "order")),
+        "rough_cases": _cases(rough),
+        "rough": _range(rough),
+        "predicted": f"{predicted.min():.3g} to {predicted.max():.3g}",
+        "difference": above((rough["observed"] - predicted).abs().max(), 2),
+        "steps": f"{below(steps.min(), 2)} to {above(steps.max(), 2)}",
+        "limit_low": below(100 * limits["low"].min(), 0),
+        "limit_high": above(100 * limits["high"].max(), 0),
+        "limit_window": 100 * limits["window_high"].max(),
+        "limit_steeper": above(100 * steeper["high"].max(), 0),
+        "steeper": STEEPER,
+        **{name: two_digits_up(data.equivalence[name].max()) for name in ("stress_bound", "stress_gap")},
+        "own_smooth_cases": _cases(measured[meets], "smooth case"),
+        "own_smooth": _range(measured[meets]),
+        "own_other_cases": _cases(others, "other case"),
+        "own_others": "; ".join(f"{case}: {_range(rows)}" for case, rows in others.groupby("case", sort=False)),
+    }
 
 
-def _largest_difference(data: FullRun) -> str:
-    """Return the largest difference between observed and predicted order in Proposition 5.3, rounded up."""
-    seen = data.rows("Prop. 5.3", "order")
-    predicted = data.cases.loc[seen["case"], "expected_order"].to_numpy()
-    return above(float((seen["observed"] - predicted).abs().max()), 2)
-
-
-def _beyond_results(data: FullRun) -> list[Result]:
-    """Return the results beyond the paper: bounds, regularity, contact terms, and the error of time discretisation."""
+def _beyond_values(data: FullRun) -> dict[str, Any]:
+    """Return the values in the texts on bounds, regularity, contact terms, and the error of time discretisation."""
     bounds, known = data.rows("bound", "above"), data.bounds[data.bounds["trajectory"] == "bound"]
-    trace = data.rows("(5.36)", "order")
+    trace, work, time = data.rows("(5.36)", "order"), data.rows("beyond: work of contact", "order"), "beyond: O(h + k)"
     missing = trace[trace["case"].map(data.cases["expected_order"]) == 1]
-    proved = data.cases.loc[missing["case"], "proved_order"]
-    work, rollers, time = "beyond: work of contact", "beyond: rollers", "beyond: O(h + k)"
-    equal, alternating, shaken = (
-        _range(data.rows(rollers, f"order-{family}", "roller")) for family in ("equal", "alternating", "shaken")
-    )
-    return [
-        [
-            "Beyond the paper: an upper bound of the error, computed without the exact solution",
-            "error / bound ≤ 1",
-            f"{counted(len(bounds), 'case')}: error / bound at most {above(bounds['high'].max(), 3)}. In the second "
-            f"half of the time, half of the {len(known)} computed bounds are at most "
-            f"{above(known['upper'].median(), 2)} times the error, all at most {above(known['upper'].max(), 1)} times",
-            _verdict(data, "bound"),
-        ],
-        [
-            "Beyond the paper: does order 1 need the smoothness (5.36) that the paper assumes?",
-            "The assumption on the trace of u is not needed (proved in the plane). Without the assumption on u̇ the "
-            f"order ½ is proved for every u with second derivatives, and at least {proved.min():.3g} for these cases",
-            f"{counted(len(missing), 'case')} that violate one of the two assumptions: observed orders "
-            f"{_range(missing)}",
-            f"{REPORTED}: the question is open",
-        ],
-        [
-            "Beyond the paper: the contact term of the error estimate, if contact patches have all sizes down to h",
-            "order 1 on one-diagonal meshes",
-            f"{_cases(data.rows(work, 'order'))}: observed orders {_range(data.rows(work, 'order'))}",
-            _verdict(data, work),
-        ],
-        [
-            "Beyond the paper: the error that contact adds if a narrow contact patch rolls along the floor",
-            "order ½ or more (proved); 1 if all vertices on Γ3 have equal neighbourhoods, ½ if not",
-            f"observed orders {equal} on one-diagonal and criss-cross meshes, {alternating} with alternating "
-            f"diagonals, {shaken} for the mean over random meshes",
-            _verdict(data, rollers),
-        ],
-        [
-            "Beyond the paper: backward Euler has the error O(h + k), without a condition between h and the time step "
-            "k",
-            "proved: the error in time is at most k (‖u̇^h(0+)‖/√2 + 2 Var f) on every mesh",
-            f"error / bound at most {above(data.rows(time, 'data')['high'].max(), 2)}; observed orders in k "
-            f"{_range(data.rows(time, 'order'))}",
-            _verdict(data, time),
-        ],
-    ]
+    families = ("equal", "alternating", "shaken")
+    return {
+        "bound_cases": counted(len(bounds), "case"),
+        "bound_share": above(bounds["high"].max(), 3),
+        "bounds_known": len(known),
+        "bound_median": above(known["upper"].median(), 2),
+        "bound_most": above(known["upper"].max(), 1),
+        "trace_cases": counted(len(missing), "case"),
+        "trace_proved": data.cases.loc[missing["case"], "proved_order"].min(),
+        "trace": _range(missing),
+        "work_cases": _cases(work),
+        "work": _range(work),
+        **{family: _range(data.rows("beyond: rollers", f"order-{family}", "roller")) for family in families},
+        "time_share": above(data.rows(time, "data")["high"].max(), 2),
+        "time": _range(data.rows(time, "order")),
+    }
 
 
-def _program_results(data: FullRun) -> list[Result]:
-    """Return the results about the program: noticed deliberate defects, and false alarms on random meshes."""
-    caught, injected = count_caught(data.controls)
-    alarms = alarm_summary(data.seeds)
+def _program_values(data: FullRun) -> dict[str, Any]:
+    """Return the values in the texts on the program: noticed deliberate defects, and false alarms on random meshes."""
+    (caught, injected), alarms = count_caught(data.controls), alarm_summary(data.seeds)
     by_tail = (
         f"a model of the distributions of all checks, which judges nothing, gives at most {100 * alarms.by_tail:.2f} %"
     )
     if math.isnan(alarms.by_tail):
         by_tail = "too few seeds for an estimate from distributions"
-    return [
-        [
-            "Deliberate defects in the program, one at a time: a named check must fail",
-            "every defect is noticed",
-            f"{caught} of {injected} defects are noticed",
-            HOLDS if caught == injected else FAILS,
-        ],
-        [
-            f"False alarms: random meshes alone make one of the {alarms.rows} checks on them fail for at most "
-            f"{100 * PROMISE:.0f} % of all seeds",
-            f"at most {100 * PROMISE:.0f} %",
-            f"{alarms.red} of {alarms.seeds} new seeds; 95 % confidence interval {100 * alarms.low:.1f} % to "
-            f"{100 * alarms.high:.1f} %; {by_tail}; for the checks that take little time, {alarms.light_red} of "
-            f"{alarms.light_seeds} seeds",
-            f"{alarms.verdict} by the count alone; {seeds_needed()} seeds without an alarm are enough",
-        ],
-    ]
+    return {
+        "caught": caught,
+        "injected": injected,
+        "defects": HOLDS if caught == injected else FAILS,
+        "alarms": alarms,
+        "alarm_low": 100 * alarms.low,
+        "alarm_high": 100 * alarms.high,
+        "promise": 100 * PROMISE,
+        "by_tail": by_tail,
+        "seeds_needed": seeds_needed(),
+    }
 
 
 def _verdict(data: FullRun, label: str, keys: Sequence[str] = (), noun: str = "checks") -> str:
@@ -432,8 +357,22 @@ def misprints(data: FullRun) -> str:
 
 
 def missed(data: FullRun) -> str:
-    """Return the predictions of this study that were wrong, and what was learned from them, in Markdown."""
-    lines = [[_literal(str(text)) for text in line] for line in missed_rows(data.claims)]
+    """Return the predictions of this study that were wrong, and what was learned from them, in Markdown.
+
+    Raises:
+        DataError: ``page/results.toml`` has no lesson for a wrong prediction.
+    """
+    lines = []
+    for row in data.claims[data.claims["verdict"] == MISSED].to_dict("records"):
+        mine = (one for one in TEXTS["learned"] if one["label"] == row["label"] and one["key"] in row["key"])
+        if not (learned := next(mine, None)):
+            raise DataError(
+                f"the prediction of {row['label']}, {row['key']} for {row['case']} was missed: say in "
+                "study/present/page/results.toml, [[learned]], what was learned"
+            )
+        predicted = str(row["expected"]).removeprefix("predicted ").partition(" (wrong)")[0]
+        texts = row["label"], row["case"], row["quantity"], predicted, cell(row["observed"]), learned["lesson"]
+        lines.append([_literal(str(text)) for text in texts])
     return markdown(["statement", "case", "quantity", "predicted", "observed", "what was learned"], lines)
 
 
@@ -470,32 +409,20 @@ def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
     Raises:
         DataError: a number has no checks and no reason.
     """
-    found = numbered_entries(claims)
+    without = claims["label"].isin((NO_ROW, NOT_TESTED))
+    contents = [
+        (named(label), claim, f"{label}: {_verdicts(rows)}")
+        for label, claim, rows in by_claim(claims[~without & (claims["label"] != MISPRINTS)])
+    ]
+    for row in claims[without].to_dict("records"):
+        contents.append((named(str(row["case"])), str(row["quantity"]), str(row["expected"])))
+    found = {number: [texts for numbers, *texts in contents if number in numbers] for number in NUMBERED}
     if lacking := [number for number in NUMBERED if not found[number]]:
         raise DataError(f"claims.csv has neither rows nor a reason for {', '.join(lacking)}: judge again, or say why")
     for entries, group in groupby(NUMBERED, found.__getitem__):
         numbers = list(group)
         says, rows = ("; ".join(dict.fromkeys(parts)) for parts in zip(*entries, strict=True))
         yield numbers[0] if len(numbers) == 1 else f"{numbers[0]}–{numbers[-1]}", says, rows
-
-
-def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
-    """Return number of the paper ↦ content and checks of each statement that names the number.
-
-    For a number without a check, the reason why it has none takes the place of the checks.
-    """
-    found: dict[str, list[tuple[str, str]]] = {number: [] for number in NUMBERED}
-    without = claims["label"].isin((NO_ROW, NOT_TESTED))
-    entries = [
-        (named(label), claim, f"{label}: {_verdicts(rows)}")
-        for label, claim, rows in by_claim(claims[~without & (claims["label"] != MISPRINTS)])
-    ]
-    for row in claims[without].to_dict("records"):
-        entries.append((named(str(row["case"])), str(row["quantity"]), str(row["expected"])))
-    for numbers, says, rows in entries:
-        for number in numbers & found.keys():
-            found[number].append((says, rows))
-    return found
 
 
 def mesh_families(data: FullRun) -> str:

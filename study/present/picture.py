@@ -26,6 +26,7 @@ class FaceHistory:
     """Gap and pressure at the nodes of a contact face Γ3,i over time, computed and exact.
 
     Attributes:
+        times: the times, (times,).
         number: the index i of the face.
         normal: the outward unit normal ν, (d,).
         s: coordinates of the nodes along the face, (nodes,) in 2D and (2, nodes) in 3D.
@@ -34,6 +35,7 @@ class FaceHistory:
         pressure, pressure_exact: the contact pressure −σ_ν, (times, nodes).
     """
 
+    times: Array
     number: int
     normal: Array
     s: Array
@@ -53,6 +55,21 @@ class FaceHistory:
         """Whether each node is in contact at each time, (times, nodes)."""
         return np.asarray(self.pressure > self.contact_threshold)
 
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Whether each node is in the exact contact zone at each time, (times, nodes)."""
+        raise NotImplementedError
+
+    @property
+    def outside(self) -> NDArray[np.bool_]:
+        """Whether each node is in contact outside the exact zone at each time, (times, nodes).
+
+        At the first time, at which nothing has been solved, all entries are false.
+        """
+        found = self.touching & ~self.inside
+        found[0] = False
+        return np.asarray(found)
+
 
 @dataclass(frozen=True, eq=False)
 class Segment(FaceHistory):
@@ -70,6 +87,12 @@ class Segment(FaceHistory):
     line: Array
     line_gap: Array
     line_pressure: Array
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Whether each node is in the exact contact zone at each time, (times, nodes)."""
+        zones = map(self.exact_zone, self.times)
+        return np.array([[any(a <= s <= b for a, b in zone) for s in self.s] for zone in zones])
 
     def computed_zone(self, instant: int) -> list[Interval]:
         """Return the computed contact zone at the time with the index ``instant``, as intervals.
@@ -117,15 +140,6 @@ class Polygon(FaceHistory):
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
-    """The deformed body at one time: displacements, (d, vertices), and von Mises stresses of the cells, (cells,)."""
-
-    time: float
-    displacement: Array
-    von_mises: Array
-
-
-@dataclass(frozen=True, eq=False)
 class Energy:
     """The terms of the energy balance over time, (times,) each.
 
@@ -152,7 +166,7 @@ class Energy:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """The data of one run: mesh, deformed body at selected times, contact faces and energy over time.
+    """The data of one run: mesh, displacement, stress, contact faces and energy over time.
 
     Attributes:
         case, family, level: the case, the mesh family and the level of the mesh.
@@ -160,7 +174,9 @@ class Picture:
         vertices: coordinates of the vertices, (d, vertices).
         cells: vertex numbers of the triangles, (3, cells): of the mesh in 2D; in 3D of the surface of the mesh,
             counter-clockwise seen from outside.
-        shapes: the deformed body at selected times.
+        displacement: displacements of the vertices, (times, d, vertices).
+        von_mises: von Mises stresses of the cells, (times, cells).
+        shown: the indices of the times at which figures show the body.
         faces: the contact faces.
         energy: the energy balance.
     """
@@ -171,7 +187,9 @@ class Picture:
     times: Array
     vertices: Array
     cells: NDArray[np.int64]
-    shapes: list[Shape]
+    displacement: Array
+    von_mises: Array
+    shown: Sequence[int]
     faces: list[FaceHistory]
     energy: Energy
 
@@ -180,22 +198,27 @@ class Picture:
         """Return the data of a run from the content of its JSON file.
 
         Raises:
-            KeyError, TypeError, ValueError: the content was not written by ``study run``.
+            KeyError, TypeError, ValueError: the content was not written by ``study run``, or the shapes of the
+                displacements or stresses do not agree with the mesh.
         """
-        times = np.array(record["times"], dtype=float)
-        displacement, von_mises = (Packed.read(record[name]).values for name in ("displacement", "von_mises"))
-        shown = [int(np.argmin(abs(times - time))) for time in record["shapes"]]
+        times, vertices = (np.array(record[name], dtype=float) for name in ("times", "vertices"))
         cells = np.array(record["cells"], dtype=np.int64)
-        plane = len(record["vertices"]) == 2
+        displacement, von_mises = (Packed.read(record[name]).values for name in ("displacement", "von_mises"))
+        sizes = (displacement, (len(times), *vertices.shape)), (von_mises, (len(times), cells.shape[1]))
+        for values, expected in sizes:
+            if values.shape != expected:
+                raise ValueError(f"shape {values.shape}, expected {expected}")
         return cls(
             case=str(record["case"]),
             family=str(record["family"]),
             level=int(record["level"]),
             times=times,
-            vertices=np.array(record["vertices"], dtype=float),
+            vertices=vertices,
             cells=cells,
-            shapes=[Shape(float(times[n]), displacement[n], von_mises[n]) for n in shown],
-            faces=[_face(face, cells, plane) for face in record["faces"]],
+            displacement=displacement,
+            von_mises=von_mises,
+            shown=[int(np.argmin(abs(times - time))) for time in record["shapes"]],
+            faces=[_face(face, times, cells, plane=len(vertices) == 2) for face in record["faces"]],
             energy=Energy(**{field.name: read_values(record["energy"][field.name]) for field in fields(Energy)}),
         )
 
@@ -214,14 +237,9 @@ class Picture:
         """The longest side of the box around the undeformed body."""
         return float(np.ptp(self.vertices, axis=1).max())
 
-    @property
-    def instants(self) -> list[int]:
-        """The indices of the selected times among all times."""
-        return [self.nearest(shape.time) for shape in self.shapes]
-
-    def nearest(self, time: float) -> int:
-        """Return the index in ``times`` of the value nearest to a time."""
-        return int(np.argmin(abs(self.times - time)))
+    def at_all_times(self) -> Picture:
+        """Return the data for figures that show the body at all times."""
+        return replace(self, shown=range(len(self.times)))
 
     @property
     def heading(self) -> str:
@@ -233,10 +251,14 @@ class Picture:
         """The case, the mesh family and the level as text for captions."""
         return f"{self.case}, {self.family} mesh with n = {self.level}"
 
+    def clock(self, instant: int) -> str:
+        """Return the time with the index ``instant`` as a title, with TeX formulas."""
+        return f"$t={self.times[instant]:.3g}$"
+
     @property
     def times_shown(self) -> str:
-        """The selected times as text for captions."""
-        return ", ".join(f"{shape.time:.3g}" for shape in self.shapes)
+        """The times at which figures show the body, as text for captions."""
+        return ", ".join(f"{time:.3g}" for time in self.times[self.shown])
 
     @property
     def names(self) -> str:
@@ -257,16 +279,18 @@ def read_values(entry: Any) -> Array:
     return Packed.read(entry).values if isinstance(entry, Mapping) else np.array(entry, dtype=float)
 
 
-def _face(record: Mapping[str, Any], cells: NDArray[np.int64], plane: bool) -> FaceHistory:
+def _face(record: Mapping[str, Any], times: Array, cells: NDArray[np.int64], plane: bool) -> FaceHistory:
     """Return a contact face from its entry in the JSON file of a run.
 
     Parameters:
         record: the entry.
+        times: the times, (times,).
         cells: the triangles of the mesh or of its surface, as in ``Picture``.
         plane: whether the body is two-dimensional.
     """
-    names = [field.name for field in fields(FaceHistory) if field.name != "number"]
-    common: dict[str, Any] = {"number": int(record["face"])} | {name: read_values(record[name]) for name in names}
+    names = [field.name for field in fields(FaceHistory) if field.name not in ("times", "number")]
+    common: dict[str, Any] = {name: read_values(record[name]) for name in names}
+    common |= {"times": times, "number": int(record["face"])}
     if not plane:
         nodes, level = np.array(record["nodes"], dtype=np.int64), read_values(record["level_exact"])
         return Polygon(**common, facets=Facets.between(nodes, cells), nodes=nodes, level=level)
@@ -314,32 +338,6 @@ def read_pictures(directory: Path) -> list[Picture]:
     return pictures
 
 
-def over_time(record: Mapping[str, Any]) -> tuple[Packed, Packed]:
-    """Return displacements and stresses at all times from the content of the JSON file of a run.
-
-    Returns:
-        The displacements of the vertices, (times, d, vertices), and the von Mises stresses of the cells, (times,
-        cells).
-
-    Raises:
-        KeyError, TypeError, ValueError: the file lacks displacements or stresses, or their shapes do not agree with the
-            mesh.
-    """
-    times, vertices, cells = len(record["times"]), np.shape(record["vertices"]), np.shape(record["cells"])
-    packed = Packed.read(record["displacement"]), Packed.read(record["von_mises"])
-    for found, expected in zip(packed, ((times, *vertices), (times, cells[1])), strict=True):
-        if found.multiples.shape != expected:
-            raise ValueError(f"shape {found.multiples.shape}, expected {expected}")
-    return packed
-
-
-def with_every_shape(record: Mapping[str, Any]) -> Picture:
-    """Return the data of a run with the deformed body at all times; raises the same errors as ``over_time``."""
-    picture, (displacement, von_mises) = Picture.of(record), over_time(record)
-    every = zip(picture.times, displacement.values, von_mises.values, strict=True)
-    return replace(picture, shapes=[Shape(float(time), u, stress) for time, u, stress in every])
-
-
 # The exact contact zone in 2D over time.
 
 Strand = list[tuple[float, float, float]]
@@ -350,7 +348,7 @@ interval appears, disappears or splits, or because two intervals merge.
 """
 
 
-def misplaced_length(face: Segment, times: Array) -> Array:
+def misplaced_length(face: Segment) -> Array:
     """Return the error of the computed contact zone of a face in 2D at all times after the first, (times − 1,).
 
     The error is the length of the symmetric difference of the exact zone and of ``Segment.computed_zone``, divided by
@@ -359,8 +357,8 @@ def misplaced_length(face: Segment, times: Array) -> Array:
     """
     low, high = float(face.s.min()), float(face.s.max())
     lengths = []
-    for instant in range(1, len(times)):
-        exact = [(max(a, low), min(b, high)) for a, b in face.exact_zone(times[instant]) if a < high and b > low]
+    for instant, time in enumerate(face.times[1:], start=1):
+        exact = [(max(a, low), min(b, high)) for a, b in face.exact_zone(time) if a < high and b > low]
         zones = exact, face.computed_zone(instant)
         length = 0.0
         for a, b in pairwise(sorted({end for zone in zones for interval in zone for end in interval})):
@@ -368,22 +366,6 @@ def misplaced_length(face: Segment, times: Array) -> Array:
             length += (b - a) * (in_exact != in_computed)
         lengths.append(length)
     return np.array(lengths) * (len(face.s) - 1) / float(np.ptp(face.s))
-
-
-def outside(face: FaceHistory, times: Array) -> NDArray[np.bool_]:
-    """Return whether each node of a face is in contact outside the exact zone at each time, (times, nodes).
-
-    At the first time, at which nothing has been solved, all entries are false.
-    """
-    if isinstance(face, Segment):
-        zones = map(face.exact_zone, times)
-        inside = np.array([[any(a <= s <= b for a, b in zone) for s in face.s] for zone in zones])
-    else:
-        assert isinstance(face, Polygon)
-        inside = face.inside
-    found = face.touching & ~inside
-    found[0] = False
-    return np.asarray(found)
 
 
 def strands(times: Array, zone: Sequence[Sequence[Interval]]) -> list[Strand]:

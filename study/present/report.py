@@ -15,7 +15,7 @@ from markupsafe import Markup
 
 from study.ledger.datafiles import DataError, by_claim, count_verdicts, made_by, read_claims, read_csv, read_rates
 from study.ledger.files import write_text
-from study.ledger.pictures import short
+from study.ledger.pictures import Packed, short
 from study.ledger.text import significant
 from study.present import palette
 from study.present.body import ARROW, THICKNESS, BodyScale, shade
@@ -31,22 +31,12 @@ from study.present.charts import (
 from study.present.notation import typeset, typeset_svg
 from study.present.outcome import conclusion, orders_text
 from study.present.palette import family_styles
-from study.present.picture import FaceHistory, Polygon, Segment, over_time, picture_path, read_record, with_every_shape
-from study.present.tables import (
-    Table,
-    bounds_table,
-    controls_table,
-    equivalence_table,
-    ledger_table,
-    names,
-    numbers,
-    rates_table,
-    stress_table,
-)
+from study.present.picture import FaceHistory, Picture, Polygon, Segment, picture_path, read_record
+from study.present.tables import BOUNDS, CONTROLS, EQUIVALENCE, LEDGER, RATES, STRESSES, Table, names, numbers
 
 CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]
 ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]
-LEDGER = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
+CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
 HIGHEST_ORDER, STRIP = 1.5, 150
 """The largest order on the strip that shows the orders of a case, and the width of the strip in SVG units."""
 
@@ -75,8 +65,8 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
     # A statement with the code files that judge it and its checks. A label with two statements gives two groups.
     groups: list[dict[str, Any]] = [
         {"label": label, "says": says, "counts": count_verdicts(rows), "judges": judges.get(label, [])}
-        | {"rows": rows[LEDGER].to_numpy().tolist()}
-        for label, says, rows in by_claim(ledger_table(directory).cells)
+        | {"rows": rows[CHECKS].to_numpy().tolist()}
+        for label, says, rows in by_claim(LEDGER.table(directory).cells)
     ]
     cases = case_pages(directory, claims, rates)
     page = PAGES.get_template("page.html").render(
@@ -95,8 +85,8 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         cases=cases,
         names={case["name"] for case in cases},
         families=family_styles(rates["family"]),
-        bounds=bounds_table(directory),
-        controls=controls_table(directory),
+        bounds=BOUNDS.table(directory),
+        controls=CONTROLS.table(directory) if CONTROLS.is_measured(directory) else None,
         provenance=provenance,
         files=_files(directory),
     )
@@ -136,10 +126,10 @@ def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> li
     """
     enclosures = read_csv(directory, "enclosures.csv", ENCLOSURES)
     tables = [
-        (rates_table(directory), "Errors on every mesh", ["case", "claim"]),
-        (stress_table(directory), "The stress problem on its own space", ["case"]),
-        (equivalence_table(directory), "The stress problem on the strains of V^h", ["case"]),
-        (bounds_table(directory), "Bounds of the error", ["case"]),
+        (RATES.table(directory), "Errors on every mesh", ["case", "claim"]),
+        (STRESSES.table(directory), "The stress problem on its own space", ["case"]),
+        (EQUIVALENCE.table(directory), "The stress problem on the strains of V^h", ["case"]),
+        (BOUNDS.table(directory), "Bounds of the error", ["case"]),
     ]
     pages = []
     for fact in read_csv(directory, "cases.csv", CASES).to_dict("records"):
@@ -202,14 +192,14 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
         raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
     try:
         record = read_record(path)
-        (displacement, von_mises), picture = over_time(record), with_every_shape(record)
+        picture, displacement = Picture.of(record).at_all_times(), Packed.read(record["displacement"])
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(
             f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
             "version wrote it, make it anew with the same `study run`"
         ) from error
     scale = BodyScale.of(picture)
-    shades = np.round(255 * shade(von_mises.values / scale.stress)).astype(np.uint8)
+    shades = np.round(255 * shade(picture.von_mises / scale.stress)).astype(np.uint8)
     return {
         "times": picture.times.tolist(),
         "vertices": picture.vertices.tolist(),

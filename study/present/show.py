@@ -28,7 +28,7 @@ from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_ke
 from study.present.contact import draw_map
 from study.present.drawing import dots, entry, in_style, page_width
 from study.present.palette import BLACK, RAMPS, RIM, SKY, VERMILLION
-from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, with_every_shape
+from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
 
 MOMENTS, COLUMNS = 6, 3
 """The number of images of the storyboard, and the number of its columns."""
@@ -72,7 +72,7 @@ def draw_show(
     Raises:
         StoreError: the directory cannot be written.
     """
-    picture = with_every_shape(record)
+    picture = Picture.of(record).at_all_times()
     with in_style():
         storyboard = draw_storyboard(picture)
         storyboard.set_dpi(STORYBOARD_DPI)
@@ -88,8 +88,8 @@ def draw_show(
 
 def draw_storyboard(picture: Picture) -> Figure:
     """Draw the deformed body with stress and contact at ``MOMENTS`` times, evenly spaced from the first to the last."""
-    chosen = np.linspace(0, len(picture.shapes) - 1, MOMENTS).round().astype(int)
-    picture = replace(picture, shapes=[picture.shapes[n] for n in chosen])
+    chosen = np.linspace(0, len(picture.shown) - 1, MOMENTS).round().astype(int)
+    picture = replace(picture, shown=[picture.shown[n] for n in chosen])
     rows, width = MOMENTS // COLUMNS, (page_width() - 0.8) / COLUMNS
     figure = Figure(figsize=(page_width(), 0.8 + rows * (0.2 + width * BodyScale.of(picture).aspect)))
     draw_shapes(figure, figure.subplots(rows, COLUMNS).ravel(), picture, width, 4, fraction=0.04, shrink=0.8)
@@ -99,7 +99,7 @@ def draw_storyboard(picture: Picture) -> Figure:
 def write_gif(
     path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI, colours: int = COLOURS
 ) -> Path:
-    """Write an animated GIF with a frame for each shape of a picture.
+    """Write an animated GIF with a frame for each time in ``picture.shown``.
 
     Parameters:
         path: the file.
@@ -136,7 +136,7 @@ def find_ffmpeg() -> str | None:
 
 
 def write_mp4(path: Path, picture: Picture) -> Path | None:
-    """Write an animation as MP4, with a frame for each shape of a picture; return None if ffmpeg is not installed."""
+    """Write an animation as MP4, with a frame for each time in ``picture.shown``; None without ffmpeg."""
     ffmpeg = find_ffmpeg()
     if not ffmpeg:
         return None
@@ -184,14 +184,14 @@ def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
         ]
     bars = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.8, "pad": 0.02}
     draw_keys(figure, [left], picture, scale, 4, more, **bars)
-    for number, shape in enumerate(picture.shapes):
+    for instant in picture.shown:
         left.clear()
-        draw_deformed_mesh(left, picture, shape, scale, 0.5 * page_width())
+        draw_deformed_mesh(left, picture, instant, scale, 0.5 * page_width())
         for axes, face in zip(panels, picture.faces, strict=True):
             axes.clear()
-            _draw_pressure(axes, face, picture, picture.nearest(shape.time), scale)
-        figure.suptitle(f"{picture.heading},  $t={shape.time:.2f}$")
-        if number == 0:
+            _draw_pressure(axes, face, picture, instant, scale)
+        figure.suptitle(f"{picture.heading},  $t={picture.times[instant]:.2f}$")
+        if instant == picture.shown[0]:
             # Later frames keep the layout of the first frame, so that nothing jumps.
             figure.canvas.draw()
             figure.set_layout_engine("none")
@@ -209,7 +209,7 @@ def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int
         axes.set(xlabel="$s_1$", ylabel=rf"$s_2$ on ${name}$")
         return
     assert isinstance(face, Segment)
-    for start, end in face.exact_zone(float(picture.times[instant])):
+    for start, end in face.exact_zone(face.times[instant]):
         axes.axvspan(start, end, color=SKY, alpha=0.35, lw=0)
     axes.plot(face.line, face.line_pressure[instant], color=BLACK, lw=0.9)
     axes.plot(face.s, face.pressure[instant], "o", color=VERMILLION, mfc="white", ms=2.8, clip_on=False)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,8 +33,8 @@ def write_tables(directory: Path) -> list[Path]:
 
 def texts(directory: Path) -> dict[Path, str]:
     """Return path ↦ text of the files that ``write_tables`` writes; raises the same errors."""
-    makers = rates_table, short_ledger, equivalence_table, stress_table, bounds_table, controls_table, sensitivity_table
-    tables = filter(None, (make(directory) for make in makers))
+    layouts = RATES, SHORT_LEDGER, EQUIVALENCE, STRESSES, BOUNDS, CONTROLS, SENSITIVITY
+    tables = [layout.table(directory) for layout in layouts if layout.is_measured(directory)]
     found = {path: text for table in tables for path, text in table.texts(directory / "tables").items()}
     return found | article(directory)
 
@@ -97,12 +97,6 @@ class Table:
     cells: pd.DataFrame
     grouped: int = 0
 
-    @classmethod
-    def of(cls, name: str, columns: Sequence[Column], frame: pd.DataFrame, grouped: int = 0) -> Table:
-        """Return the table of some columns of a data frame."""
-        text = {column.name: [column.text(value) for value in frame[column.name]] for column in columns}
-        return cls(name, columns, pd.DataFrame(text, dtype=str), grouped)
-
     @property
     def rows(self) -> list[list[str]]:
         """The texts of all cells, row by row."""
@@ -140,35 +134,42 @@ def _plain(text: str) -> str:
     return re.sub(r"([\\|*_<#])", r"\\\1", text)
 
 
-def rates_table(directory: Path) -> Table:
-    """Return the table of errors and orders on all levels, from ``rates.csv``."""
+@dataclass(frozen=True)
+class Layout:
+    """How a table is made from a data file of a run.
+
+    Attributes:
+        name: the name of the table and, unless ``read`` is given, of its data file.
+        columns: the columns.
+        grouped: the number of columns, from the first, whose cells are headings of groups of rows.
+        read: function that returns the values of the columns for a result directory; if it is None, they are read.
+        optional: whether the data file may be missing.
+    """
+
+    name: str
+    columns: Sequence[Column]
+    grouped: int
+    read: Callable[[Path], pd.DataFrame] | None = None
+    optional: bool = False
+
+    def is_measured(self, directory: Path) -> bool:
+        """Return whether the table can be made: whether an optional data file exists."""
+        return not self.optional or (directory / "data" / f"{self.name}.csv").is_file()
+
+    def table(self, directory: Path) -> Table:
+        """Return the table of a result directory; raise DataError if its data file is missing or lacks a column."""
+        names = [column.name for column in self.columns]
+        values = self.read(directory) if self.read else read_csv(directory, f"{self.name}.csv", names)
+        cells = {column.name: [column.text(value) for value in values[column.name]] for column in self.columns}
+        return Table(self.name, self.columns, pd.DataFrame(cells, dtype=str), self.grouped)
+
+
+def _rates(directory: Path) -> pd.DataFrame:
     rates = read_rates(directory)
-    columns = [
-        *words(claim="claim"),
-        *names(case="case", family="meshes", scheme="scheme"),
-        *numbers(level="level", h="h", dofs="dofs", steps="steps", error="‖u − u^h‖_V"),
-        *numbers(ORDER, order="order"),
-        *numbers(at="at t =", interpolation_error="‖u − Π^h u‖_V", discrete_error="‖Π^h u − u^h‖_V"),
-        *numbers(ORDER, discrete_order="order"),
-        *numbers(time_share_percent="time, %"),
-    ]
-    return Table.of("rates", columns, rates.assign(time_share_percent=100 * rates["time_share"]), grouped=4)
+    return rates.assign(time_share_percent=100 * rates["time_share"])
 
 
-def ledger_table(directory: Path) -> Table:
-    """Return the table of all checks with windows, observations and verdicts, from ``claims.csv``."""
-    columns = [
-        *words(label="statement", statement="what it says"),
-        Column("case", "case", folding(0.17), names=True),
-        Column("quantity", "quantity", folding(0.26)),
-        Column("expected", "expected", folding(0.14)),
-        *numbers(observed="observed", low="low", high="high"),
-        *words(verdict="verdict"),
-    ]
-    return Table.of("ledger", columns, _with_measured_ranges(directory), grouped=2)
-
-
-def _with_measured_ranges(directory: Path) -> pd.DataFrame:
+def _checks(directory: Path) -> pd.DataFrame:
     """Return ``claims.csv`` with empty cells ``low`` and ``high`` instead of the range −∞ to ∞.
 
     This range means that nothing was measured.
@@ -178,11 +179,10 @@ def _with_measured_ranges(directory: Path) -> pd.DataFrame:
     return claims.assign(low=claims["low"].mask(unmeasured), high=claims["high"].mask(unmeasured))
 
 
-def short_ledger(directory: Path) -> Table:
-    """Return a shortened table of all checks, from ``claims.csv``.
+def _merged_checks(directory: Path) -> pd.DataFrame:
+    """Return the checks with one row for all cases that agree in statement, quantity, expectation and verdict.
 
-    Checks of several cases that agree in statement, quantity, expectation and verdict have one row. The row has the
-    range of their observed values, the smallest low end and the largest high end.
+    The row has the range of their observed values, the smallest low end and the largest high end.
     """
 
     def few_names(cases: pd.Series) -> str:
@@ -190,91 +190,99 @@ def short_ledger(directory: Path) -> Table:
         return ", ".join(names) if len(names) <= 3 else f"{len(names)} cases"
 
     shared = ["label", "statement", "quantity", "expected", "verdict"]
-    groups = _with_measured_ranges(directory).groupby(shared, sort=False, dropna=False)
-    lines = groups.agg(
+    lines = _checks(directory).groupby(shared, sort=False, dropna=False).agg(
         case=("case", few_names), least=("observed", "min"), most=("observed", "max"), low=("low", "min"),
         high=("high", "max"),
     )  # fmt: skip
-    columns = [
-        *words(label="statement", statement="what it says"),
-        Column("case", "case", folding(0.17), names=True),
-        Column("quantity", "quantity", folding(0.22)),
-        Column("expected", "expected", folding(0.14)),
-        *numbers(least="observed, least", most="observed, most", low="low", high="high"),
-        *words(verdict="verdict"),
-    ]
-    return Table.of("ledger", columns, lines.reset_index(), grouped=2)
+    return lines.reset_index()
 
 
-def equivalence_table(directory: Path) -> Table:
-    """Return the table of differences between the solutions of Problems 3.1 and 3.2, from ``equivalence.csv``."""
-    columns = [
-        *names(case="case"),
-        *words(form="form of Problem 3.2"),
-        *numbers(level="level", h="h", steps="steps", displacement_gap="displacements", stress_gap="stresses"),
-        *numbers(admissibility="admissibility", energy_gap="energy", membership="membership"),
-        *numbers(displacement_bound="allowed displ.", stress_bound="allowed stress"),
-    ]
-    return Table.of("equivalence", columns, _read(directory, "equivalence.csv", columns), grouped=2)
+def _sensitivity(directory: Path) -> pd.DataFrame:
+    rows = read_csv(directory, "sensitivity.csv", ["case", "family", "defect", "level", "amount", "seen_by"])
+    return rows.assign(percent=100 * rows["amount"])
 
 
-def bounds_table(directory: Path) -> Table:
-    """Return the table of error bounds and of their ratios to the error, from ``bounds.csv``."""
-    columns = [
-        *words(trajectory="kind"),
-        *names(case="case", family="meshes", scheme="scheme"),
-        *numbers(level="level", lowest="max error ≥", error="max error", highest="max error ≤"),
-        *numbers(ORDER, upper="upper / error", lower="lower / error"),
-        *numbers(residual="∫ r", oscillation="∫ η", contact="∫ c"),
-    ]
-    return Table.of("bounds", columns, _read(directory, "bounds.csv", columns), grouped=2)
-
-
-def controls_table(directory: Path) -> Table | None:
-    """Return the table of deliberate defects with the checks that must fail; None if ``controls.csv`` is missing."""
-    if not (directory / "data" / "controls.csv").is_file():
-        return None
-    columns = [
-        *words(label="statement"),
-        *names(defect="defect"),
-        Column("what", "what is wrong", folding(0.17)),
-        Column("setting", "measured on", folding(0.14), names=True),
-        Column("quantity", "row that has to fail", folding(0.17)),
-        Column("expected", "expected", folding(0.14)),
-        *numbers(observed="observed"),
-        *words(verdict="verdict", caught="caught"),
-    ]
-    return Table.of("controls", columns, _read(directory, "controls.csv", columns), grouped=1)
-
-
-def sensitivity_table(directory: Path) -> Table | None:
-    """Return the table with the smallest defect that each check notices; None if ``sensitivity.csv`` is missing."""
-    if not (directory / "data" / "sensitivity.csv").is_file():
-        return None
-    columns = [*names(case="case", family="meshes"), *words(defect="what is wrong"), *numbers(level="level")]
-    rows = _read(directory, "sensitivity.csv", [*columns, *numbers(amount="amount"), *names(seen_by="row")])
-    columns += [*numbers("{:.2g}", percent="by %"), *names(seen_by="row that fails")]
-    return Table.of("sensitivity", columns, rows.assign(percent=100 * rows["amount"]), grouped=2)
-
-
-def stress_table(directory: Path) -> Table:
-    """Return the table of errors of Problem 3.2 with a separate space for stresses, from ``stresses.csv``."""
-    first = [
-        *names(case="case", family="meshes"),
-        *numbers(level="level", steps="steps", unknowns="unknowns", stress="‖σ − σ^h‖_Q"),
-    ]
-    last = [
-        *numbers(stress_sup="largest in t", best="best possible", strain="strains", pressure="pressure"),
-        *numbers(displacement="multipliers", primal_stress="to σ(u^h)", primal_displacement="to u^h"),
-    ]
-    rows = _read(directory, "stresses.csv", [*first, *last, *numbers(h="h", time_share="time")])
+def _stresses(directory: Path) -> pd.DataFrame:
+    """Return ``stresses.csv`` with the order of the error of the stress, from the coarsest level to the finest."""
+    measured = [column.name for column in STRESSES.columns if column.name not in ("order", "time_share_percent")]
+    rows = read_csv(directory, "stresses.csv", [*measured, "h", "time_share"])
     shown = rows.assign(order=math.nan, time_share_percent=100 * rows["time_share"])
     series = [frame.sort_values("level") for _, frame in shown.groupby(["case", "family"], sort=False)]
     series = [one.assign(order=since_before(one["h"].to_numpy(), one["stress"].to_numpy())) for one in series]
-    shown = pd.concat(series) if series else shown
-    columns = [*first, *numbers(ORDER, order="order"), *last, *numbers(time_share_percent="time, %")]
-    return Table.of("stresses", columns, shown, grouped=2)
+    return pd.concat(series) if series else shown
 
 
-def _read(directory: Path, name: str, columns: Sequence[Column]) -> pd.DataFrame:
-    return read_csv(directory, name, [column.name for column in columns])
+RATES = Layout("rates", [
+    *words(claim="claim"),
+    *names(case="case", family="meshes", scheme="scheme"),
+    *numbers(level="level", h="h", dofs="dofs", steps="steps", error="‖u − u^h‖_V"),
+    *numbers(ORDER, order="order"),
+    *numbers(at="at t =", interpolation_error="‖u − Π^h u‖_V", discrete_error="‖Π^h u − u^h‖_V"),
+    *numbers(ORDER, discrete_order="order"),
+    *numbers(time_share_percent="time, %"),
+], 4, _rates)  # fmt: skip
+"""Errors and orders on all levels."""
+_STATEMENT = words(label="statement", statement="what it says")
+_EXPECTED = Column("expected", "expected", folding(0.14))
+LEDGER = Layout("ledger", [
+    *_STATEMENT,
+    Column("case", "case", folding(0.17), names=True),
+    Column("quantity", "quantity", folding(0.26)),
+    _EXPECTED,
+    *numbers(observed="observed", low="low", high="high"),
+    *words(verdict="verdict"),
+], 2, _checks)  # fmt: skip
+"""All checks with windows, observations and verdicts."""
+SHORT_LEDGER = Layout("ledger", [
+    *_STATEMENT,
+    Column("case", "case", folding(0.17), names=True),
+    Column("quantity", "quantity", folding(0.22)),
+    _EXPECTED,
+    *numbers(least="observed, least", most="observed, most", low="low", high="high"),
+    *words(verdict="verdict"),
+], 2, _merged_checks)  # fmt: skip
+"""All checks, with one row for cases that agree."""
+EQUIVALENCE = Layout("equivalence", [
+    *names(case="case"),
+    *words(form="form of Problem 3.2"),
+    *numbers(level="level", h="h", steps="steps", displacement_gap="displacements", stress_gap="stresses"),
+    *numbers(admissibility="admissibility", energy_gap="energy", membership="membership"),
+    *numbers(displacement_bound="allowed displ.", stress_bound="allowed stress"),
+], 2)  # fmt: skip
+"""Differences between the solutions of Problems 3.1 and 3.2."""
+STRESSES = Layout("stresses", [
+    *names(case="case", family="meshes"),
+    *numbers(level="level", steps="steps", unknowns="unknowns", stress="‖σ − σ^h‖_Q"),
+    *numbers(ORDER, order="order"),
+    *numbers(stress_sup="largest in t", best="best possible", strain="strains", pressure="pressure"),
+    *numbers(displacement="multipliers", primal_stress="to σ(u^h)", primal_displacement="to u^h"),
+    *numbers(time_share_percent="time, %"),
+], 2, _stresses)  # fmt: skip
+"""Errors of Problem 3.2 with a separate space for stresses."""
+BOUNDS = Layout("bounds", [
+    *words(trajectory="kind"),
+    *names(case="case", family="meshes", scheme="scheme"),
+    *numbers(level="level", lowest="max error ≥", error="max error", highest="max error ≤"),
+    *numbers(ORDER, upper="upper / error", lower="lower / error"),
+    *numbers(residual="∫ r", oscillation="∫ η", contact="∫ c"),
+], 2)  # fmt: skip
+"""Error bounds, and their ratios to the error."""
+CONTROLS = Layout("controls", [
+    *words(label="statement"),
+    *names(defect="defect"),
+    Column("what", "what is wrong", folding(0.17)),
+    Column("setting", "measured on", folding(0.14), names=True),
+    Column("quantity", "row that has to fail", folding(0.17)),
+    _EXPECTED,
+    *numbers(observed="observed"),
+    *words(verdict="verdict", caught="caught"),
+], 1, optional=True)  # fmt: skip
+"""Deliberate defects with the checks that must fail."""
+SENSITIVITY = Layout("sensitivity", [
+    *names(case="case", family="meshes"),
+    *words(defect="what is wrong"),
+    *numbers(level="level"),
+    *numbers("{:.2g}", percent="by %"),
+    *names(seen_by="row that fails"),
+], 2, _sensitivity, optional=True)  # fmt: skip
+"""The smallest defects that checks notice."""

@@ -11,7 +11,6 @@ from __future__ import annotations
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +19,10 @@ import pandas as pd
 
 from study.ledger.codes import Codes
 from study.ledger.compare import Comparison, Tolerance, compare, difference
-from study.ledger.datafiles import CsvFile, DataError, Row, line, made_by, read_csv, table_text, write_csv
+from study.ledger.datafiles import CsvFile, DataError, line, made_by, read_csv, table_text, write_csv
 from study.ledger.files import UsageError
 from study.run.executor import Pool, execute
-from study.run.judgement import PREDICTED, read_tables
+from study.run.judgement import PREDICTED, read_tables, stored_rows
 from study.run.plan import Job
 from study.run.provenance import Expectation, read_provenance
 from study.run.relations import CODE_RELATIONS, FOLDERS, RELATIONS
@@ -34,39 +33,12 @@ SHOWN = 3
 """Number of wrong cells that a message lists for each violated relation."""
 
 
-@dataclass(frozen=True)
-class Verified:
-    """The numbers of rows, files, measurements, relations and cases that a check of the data compared.
-
-    Attributes:
-        rows, files: numbers of rows and of files with measurements.
-        planned: number of planned measurements.
-        relations: number of relations between columns.
-        cases: number of cases whose predictions were compared.
-        gone: the cases that were not compared, because their files no longer exist.
-    """
-
-    rows: int
-    files: int
-    planned: int
-    relations: int
-    cases: int
-    gone: tuple[str, ...]
-
-    def __str__(self) -> str:
-        rest = f"; not compared, because their files no longer exist: {', '.join(self.gone)}" if self.gone else ""
-        return (
-            f"{self.rows} rows in {self.files} files belong to the {self.planned} planned measurements; "
-            f"{self.relations} relations hold in all of them; the predictions of {self.cases} cases agree with the "
-            f"definitions of the cases{rest}"
-        )
-
-
-def verify(directory: Path) -> Verified:
+def verify(directory: Path) -> str:
     """Compare the data of a run with its plan, with its predictions, and with each other.
 
     Returns:
-        The numbers of everything that was compared.
+        A sentence with the numbers of rows, files, planned measurements, relations and cases that were compared, and
+        the cases that were not compared because their files no longer exist.
 
     Raises:
         UsageError: the directory has no data.
@@ -86,14 +58,19 @@ def verify(directory: Path) -> Verified:
     read_csv(directory, path.name, PREDICTED)
     if found := difference(path, table_text(pd.DataFrame(expectation.lines))):
         raise DataError(f"{found} from the catalogue or from the file of the case: {again}")
-    broken = [[*map(str, relation(tables, expectation))] for relation in RELATIONS]
+    broken = [[*relation(tables, expectation)] for relation in RELATIONS]
     of_codes = [(codes, folder) for folder in FOLDERS if (codes := Codes.read(directory, folder))]
-    broken += [[*map(str, relation(*data))] for data in of_codes for relation in CODE_RELATIONS]
+    broken += [[*relation(*data)] for data in of_codes for relation in CODE_RELATIONS]
     if count := sum(map(len, broken)):
         said = "\n".join(breach for breaches in broken for breach in breaches[:SHOWN])
         raise DataError(f"data in {directory} were edited or damaged, in {count} places such as\n{said}\n{again}")
-    rows, gone = sum(map(len, tables.values())), tuple(sorted(expectation.gone))
-    return Verified(rows, len(tables), len(planned), len(broken), len(expectation.cases), gone)
+    rows, gone = sum(map(len, tables.values())), ", ".join(sorted(expectation.gone))
+    return (
+        f"{rows} rows in {len(tables)} files belong to the {len(planned)} planned measurements; "
+        f"{len(broken)} relations hold in all of them; "
+        f"the predictions of {len(expectation.cases)} cases agree with the definitions of the cases"
+        f"{'; not compared, because their files no longer exist: ' if gone else ''}{gone}"
+    )
 
 
 def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, again: str) -> set[tuple[str, ...]]:
@@ -206,14 +183,8 @@ def compare_again(
         old, new = Path(temporary) / "old", Path(temporary) / "new"
         store = Store(new)
         execute(jobs, store, pool, notify)
-        rows: dict[CsvFile, list[Row]] = {}
-        for job in jobs:
-            result = store.load(job.key, job.fingerprint())
-            assert result is not None, job.key
-            for file, row in job.records(result):
-                assert isinstance(file, CsvFile), file.name
-                rows.setdefault(file, []).append(row)
-        for file, measured in rows.items():
+        for file, measured in stored_rows(jobs, store).items():
+            assert isinstance(file, CsvFile), file.name
             table = pd.DataFrame(measured, columns=list(file.columns))
             write_csv(new / "data" / file.name, table)
             # From the file on disk, only the rows that were measured again are compared, without derived columns.

@@ -6,7 +6,7 @@ Judging needs the data files only: nothing is solved, and the checks in ``claims
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -28,7 +28,7 @@ from study.ledger.datafiles import (
 from study.ledger.files import write_text
 from study.ledger.verdict import Verdict
 from study.run.case_line import describe
-from study.run.plan import Plan
+from study.run.plan import Job, Plan
 from study.run.provenance import SUMS, Complete, provenance, read_provenance, text_sum
 from study.run.store import Store
 from study.statements import STATEMENTS
@@ -56,6 +56,17 @@ def data_files() -> list[DataFile]:
     return list(dict.fromkeys([*(statement.file for statement in STATEMENTS), ENCLOSURES]))
 
 
+def stored_rows(jobs: Iterable[Job], store: Store) -> dict[DataFile, list[Row]]:
+    """Return the rows of data files that follow from the stored results of jobs; all results must be stored."""
+    rows: dict[DataFile, list[Row]] = {}
+    for job in jobs:
+        result = store.load(job.key, job.fingerprint())
+        assert result is not None, job.key
+        for file, row in job.records(result):
+            rows.setdefault(file, []).append(row)
+    return rows
+
+
 def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
     """Write all data files of a run from the stored results of its jobs, with ``cases.csv`` and ``provenance.json``.
 
@@ -64,15 +75,9 @@ def collect(plan: Plan, store: Store, others: Sequence[Path] = ()) -> None:
         store: the result directory.
         others: further data files. Their checksums are recorded in ``provenance.json``, too.
     """
-    rows: dict[DataFile, list[Row]] = {file: [] for file in data_files()}
-    written = list(others)
-    for job in plan.jobs:
-        result = store.load(job.key, job.fingerprint())
-        assert result is not None, job.key
-        for file, row in job.records(result):
-            rows[file].append(row)
-    for file, rows_of_file in rows.items():
-        written += file.write(store.data, rows_of_file)
+    rows, written = stored_rows(plan.jobs, store), list(others)
+    for file in data_files():
+        written += file.write(store.data, rows.get(file, []))
     write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.scope.resolved()]))
     sums = {path.relative_to(store.data).as_posix(): text_sum(path) for path in sorted(written)}
     content = {**provenance(plan, store.directory), SUMS: sums}

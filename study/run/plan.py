@@ -12,6 +12,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.self_proof import Finding, SelfProofError, examine
@@ -129,16 +130,16 @@ class Plan:
     def _check_meshes(self) -> None:
         """Check that every mesh fits its body and the lines along which a solution is not smooth.
 
-        Each mesh is made once for all cases on bodies of the same shape.
+        Only meshes of statements that are measured for every case are checked. Other statements choose meshes that are
+        known to fit. Each mesh is made once for all cases on bodies of the same shape.
 
         Raises:
             MeshError: a mesh does not fit.
         """
         groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
-        for case, family, level in self.meshes():
-            body = case.solution.body
-            shape = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
-            groups.setdefault((shape, family, level), []).append((case, family, level))
+        for setting in (job.setting for job in self.jobs if job.statement.of_every_case):
+            case, family, level = resolve(setting.case), setting.family, setting.level
+            groups.setdefault((shape(case.solution.body), family, level), []).append((case, family, level))
         for group in groups.values():
             case, family, level = group[0]
             try:
@@ -149,15 +150,10 @@ class Plan:
             except MeshError as error:
                 raise MeshError(f"{case.name}, {family}, level {level}: {error}") from error
 
-    def meshes(self) -> Iterator[tuple[Case, str, int]]:
-        """Yield the meshes that must be checked, as (case, mesh family, level).
 
-        They belong to the statements that are measured for every case. Other statements choose meshes that are known to
-        fit.
-        """
-        for job in self.jobs:
-            if job.statement.of_every_case:
-                yield resolve(job.setting.case), job.setting.family, job.setting.level
+def shape(body: Body) -> Hashable:
+    """Return a value that is equal for bodies with the same boundary parts and interfaces, and so the same meshes."""
+    return tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
 
 
 def violations(reference: str) -> list[Finding]:

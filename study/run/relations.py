@@ -2,31 +2,29 @@
 
 Nothing is solved to test them. Examples: the column h is the mesh size of the mesh family and level; an observed order
 follows from the errors; three norms satisfy the triangle inequality; a bound is the largest of its values over time.
-Each function yields the cells that violate one relation. The second part of this file has the relations for the results
-of contact codes by other people.
+Each function yields a message for each cell that violates one relation. The second part of this file has the relations
+for the results of contact codes by other people.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
 
-from manufactured.case import Case
 from study.fem.mesh import size_of
 from study.fem.naming import family_named
 from study.ledger.codes import FOLDER, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.datafiles import CsvFile, in_series, line, since_before
+from study.run.plan import shape
 from study.run.provenance import Expectation
 from study.statements.enclosure import BOUNDS, ENCLOSURES, KEY, TIMES, resolve_problem
 from study.statements.prop_5_4 import RATES
 from study.statements.shared.meshes import is_uniform
 
 Tables = Mapping[CsvFile, pd.DataFrame]
-Numbers = NDArray[np.float64]
 DIGITS = 1e-10
 """Relative tolerance for columns that are written with twelve digits."""
 SAMPLED_RTOL = 2e-5
@@ -42,58 +40,37 @@ CODE_ORDER_ROOM = 0.02
 """Tolerance for an observed order between mesh sizes h and h/2 if the errors are written with three digits."""
 
 
-@dataclass(frozen=True)
-class Breach:
-    """A cell of a data file that violates a relation.
-
-    Attributes:
-        file: name of the file.
-        row: index of the row, from 0.
-        column: name of the column.
-        stands: the value that the file has in this cell.
-        expected: the expected value in words.
-    """
-
-    file: str
-    row: int
-    column: str
-    stands: object
-    expected: str
-
-    def __str__(self) -> str:
-        where = f"{self.file}, line {line(self.row)}, column {self.column}"
-        return f"{where}: found {self.stands}, expected {self.expected}"
+Relation = Callable[[Tables, Expectation], Iterator[str]]
 
 
-Relation = Callable[[Tables, Expectation], Iterator[Breach]]
-
-
-def breaches(file: str, table: pd.DataFrame, column: str, holds: pd.Series, expected: pd.Series) -> Iterator[Breach]:
-    """Yield a ``Breach`` for each row in which a column violates a relation.
+def breaches(file: str, table: pd.DataFrame, column: str, holds: Any, expected: Iterable[str]) -> Iterator[str]:
+    """Yield a message for each cell of a column that violates a relation: its place, its value and the expected value.
 
     Parameters:
-        file, table: name and content of the file.
+        file, table: name of the file, and its content or some of its rows.
         column: the column.
-        holds: for each row whether the relation holds.
-        expected: for each row the expected value in words.
+        holds: for each row whether the relation holds, (rows,).
+        expected: the expected value in words, for all rows or for each row.
     """
-    for row in np.flatnonzero(~holds.to_numpy(dtype=bool)):
-        yield Breach(file, int(row), column, table[column].iloc[row], str(expected.iloc[row]))
+    for row in np.flatnonzero(~np.asarray(holds, dtype=bool)):
+        words = expected if isinstance(expected, str) else [*expected][row]
+        where = f"{file}, line {line(int(table.index[row]))}, column {column}"
+        yield f"{where}: found {table[column].iloc[row]}, expected {words}"
 
 
-def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series) -> Iterator[Breach]:
+def equal(file: str, table: pd.DataFrame, column: str, expected: Any) -> Iterator[str]:
     """Yield the cells of a column that differ from their expected values.
 
     Parameters:
-        file, table, column: name and content of the file, and the column.
-        expected: the expected values; NaN if the cell must be empty.
+        file, table, column: name of the file, its content or some of its rows, and the column.
+        expected: the expected values, (rows,); NaN if the cell must be empty.
     """
-    stands, wanted = table[column].to_numpy(dtype=float), expected.to_numpy(dtype=float)
-    holds = pd.Series(np.isclose(stands, wanted, rtol=DIGITS, atol=DIGITS, equal_nan=True))
-    yield from breaches(file, table, column, holds, expected.map("{:.12g}".format))
+    wanted = np.asarray(expected, dtype=float)
+    holds = np.isclose(table[column].to_numpy(dtype=float), wanted, rtol=DIGITS, atol=DIGITS, equal_nan=True)
+    yield from breaches(file, table, column, holds, [*map("{:.12g}".format, wanted)])
 
 
-def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def propositions(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that each row of ``rates.csv`` names the proposition whose assumptions its case satisfies."""
     rates = tables[RATES]
     named = {line["case"]: str(line["statements"]).partition(", ")[0] for line in expectation.lines}
@@ -101,38 +78,35 @@ def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     yield from breaches(RATES.name, rates, "claim", rates["claim"] == expected, expected)
 
 
-def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check the numbers of time steps, the dimension, and the times of the largest errors in ``rates.csv``.
 
     The numbers of time steps must follow from the plan. Times must be ends or midpoints of time steps, at which errors
     are evaluated.
     """
-    rates = tables[RATES]
-    cases = rates["case"].map(expectation.cases)
-    known = rates[cases.notna()].reset_index()
-    resolved: list[Case] = cases.dropna().tolist()
-    T = pd.Series([case.solution.body.T for case in resolved], dtype=float)
+    known = tables[RATES][tables[RATES]["case"].isin([*expectation.cases])]
+    cases = [expectation.cases[name] for name in known["case"]]
+    T, steps = np.array([case.solution.body.T for case in cases]), known["steps"].to_numpy()
+    expected: dict[str, Any] = {}
     if expectation.plan:
         scope = expectation.plan.scope
-        steps = [scope.steps(case, n) for case, n in zip(resolved, known["level"], strict=True)]
-        yield from _at(known, equal(RATES.name, known, "steps", pd.Series(steps, dtype=float)))
-    yield from _at(known, equal(RATES.name, known, "k", T / known["steps"]))
-    dim = pd.Series([case.solution.body.dim for case in resolved], dtype=float)
-    yield from _at(known, equal(RATES.name, known, "dim", dim))
+        expected["steps"] = [scope.steps(case, n) for case, n in zip(cases, known["level"], strict=True)]
+    expected |= {"k": T / steps, "dim": [case.solution.body.dim for case in cases]}
     for column in ("at", "interpolation_at", "discrete_at"):
         # Errors are evaluated at the ends and midpoints of time steps, so these times are multiples of half a step.
-        half_steps = 2 * known["steps"]
-        nodes = (known[column] * half_steps / T).round().clip(0, half_steps)
-        yield from _at(known, equal(RATES.name, known, column, nodes * T / half_steps))
+        nodes = (known[column].to_numpy() * 2 * steps / T).round().clip(0, 2 * steps)
+        expected[column] = nodes * T / (2 * steps)
+    for column, values in expected.items():
+        yield from equal(RATES.name, known, column, values)
 
 
-def orders(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def orders(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that the observed orders in ``rates.csv`` follow from the errors and mesh sizes."""
     rates = tables[RATES]
     yield from equal(RATES.name, rates, "order", in_series(rates, "error"))
 
 
-def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def shares(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that two columns of ``rates.csv`` give the same error of the time discretisation.
 
     The column ``time_share`` has this error divided by the error, ``discrete_time_share`` this error divided by the
@@ -143,7 +117,7 @@ def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     yield from equal(RATES.name, rates, "discrete_time_share", expected)
 
 
-def triangles(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def triangles(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that the three errors in ``rates.csv`` satisfy the triangle inequality.
 
     They are the error, the interpolation error, and the discrete error between both solutions. Also, the error at the
@@ -170,38 +144,34 @@ MEASURED = {
 """File ↦ columns that are computed from many rounded numbers. Such a number is never exactly 0."""
 
 
-def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def positive(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that measured columns are positive. A value of exactly 0 means that nothing was measured."""
     for file, table in tables.items():
         for column in MEASURED.get(file.name, ()):
-            wanted = pd.Series("a positive number, as it is measured", table.index)
-            yield from breaches(file.name, table, column, table[column] > 0, wanted)
+            yield from breaches(file.name, table, column, table[column] > 0, "a positive number, as it is measured")
 
 
-def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def sizes(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that the column h in all files is the size of the mesh with this family and level."""
 
-    known: dict[tuple[object, str, int], float] = {}
+    known: dict[Hashable, float] = {}
+
+    def size(case: str, family: str, n: int) -> float:
+        found = expectation.cases.get(case)
+        body = found.solution.body if found else resolve_problem(case).data.body
+        # Each mesh is made once for all bodies of the same shape.
+        key = shape(body), family, n
+        if key not in known:
+            known[key] = size_of(family_named(family), body, n)
+        return known[key]
+
     for file, table in tables.items():
-        if "h" not in table:
-            continue
-        expected = []
-        for case, family, n in table[["case", "family", "level"]].to_numpy():
-            if case in expectation.gone:
-                expected.append(float("nan"))
-                continue
-            found = expectation.cases.get(case)
-            body = found.solution.body if found else resolve_problem(case).data.body
-            # Each mesh is made once for all bodies of the same shape.
-            key = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces)), family, n
-            if key not in known:
-                known[key] = size_of(family_named(family), body, n)
-            expected.append(known[key])
-        wanted = pd.Series(expected, dtype=float)
-        yield from equal(file.name, table, "h", wanted.where(wanted.notna(), table["h"]))
+        if "h" in table:
+            there = table[~table["case"].isin(expectation.gone)]
+            yield from equal(file.name, there, "h", [size(*place) for place in there[MESH].to_numpy()])
 
 
-def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def families(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that errors on different mesh families differ; equal errors would be a copy.
 
     Graded meshes are skipped: a coarse one may equal the uniform mesh.
@@ -211,19 +181,17 @@ def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     for column in ("error", "discrete_error"):
         same = pd.concat([*place, rates[column].map("{:.9e}".format)], axis=1)[uniform].duplicated(keep=False)
         holds = ~same.reindex(rates.index, fill_value=False)
-        wanted = pd.Series("another number than on the meshes of another family", rates.index)
-        yield from breaches(RATES.name, rates, column, holds, wanted)
+        yield from breaches(RATES.name, rates, column, holds, "another number than on the meshes of another family")
 
 
-def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check the columns of ``bounds.csv`` and ``enclosures.csv`` that are known before a bound is computed.
 
     The expected order must be that of the problem. Errors must be empty exactly if the exact solution is unknown.
     """
     bounds = tables[BOUNDS]
     problems = [resolve_problem(case) for case in bounds["case"]]
-    orders = pd.Series([problem.order for problem in problems], dtype=float)
-    yield from equal(BOUNDS.name, bounds, "expected_order", orders)
+    yield from equal(BOUNDS.name, bounds, "expected_order", [problem.order for problem in problems])
     unknown = pd.Series([problem.case is None for problem in problems], dtype=bool)
     for file, table, empty in (
         (BOUNDS, bounds, unknown),
@@ -234,7 +202,7 @@ def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breac
             yield from breaches(file.name, table, column, table[column].isna() == empty, wanted)
 
 
-def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+def extremes(tables: Tables, expectation: Expectation) -> Iterator[str]:
     """Check that each number in ``bounds.csv`` is the largest of the values over time in ``enclosures.csv``."""
     bounds, times = tables[BOUNDS], tables[ENCLOSURES]
     upper, room = times["distance"] + times["bound"], SAMPLED_RTOL * (times["distance"] + times["bound"])
@@ -260,19 +228,12 @@ def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     yield from breaches(BOUNDS.name, bounds, "lowest", ends, bounds["highest"].map("at most {:.12g}, highest".format))
 
 
-def _at(known: pd.DataFrame, found: Iterator[Breach]) -> Iterator[Breach]:
-    """Yield breaches in selected rows of a table, with the row numbers of the whole table."""
-    for breach in found:
-        row = int(known["index"].iloc[breach.row])
-        yield Breach(breach.file, row, breach.column, breach.stands, breach.expected)
-
-
 RELATIONS: tuple[Relation, ...] = (
     propositions, positive, sizes, planned_steps, orders, shares, triangles, families, predicted_bounds, extremes,
 )  # fmt: skip
 
 
-def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
+def same_best(codes: Codes, folder: str) -> Iterator[str]:
     """Check that the error of the discrete solution on a mesh is the same in the rows of all codes.
 
     The discrete solution is the finite-element solution with exact contact constraints, which this study computes.
@@ -285,7 +246,7 @@ def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
         yield from breaches(f"{folder}/errors.csv", errors, column, holds, wanted)
 
 
-def code_triangle(codes: Codes, folder: str) -> Iterator[Breach]:
+def code_triangle(codes: Codes, folder: str) -> Iterator[str]:
     """Check the triangle inequality between three solutions.
 
     They are the solution of another code, the discrete solution with exact contact constraints, and the exact solution.
@@ -300,7 +261,7 @@ def code_triangle(codes: Codes, folder: str) -> Iterator[Breach]:
 CODE_ORDERS = {"order_in_v": "error", "order_of_distance": "distance", "order_of_pressure": "pressure"}
 
 
-def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
+def code_orders(codes: Codes, folder: str) -> Iterator[str]:
     """Check that the observed orders in ``classes.csv`` follow from the errors on the two finest meshes."""
     finest: dict[object, dict[str, float]] = {}
     for number, rows in codes.errors.sort_values("level").groupby("series", sort=False):
@@ -309,14 +270,12 @@ def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
         finest[number] = dict(zip(CODE_ORDERS.values(), last, strict=True))
     classes = codes.classes
     for column, of in CODE_ORDERS.items():
-        expected = pd.Series(
-            [finest.get(number, {}).get(of, float("nan")) for number in classes["series"]], dtype=float
-        )
+        expected = np.array([finest.get(number, {}).get(of, np.nan) for number in classes["series"]])
         holds = ~(abs(classes[column] - expected) > CODE_ORDER_ROOM)
-        yield from breaches(f"{folder}/classes.csv", classes, column, holds, expected.map("{:.4g}".format))
+        yield from breaches(f"{folder}/classes.csv", classes, column, holds, [*map("{:.4g}".format, expected)])
 
 
-def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
+def every_series(codes: Codes, folder: str) -> Iterator[str]:
     """Check that ``classes.csv`` and ``errors.csv`` have the same series.
 
     A series is a code with fixed parameters on the meshes of one case and mesh family. Each series has a class, and it
@@ -325,11 +284,11 @@ def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
     there, left_out = codes.classes["series"].isin(codes.errors["series"]), codes.classes["class"] == NOT_EXPRESSED
     wanted = there.map({True: "a class, as there are errors", False: f"{NOT_EXPRESSED}, as there are no errors"})
     yield from breaches(f"{folder}/classes.csv", codes.classes, "class", there != left_out, wanted)
-    wanted = pd.Series("a series of classes.csv", codes.errors.index)
-    yield from breaches(f"{folder}/errors.csv", codes.errors, "series", codes.errors["code"].notna(), wanted)
+    there = codes.errors["code"].notna()
+    yield from breaches(f"{folder}/errors.csv", codes.errors, "series", there, "a series of classes.csv")
 
 
-CODE_RELATIONS: tuple[Callable[[Codes, str], Iterator[Breach]], ...] = (
+CODE_RELATIONS: tuple[Callable[[Codes, str], Iterator[str]], ...] = (
     same_best,
     code_triangle,
     code_orders,

@@ -213,15 +213,9 @@ def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
     far, count = near + DEPTH * length * normal, segments + 1
     lower = np.stack([first, first + 1, first + count + 1], axis=1)
     upper = np.stack([first, first + count + 1, first + count], axis=1)
-    cells = np.concatenate([lower, upper])
-    corners = np.concatenate([near, far])[cells]
-    turned = np.linalg.det(corners[:, 1:] - corners[:, :1]) < 0
-    cells[turned] = cells[turned][:, [0, 2, 1]]
-    return {
-        "vertices": np.concatenate([near, far]),
-        "cells": cells,
-        "facets": np.stack([first, first + 1], axis=1),
-    }
+    vertices = np.concatenate([near, far])
+    cells = oriented(vertices.T, np.concatenate([lower, upper]).T).T
+    return {"vertices": vertices, "cells": cells, "facets": np.stack([first, first + 1], axis=1)}
 
 
 @dataclass(frozen=True)

@@ -13,59 +13,32 @@ from itertools import pairwise, product
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from sympy import Expr, Integer, Rational, binomial
+from sympy import Expr
 
-from manufactured import (
-    Case,
-    ContactFace,
-    ExactSolution,
-    FrobeniusBall,
-    KelvinVoigt,
-    Kind,
-    Linear,
-    Prescribed,
-    Regularity,
-    Yield,
-    isotropic,
-    named,
-    pos,
-    prove,
-    s,
-    t,
-    unit_square,
-    x2,
-)
+from manufactured import Case, ExactSolution, KelvinVoigt, Linear, named, t, unit_square, x2
 from manufactured.cases.laws import not_proportional
 from manufactured.catalogue import NAMES
 from manufactured.data import Data
-from manufactured.tensors import Array, Points
+from manufactured.tensors import Array
 from study.bound import terms
-from study.bound.bounded import _intervals, levels
+from study.bound.bounded import _intervals, check_problem, levels
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose, known_error
 from study.bound.problem import BoundError
 from study.bound.terms import Majorant
-from study.bound.trajectory import (
-    DiscreteSolution,
-    Parabola,
-    Refined,
-    SmoothedInTime,
-    Trajectory,
-    compute,
-    prolongation,
-    spline,
-)
-from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.bound.trajectory import Computed, Parabola, Refined, SmoothedInTime, Trajectory, compute, spline
+from study.fem.mesh import FAMILIES, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
 from study.solve.evolution import Scheme
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.enclosure import eligible, measure, resolve_problem
 
-ROUGH = ("moving-rough", "layered-unmet", "rough-1.75", "rough-2", "rough-2.25")
+GAPS = ("closing-gap", "parabolic-gap")
+UNSERVED = ("moving-rough", "layered-unmet", "rough-1.75", "rough-2", "rough-2.25", *GAPS)
 """Cases to which the bound does not apply."""
-BOUNDED = [name for name in NAMES if name not in ROUGH and not name.startswith("cube")]
+BOUNDED = [name for name in NAMES if name not in UNSERVED and not name.startswith("cube")]
 ROUNDING = 1e-9
 """Relative; errors in round-off are compared with bounds in round-off."""
 TRAJECTORIES = [SmoothedInTime(), Refined(0, 2)]
@@ -81,21 +54,14 @@ def distance(discretisation: Discretisation, solution: ExactSolution) -> Callabl
     fields, V = [(rule, solution.at(rule.points)) for rule in rules], discretisation.displacements
 
     def measured(time: float, v: Array) -> float:
-        total = 0.0
-        for rule, exact in fields:
-            difference = exact.strain(time) - V.strain_at(v, rule.cells, rule.points)
-            stress = solution.law.A.at(rule.points)(difference)
-            total += float(np.einsum("Inq,Inq,nq->", stress, difference, rule.weights))
-        return math.sqrt(total)
+        parts = [(rule, exact.strain(time) - V.strain_at(v, rule.cells, rule.points)) for rule, exact in fields]
+        return math.sqrt(sum(np.vdot(solution.law.A.at(rule.points)(off), off * rule.weights) for rule, off in parts))
 
     return measured
 
 
-def closest(case: Case, mesh, scheme: Scheme, steps: int, trajectory: Trajectory, seed: int = 0) -> tuple[float, float]:
-    """Assert that no error lies outside, at the knots and at a random time of every piece.
-
-    Returns the largest lower/error, and the largest ‖u − ũ‖/y.
-    """
+def closest(case: Case, mesh, scheme: Scheme, steps: int, trajectory: Trajectory, seed: int = 0) -> float:
+    """Assert that no error lies outside, at the knots and at a random time of every piece; the largest lower/error."""
     coarse = Discretisation(Data.of(case.solution), mesh)
     computed = compute(coarse, scheme, steps)
     error = known_error(case, computed)
@@ -107,7 +73,7 @@ def closest(case: Case, mesh, scheme: Scheme, steps: int, trajectory: Trajectory
     assert found.lowest - slack <= found.error.max() <= found.highest + slack
 
     fine = trajectory.discretisation(coarse)
-    u_h, true, rng, nearest = computed.on(fine), distance(fine, case.solution), np.random.default_rng(seed), 0.0
+    u_h, true, rng = computed.on(fine), distance(fine, case.solution), np.random.default_rng(seed)
     for piece, interval in zip(spline(trajectory.nodes(fine, computed)), found.intervals, strict=True):
         assert (piece.a, piece.b) == (interval.a, interval.b)
         assert interval.inside >= max(interval.at_a, interval.at_b) * (1 - 1e-12)
@@ -115,11 +81,9 @@ def closest(case: Case, mesh, scheme: Scheme, steps: int, trajectory: Trajectory
             time = piece.a + share * (piece.b - piece.a)
             v, u = piece.at(time), computed.at(time)
             assert (fine.displacements.N @ v).max(initial=0.0) <= 1e-10
-            off = true(time, v)
-            assert off <= bound + slack
+            assert true(time, v) <= bound + slack
             assert error(time, u) <= min(bound + fine.norm(v - u_h(time)), found.highest) + slack
-            nearest = max(nearest, off / bound if bound > slack else 0.0)
-    return float((found.lower / np.maximum(found.error, np.finfo(float).tiny)).max()), nearest
+    return float((found.lower / np.maximum(found.error, np.finfo(float).tiny)).max())
 
 
 # ---- the main property
@@ -136,9 +100,9 @@ def turn(number: int) -> tuple[Case, MeshFamily, Scheme]:
 TURNS = [
     pytest.param(number, level, trajectory, id=f"{trajectory.name}-{name}-{level}", marks=marks)
     for number, name in enumerate(BOUNDED)
-    for level, trajectory in product((3, 4, 8), TRAJECTORIES)
+    for level, trajectory in product((2, 4, 8), TRAJECTORIES)
     # A third of the cheaper cases, with both displacements in turn; the nightly job tries all.
-    for quick in [level == 3 and number % 3 == 0 and trajectory is TRAJECTORIES[number % 2]]
+    for quick in [level == 2 and number % 3 == 0 and trajectory is TRAJECTORIES[number % 2]]
     for marks in [() if quick and name not in ("hexagon", "merging-patches") else pytest.mark.slow]
 ]
 
@@ -150,102 +114,16 @@ def test_no_error_lies_outside(number: int, level: int, trajectory: Trajectory) 
 
 
 def test_all_cases_families_and_schemes_have_their_turn() -> None:
-    assert [name for name in NAMES if eligible(named(name))] == BOUNDED
-    turns = [turn(number) for number in range(len(BOUNDED))]
-    assert {family for _, family, _ in turns} == set(FAMILIES)
-    assert {scheme for *_, scheme in turns} == set(SCHEMES)
-    assert len(turns) >= 20
-
-
-def twentieths(low: int, high: int) -> st.SearchStrategy[Rational]:
-    return st.integers(low, high).map(lambda number: Rational(number, 20))
-
-
-def polynomial(coefficients: list[Expr]) -> Expr:
-    """Σ c_i B_i(t): between the least and the largest c_i on [0, 1]."""
-    n = len(coefficients) - 1
-    return sum((c * binomial(n, i) * t**i * (1 - t) ** (n - i) for i, c in enumerate(coefficients)), Integer(0))
-
-
-@st.composite
-def tensors(draw) -> Linear:
-    """Isotropic, or any symmetric positive definite one."""
-    if draw(st.booleans()):
-        mu, lam = draw(twentieths(5, 60)), draw(twentieths(-4, 80))
-        return isotropic(float(mu), float(lam))
-    B = np.array([float(draw(twentieths(-20, 20))) for _ in range(9)]).reshape(3, 3)
-    C = B @ B.T + 0.3 * np.eye(3)
-    return Linear((C + C.T) / 2)
-
-
-@st.composite
-def cases(draw) -> Case:
-    """A front anywhere that moves or stays, full contact of a linear or yielding body, or none."""
-    body = unit_square()
-    (part,) = body.of(Kind.CONTACT)
-    zone = draw(st.sampled_from(["moves", "moves", "moves", "stays", "full", "none", "yields"]))
-    regularity, rough = Regularity(), ()
-    amplitudes = st.lists(twentieths(1, 40), min_size=1, max_size=3).map(polynomial)
-    # Never constant in time: for a solution at rest the self-proof would compare rounding with rounding.
-    strength, opening = 20 * (1 + t) * draw(amplitudes), 5 * (1 + t) * draw(amplitudes)
-    bump = 1 + 4 * s * (1 - s)
-    if zone == "yields":
-        G = Yield(float(draw(twentieths(5, 80))), FrobeniusBall(float(draw(twentieths(1, 20)))))
-        law = KelvinVoigt(isotropic(1, 0.5), G, "random (3.3)")
-        strain = Prescribed(((body.T, -draw(twentieths(1, 40)) * t * bump),))
-        face = ContactFace(part, Integer(0), strain, Integer(1))
-    else:
-        law = KelvinVoigt(draw(tensors()), draw(tensors()), "random")
-        if zone == "full":
-            gap, pressure, level = Integer(0), t * strength * bump, Integer(1)
-        elif zone == "none":
-            gap, pressure, level = opening * (1 + s), Integer(0), Integer(-1)
-        else:
-            count = 1 if zone == "stays" else draw(st.integers(2, 3))
-            front = polynomial([draw(twentieths(3, 17)) for _ in range(count)])
-            alpha, m = draw(st.integers(4, 5)), draw(st.integers(2, 3))
-            level = draw(st.sampled_from([1, -1])) * (front - s)
-            moving = sp.expand(front).has(t)
-            level, rough = sp.expand(level), () if moving else (float(sp.expand(front)),)
-            gap, pressure = opening * pos(-level, alpha), strength * pos(level, m)
-            regularity = Regularity(gap=alpha, pressure=m, moving=moving)
-        face = ContactFace.linear(part, law, body.T, gap, pressure, level, rough=rough)
-    solution = ExactSolution(body, law, (face,))
-    return Case("random", zone, solution, regularity, regularity.order, "exponents")
-
-
-seeds = st.integers(0, 999)
-families = st.one_of(
-    st.just(OneDiagonal()),
-    st.just(CrissCross()),
-    seeds.map(lambda seed: Shaken(seed=seed)),
-    seeds.map(lambda seed: Unstructured(seed=seed)),
-)
-trajectories = st.one_of(st.just(SmoothedInTime()), st.integers(1, 3).map(lambda shorter: Refined(0, shorter)))
-random_examples = given(
-    cases(), families, st.integers(3, 6), st.sampled_from(SCHEMES), st.integers(2, 6), trajectories, seeds
-)
-
-
-@settings(max_examples=2)
-@random_examples
-def test_no_error_lies_outside_for_random_cases(case, family, n, scheme, steps, trajectory, seed) -> None:
-    closest(case, family(case.solution.body, n), scheme, steps, trajectory, seed)
-
-
-@pytest.mark.slow
-@settings(max_examples=30)
-@random_examples
-def test_no_error_lies_outside_for_many_random_cases(case, family, n, scheme, steps, trajectory, seed) -> None:
-    prove(case.solution, case.name)
-    closest(case, family(case.solution.body, n), scheme, steps, trajectory, seed)
+    assert [name for name in NAMES if eligible(named(name)) and name not in GAPS] == BOUNDED
+    _, families, schemes = zip(*map(turn, range(len(BOUNDED))), strict=True)
+    assert (set(families), set(schemes)) == (set(FAMILIES), set(SCHEMES))
 
 
 def test_a_refined_mesh_encloses_the_error_more_tightly() -> None:
     case = named("fixed-front-off-vertex")
-    mesh = Unstructured()(case.solution.body, 3)
-    plain, finer = (closest(case, mesh, MIDPOINT, 4, Refined(r, 2)) for r in (0, 1))
-    assert plain[0] < finer[0] < 1
+    mesh = OneDiagonal()(case.solution.body, 3)
+    plain, finer = (closest(case, mesh, MIDPOINT, 2, Refined(r, 2)) for r in (0, 1))
+    assert plain < finer < 1
 
 
 @dataclass(frozen=True)
@@ -258,12 +136,11 @@ class Anything:
     def discretisation(self, coarse: Discretisation) -> Discretisation:
         return coarse
 
-    def nodes(self, discretisation: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
+    def nodes(self, discretisation: Discretisation, computed: Computed) -> Iterator[tuple[float, Array]]:
         rng, V = np.random.default_rng(self.seed), discretisation.displacements
-        for time in np.linspace(0, computed.T, computed.steps + 1):
+        for time in computed.times.tolist():
             v = rng.normal(size=V.dofs) * 0.1
-            normal = V.N @ v
-            yield float(time), v - V.N.T @ np.maximum(normal, 0)
+            yield time, v - V.N.T @ np.maximum(V.N @ v, 0)
 
 
 @pytest.mark.parametrize("name", ["advance-recede", "yield-on-a-part", "anisotropic"])
@@ -292,16 +169,6 @@ def test_a_load_that_is_left_out_puts_errors_outside(name: str, trajectory: Traj
 # ---- problems whose solution the spaces contain
 
 
-def coefficients(
-    discretisation: Discretisation, value: Callable[[Points], Array], polar: Callable[[Array, Array], Array]
-) -> Array:
-    """(0, w) of degree 2 from its values at vertices and its polar form at the ends of edges."""
-    mesh, V = discretisation.mesh, discretisation.displacements
-    middle = polar(mesh.p[:, mesh.facets[0]], mesh.p[:, mesh.facets[1]])
-    full = np.hstack([value(mesh.p), np.array([0 * middle, middle])])
-    return full.T.ravel()[V.free]
-
-
 @dataclass(frozen=True)
 class Patch:
     """u = g(t) (0, w(x2)) with w of degree 2, w(1) = 0, in full contact or in none.
@@ -313,20 +180,20 @@ class Patch:
     name: str
     w: tuple[float, float, float]
 
-    def value(self, x: Points) -> Array:
-        return np.array([0 * x[0], self.w[0] + self.w[1] * x[1] + self.w[2] * x[1] ** 2])
-
-    def polar(self, x: Points, y: Points) -> Array:
-        return self.w[0] + self.w[1] * (x[1] + y[1]) / 2 + self.w[2] * x[1] * y[1]
+    def coefficients(self, discretisation: Discretisation) -> Array:
+        """(0, w) from its polar form at vertices and at the ends of edges."""
+        y, (a, b, c) = discretisation.mesh.p[1], self.w
+        (x, z) = np.hstack([[y, y], y[discretisation.mesh.facets]])
+        polar = a + b * (x + z) / 2 + c * x * z
+        return np.array([0 * polar, polar]).T.ravel()[discretisation.displacements.free]
 
     def data(self, g: Expr, law: KelvinVoigt) -> Data:
         """f_0, f_2 and u_0 from the law by hand: ε = ε_22 = g w'."""
-        slope = self.w[1] + 2 * self.w[2] * x2
+        w = self.w[0] + self.w[1] * x2 + self.w[2] * x2**2
         A, G = law.A.matrix, law.G.matrix
-        across, along = ((sp.diff(g, t) * A[1, i] + g * G[1, i]) * slope for i in (0, 1))
-        displacement = (self.w[0] + self.w[1] * x2 + self.w[2] * x2**2) * g.subs(t, 0)
-        force = (0, -sp.diff(along, x2))
-        return Data.formulas(unit_square(), law, force, {1: (across, 0), 3: (-across, 0)}, (0, displacement))
+        across, along = ((sp.diff(g, t) * A[1, i] + g * G[1, i]) * sp.diff(w, x2) for i in (0, 1))
+        loads = {1: (across, 0), 3: (-across, 0)}
+        return Data.formulas(unit_square(), law, (0, -sp.diff(along, x2)), loads, (0, w * g.subs(t, 0)))
 
 
 PATCHES = [Patch("full contact", (0.0, -1.0, 1.0)), Patch("no contact", (1.0, 0.0, -1.0))]
@@ -343,7 +210,7 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: 
     data = patch.data(1 + t + 3 * t**2 / 2, law)
     data.check()
     discretisation = Discretisation(data, Unstructured()(data.body, 3))
-    v = coefficients(discretisation, patch.value, patch.polar)
+    v = patch.coefficients(discretisation)
     pieces = [
         Parabola(a, b, (1 + a + 1.5 * a * a) * v, (1 + (a + b) / 2 + 1.5 * a * b) * v, (1 + b + 1.5 * b * b) * v)
         for a, b in pairwise([0.0, 0.1, 0.15, 0.5, 1.0])
@@ -360,11 +227,11 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: 
 def test_the_enclosure_is_the_error_itself_for_a_solution_of_degree_2_that_grows_linearly(patch, family) -> None:
     """From the data alone: Problem 5.1 in degree 2 finds the solution, and nothing is left to bound."""
     data = patch.data(1 + 2 * t, not_proportional())
-    discretisation = Discretisation(data, family(data.body, 4))
-    computed = compute(discretisation, BACKWARD_EULER, 3)
+    discretisation = Discretisation(data, family(data.body, 3))
+    computed = compute(discretisation, BACKWARD_EULER, 2)
     found = enclose(discretisation, computed, Refined(0, 2))
-    v, J = coefficients(discretisation, patch.value, patch.polar), prolongation(computed.space, discretisation)
-    errors = [discretisation.norm((1 + 2 * time) * v - J @ computed.at(time)) for time in found.times]
+    v, u_h = patch.coefficients(discretisation), computed.on(discretisation)
+    errors = [discretisation.norm((1 + 2 * time) * v - u_h(time)) for time in found.times]
     # The root of what rounding leaves of c.
     assert (found.upper - found.lower).max() <= 1e-5 * found.upper.max()
     assert found.upper == pytest.approx(errors, rel=1e-5)
@@ -374,74 +241,59 @@ def test_the_enclosure_is_the_error_itself_for_a_solution_of_degree_2_that_grows
 # ---- the spline and u_h
 
 
-@st.composite
-def marches(draw) -> list[tuple[float, Array]]:
-    lengths = draw(st.lists(st.floats(0.1, 2), min_size=1, max_size=6))
-    times = np.concatenate([[0.0], np.cumsum(lengths)])
-    rng = np.random.default_rng(draw(seeds))
-    return [(float(time), rng.normal(size=4)) for time in times]
-
-
-@given(marches(), st.lists(st.floats(0, 1), min_size=1, max_size=5))
-def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nodes(nodes, shares) -> None:
-    pieces = list(spline(nodes))
-    assert len(pieces) == len(nodes)
-    assert (pieces[0].a, pieces[-1].b) == (nodes[0][0], nodes[-1][0])
-    assert np.array_equal(pieces[0].start, nodes[0][1])
-    assert np.array_equal(pieces[-1].end, nodes[-1][1])
-    for (time, here), (later, there), piece in zip(nodes, nodes[1:], pieces, strict=False):
-        assert piece.b == (time + later) / 2
-        assert np.allclose(piece.end, (here + there) / 2)
-    for left, right in pairwise(pieces):
-        assert left.b == right.a
-        assert np.array_equal(left.end, right.start)
-    for piece in pieces:
+@given(
+    st.lists(st.floats(0.1, 2), min_size=1, max_size=6),
+    st.lists(st.floats(0, 1), min_size=1, max_size=5),
+    st.integers(0, 999),
+)
+def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nodes(lengths, shares, seed) -> None:
+    times = np.concatenate([[0.0], np.cumsum(lengths)]).tolist()
+    values = np.random.default_rng(seed).normal(size=(len(times), 4))
+    pieces = list(spline(zip(times, values, strict=True)))
+    knots = [times[0], *((a + b) / 2 for a, b in pairwise(times)), times[-1]]
+    assert [(piece.a, piece.b) for piece in pieces] == list(pairwise(knots))
+    ends = np.array([values[0], *((a + b) / 2 for a, b in pairwise(values)), values[-1]])
+    assert np.allclose([piece.start for piece in pieces], ends[:-1])
+    assert np.allclose([piece.end for piece in pieces], ends[1:])
+    for piece, share in product(pieces, shares):
         k = piece.b - piece.a
-        assert np.allclose(piece.at(piece.a), piece.start)
-        assert np.allclose(piece.at(piece.b), piece.end)
-        for share in shares:
-            time, step = piece.a + share * k, 1e-6 * k
-            difference = (piece.at(time + step) - piece.at(time - step)) / (2 * step)
-            rate = (1 - share) * piece.rate(end=False) + share * piece.rate(end=True)
-            assert np.allclose(difference, rate, atol=1e-6 * (1 + abs(rate).max()))
+        time, step = piece.a + share * k, 1e-6 * k
+        difference = (piece.at(time + step) - piece.at(time - step)) / (2 * step)
+        rate = (1 - share) * piece.rate(end=False) + share * piece.rate(end=True)
+        assert np.allclose(difference, rate, atol=1e-6 * (1 + abs(rate).max()))
+        # The polar form is symmetric, and affine in both times.
+        middle = (piece.blossom(piece.a, time) + piece.blossom(piece.b, time)) / 2
+        assert np.allclose(middle, piece.blossom(time, (piece.a + piece.b) / 2))
     # Weights of nodes: points are convex combinations, so ũ stays in every convex set with the nodes.
-    for piece in spline((time, unit) for (time, _), unit in zip(nodes, np.eye(len(nodes)), strict=True)):
-        for share in shares:
-            weights = piece.at(piece.a + share * (piece.b - piece.a))
-            assert weights.min() >= 0
-            assert weights.sum() == pytest.approx(1)
-
-
-@given(st.integers(2, 7), seeds)
-def test_equal_steps_give_continuous_velocities_equal_to_difference_quotients(steps: int, seed: int) -> None:
-    rng, k = np.random.default_rng(seed), 0.3
-    nodes = [(k * j, rng.normal(size=3)) for j in range(steps + 1)]
-    for j, (left, right) in enumerate(pairwise(spline(nodes))):
-        expected = (nodes[j + 1][1] - nodes[j][1]) / k
-        assert np.allclose(left.rate(end=True), expected)
-        assert np.allclose(right.rate(end=False), expected)
+    for piece, share in product(spline(zip(times, np.eye(len(times)), strict=True)), shares):
+        weights = piece.at(piece.a + share * (piece.b - piece.a))
+        assert weights.min() >= 0
+        assert weights.sum() == pytest.approx(1)
+    # With equal steps the velocity at inner knots is the difference quotient.
+    for before, after, (left, right) in zip(values, values[1:], pairwise(spline(enumerate(values))), strict=False):
+        assert np.allclose([left.rate(end=True), right.rate(end=False)], after - before)
 
 
 def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_their_nodes() -> None:
     case = named("travelling-patch")
-    discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 5))
+    discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 3))
     for scheme in SCHEMES:
         computed = compute(discretisation, scheme, 4)
         assert (computed.space.N @ computed.nodes.T).max() <= 1e-12
-        for j in range(5):
-            assert np.allclose(computed.at(j / 4), computed.nodes[j], atol=1e-9)
+        assert np.allclose([computed.at(j / 4) for j in range(5)], computed.nodes, atol=1e-9)
         assert np.allclose(computed.at(0.3), 0.8 * computed.nodes[1] + 0.2 * computed.nodes[2])
 
 
 @pytest.mark.parametrize(
-    "name", ["advance-recede", "yield-and-release", pytest.param("heterogeneous", marks=pytest.mark.slow)]
+    "name",
+    ["yield-and-release", *(pytest.param(name, marks=pytest.mark.slow) for name in ("rotated", "heterogeneous"))],
 )
 def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(name: str, monkeypatch) -> None:
     case, found = named(name), []
     for most in (1, 4):
         monkeypatch.setattr(terms, "LEAST", 1)
         monkeypatch.setattr(terms, "MOST", most)
-        discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 3))
+        discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 2))
         found.append(enclose(discretisation, compute(discretisation, MIDPOINT, 5), SmoothedInTime()))
     one_by_one, together = found
     assert together.bound == pytest.approx(one_by_one.bound, rel=1e-9)
@@ -453,7 +305,7 @@ def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by
 
 def test_a_row_says_how_close_the_ends_came() -> None:
     case = named("advance-recede")
-    row, found = measure(resolve_problem(case.name), Shaken(), 4, MIDPOINT, 6, Refined(0, 2))
+    row, found = measure(resolve_problem(case.name), Shaken(), 3, MIDPOINT, 3, Refined(0, 2))
     assert row["error"] == found.error.max()
     assert row["above"] == pytest.approx((found.error / found.upper).max())
     assert row["below"] == pytest.approx((found.lower / found.error).max())
@@ -469,6 +321,9 @@ def test_a_row_says_how_close_the_ends_came() -> None:
 
 
 def test_what_cannot_be_bounded_is_refused() -> None:
+    for refined in (Refined(-1, 2), Refined(1, 0)):
+        with pytest.raises(BoundError, match="ũ needs 0 or more refinements"):
+            check_problem(Data.of(named("no-contact").solution), None, refined)
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
         measure(resolve_problem("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
     with pytest.raises(BoundError, match="runs through cells of the mesh; list it as an interface"):
@@ -484,10 +339,8 @@ def test_orders_are_enclosed_since_the_first_level_and_since_the_previous_one() 
     """E = (1, 1/2, 1/8) at h = (1, 1/2, 1/4): the order is 3/2 over all levels and 2 on the last pair."""
     ends = [(0.9, 1.1), (0.45, 0.55), (0.11, 0.14)]
     rest = {"dofs": 1, "error": math.nan, "plain": 1.0, "percent_low": 1.0, "percent_high": 2.0, "kind": "guaranteed"}
-    rows = [
-        {"level": 2**i, "h": 0.5**i, "steps": 2**i, "lowest": low, "highest": high, **rest}
-        for i, (low, high) in enumerate(ends)
-    ]
+    numbers = ({"level": 2**i, "h": 0.5**i, "steps": 2**i} for i in range(3))
+    rows = [rest | each | {"lowest": low, "highest": high} for each, (low, high) in zip(numbers, ends, strict=True)]
     table = levels(rows).set_index("level")
     for name, first in (("order", 0), ("pair", 1)):
         low, high = (math.log2(a / b) / (2 - first) for a, b in ((ends[first][0], 0.14), (ends[first][1], 0.11)))

@@ -6,12 +6,14 @@ import re
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import meshio
 import numpy as np
 import pytest
 from independent import Solver, norms, quadrilateral_mesh
+from scipy.interpolate import make_interp_spline
 from skfem import MeshTri
 from sympy import Float
 
@@ -19,9 +21,9 @@ from manufactured import Data, KelvinVoigt, Kind, isotropic, plane_strain, plane
 from manufactured.tensors import Array
 from study.bound.bounded import contact_sentences
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose, enclose_several
-from study.bound.fields import read
-from study.bound.given import bound_displacement, given
+from study.bound.enclosing import enclose, enclose_several
+from study.bound.fields import _together, read
+from study.bound.given import SINGLE, _check_cells, _check_fit, _on_boundary, bound_displacement, given
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 
@@ -47,8 +49,12 @@ def random_problem(seed: int, evolving: bool) -> tuple[Data, Array, np.random.Ge
     return Data.formulas(body, KelvinVoigt(A, G, "random"), f0, f2), corners, rng
 
 
-def check_random_problem(seed: int, evolving: bool) -> None:
-    """Assert that the error against a reference on a mesh four times finer, and with finer steps, is enclosed."""
+@pytest.mark.parametrize("evolving", [False, True], ids=["static", "evolving"])
+@pytest.mark.parametrize(
+    "seed", [1, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(34) if seed not in (1, 3))]
+)
+def test_displacements_of_an_independent_solver_are_enclosed(seed: int, evolving: bool) -> None:
+    """The error is measured against a reference on a mesh four times finer, and with finer steps."""
     data, corners, rng = random_problem(seed, evolving)
     steps = [0, 1, 1, 1, 1] if seed % 3 == 0 else [0, 1, 2, 1.5, 1.5]
     degree, times = 1 + seed // 2 % 2, np.cumsum(steps) / sum(steps) if evolving else None
@@ -68,40 +74,20 @@ def check_random_problem(seed: int, evolving: bool) -> None:
         found = bound_displacement(data, *mine.mesh, times, field, shorter=2, steps=4)
         at_nodes = mine.at_nodes_of(fine, field)
         if times is not None:
-            at_nodes = in_time(times, at_nodes, moments)
+            at_nodes = make_interp_spline(times, at_nodes, k=1)(moments)
         errors = norms(energy, reference - at_nodes)
-        check_enclosed(found.enclosure, moments, errors, f"seed {seed}")
+        one, later = found.enclosure, moments > 0
+        assert one.lowest <= errors.max() <= one.highest
+        if times is not None:
+            assert (errors[later] <= one.bound_at(moments[later])).all()
+            # The reference is linear between its times.
+            at_knots = np.interp(one.times, moments, errors)
+            assert (one.lower <= at_knots * 1.02 + 1e-3 * errors.max()).all()
         if found.plain:
             assert errors.max() <= found.plain.highest
         largest = norms(energy, reference).max()
         assert found.enclosure.norm[0] <= largest <= found.enclosure.norm[1]
         assert found.relative[0] <= errors.max() / largest <= found.relative[1]
-
-
-def in_time(times: Array, values: Array, moments: Array) -> Array:
-    """Return values (k, ...) that are linear between times at other moments."""
-    place = np.clip(np.searchsorted(times, moments, side="right") - 1, 0, len(times) - 2)
-    share = ((moments - times[place]) / np.diff(times)[place])[:, None, None]
-    return (1 - share) * values[place] + share * values[place + 1]
-
-
-def check_enclosed(found: Enclosure, moments: Array, errors: Array, name: str) -> None:
-    """Assert that errors at some moments lie inside; over time the largest one, and at every moment the upper end."""
-    assert found.lowest <= errors.max() <= found.highest, name
-    later = moments > 0
-    if len(moments) > 1:
-        assert (errors[later] <= found.bound_at(moments[later])).all(), name
-        # The reference is linear between its times.
-        at_knots = np.interp(found.times, moments, errors)
-        assert (found.lower <= at_knots * 1.02 + 1e-3 * errors.max()).all(), name
-
-
-@pytest.mark.parametrize("evolving", [False, True], ids=["static", "evolving"])
-@pytest.mark.parametrize(
-    "seed", [1, 3, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(34) if seed not in (1, 3))]
-)
-def test_displacements_of_an_independent_solver_are_enclosed(seed: int, evolving: bool) -> None:
-    check_random_problem(seed, evolving)
 
 
 def test_sixteen_contact_sides_of_a_half_disk_are_called_a_curved_foundation() -> None:
@@ -138,6 +124,10 @@ def field() -> dict[str, Array]:
     return {"points": points, "triangles": triangles, "times": times, "u": u}
 
 
+def grid_of(arrays: dict[str, Array]) -> MeshTri:
+    return MeshTri(arrays["points"].T, arrays["triangles"].T)
+
+
 def test_arrays_of_other_shapes_mean_the_same() -> None:
     plain = given(square(), **field())
     solid = {key: np.dstack([a, 0 * a[..., :1]]) if key == "u" else a for key, a in field().items()}
@@ -163,50 +153,61 @@ def with_value(array: Array, place: Any, value: Any) -> Array:
     return changed
 
 
-def curved(p: Array, c: Array) -> dict[str, Array]:
-    points, six = (each.copy() for each in Solver(square(), MeshTri(p.T, c.T), 2).mesh)
-    points[-1] += 0.01
-    return {"points": points, "triangles": six, "u": np.zeros((3, len(points), 2))}
-
-
-FAULTS: dict[str, tuple[Callable[..., dict[str, Array]], str]] = {
-    "hole": (lambda p, c, at, u: {"triangles": c[1:]}, r"does not cover the body: . sides .* near x = \("),
-    "other body": (lambda p, c, at, u: {"points": p * [1.0, 2.0]}, r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
-    "metres": (lambda p, c, at, u: {"points": p / 1000}, "mesh is smaller than the body by the factor 1000: give both"),
-    "millimetres": (lambda p, c, at, u: {"points": 1000 * p + 7}, "is larger than the body by the factor 1000"),
-    "shifted": (lambda p, c, at, u: {"points": p + [0.0, -0.5]}, r"is shifted by \(0, -0.5\): give both"),
-    "other boundary": (
-        lambda p, c, at, u: {"points": with_value(p, np.isclose(p, [0.5, 0]).all(axis=1), [0.5, 0.2])},
-        r"does not cover the body: .* near x = \(",
-    ),
-    "NaN": (
-        lambda p, c, at, u: {"u": with_value(u, (1, 3, 0), np.nan)},
-        r"1 numbers that are not finite, the first at t = 0.5, x = \(",
-    ),
-    "twice": (lambda p, c, at, u: {"triangles": np.vstack([c, c[:1]])}, "overlap or are listed twice|share a side n"),
-    "flat": (
-        lambda p, c, at, u: {"triangles": np.vstack([c, c[:1][:, [0, 0, 1]]])},
-        r"1 triangles have no area, the first near x = \(",
-    ),
-    "curved": (lambda p, c, at, u: curved(p, c), "curved triangles"),
-    "not clamped": (lambda p, c, at, u: {"u": u + 0.01}, r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest .* --near"),
-    "no start": (lambda p, c, at, u: {"times": at + 0.5}, "initial time is missing: the first time is 0.5"),
-    "too short": (lambda p, c, at, u: {"times": at / 2}, "the last time is 0.5, the problem ends at T = 1"),
-    "backwards": (lambda p, c, at, u: {"times": at[::-1]}, "increase strictly"),
-    "one time": (lambda p, c, at, u: {"times": at[:1], "u": u[:1]}, "one time only"),
-    "shape": (lambda p, c, at, u: {"u": u[:, 1:]}, r"u has the shape .* expected \(3, 9, 2\)"),
-    "quads": (lambda p, c, at, u: {"triangles": c[:, [0, 1, 2, 2]]}, "expected integers"),
-    "from 1": (lambda p, c, at, u: {"triangles": c + 1}, "numbers start at 0"),
-    "space": (lambda p, c, at, u: {"points": np.column_stack([p, p[:, 0]])}, "do not lie in a plane"),
+FAULTS: dict[str, tuple[str, Callable[[Array], Array], str]] = {
+    "hole": ("triangles", lambda c: c[1:], r"does not cover the body: . sides .* near x = \("),
+    "other body": ("points", lambda p: p * [1.0, 2.0], r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
+    "metres": ("points", lambda p: p / 1000, "mesh is smaller than the body by the factor 1000: give both"),
+    "millimetres": ("points", lambda p: 1000 * p + 7, "is larger than the body by the factor 1000"),
+    "shifted": ("points", lambda p: p + [0.0, -0.5], r"is shifted by \(0, -0.5\): give both"),
+    "other boundary": ("points", lambda p: with_value(p, 1, [0.5, 0.2]), r"does not cover the body: .* near x = \("),
+    "NaN": ("u", lambda u: with_value(u, (1, 3, 0), np.nan), r"1 numbers .* not finite, the first at t = 0.5, x = \("),
+    "twice": ("triangles", lambda c: np.vstack([c, c[:1]]), "overlap or are listed twice|share a side n"),
+    "flat": ("triangles", lambda c: np.vstack([c, c[:1][:, [0, 0, 1]]]), r"1 triangles have no area, .* near x = \("),
+    "not clamped": ("u", lambda u: u + 0.01, r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest field .* --nearest"),
+    "no start": ("times", lambda at: at + 0.5, "initial time is missing: the first time is 0.5"),
+    "too short": ("times", lambda at: at / 2, "the last time is 0.5, the problem ends at T = 1"),
+    "backwards": ("times", lambda at: at[::-1], "increase strictly"),
+    "shape": ("u", lambda u: u[:, 1:], r"u has the shape .* expected \(3, 9, 2\)"),
+    "quads": ("triangles", lambda c: c[:, [0, 1, 2, 2]], "expected integers"),
+    "from 1": ("triangles", lambda c: c + 1, "numbers start at 0"),
+    "space": ("points", lambda p: np.column_stack([p, p[:, 0]]), "do not lie in a plane"),
 }
-"""Changes of points, triangles, times and u of ``field``, and why they are refused."""
+"""An array of ``field``, its change, and why it is refused."""
 
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_what_does_not_fit_is_refused_by_name(name: str) -> None:
-    change, message = FAULTS[name]
+    array, change, message = FAULTS[name]
     with pytest.raises(BoundError, match=message):
-        given(square(), **(field() | change(*field().values())))
+        given(square(), **(field() | {array: change(field()[array])}))
+
+
+@pytest.mark.parametrize("size", [0.01, 1, 100])
+def test_vertices_are_moved_to_a_side_from_a_distance_relative_to_the_size_of_the_body(size: int) -> None:
+    body = polygon([(0, 0), (size, 0), (size, size), (0, size)], KINDS)
+    p = size * np.array([[0.4, 0.6], [0.5 * SINGLE, 2 * SINGLE]])
+    assert np.abs(_on_boundary(body, p)[1] / (size * SINGLE)).tolist() == pytest.approx([0, 2], abs=1e-6)
+
+
+def test_a_small_cell_far_from_another_one_has_an_area() -> None:
+    corner = np.array([[0, 1, 0], [0, 0, 1]])
+    _check_cells(MeshTri(np.hstack([1e-7 * corner, 1 + 1e-7 * corner]), np.arange(6).reshape(2, 3).T))
+
+
+def test_a_mesh_without_the_triangle_at_a_corner_is_refused_with_the_middle_of_its_one_side_inside() -> None:
+    half = MeshTri(np.array([[0.0, 1, 1], [0, 0, 1]]), np.array([[0], [1], [2]]))
+    with pytest.raises(BoundError, match=r"1 sides of triangles .* the first near x = \(0\.5, 0\.5\)"):
+        _check_fit(half, square().body)
+
+
+def test_curved_triangles_and_a_single_time_are_refused() -> None:
+    arrays = field()
+    points, six = (each.copy() for each in Solver(square(), grid_of(arrays), 2).mesh)
+    points[-1] += 0.01
+    curved = {"points": points, "triangles": six, "u": np.zeros((3, len(points), 2))}
+    for changed, message in ((curved, "curved tri"), ({"times": np.zeros(1), "u": arrays["u"][:1]}, "one time only")):
+        with pytest.raises(BoundError, match=message):
+            given(square(), **(arrays | changed))
 
 
 def test_a_static_problem_takes_one_time_only() -> None:
@@ -275,8 +276,7 @@ def write(path: Path, arrays: dict[str, Array], name: str = "displacement") -> P
 def test_files_of_other_programs_are_read(suffix: str, degree: int, tmp_path: Path) -> None:
     arrays = field()
     if degree == 2:
-        grid = MeshTri(arrays["points"].T, arrays["triangles"].T)
-        arrays["points"], arrays["triangles"] = Solver(square(), grid, 2).mesh
+        arrays["points"], arrays["triangles"] = Solver(square(), grid_of(arrays), 2).mesh
         arrays["u"] = arrays["times"][:, None, None] * (1 - arrays["points"][None, :, 1:] ** 2) * np.array([0.1, 0.2])
     expected = given(square(), **arrays)
     found = given(square(), **vars(read(write(tmp_path / f"mine{suffix}", arrays))))
@@ -302,3 +302,10 @@ def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, fie
         (tmp_path / noise).write_text("noise")
     with pytest.raises(BoundError, match=message):
         read(tmp_path / name, field_name)
+
+
+def test_a_mesh_that_moves_between_two_times_is_refused() -> None:
+    u = {"u": np.zeros((3, 2))}
+    meshes = [(time, SimpleNamespace(points=np.full((3, 2), time), point_data=u)) for time in (0.0, 1.0)]
+    with pytest.raises(BoundError, match=r"another mesh at t = 1\.0"):
+        _together(Path("u.pvd"), meshes, None)

@@ -45,12 +45,12 @@ def assert_inside(trial: Trial, seed: int = 0) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [4, 8, *range(1000, 1010)])
+@pytest.mark.parametrize("seed", [4, 8, 11, *range(1000, 1010)])
 def test_no_error_lies_outside_for_random_data_that_samples_do_not_see(seed: int) -> None:
     assert_inside(random_trial(seed), seed)
 
 
-@pytest.mark.parametrize("seed", [5, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("seed", [11, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (2, 5))])
 def test_known_solutions_solve_their_problems(seed: int) -> None:
     """On Γ3, turned or not: u_ν ≤ 0, σ_ν ≤ 0, one of them 0, σ_τ = 0; u = 0 on Γ1."""
     known = random_trial(seed).known
@@ -58,23 +58,20 @@ def test_known_solutions_solve_their_problems(seed: int) -> None:
     (contact,), (clamped,) = known.body.of(Kind.CONTACT), known.body.of(Kind.CLAMPED)
     strain = function((x1, x2, t), [*known.strain, *(sp.diff(e, t) for e in known.strain)])
     u = function((x1, x2, t), known.u)
+    on_contact, on_top = (np.linspace(part.start, part.end, 201, axis=1) for part in (contact, clamped))
     for time in (0.0, 0.4, 1.0):
-        x = contact.start[:, None] + np.linspace(0, 1, 201) * (contact.end - contact.start)[:, None]
-        e = np.array([np.broadcast_to(value, x.shape[1:]) for value in strain(*x, time)])
-        stress = known.law.A(e[3:]) + known.law.G(e[:3])
-        a, b, c = stress[0], stress[1], stress[2] / math.sqrt(2)
-        n = contact.normal
-        traction = np.array([a * n[0] + c * n[1], c * n[0] + b * n[1]])
-        size, pressure = abs(stress).max(), n @ traction
-        opening = -n @ np.array(u(*x, time))
-        assert abs(contact.tangent @ traction).max() < 1e-12 * size
+        e = np.array([np.broadcast_to(value, 201) for value in strain(*on_contact, time)])
+        a, b, c = known.law.A(e[3:]) + known.law.G(e[:3])
+        traction = np.array([[a, c / math.sqrt(2)], [c / math.sqrt(2), b]]).transpose(2, 0, 1) @ contact.normal
+        pressure, opening = traction @ contact.normal, -contact.normal @ np.array(u(*on_contact, time))
+        size = abs(np.array([a, b, c])).max()
+        assert abs(traction @ contact.tangent).max() < 1e-12 * size
         assert pressure.max() < 1e-12 * size
         assert pressure.min() < -1e-6 * size
         assert opening.min() > -1e-14
         assert opening.max() > 0
         assert abs(pressure * opening).max() < 1e-12 * size
-        top = clamped.start[:, None] + np.linspace(0, 1, 21) * (clamped.end - clamped.start)[:, None]
-        assert abs(np.array(u(*top, time))).max() < 1e-12
+        assert abs(np.array(u(*on_top, time))).max() < 1e-12
 
 
 def test_bounds_without_remainders_put_such_errors_outside() -> None:
@@ -95,26 +92,27 @@ def spike(width: Expr) -> Data:
     return Data.formulas(unit_square(), LAW, f0=(0, force))
 
 
-@pytest.mark.parametrize(("width", "least"), [(Rational(5, 1000), 1.4), (Rational(1, 100), 1.64)])
-def test_a_load_within_a_hundredth_of_a_cell_is_enclosed_and_its_place_is_named(width: Expr, least: float) -> None:
-    enclosure = enclosed(spike(width), 4, 4)
+@pytest.mark.parametrize(
+    ("data", "steps", "least", "place"),
+    [
+        (spike(Rational(5, 1000)), 4, 1.4, "near x = (0.4"),
+        (spike(Rational(1, 100)), 4, 1.64, "near x = (0.4"),
+        (Data.formulas(unit_square(), LAW, f0=(0, -100 * sin(64 * pi * t) ** 2)), 8, 3.2, ""),
+    ],
+    ids=["within a two-hundredth of a cell", "within a hundredth", "zero at all nodes in time"],
+)
+def test_a_load_that_samples_do_not_see_is_enclosed_and_its_place_is_named(data, steps, least, place) -> None:
+    enclosure = enclosed(data, 4, steps)
     assert enclosure.evidence.kind == GUARANTEED
     assert enclosure.highest > least
-    assert "f_0 is seen poorly near x = (0.4" in enclosure.evidence.poorly_seen
-
-
-def test_a_load_that_vanishes_at_all_nodes_in_time_is_enclosed() -> None:
-    enclosure = enclosed(Data.formulas(unit_square(), LAW, f0=(0, -100 * sin(64 * pi * t) ** 2)), 4, 8)
-    assert enclosure.highest > 3.2
-    assert "f_0 is seen poorly" in enclosure.evidence.poorly_seen
+    assert f"f_0 is seen poorly {place}" in enclosure.evidence.poorly_seen
 
 
 def test_remainders_of_smooth_data_fall_faster_than_the_error() -> None:
     data = Data.formulas(unit_square(), LAW, f0=(0, -10 * t * sin(2 * pi * x1) * x2))
-    missed = [sum(one.missed for one in enclosed(data, n, n).intervals) for n in (2, 4, 8)]
-    assert missed[0] / missed[1] > 8
-    assert missed[1] / missed[2] > 8
-    assert enclosed(data, 12, 3).evidence.poorly_seen == ""
+    coarse, fine = (sum(one.missed for one in enclosed(data, n, n).intervals) for n in (3, 6))
+    assert coarse / fine > 8
+    assert enclosed(Data.formulas(unit_square(), LAW, f0=(0, -10 * t * x2)), 2, 2).evidence.poorly_seen == ""
 
 
 # ---- what is not guaranteed says so
@@ -146,7 +144,7 @@ def test_what_is_sampled_is_called_estimated_with_the_reason(data: Data, reason:
 
 
 def test_a_kink_without_lines_is_guaranteed_by_a_lower_order() -> None:
-    enclosure = enclosed(Data.formulas(SQUARE, LAW, f0=(0, -5 * pos(x1 - x2 - t / 3, 1))), 4, 4)
+    enclosure = enclosed(Data.formulas(SQUARE, LAW, f0=(0, -5 * pos(x1 - x2 - t / 3, 1))), 2, 2)
     assert enclosure.evidence.kind == GUARANTEED != ESTIMATED
     assert sum(one.missed for one in enclosure.intervals) > 0
     (wedge,) = (problem.data for problem in problems() if problem.name == "ramp")

@@ -27,13 +27,12 @@ KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 def problem(length=1.0, time=1.0, A=1.0, G=1.0, f0=1.0, f2=1.0, u0=1.0) -> Data:
     """The same formulas in x/length and t/time, with data and moduli multiplied by numbers."""
-    corners = [(length * a, length * b) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    body = polygon([(0, 0), (length, 0), (length, length), (0, length)], KINDS, T=time)
     law = KelvinVoigt(Linear(A * isotropic_matrix(1, 0.5)), Linear(G * isotropic_matrix(2, 3)), "scaled")
     X1, X2, T = (x / Float(scale) for x, scale in ((x1, length), (x2, length), (t, time)))
     force = 0, Float(f0) * (X1 - T) * (1 + exp(X2))
-    loads = {1: (-Float(f2) * T * X2, 0)}
     start = 0, Float(u0) * X2**2 * (1 - X2) * (1 + X1) / 10
-    return Data.formulas(polygon(corners, KINDS, T=time), law, force, loads, start)
+    return Data.formulas(body, law, force, {1: (-Float(f2) * T * X2, 0)}, start)
 
 
 def bounded(data: Data) -> Enclosure:
@@ -58,32 +57,23 @@ def test_bounds_follow_the_units(unit: str, size: float) -> None:
         assert getattr(found, name) == pytest.approx(math.sqrt(F) * getattr(expected, name), rel=1e-6)
 
 
-HOSTILE = {
-    "huge f_0": {"f0": 1e160},
-    "tiny": {"f0": 1e-170, "f2": 1e-170, "u0": 1e-170},
-    "tiny f_0 alone": {"f0": 1e-170, "f2": 0.0, "u0": 0.0},
-    "tiny f_2 alone": {"f0": 0.0, "f2": 1e-170, "u0": 0.0},
-    "tiny u_0 alone": {"f0": 0.0, "f2": 0.0, "u0": 1e-170},
-    "subnormal f_0": {"f0": 1e-310, "f2": 0.0, "u0": 0.0},
-    "huge f_2": {"f2": 1e200},
-    "huge u_0": {"u0": 1e180},
-    "huge f_0 and tiny f_2": {"f0": 1e155, "f2": 1e-155},
-    "huge A": {"A": 1e150},
-    "tiny A": {"A": 1e-150},
-    "huge G": {"G": 1e150},
-    "tiny G": {"G": 1e-150},
-    "A, G and f tiny": {"A": 1e-90, "G": 1e-90, "f0": 1e-90, "f2": 1e-90},
-    "long": {"time": 1e100},
-    "short": {"time": 1e-100},
-    "large body": {"length": 1e100},
-    "small body": {"length": 1e-100},
-}
+NONE = {"f0": 0.0, "f2": 0.0, "u0": 0.0}
+HOSTILE = [
+    *({name: value} for name, value in {"f0": 1e160, "f2": 1e200, "u0": 1e180}.items()),
+    *({name: size} for name in ("A", "G") for size in (1e150, 1e-150)),
+    *({name: size} for name in ("time", "length") for size in (1e100, 1e-100)),
+    *(NONE | {name: 1e-170} for name in NONE),
+    {name: 1e-170 for name in NONE},
+    NONE | {"f0": 1e-310},
+    {"f0": 1e155, "f2": 1e-155},
+    {"A": 1e-90, "G": 1e-90, "f0": 1e-90, "f2": 1e-90},
+]
 
 
-@pytest.mark.parametrize("name", HOSTILE)
-def test_extreme_sizes_are_refused_by_a_sentence(name: str) -> None:
+@pytest.mark.parametrize("sizes", HOSTILE, ids=str)
+def test_extreme_sizes_are_refused_by_a_sentence(sizes: dict[str, float]) -> None:
     with pytest.raises(REFUSALS, match=r"units|number|finite"):
-        bounded(problem(**HOSTILE[name]))
+        bounded(problem(**sizes))
 
 
 @pytest.mark.parametrize("changes", [{"f0": 1e-170}, {"f2": 1e-300, "u0": 0.0}, {"f0": 1e60, "f2": 1e-60}])
@@ -94,15 +84,14 @@ def test_one_tiny_datum_among_others_changes_nothing(changes: dict[str, float]) 
 
 def test_a_bound_whose_square_is_too_small_for_a_number_is_raised_to_the_least_bound() -> None:
     """u_0 = 0 and f_0 ~ t³⁰⁰, so bounds at early times are far below 1e-50 although no datum is zero."""
-    law = KelvinVoigt(Linear(isotropic_matrix(1, 0.5)), Linear(isotropic_matrix(2, 3)), "late")
-    body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], KINDS)
-    found = bounded(Data.formulas(body, law, (0, t**300 * (1 + x1)), {}, (0, 0)))
+    usual = problem()
+    found = bounded(Data.formulas(usual.body, usual.law, (0, t**300 * (1 + x1)), {}, (0, 0)))
     assert found.highest > 1e-3
     assert found.bound.min() == 1e-50
 
 
 def test_data_that_are_zero_have_the_bound_zero() -> None:
-    found = bounded(problem(f0=0.0, f2=0.0, u0=0.0))
+    found = bounded(problem(**NONE))
     assert found.highest == 0
     assert not found.upper.any()
 

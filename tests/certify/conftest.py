@@ -8,42 +8,17 @@ from the file, so that they do not depend on the program that makes certificates
 from __future__ import annotations
 
 import copy
-import runpy
-from collections.abc import Callable, Iterator
-from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import pytest
 
 from study.certify import checker
 
-if TYPE_CHECKING:
-    from manufactured import Data
-
-PROBLEMS = Path(__file__).parents[2] / "examples" / "certificates" / "problems.py"
-SMALL = Path(__file__).parent / "square-2.json.gz"
-
-
-@pytest.fixture(scope="session")
-def problem() -> Callable[[str], Data]:
-    functions = runpy.run_path(str(PROBLEMS))
-    return cache(lambda name: functions[name]())
-
-
-@pytest.fixture
-def constants_of_a_coarse_mesh() -> Iterator[None]:
-    """The semidefinite programme is most of what a small certificate costs."""
-    from study.certify import certified
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(certified, "CONSTANTS_LEVEL", 3)
-        yield
-
 
 @pytest.fixture(scope="session")
 def made() -> Any:
-    return checker.load(SMALL)
+    return checker.load(Path(__file__).parent / "square-2.json.gz")
 
 
 @pytest.fixture

@@ -1,20 +1,23 @@
-"""Files that were made to harm: each is refused with one sentence, in little time and memory, and prints ASCII only."""
+"""Files that are wrong, tampered with, or made to harm: each is refused with one sentence that prints safely."""
 
 from __future__ import annotations
 
 import gzip
 import json
+import math
 import os
 import re
 import time
 import tracemalloc
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from study.certify import checker
+from study.certify.certified import differences
 
 EXAMPLE = Path(__file__).parent / "square-2.json.gz"
 TEXT = gzip.decompress(EXAMPLE.read_bytes()).decode()
@@ -22,45 +25,44 @@ BAD = "\x1b[2J\r\n\u202e\u2066\x9b\x7fא"
 """Clears the screen, starts a line, turns the direction of text around."""
 
 
-def checked(path: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
-    """Exit code and output; it took less than a second, and 64 MB."""
-    began = time.process_time()
-    code = checker.main([str(path)])
-    assert time.process_time() - began < 1
-    out, error = capsys.readouterr()
-    return code, out, error
-
-
-def refused(content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
-    """The sentence with which a file is refused."""
-    path = tmp_path / "hostile.json.gz"
-    path.write_bytes(content)
-    code, out, error = checked(path, capsys)
-    head, sentence = out.removesuffix("\n").split(": REFUSED: ")
-    assert (code, error, head) == (1, "", str(path))
-    # Our own letters, such as those of ũ and σ̃, are all that is not ASCII.
+def safe(sentence: str) -> str:
+    """A sentence that is short and cannot harm a terminal; our own letters, as in ũ and σ̃, may be other than ASCII."""
     assert sentence.isprintable()
     assert re.search(r"[^\x20-\x7eũ_νσ̃ΦΩΓν₀≤−°·]", sentence) is None
     assert len(sentence) < 200
     return sentence
 
 
-def certificate() -> Any:
-    return json.loads(TEXT)
+def refusal(data: Any) -> str:
+    """The sentence with which a certificate is refused."""
+    with pytest.raises(checker.RefusedError) as caught:
+        checker.verified(data)
+    return safe(str(caught.value))
 
 
-def packed(data: Any) -> bytes:
-    return gzip.compress((data if isinstance(data, str) else json.dumps(data)).encode(), 1)
+def checked(path: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, str]:
+    """Exit code and output of the program; it took less than a second."""
+    began = time.process_time()
+    code = checker.main([str(path)])
+    assert time.process_time() - began < 1
+    return code, *capsys.readouterr()
 
 
-def objects(data: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """The places of all objects."""
-    found = [path] if isinstance(data, dict) else []
-    entries = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
-    for key, value in entries:
-        if isinstance(value, dict | list) and len(found) < 50 and key not in ("columns", "tractions", "inner", "nodes"):
-            found += objects(value, (*path, key))
-    return found
+def refused(content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
+    """The sentence with which the program refuses a file."""
+    path = tmp_path / "hostile.json.gz"
+    path.write_bytes(content)
+    code, out, error = checked(path, capsys)
+    head, sentence = out.removesuffix("\n").split(": REFUSED: ")
+    assert (code, error, head) == (1, "", str(path))
+    return safe(sentence)
+
+
+def packed(text: str) -> bytes:
+    return gzip.compress(text.encode(), 1)
+
+
+# Values of another type, in every place
 
 
 def at(data: Any, path: tuple[Any, ...]) -> Any:
@@ -69,101 +71,188 @@ def at(data: Any, path: tuple[Any, ...]) -> Any:
     return data
 
 
-PLACES = objects(certificate())
+def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The places of all values in objects, and of the last value of every list."""
+    yield path
+    entries = data.items() if isinstance(data, dict) else list(enumerate(data))[-1:] if isinstance(data, list) else ()
+    for key, value in entries:
+        yield from places(value, (*path, key))
 
 
-def test_all_objects_of_a_certificate_are_tried() -> None:
-    names = {".".join(map(str, place)) for place in PLACES}
-    others = "problem problem.loads constants constants.mesh mesh element displacement stress"
-    assert names == {"", *others.split()}
+@pytest.mark.parametrize("part", list(json.loads(TEXT)))
+def test_values_of_another_type_are_refused_wherever_they_stand(part: str, certificate: Any) -> None:
+    for *path, key in places(certificate[part], (part,)):
+        around = at(certificate, tuple(path))
+        right = around[key]
+        for value in (None, True, 1.5, BAD, [BAD], {BAD: 1}, -(10**200), [[[]]], "1/0", 10**200):
+            if type(value) is not float or type(right) is not float:
+                around[key] = value
+                assert "certificate" in refusal(certificate)
+        around[key] = right
 
 
-@pytest.mark.parametrize("place", PLACES, ids=str)
-def test_unknown_keys_are_refused(place: tuple[Any, ...], tmp_path, capsys) -> None:
-    for key in ("bound", "", BAD, "x" * 10**6, "ｍ"):
-        data = certificate()
-        at(data, place)[key] = []
-        assert re.search("unknown key|must be a list of 2|does not exist", refused(packed(data), tmp_path, capsys))
-
-
-def keys() -> list[tuple[Any, ...]]:
-    return [(*place, key) for place in PLACES for key in at(certificate(), place) if place != ("problem", "loads")]
-
-
-@pytest.mark.parametrize("place", keys(), ids=str)
-def test_every_key_has_to_be_there_once_and_of_its_type(place: tuple[Any, ...], tmp_path, capsys) -> None:
-    *path, key = place
-    data = certificate()
-    del at(data, tuple(path))[key]
-    assert "lacks the key" in refused(packed(data), tmp_path, capsys)
-    for value in (None, True, 1.5, BAD, [BAD], {BAD: 1}, -1, [[[]]], "1/0", 10**200):
-        data = certificate()
-        at(data, tuple(path))[key] = value
-        assert "certificate" in refused(packed(data), tmp_path, capsys)
-
-
-def edit(*keys: Any, to: Any) -> Callable[[Any], None]:
-    def change(data: Any) -> None:
-        at(data, keys[:-1])[keys[-1]] = to
-
-    return change
+def test_every_key_has_to_be_there_and_no_other(certificate: Any) -> None:
+    objects = [path for path in places(certificate) if isinstance(at(certificate, path), dict)]
+    assert len(objects) == 9
+    for path in objects:
+        place = at(certificate, path)
+        for key in ("bound", "", BAD, "x" * 10**6, "ｍ"):
+            place[key] = []
+            assert re.search("unknown key|must be a list of 2|does not exist", refusal(certificate))
+            del place[key]
+        for key in list(place) if path[-1:] != ("loads",) else ():
+            value = place.pop(key)
+            assert "lacks the key" in refusal(certificate)
+            place[key] = value
+    assert checker.verified(certificate)
 
 
 # fmt: off
-NUMBERS = [
+NO_NUMBERS = [
     "1e5", "1e-99999999", "1E400000000", "0.5", ".5", "1_000", " 1", "1 ", "1\n", "1/ 2", "+1", "--1", "1/-2", "1/0",
     "0/0", "1/2/3", "1/", "/2", "", "inf", "-inf", "nan", "0x10", "01", "1/02", "٣", "１", "²", "½",
     "9" * 101, "1/" + "9" * 101, "9" * 10**6, 1, 1.0, True, None, [], {},
 ]
 # fmt: on
-PLACES_OF_FRACTIONS: list[tuple[Any, ...]] = [
-    ("problem", "T"),
-    ("problem", "vertices", 1, 0),
-    ("problem", "A", 0, 0),
-    ("problem", "G", 2, 1),
-    ("problem", "force", 1, 0, 0, 0, 0),
-    ("constants", "volume"),
-    ("m",),
-]
 
 
-@pytest.mark.parametrize("place", PLACES_OF_FRACTIONS, ids=str)
-def test_only_short_fractions_are_numbers(place: tuple[Any, ...], tmp_path, capsys) -> None:
-    for number in NUMBERS:
-        data = certificate()
-        at(data, place[:-1])[place[-1]] = number
-        with pytest.raises(checker.RefusedError, match="must be a fraction such as"):
-            checker.verified(data)
-        if place == ("m",):
-            assert "must be a fraction" in refused(packed(data), tmp_path, capsys)
-
-
-def test_fractions_of_any_sign_and_of_as_many_digits_as_are_allowed_are_numbers() -> None:
+def test_only_fractions_of_at_most_100_digits_are_numbers() -> None:
     for number in ("0", "-0", "12", "-3/4", "9" * 100, "-1/" + "9" * 100, "10/20"):
         checker.conform(number, checker.FRACTION, "it")
+    for number in NO_NUMBERS:
+        with pytest.raises(checker.RefusedError, match="must be a fraction such as"):
+            checker.conform(number, checker.FRACTION, "it")
 
 
-NOTHING: list[Any] = []
-STRUCTURES: dict[str, tuple[Callable[[Any], None], str]] = {
-    "a long integer": (edit("stress", "tractions", 3, 20, to=10**100), "integer of at most 100"),
-    "a long negative integer": (edit("displacement", "nodes", 2, 10, to=-(10**100)), "integer of at most 100"),
-    "a boolean for an integer": (edit("stress", "inner", 3, 20, to=True), "is True"),
-    "a float for an integer": (edit("mesh", "points", 3, 0, to=2.0), r"is 2\.0"),
-    "a text for an integer": (edit("mesh", "cells", 3, 0, to="2"), "is '2'"),
-    "an integer for a double": (edit("computed", 1, 7, to=1), "finite number"),
-    "a text for a double": (edit("computed", 1, 7, to="1e5"), "finite number"),
-    "a boolean for a double": (edit("computed", 1, 7, to=False), "finite number"),
-    "an object for a list": (edit("computed", 1, to={"0": 1.0}), "list"),
-    "a text for a list": (edit("mesh", "points", 1, to="00"), "list"),
-    "a text for a list of fractions": (edit("problem", "vertices", 1, to="10"), "list of 2"),
+# Certificates of which one entry is wrong
+
+
+def edit(*keys: Any, to: Any = None, by: Callable[[Any], Any] | None = None) -> Callable[[Any], None]:
+    """Change one entry."""
+
+    def change(data: Any) -> None:
+        place = at(data, keys[:-1])
+        place[keys[-1]] = by(place[keys[-1]]) if by else to
+
+    return change
+
+
+def last(rows: Any) -> Any:
+    return rows[:-1]
+
+
+def shorter(rows: list[list[int]]) -> list[list[int]]:
+    return [row[:-1] for row in rows]
+
+
+def twice(number: str) -> str:
+    return str(2 * Fraction(number))
+
+
+def plus(changes: dict[int, int]) -> Callable[[list[int]], list[int]]:
+    return lambda column: [x + changes.get(n, 0) for n, x in enumerate(column)]
+
+
+def stated(data: Any) -> checker.Mesh:
+    return checker.Mesh.of(data["mesh"], checker.Problem(data["problem"]))
+
+
+def on_part(kind: str) -> int:
+    """The place of the second component of a vertex on a part, away from its ends."""
+    edges = [edge for edge, side in stated(json.loads(TEXT)).boundary.items() if side.kind == kind]
+    inner = [v for edge in edges for v in edge if sum(v in other for other in edges) == 2]
+    return 2 * inner[0] + 1
+
+
+WALL, FOUNDATION = on_part("clamped"), on_part("contact")
+
+
+def moved(time: int, place: int, to: int) -> Callable[[list[list[int]]], list[list[int]]]:
+    """Replace one number in rows that are given by their second differences."""
+
+    def change(rows: list[list[int]]) -> list[list[int]]:
+        plain = checker.summed(rows)
+        plain[time][place] = to
+        return differences(plain)
+
+    return change
+
+
+def hang_a_node(data: Any) -> None:
+    """Cut a cell in two without its neighbour."""
+    mesh = data["mesh"]
+    boundary = stated(data).boundary
+    n, (a, b, c) = next((n, cell) for n, cell in enumerate(mesh["cells"]) if tuple(cell[:2]) not in boundary)
+    mesh["denominator"] *= 2
+    mesh["points"] = [[2 * x, 2 * y] for x, y in mesh["points"]]
+    p, q = mesh["points"][a], mesh["points"][b]
+    mesh["points"].append([(p[0] + q[0]) // 2, (p[1] + q[1]) // 2])
+    mesh["cells"][n : n + 1] = [[a, len(mesh["points"]) - 1, c], [len(mesh["points"]) - 1, b, c]]
+    data["computed"] = [[*u, 0.0, 0.0] for u in data["computed"]]
+
+
+def squeezed(column: list[int]) -> list[int]:
+    """A stress of the element that is 0 on its sides, and not in balance: X Y (1 − X − Y) in the third component."""
+    bubble = {(1, 1, 0): 1, (2, 1, 0): -1, (1, 2, 0): -1}
+    return [0] * 60 + [bubble.get(key, 0) for key in checker.CUBIC] * 3
+
+
+TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
+    "ũ enters the foundation": (edit("displacement", "nodes", by=moved(-1, FOUNDATION, -1)), "ũ_ν > 0 on Γ3"),
+    "ũ leaves the wall": (edit("displacement", "nodes", by=moved(0, WALL, 1)), "ũ does not vanish on Γ1"),
+    "u_h leaves the wall": (edit("computed", 1, WALL, to=2.0**-60), "u_h does not vanish on Γ1"),
+    "the foundation pulls": (edit("stress", "tractions", by=moved(2, 0, 1)), "σ̃_ν > 0 on Γ3"),
+    "a cell is missing": (edit("mesh", "cells", by=last), "a boundary inside or outside|does not fit side"),
+    "a cell is there twice": (edit("mesh", "cells", by=lambda x: [*x, x[0]]), "two cells lie on the same side"),
+    "a cell is clockwise": (edit("mesh", "cells", 0, by=lambda x: x[::-1]), "not counter-clockwise"),
+    "a hanging node": (hang_a_node, "a boundary inside or outside the polygon|does not fit side"),
+    "a vertex off the boundary": (edit("mesh", "points", 1, 1, by=lambda y: y - 1), "does not fit|boundary inside"),
+    "a side is short": (edit("mesh", "sides", 0, by=last), "does not fit side 0"),
+    "a clockwise polygon": (edit("problem", "vertices", by=lambda v: v[::-1]), "the polygon is not counter-clockwise"),
+    "a polygon that meets itself": (edit("problem", "vertices", 2, to=["-1", "1/2"]), "meet|not counter-clockwise"),
+    "no wall": (edit("problem", "kinds", 2, to="loaded"), "no part is clamped"),
+    "A is not elliptic": (edit("problem", "A", to=[["0"] * 3] * 3), "A is not symmetric and positive definite"),
+    "A is not monotone": (edit("problem", "A", 0, 0, to="0"), "A is not symmetric and positive definite"),
+    "A is not symmetric": (edit("problem", "A", 0, 1, to="1/3"), "A is not symmetric and positive definite"),
+    "G is not monotone": (edit("problem", "G", 2, 2, to="-1"), "G is not symmetric and positive semidefinite"),
+    "too much damping": (edit("m", to="2001/1000"), "G − mA is not positive semidefinite"),
+    "negative damping": (edit("m", to="-1"), "m is negative"),
+    "a smaller constant in Ω": (edit("constants", "volume", by=twice), "constant of forces"),
+    "a smaller constant on Γ2": (edit("constants", "surface", by=twice), "constant of loads"),
+    "a constant in Ω that is 0": (edit("constants", "volume", to="0"), "a constant of the body is not positive"),
+    "a constant on Γ2 that is 0": (edit("constants", "surface", to="0"), "a constant of the body is not positive"),
+    "another tensor field": (edit("constants", "field", 3, 0, by=lambda x: x + 2**28), "the tensor field does not"),
+    "a short field": (edit("constants", "field", to=[]), "one value for every vertex"),
+    "a stress is missing": (edit("stress", "tractions", by=last), "one stress for every"),
+    "a traction is missing": (edit("stress", "tractions", by=shorter), "tractions have another size"),
+    "a traction too many": (edit("stress", "tractions", by=lambda x: [[*t, 0] for t in x]), "tractions have another"),
+    "a traction of one time is missing": (edit("stress", "tractions", 0, by=last), "equal lengths"),
+    "an inner number is missing": (edit("stress", "inner", by=shorter), "the inner numbers have another size"),
+    "a traction is not finite": (edit("stress", "tractions", 3, 20, to=math.nan), "is nan, but must be an integer"),
+    "ũ has too few numbers": (edit("displacement", "nodes", by=shorter), "ũ has another size"),
+    "tractions of the element differ": (edit("element", "columns", 7, by=plus({31: 1})), "tractions of the ref"),
+    # A constant stress t ⊗ t on one third, t along its outer side: no traction outside, no divergence.
+    "tractions in the element jump": (edit("element", "columns", 40, by=plus({0: 1, 30: 1, 60: -1})), "ent jump"),
+    # A constant stress times a hat function of the centre: tractions are right, divergences differ on thirds.
+    "the divergence in the element jumps": (
+        edit("element", "columns", 40, by=plus({0: 1, 1: -1, 4: -1, 14: 1, 21: 1})),
+        "the reference element does not balance",
+    ),
+    "the element does not balance": (edit("element", "columns", 40, by=squeezed), "does not balance"),
+    "u_h has nodes inside halves of pieces of ũ": (edit("computed", by=lambda u: [*u, u[-1]]), "u_h has a node inside"),
+    "f_0 with a kink": (edit("problem", "force", 1, 0, 2, to=1), "f_0 with kinks"),
+    "f_2 on Γ3": (edit("problem", "loads", by=lambda x: {"0": x["1"]}), "which is not of Γ2"),
+    "f_2 on a part that is not there": (edit("problem", "loads", "7", to=[[], []]), "a side that does not exist"),
+    "time runs backwards": (edit("problem", "T", to="-1"), "T is not positive"),
+    "time does not run": (edit("problem", "T", to="0"), "T is not positive"),
+    "u_0 off the wall": (edit("problem", "start", 0, to=[["1", 0, 0]]), "u_0 does not vanish on Γ1"),
+    "u_0 in the foundation": (edit("problem", "start", 1, to=[["-1", 0, 0], ["1", 0, 1]]), "u_0ν ≤ 0 on Γ3"),
+    # Sizes.
     "u_h at one time": (edit("computed", to=[[0.0] * 50]), "1 values, but must have 2"),
-    "no u_h": (edit("computed", to=[]), "0 values"),
     "ũ at one time": (edit("displacement", "nodes", to=[[0] * 162]), "1 values"),
-    "a huge unit of ũ": (edit("displacement", "bits", to=10**9), "integer from 1 to 512"),
     "a huge unit of σ̃": (edit("stress", "bits", to=513), "integer from 1 to 512"),
     "no unit of σ̃": (edit("stress", "bits", to=0), "integer from 1 to 512"),
     "a huge coarse unit": (edit("stress", "coarse", to=513), "integer from 0 to 512"),
-    "a huge unit of Φ": (edit("constants", "bits", to=10**9), "integer from 1 to 512"),
     "many refinements": (edit("refinements", to=9), "integer from 0 to 8"),
     "more refinements than ũ has": (edit("refinements", to=8), "ũ has another size"),
     "a high degree": (edit("problem", "force", 1, 0, 0, 0, 1, to=11), "integer from 0 to 10"),
@@ -172,20 +261,15 @@ STRUCTURES: dict[str, tuple[Callable[[Any], None], str]] = {
     "a high degree of a power": (edit("problem", "loads", "1", 0, 0, to=[[], [["1", 6, 0, 0]], 2]), "degree above 10"),
     "a high degree of u_0": (edit("problem", "start", 0, to=[["1", 7, 4]]), "u_0 has a degree above 10"),
     "a negative exponent": (edit("problem", "force", 1, 0, 0, 0, 1, to=-1), "integer from 0 to 10"),
-    "an exponent that is a boolean": (edit("problem", "force", 1, 0, 0, 0, 1, to=True), "is True"),
     "many monomials": (edit("problem", "start", 0, to=[["0", 0, 0]] * 301), "301 values, but must have 0 to 300"),
     "many summands": (edit("problem", "force", 0, to=[[[], [], 0]] * 301), "301 values"),
     "many vertices": (edit("problem", "vertices", to=[["0", "0"]] * 101), "101 values, but must have 3 to 100"),
     "two vertices": (edit("problem", "vertices", to=[["0", "0"]] * 2), "2 values"),
     "a vertex in space": (edit("problem", "vertices", 0, to=["0", "0", "0"]), "list of 2 values"),
-    "a kind that is not there": (edit("problem", "kinds", 0, to=BAD), "must be clamped or contact or loaded"),
     "fewer kinds than sides": (edit("problem", "kinds", to=["clamped"] * 3), "one kind for every side"),
     "more kinds than sides": (edit("problem", "kinds", to=["clamped"] * 5), "one kind for every side"),
-    "a load on a part that is not there": (edit("problem", "loads", "7", to=[[], []]), "a side that does not exist"),
     "a load with one component": (edit("problem", "loads", "1", to=[[]]), "list of 2 values"),
-    "a load with three components": (edit("problem", "loads", "1", to=[[], [], []]), "list of 2 values"),
     "a law in space": (edit("problem", "A", to=[["1"] * 6] * 6), "list of 3 values"),
-    "a long row of a law": (edit("problem", "A", 0, to=["1"] * 4), "list of 3 values"),
     "a point in space": (edit("mesh", "points", 0, to=[0, 0, 0]), "3 values, but must have 2 to 2"),
     "a quadrangle": (edit("mesh", "cells", 0, to=[0, 1, 2, 3]), "4 values"),
     "no cells": (edit("mesh", "cells", to=[]), "0 values"),
@@ -196,26 +280,46 @@ STRUCTURES: dict[str, tuple[Callable[[Any], None], str]] = {
     "a side too few": (edit("mesh", "sides", to=[[0, 1]] * 3), "one line of vertices for every side"),
     "no denominator": (edit("mesh", "denominator", to=0), "a positive integer"),
     "a field of vectors": (edit("constants", "field", 0, to=[0, 0]), "2 values, but must have 4"),
-    "a short field": (edit("constants", "field", to=[]), "one value for every vertex"),
-    "a constant that is 0": (edit("constants", "volume", to="0"), "a constant of the body is not positive"),
-    "another constant that is 0": (edit("constants", "surface", to="0"), "a constant of the body is not positive"),
     "an element without columns": (edit("element", "columns", to=[]), "0 values, but must have 45"),
     "an element with short columns": (edit("element", "columns", 44, to=[0] * 89), "89 values"),
     "an element over 0": (edit("element", "over", to=0), "a positive integer"),
     "stresses of no time": (edit("stress", "tractions", to=[]), "must be one stress for every"),
-    "a level that is no number": (edit("level", to="4"), "integer from 0"),
-    "another format": (edit("format", to=BAD), "must be signorini-certificate 2"),
 }
 
 
-@pytest.mark.parametrize("name", STRUCTURES, ids=ascii)
-def test_other_structures_are_refused(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    data, (change, message) = certificate(), STRUCTURES[name]
-    change(data)
-    assert re.search(message, refused(packed(data), tmp_path, capsys))
+@pytest.mark.parametrize("name", TAMPERED, ids=ascii)
+def test_what_is_tampered_with_is_refused(name: str, certificate: Any) -> None:
+    change, message = TAMPERED[name]
+    change(certificate)
+    assert re.search(message, refusal(certificate))
 
 
-BIG = 40_000_000
+def move_a_vertex(data: Any) -> None:
+    mesh = stated(data)
+    inner = next(v for v in range(len(mesh.points)) if not any(v in edge for edge in mesh.boundary))
+    data["displacement"]["nodes"][1][2 * inner] += 2**36
+
+
+CLAIMS = {
+    "another load": edit("problem", "loads", "1", 0, 0, 0, 0, 0, to="-3"),
+    "another force": edit("problem", "force", 1, 0, 0, 0, 0, by=twice),
+    "another start": edit("problem", "start", 1, to=[["1/10", 0, 0], ["-1/10", 0, 1]]),
+    "a traction moved": edit("stress", "tractions", 3, 40, by=lambda x: x + 2**34),
+    "an inner number moved": edit("stress", "inner", 3, 40, by=lambda x: x + 2**12),
+    "ũ moved": move_a_vertex,
+}
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=str)
+def test_witnesses_of_something_else_prove_less(claim: str, certificate: Any, plain: checker.Enclosure) -> None:
+    """They stay true: an interval is wider, by what they do not fit."""
+    CLAIMS[claim](certificate)
+    assert checker.verified(certificate).last > plain.last
+
+
+# Files that are no certificates
+
+BIG = 20_000_000
 TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "nothing": (lambda: b"", "ends too early"),
     "no gzip": (lambda: TEXT.encode(), "not a gzip file"),
@@ -223,7 +327,6 @@ TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "a gzip file with a wrong sum": (lambda: packed(TEXT)[:-8] + b"\0" * 8, "not a gzip file"),
     "two gzip members": (lambda: packed(TEXT) + packed(TEXT), "data after its certificate"),
     "bytes behind a gzip file": (lambda: packed(TEXT) + b"\0", "data after its certificate"),
-    "a bomb of zeros": (lambda: gzip.compress(b"0" * BIG), "unpacks to more than"),
     "a bomb of spaces": (lambda: packed(TEXT + " " * BIG), "unpacks to more than"),
     "a bomb of members": (lambda: packed(TEXT) * 1000, "data after its certificate"),
     "no JSON": (lambda: packed("certificate"), "not a gzip file with JSON"),
@@ -243,8 +346,8 @@ TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "an integer of some digits": (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 4000}')), "is 9999"),
     "deep lists": (lambda: packed("[" * 10**5 + "]" * 10**5), "too deeply"),
     "deep objects": (lambda: packed('{"a":' * 10**5), "too deeply"),
-    "many empty lists": (lambda: packed(f"[{','.join(['[]'] * 2_000_000)}]"), "more than 1048576 lists"),
-    "many empty objects": (lambda: packed(f"[{','.join(['{}'] * 2_000_000)}]"), "more than 1048576 lists"),
+    "many empty lists": (lambda: packed(f"[{','.join(['[]'] * 1_100_000)}]"), "more than 1048576 lists"),
+    "many empty objects": (lambda: packed(f"[{','.join(['{}'] * 1_100_000)}]"), "more than 1048576 lists"),
 }
 
 
@@ -264,9 +367,9 @@ def test_a_bomb_takes_little_memory(tmp_path: Path) -> None:
     tracemalloc.stop()
 
 
-def test_texts_are_limited_by_their_files_and_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_texts_are_limited_by_their_files_and_at_all(monkeypatch: pytest.MonkeyPatch, made: Any) -> None:
     monkeypatch.setattr(checker, "SMALL", 10)
-    assert checker.load(EXAMPLE) == certificate()
+    assert checker.load(EXAMPLE) == made
     for name, value in (("PACKING", 2), ("UNPACKED", len(TEXT) - 1), ("LISTS", TEXT.count("[") - 1)):
         with monkeypatch.context() as patch:
             patch.setattr(checker, name, value)

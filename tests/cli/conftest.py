@@ -6,24 +6,38 @@ import fcntl
 import os
 import re
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from manufactured.case import Case
 from study.cli import run
 from study.cli.main import main
+from study.fem.mesh import MeshFamily
+from study.fem.naming import resolve
 from study.present.figures import drawings
+from study.statements.shared.scope import Scope
 
 TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
+FAMILIES_OF = Scope.families_of
 
 
-@pytest.fixture(autouse=True, scope="session")
-def without_defects() -> Iterator[None]:
-    """Runs of a user's case leave out the measurements with defects, which ``tests/controls`` makes."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "contact_tests", lambda plan: [])
-        yield
+def two_families(scope: Scope, case: Case) -> list[MeshFamily]:
+    """Return the regular and the shaken meshes; all families of a case that has none of them."""
+    families = FAMILIES_OF(scope, case)
+    return [family for family in families if family.name in ("one-diagonal", "shaken")] or families
+
+
+def shorten(patch: pytest.MonkeyPatch) -> None:
+    """Leave out of runs two mesh families, and the measurements with defects, which ``tests/controls`` makes."""
+    patch.setattr(run, "contact_tests", lambda plan: [])
+    patch.setattr(Scope, "families_of", two_families)
+
+
+@pytest.fixture(autouse=True)
+def shortened(monkeypatch: pytest.MonkeyPatch) -> None:
+    shorten(monkeypatch)
 
 
 def run_tutorial(directory: Path) -> None:
@@ -34,16 +48,17 @@ def run_tutorial(directory: Path) -> None:
     (directory / "pocket.py").write_text(code, encoding="utf-8")
     command = ["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32"]
     with pytest.MonkeyPatch.context() as patch:
+        shorten(patch)
         # Drawing all figures takes most of the time, and tests/present draws them.
         patch.setattr(run, "drawings", lambda directory: drawings(directory)[:2])
         assert main([*command, "--out", str(directory / "results")]) == 0
 
 
 @pytest.fixture(scope="session")
-def made(tmp_path_factory, without_defects: None) -> Path:
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A directory with ``pocket.py``, the case of the tutorial, and ``results``, a small run of that case.
 
-    The run takes 25 seconds: of the processes of pytest-xdist the first makes it, and each gets a copy of its own.
+    Of the processes of pytest-xdist the first makes the run, and each gets a copy of its own.
     """
     directory: Path = tmp_path_factory.getbasetemp() / "tutorial"
     if "PYTEST_XDIST_WORKER" not in os.environ:
@@ -60,6 +75,14 @@ def made(tmp_path_factory, without_defects: None) -> Path:
 
 
 @pytest.fixture
+def own(made: Path, tmp_path: Path) -> Path:
+    """The results of a copy of the small run, next to the file of its case; a test may edit both."""
+    shutil.copytree(made, tmp_path, dirs_exist_ok=True, ignore=shutil.ignore_patterns("jobs", "figures"))
+    resolve.cache_clear()
+    return tmp_path / "results"
+
+
+@pytest.fixture
 def told(capsys) -> Callable[..., str]:
     """Runs a command that must end with an exit code, 2 unless told otherwise; returns all that it printed."""
 
@@ -71,9 +94,3 @@ def told(capsys) -> Callable[..., str]:
         return printed.out + printed.err
 
     return run
-
-
-@pytest.fixture
-def refused(told) -> Callable[..., str]:
-    """Runs a command that must be refused; returns its message."""
-    return told

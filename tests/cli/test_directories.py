@@ -16,7 +16,7 @@ import pytest
 from study.bound import bounded
 from study.cli import run
 from study.cli.main import CLOSED, INTERRUPTED, main
-from study.cli.options import parser
+from study.cli.options import RESUMED, STARTS_AGAIN, parser
 from study.controls.baselines import Sweep
 from study.controls.control import Control
 from study.controls.run_controls import run_controls
@@ -42,12 +42,12 @@ def everything(directory: Path) -> dict[Path, bytes]:
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_files_that_the_study_did_not_write_are_never_overwritten(command: str, tmp_path, refused) -> None:
+def test_files_that_the_study_did_not_write_are_never_overwritten(command: str, tmp_path, told) -> None:
     write_text(tmp_path / "data" / "rates.csv", "mine")
     write_text(tmp_path / "figures" / "convergence.png", "mine")
     before = everything(tmp_path)
-    told = refused(*command.split(), "--out", str(tmp_path))
-    assert "no finished run" in told or f"{tmp_path}/data/rates.csv was not written by a study" in told
+    said = told(*command.split(), "--out", str(tmp_path))
+    assert "no finished run" in said or f"{tmp_path}/data/rates.csv was not written by a study" in said
     assert everything(tmp_path) == before
 
 
@@ -62,11 +62,11 @@ OWNED = [
 
 
 @pytest.mark.parametrize(("command", "folder"), OWNED, ids=["bound", "show", "export", "certify"])
-def test_a_folder_of_somebody_else_is_left_alone(command: list[str], folder: str, tmp_path, refused) -> None:
+def test_a_folder_of_somebody_else_is_left_alone(command: list[str], folder: str, tmp_path, told) -> None:
     write_text(tmp_path / folder / "notes.txt", "mine")
-    told = refused(*command, "--out", str(tmp_path))
-    assert f"{tmp_path / folder / 'notes.txt'} was not written by a study" in told
-    assert list(everything(tmp_path)) == [tmp_path / folder / "notes.txt"]
+    mine = tmp_path / folder / "notes.txt"
+    assert f"{mine} was not written by a study" in told(*command, "--out", str(tmp_path))
+    assert list(everything(tmp_path)) == [mine]
 
 
 def test_other_files_beside_those_of_the_study_are_no_hindrance(tmp_path: Path) -> None:
@@ -78,7 +78,7 @@ def test_other_files_beside_those_of_the_study_are_no_hindrance(tmp_path: Path) 
     Store(tmp_path).check()
 
 
-def test_a_bound_resumes_with_the_levels_that_are_not_done(tmp_path, capsys, monkeypatch) -> None:
+def test_a_bound_resumes_with_the_levels_that_are_not_done(tmp_path, told, monkeypatch) -> None:
     asked: list[int] = []
     original = bounded.bounded_solution
 
@@ -88,33 +88,34 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done(tmp_path, capsys, mon
 
     monkeypatch.setattr(bounded, "bounded_solution", counted)
     monkeypatch.setattr("study.cli.bound.draw_one", lambda *_: [])
-    command = ["bound", "ramp", *COARSE, "--out", str(tmp_path)]
-    assert main([*command, "--levels", "2"]) == 0
-    assert main([*command, "--levels", "2", "4"]) == 0
+    command = ["bound", "ramp", *COARSE, "--out", str(tmp_path), "--levels", "2"]
+    told(*command, code=0)
+    printed = told(*command, "4", code=0)
     whole = everything(tmp_path)
-    printed = capsys.readouterr().out.split("enclosed")[-1]
-    assert main([*command, "--levels", "2", "4"]) == 0
-    assert everything(tmp_path) == whole
-    assert capsys.readouterr().out.split("enclosed")[-1] == printed
-    assert asked == [2, 4]
+    assert told(*command, "4", code=0).split("enclosed")[-1] == printed.split("enclosed")[-1]
+    assert (asked, everything(tmp_path)) == ([2, 4], whole)
     (tmp_path / "ramp" / "trajectory-4.npz").unlink()
-    assert main([*command, "--levels", "2", "4", "--scheme", "bdf2"]) == 0
+    told(*command, "4", "--scheme", "bdf2", code=0)
     assert asked == [2, 4, 2, 4]
 
 
-@pytest.mark.parametrize(("command", "folder"), [OWNED[0], OWNED[2]], ids=["bound", "export"])
-def test_two_commands_on_one_directory_are_refused_by_name(command: list[str], folder: str, tmp_path, refused) -> None:
-    of = "tasks import TaskStore as" if command[0] == "export" else "store import"
-    lock = f"import sys; from pathlib import Path; from study.run.{of} Store\n"
-    lock += "with Store(Path(sys.argv[1])).locked(): print('locked', flush=True); sys.stdin.read()"
-    other = subprocess.Popen(
-        [sys.executable, "-c", lock, str(tmp_path / folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
-    )
-    assert other.stdout
-    assert other.stdout.readline() == b"locked\n"
-    told = refused(*command, "--out", str(tmp_path))
-    other.communicate()
-    assert f"another run works on {tmp_path / folder}: wait until it ends, or give another directory with" in told
+HELD: list[Any] = []
+"""Locks that a worker process holds until it ends."""
+
+
+def hold(store: Store | TaskStore) -> None:
+    HELD.append(lock := store.locked())
+    lock.__enter__()
+
+
+@pytest.mark.parametrize(
+    ("store", "command", "folder"), [(Store, *OWNED[0]), (TaskStore, *OWNED[2])], ids=["bound", "export"]
+)
+def test_two_commands_on_one_directory_are_refused_by_name(store, command, folder: str, tmp_path, told) -> None:
+    with Processes(1) as other:
+        other.submit(hold, store(tmp_path / folder)).result()
+        said = told(*command, "--out", str(tmp_path))
+    assert f"another run works on {tmp_path / folder}: wait until it ends, or give another directory with" in said
 
 
 def test_an_export_leaves_nothing_but_tasks_and_their_sums(tmp_path: Path) -> None:
@@ -129,29 +130,22 @@ def test_a_lock_that_its_owner_has_removed_holds_nothing(tmp_path: Path) -> None
     """Opened while one export worked, locked after it ended: a third one has a new file by then."""
     store = TaskStore(tmp_path)
     with store.lock.open("a") as opened_before:
-        store.lock.unlink()
-        with pytest.raises(StoreError, match="another run works on"):
-            store._hold(opened_before)
-        store.lock.touch()
-        with pytest.raises(StoreError, match="another run works on"):
-            store._hold(opened_before)
+        for change in (store.lock.unlink, store.lock.touch):
+            change()
+            with pytest.raises(StoreError, match="another run works on"):
+                store._hold(opened_before)
     with store.locked():
         assert store.lock.exists()
     assert list(tmp_path.iterdir()) == []
 
 
-def verdicts(self: Sweep, defect: Callable[[Any], Any]) -> list[Verdict]:
-    with (Path(self.case) / "calls").open("a") as calls:
-        calls.write(".")
-    state = HOLDS if defect(1) == 1 else FAILS
-    return [row(Green(), "order", "a", at_most(1.0), (0.5, (0.5, 0.5), state), "case")]
-
-
-def doubled(setup: Any) -> Any:
-    return 2 * setup
-
-
 def test_controls_resume_with_what_is_not_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def verdicts(self: Sweep, defect: Callable[[Any], Any]) -> list[Verdict]:
+        with (Path(self.case) / "calls").open("a") as calls:
+            calls.write(".")
+        state = HOLDS if defect(1) == 1 else FAILS
+        return [row(Green(), "order", "a", at_most(1.0), (0.5, (0.5, 0.5), state), "case")]
+
     monkeypatch.setattr(Sweep, "verdicts", verdicts)
     setting, store = Sweep(str(tmp_path)), Store(tmp_path / "out")
     controls = [Control(name, "what", setting, "", doubled, "order") for name in ("one", "two")]
@@ -159,35 +153,34 @@ def test_controls_resume_with_what_is_not_done(tmp_path: Path, monkeypatch: pyte
     twice = [*controls, Control("one", "what", replace(setting, families=("shaken",)), "", doubled, "order")]
     monkeypatch.setattr("study.controls.table.CONTROLS", twice)
     with Processes(1) as executor:
-        first = run_controls(controls[:1], executor, store, lambda: None)
-        again = run_controls(controls, executor, store, lambda: None)
-    assert (tmp_path / "calls").read_text() == "..."
+        first, again, whole = (
+            run_controls(some, executor, store, lambda: None) for some in (controls[:1], controls, twice)
+        )
     assert again[:2] == first
     assert [outcome.caught for outcome in again] == [None, True, True]
-    with Processes(1) as executor:
-        assert len(run_controls(twice, executor, store, lambda: None)) == 5
+    assert len(whole) == 5
     assert (tmp_path / "calls").read_text() == "....."
 
 
+def doubled(setup: Any) -> Any:
+    return 2 * setup
+
+
 @pytest.mark.parametrize(
-    ("command", "told"),
+    ("command", "said"),
     [
-        (["run"], "finished results are kept; run the same command again to compute the rest"),
-        (["bound", "ramp"], "finished results are kept; run the same command again to compute the rest"),
-        (["controls"], "finished results are kept; run the same command again to compute the rest"),
-        (["cases"], "no file is half-written; the same command starts from the beginning"),
-        (["figures"], "no file is half-written; the same command starts from the beginning"),
+        *((command, RESUMED) for command in ("run", "bound ramp", "controls")),
+        *((command, STARTS_AGAIN) for command in ("cases", "figures")),
     ],
 )
-def test_ctrl_c_says_what_is_true_of_the_command(command: list[str], told: str, tmp_path, capsys, monkeypatch) -> None:
+def test_ctrl_c_says_what_is_true_of_the_command(command: str, said: str, tmp_path, told, monkeypatch) -> None:
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
     # A command that is not stopped writes here, not into the committed results.
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("importlib.import_module", stop)
-    assert main(command) == INTERRUPTED
-    assert capsys.readouterr().err == f"study: interrupted; {told}\n"
+    assert told(*command.split(), code=INTERRUPTED) == f"study: interrupted; {said}\n"
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
@@ -210,23 +203,19 @@ def test_an_output_with_few_letters_ends_no_command(encoding: str, arguments: li
 def test_a_full_disk_behind_the_output_is_said_in_words() -> None:
     with open("/dev/full", "w") as full:
         done = subprocess.run([*STUDY, *RATES], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
-    assert done.returncode == 2
-    assert done.stderr.startswith(
-        "study: cannot write the output: the disk is full (No space left on device); free space there"
-    )
-    assert len(done.stderr.splitlines()) == 1
+    said = "study: cannot write the output: the disk is full (No space left on device); free space there"
+    assert (done.returncode, done.stderr.startswith(said), len(done.stderr.splitlines())) == (2, True, 1)
 
 
 def test_a_reader_who_has_seen_enough_ends_the_command_without_a_word() -> None:
-    read = subprocess.Popen([*STUDY, *RATES], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert read.stdout
-    assert read.stderr
-    read.stdout.close()
-    assert read.stderr.read() == ""
-    assert read.wait() == CLOSED
+    with subprocess.Popen([*STUDY, *RATES], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as command:
+        assert command.stdout and command.stderr  # noqa: PT018
+        command.stdout.close()
+        assert command.stderr.read() == ""
+    assert command.returncode == CLOSED
 
 
-STUDY = [sys.executable, "-c", "import sys; from study.cli.main import main; sys.exit(main())"]
+STUDY = [sys.executable, "-m", "study"]
 RATES = ["rates", str(Path(__file__).parents[2] / "examples" / "errors.csv")]
 """A command that prints, and needs no case."""
 
@@ -250,11 +239,11 @@ def test_levels_can_be_added_to_a_directory(tmp_path: Path, capsys: pytest.Captu
     assert shorter.own == ()
 
 
-def test_hints_for_repair_name_the_command_that_made_the_directory(tmp_path, refused) -> None:
+def test_hints_for_repair_name_the_command_that_made_the_directory(tmp_path, told) -> None:
     planned(tmp_path, "--case", "corner", "--levels", "8", "16", "32", "--step", "0.1")
     line = f"study run --case corner --levels 8 16 32 --step 0.1 --out {tmp_path}"
     assert made_by(tmp_path) == line
-    assert f".csv is missing: make it with `{line}`" in refused("check", "--out", str(tmp_path))
+    assert f".csv is missing: make it with `{line}`" in told("check", "--out", str(tmp_path))
     assert made_by(tmp_path / "none") == f"study run --out {tmp_path / 'none'}"
     write_text(tmp_path / "a b" / "data" / "provenance.json", json.dumps({"plan": "full"}))
     assert made_by(tmp_path / "a b") == f"study run --full --out '{tmp_path}/a b'"

@@ -27,14 +27,12 @@ def listed(directory: Path, text: str) -> Path:
     ("verdict", "lines", "code"),
     [(HOLDS, "", 0), (MISSED, "", 0), (UNDECIDED, "", 3), (UNDECIDED, LINE, 0), (HOLDS, LINE, 3), (FAILS, LINE, 1)],
 )
-def test_undecided_rows_are_accepted_if_exactly_these_are_listed(tmp_path, verdict: str, lines: str, code: int) -> None:
-    assert code_of([replace(ROW, verdict=verdict)], listed(tmp_path, HEAD + lines)) == code
-
-
-def test_a_row_that_is_not_listed_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert code_of([replace(ROW, verdict=UNDECIDED)], listed(tmp_path, HEAD)) == 3
-    assert "undecided but not listed in" in (said := capsys.readouterr().err)
-    assert "(0.0), order, pocket, shaken" in said
+def test_undecided_rows_are_accepted_if_exactly_these_are_listed(tmp_path, verdict, lines, code, capsys) -> None:
+    file = listed(tmp_path, HEAD + lines)
+    assert code_of([replace(ROW, verdict=verdict)], file) == code
+    differs = {(UNDECIDED, ""): "undecided but not listed", (HOLDS, LINE): "not undecided but listed"}
+    row = f"this check is {differs.get((verdict, lines))} in {file}: (0.0), order, pocket, shaken\n"
+    assert capsys.readouterr().err == (row if code == 3 else "")
 
 
 def test_without_a_list_an_undecided_row_and_no_row_at_all_are_undecided() -> None:
@@ -48,13 +46,9 @@ def test_without_a_list_an_undecided_row_and_no_row_at_all_are_undecided() -> No
         (HEAD + "(0.0),order,pocket,shaken, \n", "line 2: the reason why the row is undecided is missing"),
         ("label,key\n", "has the columns label, key, expected label, key, case, family, reason"),
         ("", "cannot be read as CSV"),
+        (None, "cannot be read as CSV"),
     ],
 )
-def test_a_list_without_reasons_or_columns_is_refused(tmp_path: Path, text: str, message: str) -> None:
+def test_a_list_without_reasons_or_columns_or_without_a_file_is_refused(tmp_path, text: str, message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        code_of([ROW], listed(tmp_path, text))
-
-
-def test_a_list_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="cannot be read as CSV"):
-        code_of([ROW], tmp_path / "none.csv")
+        code_of([ROW], tmp_path / "none.csv" if text is None else listed(tmp_path, text))

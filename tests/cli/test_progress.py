@@ -12,41 +12,32 @@ COST = 100
 
 
 @pytest.fixture
-def clock(monkeypatch: pytest.MonkeyPatch) -> dict[str, float]:
-    """A clock that stands still until a test sets it."""
-    now = {"seconds": 1000.0}
-    monkeypatch.setattr("tqdm.std.time", lambda: now["seconds"])
-    return now
-
-
-@pytest.fixture
-def bar(clock: dict[str, float]) -> Iterator[ProgressBar]:
+def bar(monkeypatch: pytest.MonkeyPatch) -> Iterator[ProgressBar]:
+    """A progress bar whose clock stands still until a test sets it."""
+    monkeypatch.setattr("tqdm.std.time", lambda: 0.0)
     with progress_bar(COST) as shown:
-        shown._time = lambda: clock["seconds"]
         yield shown
 
 
-def left_after(bar: ProgressBar, clock: dict[str, float], seconds: float) -> str:
-    clock["seconds"] = 1000.0 + seconds
+def left_after(bar: ProgressBar, seconds: float) -> str:
+    bar._time = lambda: seconds
     return str(bar.format_dict["left"])
 
 
-def test_no_time_is_shown_before_a_tenth_is_done(bar: ProgressBar, clock: dict[str, float]) -> None:
+def test_no_time_is_shown_before_a_tenth_is_done(bar: ProgressBar) -> None:
     bar.update(9)
-    assert left_after(bar, clock, 30) == "?"
+    assert left_after(bar, 30) == "?"
 
 
-def test_the_remaining_time_follows_from_the_mean_speed_although_the_last_job_was_slow(
-    bar: ProgressBar, clock: dict[str, float]
-) -> None:
+def test_the_remaining_time_follows_from_the_mean_speed_although_the_last_job_was_slow(bar: ProgressBar) -> None:
     bar.update(40)
-    clock["seconds"] += 10
+    bar._time = lambda: 10.0
     bar.update(10)
-    assert left_after(bar, clock, 42) == "00:42"
+    assert left_after(bar, 42) == "00:42"
 
 
-def test_stored_results_do_not_count_for_the_speed(bar: ProgressBar, clock: dict[str, float]) -> None:
+def test_stored_results_do_not_count_for_the_speed(bar: ProgressBar) -> None:
     notify = bar.notify_after_stored()
     notify(80)
     notify(10)
-    assert left_after(bar, clock, 20) == "00:20"
+    assert left_after(bar, 20) == "00:20"

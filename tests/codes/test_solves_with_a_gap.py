@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
-import contact_judge as judge
 import faults
 import numpy as np
 import pytest
 import this_study
+from judged_codes import exported, judged, task
 
 from manufactured import catalogue, named, s
 from manufactured.data import Data
@@ -20,7 +19,7 @@ from study.fem.error_norm import gaps_at_vertices
 from study.fem.mesh import OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space, form
 from study.run.plan import Plan, full, quick
-from study.run.tasks import frozen, plain
+from study.run.tasks import frozen
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import Signorini
 from study.solve.stress_problem import StressError
@@ -28,21 +27,15 @@ from study.solve.tableau import MIDPOINT
 from study.statements.initial_gap import InitialGap
 from study.statements.pictures import Pictures
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.tasks import Task
 from study.statements.thm_4_2 import problems
 
 
-def loaded() -> tuple:
-    """S, N, a load that closes some gaps and opens others, g and the vertices of a cube."""
-    solution = named("cube-bowl").solution
-    space = Space(Shaken()(solution.body, 7), solution.body)
-    S, N, gap = form(space, solution.law.A), space.N, gaps_at_vertices(solution, space)
-    b = S @ np.random.default_rng(1).standard_normal(space.dofs)
-    return S, N, b, gap, space.free_points
-
-
 def test_the_solution_satisfies_complementarity_with_the_gap_and_multigrid_finds_the_same() -> None:
-    S, N, b, gap, x = loaded()
+    """On a cube, for a load that closes some gaps and opens others."""
+    solution = named("cube-bowl").solution
+    space = Space(Shaken()(solution.body, 6), solution.body)
+    S, N, gap, x = form(space, solution.law.A), space.N, gaps_at_vertices(solution, space), space.free_points
+    b = S @ np.random.default_rng(1).standard_normal(space.dofs)
     u, forces = Signorini(S, N, x, gap)(b)
     left = gap - N @ u
     assert S @ u + N.T @ forces == pytest.approx(b, abs=1e-10 * abs(b).max())
@@ -59,15 +52,13 @@ def test_the_solution_satisfies_complementarity_with_the_gap_and_multigrid_finds
 def test_every_face_has_its_own_gap_in_the_order_of_the_constraints() -> None:
     solution = named("hexagon").solution
     faces = tuple(replace(face, initial_gap=(i + 1) * s**2) for i, face in enumerate(solution.faces))
-    apart = replace(solution, faces=faces)
-    space = Space(Unstructured()(apart.body, 8), apart.body)
-    gap, row = gaps_at_vertices(apart, space), 0
-    for i, (part, vertices) in enumerate(space.contact):
-        for vertex in vertices:
-            distance = np.linalg.norm(space.mesh.p[:, vertex] - part.start)
-            assert gap[row] == pytest.approx((i + 1) * distance**2)
-            row += 1
-    assert row == len(gap)
+    space = Space(Unstructured()(solution.body, 8), solution.body)
+    wanted = [
+        (i + 1) * np.linalg.norm(space.mesh.p[:, vertex] - part.start) ** 2
+        for i, (part, vertices) in enumerate(space.contact)
+        for vertex in vertices
+    ]
+    assert gaps_at_vertices(replace(solution, faces=faces), space) == pytest.approx(wanted)
 
 
 def test_the_residual_of_a_step_knows_the_gap() -> None:
@@ -99,31 +90,18 @@ def test_no_statement_but_its_own_is_measured_on_a_gap(scope) -> None:
 
 @pytest.mark.parametrize("scale", [1.0, 10.0])
 def test_a_task_has_the_gap_in_the_units_of_its_loads(scale: float) -> None:
-    task = Task(named("parabolic-gap"), OneDiagonal(), 4)
-    (piece,) = frozen(task, (0.5,), scale)["contact"]
-    x = task.space.mesh.p[0, piece["vertices"]]
+    mine = task("parabolic-gap", 4)
+    (piece,) = frozen(mine, (0.5,), scale)["contact"]
+    x = mine.space.mesh.p[0, piece["vertices"]]
     assert piece["gap"] == pytest.approx(scale * 2 * (x - 0.5) ** 2)
-    assert "gap" not in frozen(Task(named("full-contact"), OneDiagonal(), 4), (0.5,))["contact"][0]
+    assert "gap" not in frozen(task("full-contact", 4), (0.5,))["contact"][0]
 
 
-def exported(level: int) -> judge.Task:
-    data = frozen(Task(named("parabolic-gap"), OneDiagonal(), level), (0.15, 0.55, 0.9))
-    return judge.Task(f"parabolic-gap-{level}", json.loads(json.dumps(plain(data))))
-
-
-def test_our_adapter_solves_a_task_with_a_gap() -> None:
-    tasks = [exported(8), exported(16)]
-    (found,) = judge.assess(tasks, {task.name: judge.answer(task, this_study.make) for task in tasks})
-    assert found.verdict == "exact for P1"
-
-
-@pytest.mark.parametrize(
-    ("factor", "cause"),
-    [(0.0, "the initial gap is forgotten"), (-1.0, "the initial gap is taken with the reversed sign")],
-)
-def test_the_judge_names_a_gap_that_is_forgotten_or_reversed(factor: float, cause: str) -> None:
-    tasks = [exported(8), exported(16)]
-    make = faults.gap_times(factor)
-    (found,) = judge.assess(tasks, {task.name: judge.answer(task, make) for task in tasks})
-    assert found.verdict not in ("exact for P1", "consistent")
-    assert cause in found.cause
+def test_our_adapter_solves_a_task_with_a_gap_and_the_judge_names_a_gap_that_is_forgotten_or_reversed() -> None:
+    tasks = [exported("parabolic-gap", n) for n in (8, 16)]
+    assert judged(this_study.make, *tasks).verdict == "exact for P1"
+    causes = {0.0: "the initial gap is forgotten", -1.0: "the initial gap is taken with the reversed sign"}
+    for factor, cause in causes.items():
+        found = judged(faults.gap_times(factor), *tasks)
+        assert found.verdict not in ("exact for P1", "consistent")
+        assert cause in found.cause

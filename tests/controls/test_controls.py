@@ -10,7 +10,6 @@ import copy
 import re
 import subprocess
 import sys
-from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -24,7 +23,7 @@ from study.controls.baselines import Equivalence, Sweep, turned
 from study.controls.control import Control, patched
 from study.controls.replacements import no_contact
 from study.controls.run_controls import NO_DEFECT, Outcome, _key, alike, controls_text, outcomes, settings, work
-from study.controls.table import CONTROLS, ELASTICITY, FULL, MEMBERS, MOVING
+from study.controls.table import CONTROLS, ELASTICITY, MEMBERS
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.ledger.datafiles import read_claims
@@ -53,70 +52,48 @@ def named(name: str) -> Control:
 
 
 RESULTS = Path(__file__).parents[2] / "results"
-BY_TESTS = {
-    ("data", "missing"): "statements/test_propositions.py::test_missing_rows_leave_the_data_undecided",
-    **{
-        ("beyond: initial gap", key): (
-            "statements/test_initial_gap_rows.py::test_every_row_about_an_initial_gap_can_fail"
-        )
-        for key in (
-            *("discrete-order-others", "discrete-time-share", "start-share", "parallelogram", "time-share", "residual"),
-            *("clamped", "quadrature", "leading-term", "leading-order", "order-finest", "interpolation-order-finest"),
-        )
-    },
-    **{
-        ("enclosure", end): "statements/test_enclosure.py::test_ends_are_close_where_it_was_announced"
-        for end in ("tight-above", "tight-below")
-    },
-    **{
-        ("beyond: O(h + k)", key): "statements/test_time_errors.py::test_every_row_about_backward_euler_can_fail"
-        for key in ("data", "solution", "constant", "between", "midpoint", "order", "uniform", "reference")
-    },
-    **{
-        ("beyond: work on edges", key): "statements/test_contact_work.py::test_every_row_about_edges_can_fail"
-        for key in ("solution", "all", "constant", "branches")
-    },
-    **{
-        ("beyond: work of contact", key): f"statements/test_contact_work.py::{name}"
-        for name, keys in (
-            ("test_work_of_another_order_fails", ("order", "order-mean")),
-            ("test_a_spread_that_stays_and_work_that_cannot_be_seen_fail", ("spread", "share")),
-        )
-        for key in keys
-    },
-    **{
-        ("beyond: rollers", key): "statements/test_rollers.py::test_every_row_about_rollers_can_fail"
-        for key in (*("bound", "time", "step", "order-equal", "order-alternating", "order-shaken", "order-standing"),)
-    },
-    ("Prop. 5.4", "leading-order"): (
-        "statements/test_random_meshes.py::test_a_leading_term_that_is_not_of_order_h_may_not_take_its_place"
-    ),
-    **{
-        ("beyond: landings", f"{scheme}-two"): (
-            "statements/test_time_errors.py::test_landings_are_judged_and_a_scheme_without_loss_would_be_noticed"
-        )
-        for scheme in ("backward-euler", "midpoint")
-    },
-    **{
-        ("(5.23)", f"{v}-random"): "statements/test_random_meshes.py::test_interpolation_of_another_order_fails"
-        for v in ("smooth", "u-0.23", "u-0.61")
-    },
-    **{
-        ("other codes", key): (
-            "statements/test_other_codes.py::test_an_error_that_is_another_turns_the_row_of_its_code_to_fails"
-        )
-        for key in ("snesvi", "getfem", "freefem", "kratos")
-    },
-    ("other codes", "own-digits"): "statements/test_other_codes.py::test_a_column_that_was_copied_is_noticed",
-    ("enclosure", "order"): "statements/test_enclosure.py::test_an_order_is_judged_where_nobody_knows_the_error",
-    **{
-        ("(5.20)–(5.21), (5.42)", f"growth-{bound}"): (
-            "statements/test_statements_evolution.py::test_a_bound_of_lower_order_must_be_lower_by_what_is_predicted"
-        )
-        for bound in ("5.21", "5.42")
-    },
-}
-"""Rows of which no small setting exists, or that are never worse than undecided, by the tests in which they are."""
+BY_TESTS = """
+data | missing
+  test_propositions.py::test_missing_rows_leave_the_data_undecided
+beyond: initial gap | discrete-order-others discrete-time-share start-share parallelogram time-share
+  test_initial_gap_rows.py::test_every_row_about_an_initial_gap_can_fail
+beyond: initial gap | residual clamped quadrature leading-term leading-order order-finest interpolation-order-finest
+  test_initial_gap_rows.py::test_every_row_about_an_initial_gap_can_fail
+enclosure | tight-above tight-below
+  test_enclosure.py::test_ends_are_close_where_it_was_announced
+enclosure | order
+  test_enclosure.py::test_an_order_is_judged_where_nobody_knows_the_error
+beyond: O(h + k) | data solution constant between midpoint order uniform reference
+  test_time_errors.py::test_every_row_about_backward_euler_can_fail
+beyond: work on edges | solution all constant branches
+  test_contact_work.py::test_every_row_about_edges_can_fail
+beyond: work of contact | order order-mean
+  test_contact_work.py::test_work_of_another_order_fails
+beyond: work of contact | spread share
+  test_contact_work.py::test_a_spread_that_stays_and_work_that_cannot_be_seen_fail
+beyond: rollers | bound time step order-equal order-alternating order-shaken order-standing
+  test_rollers.py::test_every_row_about_rollers_can_fail
+Prop. 5.4 | leading-order
+  test_random_meshes.py::test_a_leading_term_that_is_not_of_order_h_may_not_take_its_place
+beyond: landings | backward-euler-two midpoint-two
+  test_time_errors.py::test_landings_are_judged_and_a_scheme_without_loss_would_be_noticed
+(5.23) | smooth-random u-0.23-random u-0.61-random
+  test_random_meshes.py::test_interpolation_of_another_order_fails
+other codes | snesvi getfem freefem kratos
+  test_other_codes.py::test_an_error_that_is_another_turns_the_row_of_its_code_to_fails
+other codes | own-digits
+  test_other_codes.py::test_a_column_that_was_copied_is_noticed
+(5.20)–(5.21), (5.42) | growth-5.21 growth-5.42
+  test_statements_evolution.py::test_a_bound_of_lower_order_must_be_lower_by_what_is_predicted
+"""
+"""Rows without a small setting, or never worse than undecided, each with its test in tests/statements."""
+
+
+def rows_by_tests() -> dict[tuple[str, str], str]:
+    """Label and key of a row ↦ its test in ``BY_TESTS``."""
+    heads, places = BY_TESTS.split("\n")[1:-1:2], BY_TESTS.split("\n")[2::2]
+    pairs = ((*head.split(" | "), place.strip()) for head, place in zip(heads, places, strict=True))
+    return {(label, key): place for label, keys, place in pairs for key in keys.split()}
 
 
 def test_every_kind_of_row_that_is_claimed_is_named_by_a_control_or_by_a_test() -> None:
@@ -126,11 +103,11 @@ def test_every_kind_of_row_that_is_claimed_is_named_by_a_control_or_by_a_test() 
     labels = dict(zip(caught["defect"], caught["label"], strict=True))
     named = {(labels[control.name], key) for control in CONTROLS for key in control.keys}
     kinds = set(claimed[["label", "key"]].itertuples(index=False, name=None))
-    assert kinds - named - set(BY_TESTS) == set()
-    assert set(BY_TESTS) <= kinds - named
-    for place in BY_TESTS.values():
+    by_tests = rows_by_tests()
+    assert kinds - named == set(by_tests)
+    for place in by_tests.values():
         file, _, name = place.partition("::")
-        assert f"def {name}(" in (RESULTS.parent / "tests" / file).read_text(encoding="utf-8")
+        assert f"def {name}(" in (RESULTS.parent / "tests" / "statements" / file).read_text(encoding="utf-8")
 
 
 def test_the_committed_controls_are_those_of_the_list_and_all_did_their_duty() -> None:
@@ -165,32 +142,23 @@ def test_a_finished_measurement_is_found_again_by_a_later_call_and_no_two_share_
     assert len(set(keys)) == len(keys)
 
 
-@pytest.mark.parametrize(
-    ("setting", "same"),
-    [pytest.param(FULL, True, id="closed", marks=pytest.mark.slow), pytest.param(MOVING, False, id="open")],
-)
-def test_a_flipped_normal_does_more_than_drop_the_constraint_where_a_gap_is_open(setting, same: bool) -> None:
+def test_a_flipped_normal_does_more_than_drop_the_constraint_where_a_gap_is_open() -> None:
     # The residuals of two exact solves are rounding, and differ.
-    flipped = replace(named("normal flipped"), setting=setting)
+    setting = Sweep("advance-recede", levels=(4, 8))
     dropped = Control("dropped", "V^h", setting, "problem", no_contact, "order")
-    found = [[row for row in rows(setting, wrong) if row.key != "residual"] for wrong in (flipped, dropped)]
-    assert alike(*found) is same
+    found = [[row for row in work(setting, one) if row.key != "residual"] for one in (named("normal flipped"), dropped)]
+    assert not alike(*found)
 
 
 def verdict(key: str, state: str, observed: float = 0.5) -> Verdict:
     return row(FirstOrder(), key, f"the {key}", around(1, 0.15), (observed, (observed, observed), state), "a")
 
 
-def test_the_named_row_is_shown_and_any_other_one_that_fails_counts_as_well() -> None:
+def test_the_named_row_decides_and_another_one_that_fails_does_not() -> None:
     control = Control("wrong", "something", Sweep("full-contact"), "", copy.copy, "named")
-    by_name = Outcome.of_control(control, [verdict("other", FAILS), verdict("named", FAILS)])
-    by_other = Outcome.of_control(control, [verdict("other", FAILS), verdict("named", HOLDS)])
-    by_none = Outcome.of_control(control, [verdict("other", UNDECIDED), verdict("named", HOLDS)])
-    assert [(f.row.key, f.caught) for f in (by_name, by_other, by_none)] == [
-        ("named", True),
-        ("named", False),
-        ("named", False),
-    ]
+    for state, other in ((FAILS, HOLDS), (HOLDS, FAILS), (HOLDS, UNDECIDED)):
+        found = Outcome.of_control(control, [verdict("other", other), verdict("named", state)])
+        assert (found.row.key, found.caught) == ("named", state == FAILS)
     with pytest.raises(KeyError, match="named"):
         Outcome.of_control(control, [verdict("other", FAILS)])
 
@@ -239,19 +207,13 @@ def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_
     assert "2 settings without a defect: in 2 every check holds" in text
     assert len(re.findall(r" all \d+ checks must hold +holds$", text, re.MULTILINE)) == 2
     assert max(map(len, text.splitlines())) <= 110
+    assert all(control.name in text for control in chosen)
     table = pd.read_csv(tmp_path / "data" / "controls.csv", keep_default_na=False)
-    assert list(table.columns) == [
-        *("defect", "what", "setting", "label", "quantity", "expected", "observed", "verdict", "caught")
-    ]
-    assert table["defect"].tolist() == [NO_DEFECT, NO_DEFECT, *(control.name for control in chosen)]
-    assert table["caught"].tolist() == ["", "", *["yes"] * 5]
-    assert table["verdict"].tolist() == [HOLDS, HOLDS, *[FAILS] * 5]
     words = {v.key: v.quantity for c in chosen for v in rows(c.setting)}
-    assert table["quantity"].tolist()[2:] == [words[c.keys[0]] for c in chosen]
-    doubled = table["observed"][table["defect"] == "G doubled"].astype(float)
-    assert doubled.tolist() == [pytest.approx(2)]
-    for control in chosen:
-        assert control.name in text
+    expected = [[c.name, words[c.keys[0]], "yes", FAILS] for c in chosen]
+    assert table[["defect", "quantity", "caught", "verdict"]].to_numpy().tolist()[2:] == expected
+    assert table[["defect", "caught", "verdict"]].to_numpy().tolist()[:2] == 2 * [[NO_DEFECT, "", HOLDS]]
+    assert float(table["observed"][table["defect"] == "G doubled"].iloc[0]) == pytest.approx(2)
     assert {path.name for path in (tmp_path / "data").iterdir()} == {"controls.csv", ".lock", "jobs"}
 
 
@@ -290,22 +252,16 @@ from study.solve.tableau import BACKWARD_EULER
 @pytest.mark.parametrize(
     ("march", "solver", "others"),
     [
-        (
-            STRESSES,
-            "clarabel",
-            {"signorini", "multigrid", "solver_choice", "evolution", "tableau", "fixed_point", "factorisation"},
-        ),
-        pytest.param(
-            *(DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem"}), marks=pytest.mark.slow
-        ),
+        (STRESSES, "clarabel", "signorini multigrid solver_choice evolution tableau fixed_point factorisation"),
+        pytest.param(DISPLACEMENTS, "study.solve.signorini", "interior_point stress_problem", marks=pytest.mark.slow),
     ],
     ids=["stresses", "displacements"],
 )
-def test_neither_problem_loads_a_solver_of_the_other_while_it_marches(march: str, solver: str, others: set) -> None:
+def test_neither_problem_loads_a_solver_of_the_other_while_it_marches(march: str, solver: str, others: str) -> None:
     """So it cannot call one, not even on a copy of the other problem, which no change of that one would show."""
     loaded = modules_after(f"{SPACE}\n{march}\nassert last.time == space.body.T")
     assert solver in loaded
-    solvers = {f"study.solve.{name}" for name in others}
+    solvers = {f"study.solve.{name}" for name in others.split()}
     assert all(map(find_spec, solvers))
     assert not loaded & solvers
 

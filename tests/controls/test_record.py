@@ -55,8 +55,8 @@ def test_a_place_is_the_share_of_the_window_that_a_row_uses(value: float, window
 def test_an_alarm_is_a_place_beyond_whatever_raised_it() -> None:
     assert place(judged(1.2)) == pytest.approx(2.0)
     assert place(judged(0.85)) == pytest.approx(-1.5)
-    for verdict in (judged(float("nan"), state=FAILS), judged(1.0, state=UNDECIDED), judged(1.1 + 1e-9, state=FAILS)):
-        assert abs(unpacked(packed(place(verdict)))[0]) > 1
+    for value, state in ((float("nan"), FAILS), (1.0, UNDECIDED), (1.1 + 1e-9, FAILS)):
+        assert abs(unpacked(packed(place(judged(value, state=state))))[0]) > 1
 
 
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
@@ -84,28 +84,26 @@ def test_nothing_in_it_is_replaced() -> None:
 def test_seeds_judged_by_another_rule_count_for_nothing() -> None:
     """Else a window could be widened until the seeds that were drawn before are quiet."""
     old = after([1.2] * 5 + [1.0] * 5)
-    table = tally(after([1.0] * 3, rule="b", record=old))
+    record = after([1.0] * 3, rule="b", record=old)
+    table = tally(record)
     line = table[table["key"] == "order"].iloc[0]
     assert (line["rule"], line["seeds"], line["alarms"], line["since"]) == ("b", 3, 0, 11)
     assert alarm_summary(table).seeds == 3
-    assert len(after([1.0], rule="b", record=old).lines) == 2
+    assert len(record.lines) == 2
+
+
+def with_size(record: Record, value: float) -> Record:
+    """The record with one more whole seed, on which the check "size" is judged for the first time."""
+    rules = {ROW: "a", (ROW[0], "size", ROW[2]): "c"}
+    return record.drawn(9, WHOLE).judged(9, [judged(1.0), judged(value, key="size")], rules, claimed)
 
 
 def test_a_row_with_a_newer_rule_than_the_others_is_named() -> None:
-    record = after([1.0, 1.01])
-    both = [judged(1.0), judged(1.0, key="size")]
-    seed = 100 + len(record.draws)
-    rules = {ROW: "a", (ROW[0], "size", ROW[2]): "c"}
-    record = record.drawn(seed, WHOLE).judged(seed, both, rules, claimed)
-    assert list(newer(tally(record))["key"]) == ["size"]
+    assert list(newer(tally(with_size(after([1.0, 1.01]), 1.0)))["key"]) == ["size"]
 
 
 def test_rows_that_cost_little_are_counted_on_every_seed() -> None:
-    costly = (ROW[0], "size", ROW[2])
-    record = after([1.0, 1.2, 1.0], part=LIGHT)
-    both = [judged(1.0), judged(1.3, key="size")]
-    record = record.drawn(9, WHOLE).judged(9, both, {ROW: "a", costly: "c"}, claimed)
-    found = alarm_summary(tally(record))
+    found = alarm_summary(tally(with_size(after([1.0, 1.2, 1.0], part=LIGHT), 1.3)))
     assert (found.rows, found.seeds, found.red, found.light_seeds, found.light_red) == (2, 1, 1, 4, 1)
     assert found.verdict == "fails"
 

@@ -10,7 +10,7 @@ import pytest
 from manufactured import Body, named, unit_square
 from manufactured.body import box
 from manufactured.exact.domain import require_inside
-from manufactured.tensors import Array, Points
+from manufactured.tensors import Array
 from study.fem.mesh import FAMILIES, Alternating, OneDiagonal, Shaken, cell_volumes
 from study.fem.quadrature import placed, simplex_rule
 from study.statements.shared.meshes import fits, representing, spacing
@@ -28,7 +28,7 @@ def smallest_angle(corners: Array) -> float:
 
 
 @pytest.mark.parametrize("body", [unit_square(), box()], ids=["square", "cube"])
-def test_vertices_are_moved_evenly_up_to_what_is_announced(body: Body) -> None:
+def test_vertices_are_moved_evenly_up_to_the_amplitude_and_on_the_boundary_along_it(body: Body) -> None:
     """Uniform on ± a in each direction: the largest is close to a, the mean square a²/3, directions are independent."""
     n, dim = LEVEL[body.dim], body.dim
     plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
@@ -39,12 +39,6 @@ def test_vertices_are_moved_evenly_up_to_what_is_announced(body: Body) -> None:
     assert np.mean(moved**2, axis=1) == pytest.approx(1 / 3, abs=6 / np.sqrt(moved.size))
     assert abs(np.corrcoef(moved) - np.eye(dim)).max() < 6 / np.sqrt(moved.shape[1])
     assert (abs(moved).max(axis=0) > 1e-3).all()
-
-
-@pytest.mark.parametrize("body", [unit_square(), box()], ids=["square", "cube"])
-def test_vertices_on_the_boundary_slide_in_it(body: Body) -> None:
-    n = LEVEL[body.dim]
-    plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
     for axis, side in product(range(body.dim), (0, 1)):
         on = plain[axis] == side
         assert abs(shaken[axis, on] - side).max() <= 1e-15
@@ -53,17 +47,13 @@ def test_vertices_on_the_boundary_slide_in_it(body: Body) -> None:
 
 
 def test_two_levels_and_two_seeds_are_moved_otherwise() -> None:
-    body, resting = unit_square(), OneDiagonal()(unit_square(), 8).p
+    def shifts(family: Shaken, n: int) -> Array:
+        """Return the shifts of the inner vertices of level 8, divided by the width of a cell."""
+        moved = family(unit_square(), n).p - OneDiagonal()(unit_square(), n).p
+        return n * moved.reshape(2, n + 1, n + 1)[:, :: n // 8, :: n // 8][:, 1:-1, 1:-1].ravel()
 
-    def shifts(family: Shaken, n: int) -> Points:
-        """At the vertices of level 8."""
-        step = n // 8
-        grid = (family(body, n).p - OneDiagonal()(body, n).p).reshape(2, n + 1, n + 1)[:, ::step, ::step]
-        return n * grid.reshape(2, -1)[:, ((resting > 0) & (resting < 1)).all(axis=0)]
-
-    one, finer, other = shifts(Shaken(), 8), shifts(Shaken(), 16), shifts(Shaken(seed=1), 8)
-    for another in (finer, other):
-        assert abs(np.corrcoef(one.ravel(), another.ravel())[0, 1]) < 0.5
+    for another in (shifts(Shaken(), 16), shifts(Shaken(seed=1), 8)):
+        assert abs(np.corrcoef(shifts(Shaken(), 8), another)[0, 1]) < 0.5
 
 
 SHAPES = (*(case.name for case in representing("body")), "layered")
@@ -76,7 +66,7 @@ def test_no_cell_is_close_to_degenerate(name: str) -> None:
     body = named(name).solution.body
     for family in (family for family in FAMILIES if family.serves(body)):
         step = spacing(name, family.name)
-        for n in (2 * step, 3 * step) if body.dim == 3 else [step * -(-n // step) for n in (8, 16, 32)]:
+        for n in (2 * step, 3 * step) if body.dim == 3 else [step * -(-n // step) for n in (8, 16)]:
             assert fits(family, body, n)
             mesh = family(body, n)
             volumes = cell_volumes(mesh)
@@ -96,15 +86,6 @@ def test_vertices_and_points_of_quadrature_lie_in_the_body_whatever_rounding_doe
         require_inside(body, mesh.p)
         require_inside(body, placed(mesh.p, mesh.t, barycentric))
         require_inside(body, np.mean(mesh.p[:, mesh.facets], axis=1))
-
-
-def test_shaking_as_announced_leaves_angles_and_a_quarter_more_does_not() -> None:
-    """Where all vertices of a cell are moved as far as they may: an angle is extreme there, or nearly so."""
-    path = np.array([[0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
-    extreme = np.moveaxis(np.array(list(product([-1, 1], repeat=6))).reshape(-1, 2, 3), 0, 2)
-    least, beyond = (smallest_angle(path[..., None] + a * extreme) for a in (0.2, 0.249))
-    assert least > 9 > 1 > beyond
-    assert Shaken().amplitude == 0.2
 
 
 @pytest.mark.parametrize("n", [4, 5])

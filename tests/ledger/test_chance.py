@@ -85,32 +85,30 @@ def test_a_bounded_tail_ends() -> None:
     assert found.rate < 1e-3
 
 
-def test_what_does_not_vary_is_not_red_by_chance() -> None:
-    assert tail(np.full(20, 0.999), True) == Tail("constant", 0.0)
-    assert tail(np.full(20, 1.5), True) == Tail("constant", 1.0)
-
-
-def test_a_place_exactly_on_the_edge_of_its_window_is_no_alarm() -> None:
-    assert tail(np.full(20, 1.0), two_sided=True) == Tail("constant", 0.0)
-    assert tail(np.repeat([0.0, 1.0], [12, 8]), two_sided=False) == Tail("Pareto", 0.0, 1.0)
-    assert tail(np.repeat([0.0, 1.5], [12, 8]), two_sided=False) == Tail("Pareto", 0.4, 1.0)
+@pytest.mark.parametrize(
+    ("places", "found"),
+    [
+        (np.full(20, 0.999), Tail("constant", 0.0)),
+        (np.full(20, 1.0), Tail("constant", 0.0)),
+        (np.full(20, 1.5), Tail("constant", 1.0)),
+        (np.repeat([0.0, 1.0], [12, 8]), Tail("Pareto", 0.0, 1.0)),
+        (np.repeat([0.0, 1.5], [12, 8]), Tail("Pareto", 0.4, 1.0)),
+        (np.append(np.zeros(20), np.linspace(1.1, 1.9, 20)), Tail("Pareto", 0.5, 1.0)),
+    ],
+)
+def test_places_that_do_not_vary_or_lie_on_the_edge_or_beyond_are_counted(places: np.ndarray, found: Tail) -> None:
+    assert tail(places, two_sided=False) == found
 
 
 def test_too_few_seeds_have_no_tail() -> None:
     few = tail(np.linspace(0, 0.5, FEWEST - 1), True)
-    assert few.model == "none"
-    assert math.isnan(few.rate)
+    assert (few.model, math.isnan(few.rate)) == ("none", True)
 
 
 @pytest.mark.parametrize(
     ("alarms", "seeds", "state"),
-    [
-        (0, 100, UNDECIDED),
-        (0, seeds_needed() - 1, UNDECIDED),
-        (0, seeds_needed(), HOLDS),
-        (5, 100, FAILS),
-        (0, 0, UNDECIDED),
-    ],
+    [(0, 100, UNDECIDED), (0, seeds_needed() - 1, UNDECIDED), (0, seeds_needed(), HOLDS), (5, 100, FAILS)]
+    + [(0, 0, UNDECIDED)],
 )
 def test_the_count_of_seeds_alone_decides_whether_the_promise_is_kept(alarms: int, seeds: int, state: str) -> None:
     assert promise_verdict(*interval(alarms, seeds)) == state

@@ -73,9 +73,9 @@ def test_every_consecutive_order_counts_and_the_finest_is_shown() -> None:
 @pytest.mark.parametrize("correction", [-0.5, 0.5, 2.0])
 def test_the_extrapolated_order_is_free_of_corrections_of_first_order(correction: float) -> None:
     """log e = log h + c h: consecutive orders differ from 1 by c h times a constant, which extrapolation removes."""
-    errors = FIRST * np.exp(correction * FIRST)
-    assert judged(extrapolated("key", "order", around(1, 1e-9), "e"), levels(errors)).verdict == HOLDS
-    assert judged(consecutive("key", "order", around(1, 1e-9), "e"), levels(errors)).verdict == FAILS
+    errors = levels(FIRST * np.exp(correction * FIRST))
+    for rule, verdict in ((extrapolated, HOLDS), (consecutive, FAILS)):
+        assert judged(rule("key", "order", around(1, 1e-9), "e"), errors).verdict == verdict
 
 
 def test_a_limit_above_zero_is_not_extrapolated_to_the_expected_order() -> None:

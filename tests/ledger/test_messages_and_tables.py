@@ -10,15 +10,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.ledger.chance import Tail, tail
 from study.ledger.codes import _table
 from study.ledger.compare import Tolerance, as_text, compare, difference
-from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, read_rates, read_table
+from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, read_table
 from study.ledger.files import StoreError, write_whole
-from study.ledger.orders import RatesError, orders
 from study.ledger.text import cell
-
-RESULTS = Path(__file__).parents[2] / "results"
 
 
 def fails(path: Path) -> None:
@@ -38,21 +34,6 @@ def test_only_a_full_disk_is_called_full(tmp_path: Path, monkeypatch: pytest.Mon
 )
 def test_cells_of_tables_are_words_whole_numbers_or_four_digits(value: object, text: str) -> None:
     assert cell(value) == text
-
-
-def test_a_tail_of_equal_places_or_beyond_the_end_is_counted() -> None:
-    assert tail(np.repeat([0.0, 0.9], [12, 8]), two_sided=False) == Tail("Pareto", 0.0, 1.0)
-    assert tail(np.append(np.zeros(20), np.linspace(1.1, 1.9, 20)), two_sided=False) == Tail("Pareto", 0.5, 1.0)
-    assert tail(np.append(np.zeros(20), np.linspace(2.0, 3.0, 9)), two_sided=False).rate == pytest.approx(9 / 29)
-
-
-def test_orders_of_equal_mesh_sizes_are_refused() -> None:
-    with pytest.raises(RatesError, match="must decrease"):
-        orders(np.array([0.5, 0.25, 0.25]), np.array([3.0, 2.0, 1.0]))
-
-
-def test_committed_rates_are_read_with_the_orders_of_the_discrete_error() -> None:
-    assert read_rates(RESULTS)["discrete_order"].notna().any()
 
 
 def test_the_words_na_and_none_are_text_and_not_empty_cells(tmp_path: Path) -> None:
@@ -85,34 +66,38 @@ def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_
     assert said == f"{path}, line 2, column name: found …'{30 * 'a'}b', expected …'{30 * 'a'}c'"
 
 
+def written(directory: Path, **files: str) -> Path:
+    for name, text in files.items():
+        path = directory / "data" / name.replace("__", "/").replace("_", ".")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return directory
+
+
 def test_the_report_names_every_column_of_a_table_that_differs(tmp_path: Path) -> None:
     """Of pictures it shows three differences only."""
-    for name, value in (("old", "p"), ("new", "q")):
-        (tmp_path / name / "data").mkdir(parents=True)
-        content = f"case,a,b,c,d\nx,{value},{value},{value},{value}\n"
-        (tmp_path / name / "data" / "cases.csv").write_text(content, encoding="utf-8")
-    text = as_text(compare(tmp_path / "old", tmp_path / "new", Tolerance()))
+    tables = {name: f"case,a,b,c,d\nx{4 * f',{name}'}\n" for name in "pq"}
+    old, new = (written(tmp_path / name, cases_csv=text) for name, text in tables.items())
+    text = as_text(compare(old, new, Tolerance()))
     assert [column for column in "abcd" if f"  {column}: 1 of 1 differ" in text] == [*"abcd"]
 
 
+REPORT = """\
+verdicts: none changed
+
+cases.csv: differs
+  rows only in OLD: 1
+    c
+  zone: 2 of 2 differ, 2 beyond tolerance
+    a: p → q
+same.csv: identical
+pictures/: 1 identical
+
+3 files: 2 identical, 0 within 1e-12 relative + 0, 1 differ, 0 left out"""
+
+
 def test_the_report_of_a_comparison_is_known_word_for_word(tmp_path: Path) -> None:
-    for name, rows in (("old", "a,p\nb,p\nc,p\n"), ("new", "a,q\nb,q\n")):
-        (tmp_path / name / "data" / "pictures").mkdir(parents=True)
-        (tmp_path / name / "data" / "cases.csv").write_text(f"case,zone\n{rows}", encoding="utf-8")
-        (tmp_path / name / "data" / "same.csv").write_text("case,zone\na,b\n", encoding="utf-8")
-        (tmp_path / name / "data" / "pictures" / "a.json").write_text('{"level": 1}\n', encoding="utf-8")
-    assert as_text(compare(tmp_path / "old", tmp_path / "new", Tolerance())) == "\n".join(
-        [
-            "verdicts: none changed",
-            "",
-            "cases.csv: differs",
-            "  rows only in OLD: 1",
-            "    c",
-            "  zone: 2 of 2 differ, 2 beyond tolerance",
-            "    a: p → q",
-            "same.csv: identical",
-            "pictures/: 1 identical",
-            "",
-            "3 files: 2 identical, 0 within 1e-12 relative + 0, 1 differ, 0 left out",
-        ]
-    )
+    both = {"same_csv": "case,zone\na,b\n", "pictures__a_json": '{"level": 1}\n'}
+    old = written(tmp_path / "old", cases_csv="case,zone\na,p\nb,p\nc,p\n", **both)
+    new = written(tmp_path / "new", cases_csv="case,zone\na,q\nb,q\n", **both)
+    assert as_text(compare(old, new, Tolerance())) == REPORT

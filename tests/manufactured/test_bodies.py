@@ -7,26 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from sympy import Rational
 
-from manufactured import (
-    Body,
-    BodyError,
-    ContactFace,
-    ExactSolution,
-    Kind,
-    cutoff,
-    examine,
-    named,
-    polygon,
-    pos,
-    s,
-    t,
-    unit_square,
-)
-from study.fem.mesh import OneDiagonal, Unstructured
+from manufactured import Body, BodyError, ExactSolution, Kind, examine, named, polygon, unit_square
+from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
-from study.ledger.orders import orders
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import measure
 from study.statements.shared.experiment import Experiment
@@ -34,8 +18,8 @@ from study.statements.shared.experiment import Experiment
 SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 
-def row(solution: ExactSolution, family, n: int, steps: int):
-    return measure(Experiment.of(solution, family, n, MIDPOINT, steps)).row("", family.name, n)
+def row(solution: ExactSolution, steps: int):
+    return measure(Experiment.of(solution, OneDiagonal(), 8, MIDPOINT, steps)).row("", "one-diagonal", 8)
 
 
 def moved(solution: ExactSolution, corners: np.ndarray, T: float = 1.0) -> ExactSolution:
@@ -55,49 +39,24 @@ def test_a_turned_body_has_the_errors_of_the_unturned_one(name: str, rounding: f
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     turned = moved(solution, turn @ unit_square().vertices + np.array([[3.0], [-1.0]]))
     assert all(finding.passes for finding in examine(turned))
-    plain, other = (row(item, OneDiagonal(), 8, 8) for item in (solution, turned))
+    plain, other = (row(item, 8) for item in (solution, turned))
     for quantity in ("error", "interpolation_error", "discrete_error"):
         assert other[quantity] == pytest.approx(plain[quantity], rel=rounding), quantity
 
 
-def two_faces() -> ExactSolution:
-    """A tilted quadrilateral pressed on two sides, with supports away from their common corner."""
-    law = named("full-contact").solution.law
-    body = polygon([(0, 0), (2, 0.3), (2.2, 2.1), (-0.1, 1.9)], [Kind.CONTACT, Kind.CONTACT, Kind.CLAMPED, Kind.LOADED])
-    faces = []
-    for part, c in zip(body.of(Kind.CONTACT), (Rational(9, 10), Rational(4, 5)), strict=True):
-        level = (Rational(1, 10) + t / 10) - (s - c) ** 2
-        bump = pos((s - Rational(3, 10)) * (Rational(3, 2) - s), 4)
-        gap, pressure = 60 * t * pos(-level, 4) * bump, 300 * t * pos(level, 2) * bump
-        faces.append(ContactFace.linear(part, law, body.T, gap, pressure, level, profile=cutoff(0.7)))
-    return ExactSolution(body, law, tuple(faces))
-
-
-@pytest.mark.slow
-def test_two_faces_with_different_normals_converge_with_order_one() -> None:
-    """Beyond the supports w = p = 0: contact without pressure, a degenerate zone, and the corner is in it."""
-    solution = two_faces()
-    conditions = [f for f in examine(solution) if not f.passes and "off the stated zone" not in f.condition]
-    assert conditions == []
-    rows = [row(solution, Unstructured(), n, 24) for n in (8, 16)]
-    found = orders(np.array([r["h"] for r in rows]), np.array([r["error"] for r in rows]))
-    assert abs(found[-1] - 1) < 0.15
-    assert rows[-1]["residual"] < 1e-10
-
-
-def test_a_vertex_between_two_pieces_of_one_line_has_one_constraint() -> None:
-    kinds = [Kind.CONTACT, Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-    body = polygon([(0, 0), (0.5, 0), (1, 0), (1, 1), (0, 1)], kinds)
-    space = Space(OneDiagonal()(body, 8), body)
-    assert space.N.shape[0] == 9
-    assert np.linalg.matrix_rank(space.N.toarray()) == 9
+def test_a_vertex_between_two_pieces_of_one_line_is_no_corner_and_has_one_constraint() -> None:
+    body = polygon([(0, 0), (0.5, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, *SIDES])
+    assert np.array_equal(body.vertices, [[0, 0.5, 1, 1, 0], [0, 0, 0, 1, 1]])
+    assert np.array_equal(body.corners, [[0, 1, 1, 0], [0, 0, 1, 1]])
+    constraints = Space(OneDiagonal()(body, 8), body).N
+    assert constraints.shape[0] == np.linalg.matrix_rank(constraints.toarray()) == 9
 
 
 def test_an_end_time_other_than_one_needs_no_other_pace() -> None:
     (face,) = named("no-contact").solution.faces
     solution = moved(named("no-contact").solution, unit_square().vertices, T=2.0)
     solution = replace(solution, faces=(replace(solution.faces[0], strain=replace(face.strain, T=2.0)),))
-    found = row(solution, OneDiagonal(), 8, 32)
+    found = row(solution, 32)
     assert found["k"] == pytest.approx(2.0 / 32)
     assert found["time_share"] < 0.02
 
@@ -137,10 +96,3 @@ def square(**options: Any) -> Body:
 def test_a_body_that_is_none_or_that_no_mesh_could_serve_is_refused(make, message: str) -> None:
     with pytest.raises(BodyError, match=message):
         make()
-
-
-def test_the_corners_of_a_polygon_are_where_its_boundary_turns() -> None:
-    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
-    body = polygon([(0, 0), (0.5, 0), (1, 0), (1, 1), (0, 1)], kinds)
-    assert np.array_equal(body.vertices, [[0, 0.5, 1, 1, 0], [0, 0, 0, 1, 1]])
-    assert np.array_equal(body.corners, [[0, 1, 1, 0], [0, 0, 1, 1]])

@@ -1,39 +1,30 @@
-"""Every exact solution has a file of its own: formulas first, then the order that they predict, and why."""
+"""Every exact solution has a file with its formulas and the order that they predict, and is shown in notebooks."""
 
 from __future__ import annotations
 
-import re
 from importlib import import_module
 from pkgutil import iter_modules
-from types import ModuleType
+from xml.etree import ElementTree
 
 import pytest
 from case_docstrings import missing_parts
 
-from manufactured import Case, cases, catalogue, named
-from manufactured.catalogue import NAMES
+from manufactured import Kind, cases, catalogue, named
+from manufactured.catalogue import NAMES, module_of
 
 
-def module_named(name: str) -> ModuleType:
-    return import_module(f"manufactured.cases.{name}")
+def documentation(name: str) -> str:
+    return str(import_module(module_of(name)).__doc__)
 
 
-def own(case: Case) -> ModuleType:
-    """The module named after a case."""
-    return module_named(re.sub(r"\W", "_", case.name))
-
-
-def test_every_case_is_made_by_the_module_named_after_it() -> None:
-    assert [name for name in NAMES if own(named(name)).case().name != name] == []
-
-
-def test_every_module_that_makes_a_case_is_in_the_catalogue() -> None:
-    makers = {info.name for info in iter_modules(cases.__path__) if hasattr(module_named(info.name), "case")}
-    assert makers == {own(case).__name__.rpartition(".")[2] for case in catalogue()}
+def test_every_module_that_makes_a_case_is_in_the_catalogue_under_the_name_of_the_case() -> None:
+    modules = [import_module(f"{cases.__name__}.{info.name}") for info in iter_modules(cases.__path__)]
+    assert {module.__name__ for module in modules if hasattr(module, "case")} == set(map(module_of, NAMES))
+    assert [named(name).name for name in NAMES] == [*NAMES]
 
 
 def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_predict() -> None:
-    found = {case.name: missing_parts(own(case).__doc__, case) for case in catalogue()}
+    found = {case.name: missing_parts(documentation(case.name), case) for case in catalogue()}
     assert {name: missing for name, missing in found.items() if missing} == {}
 
 
@@ -53,6 +44,20 @@ def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_p
 def test_a_docstring_that_leaves_something_out_is_noticed(
     name: str, before: str, after: str, missing: list[str]
 ) -> None:
-    docstring = str(own(named(name)).__doc__)
+    docstring = documentation(name)
     assert before in docstring
     assert missing_parts(docstring.replace(before, after), named(name)) == missing
+
+
+def test_a_case_is_shown_with_its_prediction_and_every_piece_of_the_contact_face() -> None:
+    """A parser of XML refuses elements that are not closed in the right order."""
+    for case in catalogue():
+        shown = "".join(ElementTree.fromstring(f"<html>{case._repr_html_()}</html>").itertext())
+        for text in (case.name, case.reason, f"{case.order:g}", case.solution.law.name):
+            assert text in shown, case.name
+        assert shown.count("gap w") == len(case.solution.faces), case.name
+        body = case.solution.body
+        if body.dim == 2:
+            assert case._repr_html_().count("<line") == len(body.parts) + len(body.interfaces), case.name
+        else:
+            assert f"Γ3, contact: {len(body.of(Kind.CONTACT))} flat parts" in shown, case.name

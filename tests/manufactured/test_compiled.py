@@ -36,8 +36,9 @@ def test_powers_and_their_derivatives_are_those_of_numpy(exponent: object) -> No
         pos(FRONT - sp.Rational(1, 8), 5) * sp.exp(-FRONT) + pos(1 - pos(FRONT, 2), 3) * s,
         pos(sp.sin(3 * s) - t, 4) * (sp.sin(3 * s) - t),
         pos(2 * s - t, 3) / (1 + (2 * s - t) ** 2) ** sp.Rational(9, 8),
+        sp.atan(3 * s) * 2 ** (s * t) + sp.sqrt(2) * sp.tan(s) - sp.tanh(s + t) ** 3,
     ],
-    ids=["and its negative", "inside a front", "of one term", "linear"],
+    ids=["and its negative", "inside a front", "of one term", "linear", "without a front"],
 )
 def test_derivatives_of_functions_of_a_front_are_those_of_the_formula_in_place_and_time(formula: sp.Expr) -> None:
     places, time = np.linspace(0, 1, 41), 0.37

@@ -23,7 +23,6 @@ from manufactured import (
     unit_square,
     x1,
     x2,
-    x3,
 )
 from manufactured.cases.laws import not_proportional
 from manufactured.catalogue import NAMES
@@ -40,14 +39,12 @@ from study.ledger.files import UsageError
 
 SQUARE, LAW = unit_square(), not_proportional()
 RIGHT, LEFT = 1, 3
+X = np.array([[0.0, 0.0], [0.2, 0.8]])
 U = (t * x1 * (1 - x2), (1 + t) * x2 * (x2 - 1) * (2 + x1))
 
 
-def data(f0=(0, 0), f2=None, u0=None) -> Data:
-    return Data.formulas(SQUARE, LAW, f0=f0, f2=f2, u0=u0)
-
-
-# ---- formulas
+def data(f0=(0, 0), **others) -> Data:
+    return Data.formulas(SQUARE, LAW, f0=f0, **others)
 
 
 def by_hand(u) -> tuple[sp.Matrix, sp.Matrix]:
@@ -66,21 +63,18 @@ def by_hand(u) -> tuple[sp.Matrix, sp.Matrix]:
 def test_formulas_have_their_values_at_every_place_and_time() -> None:
     stress, force = by_hand(U)
     loads = {RIGHT: tuple(stress[:, 0]), LEFT: tuple(-stress[:, 0])}
-    found = data(tuple(force), loads, tuple(u.subs(t, 0) for u in U))
+    found = data(tuple(force), f2=loads, u0=tuple(u.subs(t, 0) for u in U))
     found.check()
+    expected_force, expected_stress = (sp.lambdify((x1, x2, t), formula) for formula in (force, stress))
     rng = np.random.default_rng(0)
-    x = rng.random((2, 4, 3))
-    for time in (0.0, 0.3, 1.0):
-        values = found.body_force(x)(time)
-        assert values.shape == (2, 4, 3)
-        for place in np.ndindex(4, 3):
-            at = {x1: x[(0, *place)], x2: x[(1, *place)], t: time}
-            assert np.allclose(values[(slice(None), *place)], [float(f.subs(at)) for f in force])
-        for number, sign in ((RIGHT, 1), (LEFT, -1)):
-            part = SQUARE.parts[number]
-            y = part.sample(rng, 5)
-            expected = [[float(sign * stress[i, 0].subs({x1: a, x2: b, t: time})) for a, b in y.T] for i in range(2)]
-            assert np.allclose(found.surface_load(part, y)(time), expected)
+    x, time = rng.random((2, 4, 3)), 0.3
+    for place in np.ndindex(4, 3):
+        a, b = x[(slice(None), *place)]
+        assert np.allclose(found.body_force(x)(time)[(slice(None), *place)], expected_force(a, b, time)[:, 0])
+    for number, sign in ((RIGHT, 1), (LEFT, -1)):
+        y = SQUARE.parts[number].sample(rng, 5)
+        expected = np.transpose([sign * expected_stress(a, b, time)[:, 0] for a, b in y.T])
+        assert np.allclose(found.surface_load(SQUARE.parts[number], y)(time), expected)
     a, b = x
     assert np.allclose(found.start(x), [0 * a, b * (b - 1) * (2 + a)])
     gradient = np.array([[0 * a, 0 * a], [b * (b - 1), (2 * b - 1) * (2 + a)]])
@@ -88,16 +82,13 @@ def test_formulas_have_their_values_at_every_place_and_time() -> None:
 
 
 def test_the_data_of_an_exact_solution_are_those_of_its_formulas() -> None:
-    """No front and a strain in closed form: full-contact written a second time, by its own displacement.
-
-    q solves (5/2) q̇ + 7 q = −20 t (1 + 4 x (1 − x)), q(0) = 0, and u = (0, y (1 − y²) q).
-    """
+    """For full-contact q solves (5/2) q̇ + 7 q = −20 t (1 + 4 x (1 − x)), q(0) = 0, and u = (0, y (1 − y²) q)."""
     case = named("full-contact")
     a, g = sp.Rational(5, 2), sp.Integer(7)
     memory = -20 * (t / g - a / g**2 * (1 - sp.exp(-g * t / a)))
     u = (sp.Integer(0), x2 * (1 - x2**2) * memory * (1 + 4 * x1 * (1 - x1)))
     stress, force = by_hand(u)
-    second = data(tuple(force), {RIGHT: stress[:, 0], LEFT: -stress[:, 0]}, [v.subs(t, 0) for v in u])
+    second = data(tuple(force), f2={RIGHT: stress[:, 0], LEFT: -stress[:, 0]}, u0=[v.subs(t, 0) for v in u])
     first, rng = Data.of(case.solution), np.random.default_rng(1)
     x = rng.random((2, 30))
     for time in (0.0, 0.4, 1.0):
@@ -123,71 +114,45 @@ def test_symbols_of_the_same_name_and_texts_are_the_coordinates() -> None:
 
 
 def test_parts_without_a_load_carry_none_and_start_is_zero_by_default() -> None:
-    found, x = data(f2={RIGHT: (1, t)}), np.array([[0.0, 0.0], [0.2, 0.8]])
-    assert abs(found.surface_load(SQUARE.parts[LEFT], x)(1.0)).max() == 0
-    assert np.array_equal(found.surface_load(SQUARE.parts[RIGHT], x)(0.5), [[1, 1], [0.5, 0.5]])
-    assert abs(found.start(x)).max() == abs(found.initial(x)).max() == 0
+    found = data(f2={RIGHT: (1, t)})
+    assert abs(found.surface_load(SQUARE.parts[LEFT], X)(1.0)).max() == 0
+    assert np.array_equal(found.surface_load(SQUARE.parts[RIGHT], X)(0.5), [[1, 1], [0.5, 0.5]])
+    assert abs(found.start(X)).max() == abs(found.initial(X)).max() == 0
 
 
-@pytest.mark.parametrize("name", by_cost(name for name in NAMES if not name.startswith("cube")))
-def test_no_exact_solution_of_a_plane_body_is_refused(name: str) -> None:
-    Data.of(named(name).solution).check()
+@pytest.mark.parametrize("name", [*by_cost(name for name in NAMES if not name.startswith("cube")), "problems"])
+def test_no_exact_solution_of_a_plane_body_and_no_problem_is_refused(name: str) -> None:
+    for found in [problem.data for problem in problems()] if name == "problems" else [Data.of(named(name).solution)]:
+        found.check()
 
 
-def test_no_problem_without_an_exact_solution_is_refused() -> None:
-    for problem in problems():
-        problem.data.check()
-
-
-# ---- refusals
+LOG = sp.log(x1 - sp.Rational(1, 2))
 
 
 @pytest.mark.parametrize(
-    ("make", "message"),
+    ("wrong", "error", "message"),
     [
-        (lambda: data((x1,)), "f0 has 1 components, expected 2"),
-        (lambda: data((0, 0, 0)), "f0 has 3 components"),
-        (lambda: data(f2={RIGHT: (1,)}), "f2 on part 1 has 1 components"),
-        (lambda: data(u0=(0, 0, 0)), "u0 has 3 components"),
-        (lambda: data((sp.Symbol("y"), 0)), "f0 has the symbols y; use x1, x2, t"),
-        (lambda: data((x3, 0)), "f0 has the symbols x3; use x1, x2, t"),
-        (lambda: data(u0=(0, t * x2)), "u0 has the symbols t; use x1, x2$"),
-        (lambda: data(f2={RIGHT: (sp.Symbol("s"), 0)}), "f2 on part 1 has the symbols s"),
-        (lambda: data(f2={0: (1, 1)}), r"part 0, but the parts of Γ2 have the numbers \[1, 3\]"),
-        (lambda: data(f2={2: (1, 1)}), r"part 2, but the parts of Γ2 have the numbers \[1, 3\]"),
-        (lambda: data(f2={7: (1, 1)}), r"part 7, but"),
-        (lambda: data(f2={-1: (1, 1)}), r"part -1, but"),
+        ({"f0": (x1,)}, FormulaError, "f0 has 1 components, expected 2"),
+        ({"f2": {RIGHT: (1,)}}, FormulaError, "f2 on part 1 has 1 components"),
+        ({"u0": (0, 0, 0)}, FormulaError, "u0 has 3 components"),
+        *(({"f0": (sp.Symbol(y), 0)}, FormulaError, f"f0 has the symbols {y}; use x1, x2, t") for y in ("y", "x3")),
+        ({"u0": (0, t * x2)}, FormulaError, "u0 has the symbols t; use x1, x2$"),
+        ({"f2": {RIGHT: (sp.Symbol("s"), 0)}}, FormulaError, "f2 on part 1 has the symbols s"),
+        *(({"f2": {n: (1, 1)}}, FormulaError, rf"part {n}, but the parts of Γ2 .* \[1, 3\]") for n in (0, 2, 7, -1)),
+        ({"gap": 0.05}, FormulaError, "got gap; there is no initial gap in data"),
+        ({"f0": (LOG, 0)}, LoadError, r"f_0 is not finite at x = \[0\.[0-4].*at t = 0"),
+        ({"f0": (0, 1 / t)}, LoadError, r"f_0 is not finite at x = .* at t = 0, so no stress can balance it"),
+        ({"f0": (0, 1 / (1 - t))}, LoadError, "f_0 is not finite at x = .* at t = 1"),
+        ({"f2": {LEFT: (1 / x1, 0)}}, LoadError, r"f_2 is not finite at x = \[0\.0,"),
+        ({"u0": (0, sp.sqrt(x1 - sp.Rational(1, 2)) * (1 - x2))}, LoadError, r"ε\(u_0\) is not finite"),
+        ({"u0": (0, x2)}, LoadError, r"u_0 is 1 on Γ1, where it has to vanish, \(2\.3\)"),
+        ({"u0": (0, x2 - 1)}, LoadError, r"u_0ν is 1 > 0 on Γ3: u_0 has to lie in K, \(3\.5\)"),
+        ({"u0": (0, pos(x1 - sp.Rational(9, 10), 2) * (x2 - 1))}, LoadError, "u_0ν is 0.00.* > 0 on Γ3"),
     ],
 )
-def test_formulas_that_say_nothing_or_too_much_are_refused(make, message: str) -> None:
-    with pytest.raises(FormulaError, match=message):
-        make()
-
-
-@pytest.mark.parametrize(
-    ("wrong", "message"),
-    [
-        ({"f0": (sp.log(x1 - sp.Rational(1, 2)), 0)}, r"f_0 is not finite at x = \[0\.[0-4].*at t = 0"),
-        ({"f0": (0, 1 / t)}, r"f_0 is not finite at x = .* at t = 0, so no stress can balance it"),
-        ({"f0": (0, 1 / (1 - t))}, "f_0 is not finite at x = .* at t = 1"),
-        ({"f2": {LEFT: (1 / x1, 0)}}, r"f_2 is not finite at x = \[0\.0,"),
-        ({"u0": (0, sp.sqrt(x1 - sp.Rational(1, 2)) * (1 - x2))}, r"ε\(u_0\) is not finite"),
-        ({"u0": (0, x2)}, r"u_0 is 1 on Γ1, where it has to vanish, \(2\.3\)"),
-        ({"u0": (0, x2 - 1)}, r"u_0ν is 1 > 0 on Γ3: u_0 has to lie in K, \(3\.5\)"),
-        ({"u0": (0, pos(x1 - sp.Rational(9, 10), 2) * (x2 - 1))}, "u_0ν is 0.00.* > 0 on Γ3"),
-    ],
-)
-def test_data_that_no_solution_can_belong_to_are_refused(wrong, message: str) -> None:
-    with pytest.raises(LoadError, match=message):
+def test_formulas_that_are_no_data_or_to_which_no_solution_belongs_are_refused(wrong, error, message: str) -> None:
+    with pytest.raises(error, match=message):
         data(**wrong).check()
-
-
-def test_a_static_problem_without_loads_has_the_solution_zero() -> None:
-    problem = static(SQUARE, plane_stress(2.0, 0.3))
-    problem.check()
-    x = np.array([[0.3], [0.6]])
-    assert not problem.body_force(x)(0.0).any()
-    assert not problem.surface_load(SQUARE.parts[RIGHT], x)(0.0).any()
 
 
 @pytest.mark.parametrize(
@@ -195,12 +160,18 @@ def test_a_static_problem_without_loads_has_the_solution_zero() -> None:
     [
         ({"f0": (t, 0)}, "^f0 has the symbols t; use x1, x2$"),
         ({"f2": {RIGHT: (0, x1 + t)}}, "^f2 on part 1 has the symbols t; use x1, x2$"),
-        ({"f0": (sp.log(x1 - sp.Rational(1, 2)), 0)}, r"^f_0 is not finite at x = \[[^=]*\], so no stress"),
+        ({"f0": (LOG, 0)}, r"^f_0 is not finite at x = \[[^=]*\], so no stress"),
     ],
 )
-def test_messages_about_a_static_problem_name_no_times(loads, message: str) -> None:
+def test_a_static_problem_has_the_solution_zero_without_loads_and_no_times(loads, message: str) -> None:
+    def problem(**loads) -> Data:
+        return static(SQUARE, plane_stress(2.0, 0.3), **loads)
+
+    problem().check()
+    assert not problem().body_force(X)(0.0).any()
+    assert not problem().surface_load(SQUARE.parts[RIGHT], X)(0.0).any()
     with pytest.raises((FormulaError, LoadError), match=message):
-        static(SQUARE, plane_stress(2.0, 0.3), **loads).check()
+        problem(**loads).check()
 
 
 def test_loads_of_a_wrong_shape_are_refused() -> None:
@@ -210,23 +181,15 @@ def test_loads_of_a_wrong_shape_are_refused() -> None:
         wrong.check()
 
 
-class Unknown(Yield):
-    """An operator that says nothing useful about its monotonicity."""
-
-    constant = float("nan")
-
-    @property
-    def monotonicity(self) -> float:
-        return self.constant
+def stating(monotonicity: float) -> Yield:
+    """An operator that states any constant of monotonicity."""
+    kind = type("Stating", (Yield,), {"monotonicity": monotonicity})
+    return kind(1.0, FrobeniusBall(1.0))
 
 
-class Downwards(Unknown):
-    constant = -float("inf")
-
-
-@pytest.mark.parametrize("G", [Unknown, Downwards])
-def test_a_law_without_a_usable_monotonicity_constant_is_refused_before_time_is_spent(G) -> None:
-    law = KelvinVoigt(isotropic(1, 1), G(1.0, FrobeniusBall(1.0)), "my law")
+@pytest.mark.parametrize("constant", [float("nan"), -float("inf")])
+def test_a_law_without_a_usable_monotonicity_constant_is_refused_before_time_is_spent(constant: float) -> None:
+    law = KelvinVoigt(isotropic(1, 1), stating(constant), "my law")
     plain = Data.formulas(SQUARE, law, f0=(0, 0))
     with pytest.raises(BoundError, match=r"my law: G has the monotonicity constant .*a finite one, −L_G"):
         Discretisation(plain, OneDiagonal()(SQUARE, 2))
@@ -234,24 +197,18 @@ def test_a_law_without_a_usable_monotonicity_constant_is_refused_before_time_is_
         check_bound(plain, OneDiagonal(), [4], None, Refined())
 
 
-class Falling(Unknown):
-    constant = -2.0
-
-
 def test_a_constant_that_is_not_the_least_eigenvalue_is_that_of_the_worse_end() -> None:
     """m A(a)·a ≤ (G a)·a for all a: below zero the least A counts, above the largest."""
-    mesh, A = OneDiagonal()(SQUARE, 2), isotropic(1.0, 0.5)
-    G = not_proportional().G
+    mesh, A, G = OneDiagonal()(SQUARE, 2), isotropic(1.0, 0.5), LAW.G
 
     def constant(G) -> float:
         return Discretisation(Data.formulas(SQUARE, KelvinVoigt(A, G, "law"), f0=(0, 0)), mesh).moduli.values.min()
 
-    assert constant(Falling(1.0, FrobeniusBall(1.0))) == pytest.approx(-2.0 / A.ellipticity)
+    assert constant(stating(-2.0)) == pytest.approx(-2.0 / A.ellipticity)
     assert constant(Yield(1.0, FrobeniusBall(1.0))) == 0
-    m = constant(G)
     strains = np.random.default_rng(0).normal(size=(3, 2000))
     ratios = np.einsum("In,In->n", G(strains), strains) / np.einsum("In,In->n", A(strains), strains)
-    assert m <= ratios.min() <= m * 1.01
+    assert constant(G) <= ratios.min() <= constant(G) * 1.01
 
 
 def test_a_solid_is_refused_whatever_the_meshes() -> None:
@@ -263,32 +220,30 @@ def test_a_solid_is_refused_whatever_the_meshes() -> None:
         Discretisation(solid, OneDiagonal()(solid.body, 2))
 
 
-# ---- names
-
-
 def test_names_stand_for_cases_problems_and_users_data(tmp_path) -> None:
-    name, found, case = resolve_data("advance-recede")
-    assert name == case.name == "advance-recede"
-    assert found.formulas_of is case.solution
-    name, found, case = resolve_data("ramp")
-    assert (name, case) == ("ramp", None)
-    assert found.formulas_of == problems()[0].data.formulas_of
-    (tmp_path / "mine.py").write_text(
+    mine = tmp_path / "mine.py"
+    mine.write_text(
         "from manufactured import *\nfrom manufactured.data import Data\n"
         "law = KelvinVoigt(isotropic(1, 1), isotropic(1, 1), 'law')\n"
         "press = Data.formulas(unit_square(), law, f0=(0, -1))\n"
         "def made(): return press\n"
-        "case = named('corner')\n"
+        "corner = named('corner')\n"
         "other = 3\n"
     )
-    for reference in ("press", "made"):
-        name, found, case = resolve_data(f"{tmp_path}/mine.py:{reference}")
-        assert (name, case) == (reference, None)
+    for name, path, of_case in (
+        ("advance-recede", "", True),
+        ("ramp", "", False),
+        ("press", f"{mine}:", False),
+        ("made", f"{mine}:", False),
+        ("corner", f"{mine}:", True),
+    ):
+        found_name, found, case = resolve_data(path + name)
+        assert found_name == name
         assert isinstance(found, Data)
-    name, found, case = resolve_data(f"{tmp_path}/mine.py:case")
-    assert name == case.name == "corner"
+        assert (case is not None and found.formulas_of is case.solution and case.name == name) == of_case
+    assert resolve_data("ramp")[1].formulas_of == problems()[0].data.formulas_of
     with pytest.raises(UsageError, match=r"is a int, expected manufactured\.Data or"):
-        resolve_data(f"{tmp_path}/mine.py:other")
+        resolve_data(f"{mine}:other")
 
 
 def test_a_factor_beyond_its_stated_bounds_is_refused() -> None:

@@ -7,12 +7,11 @@ import re
 
 import numpy as np
 import pytest
+from on_floor import on_floor
 from sympy import Rational, cos, pi
 
 from manufactured import SelfProofError, examine, named, prove
-from manufactured.body import Kind, unit_square
 from manufactured.cases.laws import proportional
-from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Fields
 from manufactured.exact.solution import FaceFields
 from manufactured.self_proof import interior
@@ -99,11 +98,8 @@ def test_what_is_no_number_passes_nothing(defect: float) -> None:
 
 def ten_periods() -> ExactSolution:
     """Contact that comes and goes ten times until T = 20."""
-    body, law = unit_square(T=20.0), proportional(0.2)
     c = Rational(1, 2) + cos(pi * t) / 4
-    (part,) = body.of(Kind.CONTACT)
-    face = ContactFace.linear(part, law, body.T, 20 * pos(s - c, 4), 20 * pos(c - s, 2), c - s)
-    return ExactSolution(body, law, (face,))
+    return on_floor(proportional(0.2), 20 * pos(s - c, 4), 20 * pos(c - s, 2), c - s, T=20.0)
 
 
 def test_the_integral_of_the_velocity_is_fine_enough_for_a_long_time_and_hides_no_wrong_velocity(monkeypatch) -> None:

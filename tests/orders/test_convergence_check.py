@@ -19,7 +19,7 @@ RIGHT, WRONG = "f(x[1:-1])", "f(x[:-2])"
 
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
-    """The three files, in a directory outside the repository."""
+    """The files of the tutorial, in a directory outside the repository."""
     for name in ("solver.py", "test_convergence.py", "convergence.yml"):
         (tmp_path / name).write_text(FILES[name], encoding="utf-8")
     return tmp_path
@@ -31,15 +31,18 @@ def run(project: Path, *command: str, **variables: str) -> subprocess.CompletedP
     return subprocess.run(command, cwd=project, env=env, capture_output=True, text=True, check=False)
 
 
+def act(project: Path, **given: str) -> subprocess.CompletedProcess[str]:
+    """Runs the last step of the action, which judges a table."""
+    steps = yaml.safe_load((ROOT / ".github/actions/check-orders/action.yml").read_text())["runs"]["steps"]
+    files = {name: str(project / name.lower()) for name in ("GITHUB_OUTPUT", "GITHUB_STEP_SUMMARY")}
+    return run(project, *("bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", steps[-1]["run"]), **files, **given)
+
+
 def judge(project: Path) -> tuple[int, str]:
     """Runs the steps of the job by hand: the solver writes its table, and the action judges it."""
     *_, solver, action = yaml.safe_load(FILES["convergence.yml"])["jobs"]["orders"]["steps"]
     assert run(project, "bash", "-c", solver["run"]).returncode == 0
-    steps = yaml.safe_load((ROOT / ".github/actions/check-orders/action.yml").read_text())["runs"]["steps"]
-    given = {"TABLE": action["with"]["table"], "OPTIONS": action["with"]["options"]}
-    files = {name: str(project / name.lower()) for name in ("GITHUB_OUTPUT", "GITHUB_STEP_SUMMARY")}
-    shell = ("bash", "--noprofile", "--norc", "-eo", "pipefail", "-c")
-    done = run(project, *shell, steps[-1]["run"], **given, **files)
+    done = act(project, TABLE=action["with"]["table"], OPTIONS=action["with"]["options"])
     assert done.stderr == ""
     assert (project / "github_output").read_text().splitlines()[-1] == f"code={done.returncode}"
     assert (project / "orders.png").exists()
@@ -71,10 +74,8 @@ def test_the_tutorial_turns_red_when_its_solver_breaks(project: Path) -> None:
 @pytest.mark.slow
 def test_options_of_the_action_may_have_quotes(project: Path) -> None:
     (project / "errors.csv").write_text("h,||u - u_h||\n.4,.16\n.2,.04\n.1,.01\n")
-    steps = yaml.safe_load((ROOT / ".github/actions/check-orders/action.yml").read_text())["runs"]["steps"]
     for options, code in (("--expected '||u - u_h||=2'", 0), ("", 0), ("--expected 1", 1)):
-        given = {"TABLE": "errors.csv", "OPTIONS": options, "GITHUB_OUTPUT": "out", "GITHUB_STEP_SUMMARY": "summary"}
-        assert run(project, "bash", "-eo", "pipefail", "-c", steps[-1]["run"], **given).returncode == code
+        assert act(project, TABLE="errors.csv", OPTIONS=options).returncode == code
 
 
 OWN_STUDY = """

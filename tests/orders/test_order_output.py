@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import pytest
@@ -129,46 +129,40 @@ TABLES = st.integers(3, 6).flatmap(
 )
 
 
-def separated(sign: str, end: str = "") -> Any:
-    return lambda names, rows: "\n".join(f"{sign.join(row)}{end}" for row in [names, *rows])
+Cells = list[list[str]]
+"""The names of the columns, and a list of cells for each mesh."""
 
 
-def aligned(names: list[str], rows: list[list[str]]) -> str:
-    return "\n".join("".join(f"{cell:>18}" for cell in row) for row in [names, *rows])
+def joined(sign: str, before: str = "", after: str = "") -> Callable[[Cells], str]:
+    return lambda cells: "\n".join(f"{before}{sign.join(row)}{after}" for row in cells)
 
 
-def markdown(names: list[str], rows: list[list[str]]) -> str:
-    return "\n".join(f"| {' | '.join(row)} |" for row in [names, ["---"] * len(names), *rows])
+def markdown(cells: Cells) -> str:
+    return joined(" | ", "| ", " |")([cells[0], ["---"] * len(cells[0]), *cells[1:]])
 
 
-def lists(names: list[str], rows: list[list[str]]) -> str:
-    columns = zip(names, zip(*rows, strict=True), strict=True)
-    return "\n".join(f"{name} = [{', '.join(column)}]" for name, column in columns)
+def with_orders(cells: Cells) -> str:
+    columns = [[*column] for column in zip(*cells, strict=True)]
+    orders = ["EOC", "-", *["1.0"] * (len(cells) - 2)]
+    pairs = [columns[0], *(column for errors in columns[1:] for column in (errors, orders))]
+    return markdown([[*row] for row in zip(*pairs, strict=True)])
 
 
-def key_values(names: list[str], rows: list[list[str]]) -> str:
-    return "\n".join(f"{name} = {cell}" for row in rows for name, cell in zip(names, row, strict=True))
-
-
-def transposed(names: list[str], rows: list[list[str]]) -> str:
-    return "\n".join(f"{name}  {'  '.join(column)}" for name, *column in zip(names, *rows, strict=True))
-
-
-def decimal_commas(names: list[str], rows: list[list[str]]) -> str:
-    return separated(";")(names, [[cell.replace(".", ",") for cell in row] for row in rows])
-
-
-def with_orders(names: list[str], rows: list[list[str]]) -> str:
-    lines = [(names, "EOC"), *((row, "1.0" if k else "-") for k, row in enumerate(rows))]
-    first, *rest = [[row[0], *(cell for error in row[1:] for cell in (error, order))] for row, order in lines]
-    return markdown(first, rest)
-
-
-FORMS = {
-    "CSV": separated(","), "semicolons": separated(";"), "tabs": separated("\t"), "LaTeX": separated(" & ", r" \\"),
-    "blanks": aligned, "Markdown": markdown, "lists": lists, "name = value": key_values, "transposed": transposed,
-    "decimal commas": decimal_commas, "orders": with_orders,
-}  # fmt: skip
+FORMS: dict[str, Callable[[Cells], str]] = {
+    "CSV": joined(","),
+    "semicolons": joined(";"),
+    "tabs": joined("\t"),
+    "LaTeX": joined(" & ", after=r" \\"),
+    "blanks": lambda cells: "\n".join("".join(f"{cell:>18}" for cell in row) for row in cells),
+    "Markdown": markdown,
+    "lists": lambda cells: "\n".join(f"{name} = [{', '.join(column)}]" for name, *column in zip(*cells, strict=True)),
+    "name = value": lambda cells: "\n".join(
+        f"{name} = {cell}" for row in cells[1:] for name, cell in zip(cells[0], row, strict=True)
+    ),
+    "transposed": lambda cells: joined("  ")([[*column] for column in zip(*cells, strict=True)]),
+    "decimal commas": lambda cells: joined(";")([[cell.replace(".", ",") for cell in row] for row in cells]),
+    "orders": with_orders,
+}
 
 
 @pytest.mark.parametrize("form", FORMS)
@@ -178,7 +172,7 @@ def test_a_table_that_is_written_reads_back_the_same(form: str, drawn: tuple[lis
     names = ["h", *(f"err{k}" for k in range(len(errors)))]
     # 1.234e3 as 1.234 and three digits would be read as thousands with decimal commas: an exponent tells.
     cells = [[f"{value:.5e}" for value in row] for row in zip(h, *errors, strict=True)]
-    (series,) = read_series(FORMS[form](names, cells), Options())
+    (series,) = read_series(FORMS[form]([names, *cells]), Options())
     assert series.h == pytest.approx(h)
     assert list(series.errors) == names[1:]
     for found, expected in zip(series.errors.values(), errors, strict=True):

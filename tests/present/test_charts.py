@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -12,7 +13,6 @@ from committed import RESULTS, SMOOTH
 from numpy.typing import NDArray
 
 from study.ledger.datafiles import read_rates
-from study.ledger.orders import orders
 from study.present.charts import (
     Chart,
     Curve,
@@ -52,37 +52,31 @@ def charts(errors: pd.DataFrame, enclosed: pd.DataFrame) -> dict[str, Chart]:
     }
 
 
-@pytest.mark.parametrize("name", ["convergence", "enclosure", "unknown error"])
+@pytest.mark.parametrize("name", ["convergence", "unknown error"])
 def test_figure_and_page_show_the_same_curves_ticks_and_legend(name: str, charts: dict[str, Chart]) -> None:
     chart = charts[name]
     with in_style():
         figure = draw_chart(chart)
     page, top = svg_chart(chart), TOP
     insides = re.findall(r"<svg x=.*?</svg>", page, re.DOTALL)
-    assert len(figure.axes) == len(insides) == len(chart.subplots)
+    grid = np.array(re.findall(rf'class="grid" d="M{LEFT},([\d.]+)H{RIGHT}"', page), dtype=float)
     for axes, inside, subplot, height in zip(figure.axes, insides, chart.subplots, HEIGHTS, strict=False):
         # Last come the curves, after horizontal lines.
         lines = axes.get_lines()[len(subplot.rules) :]
         drawn = re.findall(r'class="line \w+" d="(.*?)" stroke="(.*?)"', inside)
-        assert len(lines) == len(drawn) == len(subplot.curves)
         for line, (path, colour), curve in zip(lines, drawn, subplot.curves, strict=True):
             np.testing.assert_array_equal(line.get_xydata(), np.column_stack([curve.x, curve.y]))
             shares = np.array([[subplot.x.position(x), subplot.y.position(y)] for x, y in line.get_xydata()])
-            low, high = np.array([LEFT, top + height]), np.array([RIGHT, top])
-            expected = low + np.clip(shares, -2, 3) * (high - low)
-            np.testing.assert_allclose(
-                np.array(re.findall(r"[-\d.]+", path), dtype=float).reshape(-1, 2), expected, atol=0.01
-            )
+            expected = [LEFT, top + height] + np.clip(shares, -2, 3) * [RIGHT - LEFT, -height]
+            points = np.array(re.findall(r"[-\d.]+", path), dtype=float).reshape(-1, 2)
+            np.testing.assert_allclose(points, expected, atol=0.01)
             assert line.get_color() == curve.style.colour == colour
-        ticks = subplot.y.ticks()
-        assert len(axes.get_yticks()) == len(ticks)
-        lines_of_ticks = re.findall(rf'class="grid" d="M{LEFT},([\d.]+)H{RIGHT}"', page)
-        assert sum(top <= float(y) <= top + height for y in lines_of_ticks) == len(ticks)
+        assert len(axes.get_yticks()) == ((top <= grid) & (grid <= top + height)).sum() == len(subplot.y.ticks())
         top += height + BETWEEN
+    assert len(figure.axes) == len(insides) == len(chart.subplots)
     (legend,) = figure.legends
-    entries = [text for column in chart.legend for text, _ in column]
-    assert [text.get_text() != " " for text in legend.get_texts()].count(True) == len(entries)
-    assert page.count("aria-hidden") == len(entries)
+    entries = sum(map(len, chart.legend))
+    assert [text.get_text() != " " for text in legend.get_texts()].count(True) == entries == page.count("aria-hidden")
 
 
 def test_where_the_error_is_unknown_the_distance_to_a_more_accurate_displacement_takes_its_place(
@@ -98,54 +92,37 @@ def test_where_the_error_is_unknown_the_distance_to_a_more_accurate_displacement
 @pytest.mark.parametrize("slope", [0.25, 1.0, 2.0])
 def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope: float) -> None:
     h: Array = 2.0 ** -np.arange(8, 2, -1, dtype=float)
-    curves = [(h, 3 * h**0.5), (h / 1.4, h**1.5), (h[::-1], h[::-1] + 0.1)]
-    triangle = slope_triangle([Curve(x, y, Style("black")) for x, y in curves], slope, decades=2.0)
+    points = [(h, 3 * h**0.5), (h / 1.4, h**1.5), (h[::-1], h[::-1] + 0.1)]
+    curves = [Curve(x, y, Style("black")) for x, y in points]
+    triangle = slope_triangle(curves, slope, decades=2.0)
     assert triangle is not None
     (x0, y0), (x1, y1), corner = np.log10(triangle.corners)
     assert (y1 - y0) / (x1 - x0) == pytest.approx(slope)
     assert corner == pytest.approx([x0, y1])
     assert triangle.top > 10**y1
-    for x, y in curves:
+    for x, y in points:
         order = np.argsort(x)
         at = np.linspace(max(x0, np.log10(x.min())), x1, 50)
         assert (y0 + slope * (at - x0) - np.interp(at, np.log10(x[order]), np.log10(y[order]))).min() > 0.1
+    single = [replace(curve, x=curve.x[:1], y=curve.y[:1]) for curve in curves]
+    assert slope_triangle(single, slope, 2.0) is slope_triangle(curves, math.nan, 2.0) is None
 
 
-def test_a_single_level_or_no_expected_order_gives_no_triangle() -> None:
-    h = np.array([0.1, 0.2])
-    assert slope_triangle([Curve(h[:1], h[:1], Style("black"))], 1.0, 1.0) is None
-    assert slope_triangle([Curve(h, h, Style("black"))], math.nan, 1.0) is None
-
-
-def test_orders_over_two_refinements_are_those_of_a_power_of_h() -> None:
+def test_orders_are_those_of_a_power_of_h_and_graded_meshes_are_kept_apart() -> None:
     h = 1 / np.array([8.0, 16.0, 32.0, 64.0])
     # The coarsest level does not count.
     frame = pd.DataFrame({"family": "shaken", "level": [8, 16, 32, 64], "h": h, "error": 3 * h**0.5 + (h == 0.125)})
     assert finest_orders(frame, 2) == {"shaken": pytest.approx(0.5)}
-    assert finest_orders(frame.head(1), 2) == {}
-    assert finest_orders(frame.assign(error=0.0), 2) == {}
+    assert finest_orders(frame.head(1), 2) == finest_orders(frame.assign(error=0.0), 2) == {}
+    graded = frame.assign(family="graded", error=h)
+    assert last_orders(pd.concat([frame, graded])) == ([pytest.approx(0.5)], [pytest.approx(1.0)])
 
 
-def test_the_last_orders_are_consecutive_ones_and_graded_meshes_are_kept_apart(errors: pd.DataFrame) -> None:
-    graded = errors[errors["family"] == "shaken"].assign(family="graded")
-    plain, on_graded = last_orders(pd.concat([errors, graded]))
-    groups = errors.groupby("family", sort=False)
-    expected = {family: orders(rows["h"], rows["error"])[-1] for family, rows in groups}
-    assert plain == list(expected.values())
-    assert on_graded == [expected["shaken"]]
-
-
-def of_rollers(excess: dict[str, float]) -> pd.DataFrame:
-    """Rows of ``statements.csv``, with excess c/n for every family and with c/n² for standing patches."""
-    values = (("roller", "excess", 1), ("roller", "error", 0), ("standing", "excess", 2))
-    rows = [
-        (f"{kind}-{n}", family, n, 1 / n, name, c / n**power if power else 1.0)
-        for family, c in excess.items()
-        for n in (16, 32)
-        for kind, name, power in values
-    ]
-    columns = ["case", "family", "level", "h", "quantity", "value"]
-    return pd.DataFrame(rows, columns=columns).assign(label="beyond: rollers")
+def of_rollers(excess: dict[str, float], kind: str = "roller") -> pd.DataFrame:
+    """Rows of ``statements.csv`` with the excess c/n for every family."""
+    rows = [(f"{kind}-{n}", family, n, 1 / n, c / n) for family, c in excess.items() for n in (16, 32)]
+    table = pd.DataFrame(rows, columns=["case", "family", "level", "h", "value"])
+    return table.assign(label="beyond: rollers", quantity="excess")
 
 
 def test_random_meshes_of_rollers_are_one_curve_with_their_range() -> None:
@@ -160,4 +137,4 @@ def test_random_meshes_of_rollers_are_one_curve_with_their_range() -> None:
     assert (band.low, band.high) == (pytest.approx([2 / 16, 2 / 32]), pytest.approx([4 / 16, 4 / 32]))
     assert "1.00 (one-diagonal), 1.00 (shaken)" in chart.caption
     assert subplot.y.high >= 4 / 16
-    assert rollers_chart(of_rollers({"shaken": 1.0}).query("case.str.startswith('standing')")) is None
+    assert rollers_chart(of_rollers({"shaken": 1.0}, "standing")) is None

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from committed import CORNER, SMOOTH, copy_results
+from committed import CORNER, RESULTS, SMOOTH, copy_results
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import NDArray
@@ -24,41 +24,24 @@ from study.present.body import caption_body, draw_body
 from study.present.charts import collapsed_chart, finest_orders
 from study.present.contact import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.present.drawing import Drawing, Output, column_width, draw_one, in_style, page_width
-from study.present.figures import drawings, drawings_of, for_slides, overview
+from study.present.figures import drawings, drawings_of, overview
 from study.present.palette import family_styles
 from study.present.picture import Picture, read_pictures
-from study.present.tables import controls_table, write_tables
 
 Array = NDArray[np.float64]
 SMALLEST = 7.0
 """Points, of all text but scripts."""
 
 
-def controls(caught: str = "yes") -> pd.DataFrame:
-    """A defect that is caught and one that may not be, and a setting without any."""
-    columns = ["defect", "what", "setting", "label", "quantity", "expected", "observed", "verdict", "caught"]
-    rows = [
-        ["none", "all 2 rows must hold", "here", "Prop. 5.4", "order", "1", 1.0, "holds", None],
-        ["contact relaxed", "v_ν ≤ √h in place of v_ν ≤ 0", "here", "Prop. 5.4", "order", "1", 0.5, "fails", "yes"],
-        ["k like h", "backward Euler with k ~ h", "here", "Prop. 5.4", "time share", "0", 1.0, "fails", caught],
-    ]
-    return pd.DataFrame(rows, columns=columns)
-
-
 def growth() -> pd.DataFrame:
     """A direct solver of cost n^{3/2} and one of cost n."""
-    dofs = np.array([1e3, 1e4, 1e5])
-    frames = []
+    dofs, frames = np.array([1e3, 1e4, 1e5]), []
     for dim, solver, power in ((2, "direct", 1.5), (3, "multigrid", 1.0)):
         seconds = 1e-6 * dofs**power
-        columns = {"n": [8, 16, 32], "dofs": dofs, "factor_seconds": seconds, "solve_seconds": seconds}
-        costs = {"step_seconds": 2 * seconds, "level_seconds": 20 * seconds, "peak_bytes": 1024**3 + 1e3 * dofs}
-        frames.append(pd.DataFrame(columns | costs).assign(dim=dim, solver=solver))
+        costs = {"factor_seconds": seconds, "step_seconds": 2 * seconds, "level_seconds": 20 * seconds}
+        costs |= {"n": [8, 16, 32], "dofs": dofs, "peak_bytes": 1024**3 + 1e3 * dofs}
+        frames.append(pd.DataFrame(costs).assign(dim=dim, solver=solver))
     return pd.concat(frames)
-
-
-def write_controls(directory: Path, table: pd.DataFrame) -> None:
-    table.to_csv(directory / "data" / "controls.csv", index=False)
 
 
 def write_growth(directory: Path, table: pd.DataFrame) -> None:
@@ -70,9 +53,14 @@ def write_growth(directory: Path, table: pd.DataFrame) -> None:
 def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All data that there can be; tests only read it."""
     directory = copy_results(tmp_path_factory.mktemp("results"))
-    write_controls(directory, controls())
     write_growth(directory, growth())
     return directory
+
+
+@pytest.fixture(scope="module")
+def figures(measured: Path) -> dict[str, Drawing]:
+    """All figures of these data by their names, not yet drawn."""
+    return {drawing.name: drawing for drawing in drawings(measured)}
 
 
 @pytest.fixture
@@ -93,46 +81,39 @@ def drawn(drawing: Drawing) -> Figure:
     return figure
 
 
+def cut_off_or_tiny(figure: Figure) -> list[str]:
+    """The texts of a drawn figure that are too small, and the labels and titles that reach beyond its ends."""
+    axes = [axes for axes in figure.axes if axes.get_visible()]
+    labels = [text for one in axes for text in (one.xaxis.label, one.yaxis.label, one.title)]
+    boxes = [(text.get_text(), text.get_window_extent()) for text in labels if text.get_text()]
+    boxes += [("legend", legend.get_window_extent()) for legend in figure.legends]
+    beyond = [
+        name for name, box in boxes if min(box.x0, box.y0) < 0 or box.x1 > figure.bbox.x1 or box.y1 > figure.bbox.y1
+    ]
+    shown = [text for text in figure.findobj(Text) if text.get_visible() and text.get_text().strip()]
+    return beyond + [text.get_text() for text in shown if text.get_fontsize() < SMALLEST]
+
+
 KINDS = {"effectivity", "growth", "orders", f"energy-{CORNER}"}
 """Figures of several kinds; the nightly job draws all."""
 
 
 @pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["some", "all"])
-def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(measured: Path, every: bool) -> None:
-    figures = [(drawing, drawn(drawing)) for drawing in drawings(measured) if every or drawing.name in KINDS]
-    assert {drawing.name for drawing, _ in figures} >= KINDS
+def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(
+    figures: dict[str, Drawing], every: bool
+) -> None:
     with in_style():
         narrowest, widest = column_width(), page_width()
-    for drawing, figure in figures:
-        assert narrowest <= figure.get_figwidth() <= widest, drawing.name
-        for text in figure.findobj(Text):
-            if text.get_visible() and text.get_text().strip():
-                assert text.get_fontsize() >= SMALLEST, (drawing.name, text.get_text())
-        visible = [axes for axes in figure.axes if axes.get_visible()]
-        for text in (text for axes in visible for text in (axes.xaxis.label, axes.yaxis.label, axes.title)):
-            if text.get_text():
-                box = text.get_window_extent()
-                low, high = min(box.x0, box.y0), (box.x1 <= figure.bbox.x1, box.y1 <= figure.bbox.y1)
-                assert (low >= 0, *high) == (True, True, True), (drawing.name, text.get_text())
+    for name in figures if every else KINDS:
+        figure = drawn(figures[name])
+        assert narrowest <= figure.get_figwidth() <= widest, name
+        assert cut_off_or_tiny(figure) == [], name
 
 
-def test_every_caption_says_what_to_see_with_numbers(measured: Path) -> None:
-    for drawing in drawings(measured):
-        caption = drawing.caption
-        assert "What to see: " in caption, drawing.name
-        assert re.search(r"\d", caption.split("What to see: ")[1]), drawing.name
-        assert caption.endswith("."), drawing.name
-        assert "nan" not in caption, drawing.name
-
-
-@pytest.fixture(scope="module")
-def picture(measured: Path) -> Picture:
-    return read_pictures(measured)[0]
-
-
-@pytest.fixture(scope="module")
-def solid(measured: Path) -> Picture:
-    return read_pictures(measured)[-1]
+def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]) -> None:
+    for drawing in figures.values():
+        assert re.search(r"What to see: .*\d.*\.$", drawing.caption), drawing.name
+        assert "nan" not in drawing.caption, drawing.name
 
 
 def with_faces(picture: Picture, **change: Array | float) -> Picture:
@@ -143,24 +124,19 @@ def with_faces(picture: Picture, **change: Array | float) -> Picture:
 
 @pytest.mark.filterwarnings("error::UserWarning")
 @pytest.mark.parametrize("level", [-1.0, pytest.param(1.0, marks=pytest.mark.slow)])
-def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(solid: Picture, level: float) -> None:
-    values = {"level": level, "pressure": max(level, 0.0), "pressure_exact": max(level, 0.0), "gap": 0.0}
-    shown = with_faces(solid, **values, gap_exact=0.0)
+def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: Path, level: float) -> None:
+    solid, pressure = read_pictures(measured)[-1], max(level, 0.0)
+    shown = with_faces(
+        replace(solid, shown=solid.shown[:1]),
+        level=level,
+        pressure=pressure,
+        pressure_exact=pressure,
+        gap=0.0,
+        gap_exact=0.0,
+    )
     for draw, caption in ((draw_fronts, caption_fronts), (draw_maps, caption_maps), (draw_body, caption_body)):
         drawn(Drawing("extreme", partial(draw, shown), caption(shown), "An extreme case"))
         assert "nan" not in caption(shown)
-
-
-def test_defects_are_a_table_and_one_that_nothing_caught_is_seen_in_it(alone: Path) -> None:
-    assert controls_table(alone) is None
-    for caught in ("yes", "no"):
-        write_controls(alone, controls(caught))
-        table = controls_table(alone)
-        assert table is not None
-        assert table.cells.set_index("defect").loc["k like h", "caught"] == caught
-        assert "defects" not in [drawing.name for drawing in drawings(alone)]
-    write_tables(alone)
-    assert "| k like h | backward Euler with k ~ h |" in (alone / "tables" / "controls.md").read_text(encoding="utf-8")
 
 
 def test_upper_bounds_below_the_error_are_counted_and_unknown_errors_make_no_effectivity(alone: Path) -> None:
@@ -184,12 +160,6 @@ def test_the_growth_of_cost_is_drawn_once_it_is_measured_and_a_damaged_table_is_
         drawings(alone)
 
 
-def test_the_caption_of_a_convergence_has_the_last_orders_of_the_data(measured: Path) -> None:
-    last = read_rates(measured).query("case == @SMOOTH").groupby("family").tail(1)["order"]
-    seen = f"the order is {last.min():.3g} … {last.max():.3g}, expected 1"
-    assert seen in named(measured, f"convergence-{SMOOTH}").caption
-
-
 # Uses: articles, slides, pages.
 
 
@@ -199,40 +169,33 @@ def size_of(png: Path) -> tuple[int, int]:
 
 
 def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_that_are_not_cut_off(
-    measured: Path, tmp_path: Path
+    figures: dict[str, Drawing], tmp_path: Path
 ) -> None:
     slides = Output("slides", ("png",))
-    names = {"orders", f"profiles-{CORNER}", f"body-{CORNER}"}
-    chosen = [drawing for drawing in for_slides(drawings(measured)) if drawing.name in names]
-    assert len(chosen) == len(names)
-    for drawing in chosen:
-        png, _ = draw_one(tmp_path, drawing, slides)
-        assert size_of(png) == (1920, 1080), drawing.name
+    png, _ = draw_one(tmp_path, figures["orders"], slides)
+    assert size_of(png) == (1920, 1080)
+    for name in ("orders", f"profiles-{CORNER}", f"body-{CORNER}"):
         with in_style(slides):
-            figure = drawing.draw()
+            figure = figures[name].draw()
             figure.set_size_inches(4.8, 2.7)
             figure.draw_without_rendering()
-            for text in figure.findobj(Text):
-                if text.get_visible() and text.get_text().strip():
-                    assert text.get_fontsize() >= SMALLEST, (drawing.name, text.get_text())
-            for legend in figure.legends:
-                box = legend.get_window_extent()
-                assert (box.x0 >= 0, box.x1 <= figure.bbox.x1) == (True, True), drawing.name
+            assert cut_off_or_tiny(figure) == [], name
 
 
 def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_for_slides() -> None:
-    committed = Path(__file__).parents[2] / "results"
-    found = overview(committed)
-    names, slides = ({drawing.name for drawing in some} for some in (found, for_slides(found)))
-    assert {"convergence", "convergence-prop-5-3", "orders"} <= names
-    assert names - slides == {"convergence", "convergence-prop-5-3"}
+    sheets = {drawing.name: drawing.sheet for drawing in overview(RESULTS)}
+    assert {name for name, sheet in sheets.items() if sheet} == {"convergence", "convergence-prop-5-3"}
+    assert not sheets["orders"]
 
 
-def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured: Path) -> None:
+def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(
+    measured: Path, figures: dict[str, Drawing]
+) -> None:
     smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
     found = [order for _, rows in smooth.groupby("case") for order in finest_orders(rows, refinements=2).values()]
+    drawing = figures["collapsed"]
     with in_style(Output("slides")):
-        figure = named(measured, "collapsed").draw()
+        figure = drawing.draw()
     headline = figure.get_suptitle().replace("\n", " ")
     low, high = map(float, re.findall(r"\d\.\d\d", headline))
     assert headline.startswith("The error is O(h): observed orders ")
@@ -242,51 +205,35 @@ def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_l
     entries = [text.get_text() for text in figure.legends[0].get_texts()]
     assert entries == ["mesh family", *family_styles(smooth["family"]), "C h, not fitted"]
     with in_style():
-        assert named(measured, "collapsed").draw().get_suptitle() == ""
-
-
-def test_the_headline_denies_order_one_if_an_observed_order_is_too_low(measured: Path) -> None:
-    smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
+        assert drawing.draw().get_suptitle() == ""
     chart = collapsed_chart(smooth.assign(error=smooth["error"] * smooth["h"] ** -0.3))
     assert chart.headline.startswith("On these meshes the error is not O(h): observed orders 0.")
-
-
-def test_the_figure_of_orders_says_that_they_are_over_the_last_two_refinements(measured: Path) -> None:
-    drawing = named(measured, "orders")
-    with in_style(Output("slides")):
-        figure = drawing.draw()
-    last = "last two refinements"
-    for words in (drawing.caption, drawing.alternative, figure.get_suptitle()):
-        assert last in words
-    assert figure.axes[0].get_ylabel() == f"observed order, {last}"
 
 
 def test_figures_are_drawn_by_name_from_one_directory_into_another(
     alone: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    shutil.copy(Path(__file__).parents[2] / "results" / "data" / "provenance.json", alone / "data")
-
-    def figures(*options: str) -> int:
-        return main(["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", *options])
-
-    assert figures("--only", "problem", "orders", "--format", "png") == 0
-    assert {path.name for path in (tmp_path / "talk").rglob("*.*")} == {
-        "orders.png", "orders.txt", "problem.png", "problem.txt"
-    }  # fmt: skip
+    shutil.copy(RESULTS / "data" / "provenance.json", alone / "data")
+    command = ["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", "--only"]
+    assert main([*command, "problem", "orders", "--format", "png"]) == 0
+    written = {path.name for path in (tmp_path / "talk").rglob("*.*")}
+    assert written == {"orders.png", "orders.txt", "problem.png", "problem.txt"}
     assert not (alone / "figures").exists()
-    assert figures("--only", "order") == 2
+    assert main([*command, "order"]) == 2
     assert re.search(rf"--only order: {alone} has no such figure, only .*orders", capsys.readouterr().err)
 
 
-def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(measured: Path, tmp_path: Path) -> None:
-    drawing = named(measured, f"body-{CORNER}")
-    assert drawing.alternative.startswith(f"The deformed body on its foundation, with stresses and contact: {CORNER}. ")
+def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(
+    figures: dict[str, Drawing], tmp_path: Path
+) -> None:
+    drawing = figures[f"energy-{CORNER}"]
+    assert drawing.alternative.startswith(f"The balance of energy over time, and its defect: {CORNER}. ")
     png, svg, pdf, txt = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
     with Image.open(png) as image:
         assert image.info["Description"] == drawing.alternative
     assert drawing.alternative[:60] in svg.read_text(encoding="utf-8")
     assert b"/Subject" in pdf.read_bytes()
-    assert "Alternative text: The deformed body" in txt.read_text(encoding="utf-8")
+    assert "Alternative text: The balance of energy" in txt.read_text(encoding="utf-8")
 
 
 def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_width_of_a_column(
@@ -297,10 +244,8 @@ def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_width_of_a_c
     png, _ = draw_one(tmp_path, named(alone, "orders"), Output(formats=("png",), dpi=100, style=style))
     assert size_of(png)[0] == 500
     style.write_text("figure.fgsize: 5.0, 4.0\n")
-    with (
-        pytest.raises(UsageError, match=r"--style .*journal.mplstyle is not a Matplotlib style file"),
-        in_style(Output(style=style)),
-    ):
+    complaint = r"--style .*journal.mplstyle is not a Matplotlib style file"
+    with pytest.raises(UsageError, match=complaint), in_style(Output(style=style)):
         pass
 
 

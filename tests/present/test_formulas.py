@@ -10,7 +10,7 @@ import pytest
 from study.ledger.datafiles import DataError
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.verdict import HOLDS
-from study.present.pages import numbered_entries, numbered_lines
+from study.present.pages import numbered_lines
 from study.statements import STATEMENTS
 from study.statements.pictures import Pictures
 from study.statements.unmeasured import Listed, WithoutRow
@@ -29,15 +29,11 @@ def claims() -> pd.DataFrame:
 
 
 def test_none_is_missing(claims: pd.DataFrame) -> None:
-    found = numbered_entries(claims)
-    assert [number for number in NUMBERED if not found[number]] == []
-
-
-def test_all_are_in_the_table_in_the_order_of_the_source(claims: pd.DataFrame) -> None:
-    first = [numbers.partition("–")[0] for numbers, _, _ in numbered_lines(claims)]
+    """``numbered_lines`` raises an error for a missing number; the table has the order of the source."""
+    lines = [numbers for numbers, _, _ in numbered_lines(claims)]
+    first = [numbers.partition("–")[0] for numbers in lines]
     assert first == sorted(first, key=NUMBERED.index)
-    together = ", ".join(numbers for numbers, _, _ in numbered_lines(claims))
-    assert named(together.replace("Problem 3.1–Problem 3.2", "Problem 3.1, 3.2")) == set(NUMBERED)
+    assert named(", ".join(lines).replace("Problem 3.1–Problem 3.2", "Problem 3.1, 3.2")) == set(NUMBERED)
 
 
 def test_a_label_names_nothing_that_the_source_does_not_have(claims: pd.DataFrame) -> None:

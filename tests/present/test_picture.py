@@ -9,14 +9,7 @@ import pytest
 from committed import SMOOTH, SOLID, copy_results
 
 from study.present.body import DISPLACEMENT, magnification
-from study.present.picture import (
-    FaceHistory,
-    Picture,
-    caps,
-    misplaced_length,
-    read_pictures,
-    strands,
-)
+from study.present.picture import Picture, Segment, caps, misplaced_length, read_pictures, strands
 
 
 @pytest.fixture(scope="module")
@@ -25,10 +18,10 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> list[Picture]:
 
 
 @pytest.fixture
-def picture(pictures: list[Picture]) -> Picture:
-    """The picture of a body in the plane, with vertices on Γ3 at equal distances, which the file rounds."""
-    (face,) = pictures[0].faces
-    return replace(pictures[0], faces=[replace(face, s=np.linspace(0, 1, len(face.s)))])
+def face(pictures: list[Picture]) -> Segment:
+    """The contact face of a body in the plane, with vertices at equal distances, which the file rounds."""
+    (face,) = pictures[0].segments
+    return replace(face, s=np.linspace(0, 1, len(face.s)))
 
 
 def test_two_patches_that_meet_are_three_strands() -> None:
@@ -42,42 +35,35 @@ def test_two_patches_that_meet_are_three_strands() -> None:
 
 def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures: list[Picture]) -> None:
     for shown in pictures:
-        displacements = [shape.displacement for shape in shown.shapes]
-        largest = max(float(np.linalg.norm(u, axis=0).max()) for u in displacements)
-        drawn = magnification(shown.vertices, displacements) * largest
+        largest = np.linalg.norm(shown.displacement, axis=1).max()
+        drawn = magnification(shown.vertices, shown.displacement) * largest
         assert 0.9 * DISPLACEMENT * shown.size < drawn <= DISPLACEMENT * shown.size
-    assert magnification(shown.vertices, [np.zeros_like(shown.vertices)]) == 1
+    assert magnification(shown.vertices, np.zeros_like(shown.displacement)) == 1
 
 
-def shifted(face: FaceHistory, cells: int) -> FaceHistory:
-    """A face whose computed pressure lies some cells further along."""
-    return replace(face, pressure=np.roll(face.pressure_exact, cells, axis=1))
-
-
-def test_a_computed_zone_that_is_exact_is_off_by_half_a_cell_at_most(picture: Picture) -> None:
-    (face,) = picture.faces
-    assert misplaced_length(shifted(face, 0), picture.times).max() <= 0.5 + 1e-6
-
-
-def test_a_front_three_cells_too_far_is_off_by_three_cells(picture: Picture) -> None:
-    (face,) = picture.faces
+def test_a_computed_zone_that_is_exact_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_three(
+    face: Segment,
+) -> None:
+    exact = misplaced_length(replace(face, pressure=face.pressure_exact))
+    assert exact.max() <= 0.5 + 1e-6
     wide = replace(face, pressure=np.maximum(face.pressure_exact, np.roll(face.pressure_exact, 3, axis=1)))
-    off = misplaced_length(wide, picture.times) - misplaced_length(shifted(face, 0), picture.times)
+    off = misplaced_length(wide) - exact
     assert off[:-1].max() <= 3 + 1e-6
     assert np.median(off) > 1.9
 
 
-def test_a_zone_that_should_not_be_there_counts_with_its_length(picture: Picture) -> None:
-    (face,) = picture.faces
-    empty = replace(face, zone=[[] for _ in face.zone_times])
+def test_a_zone_that_should_not_be_there_counts_with_its_length(face: Segment) -> None:
     pressure = np.zeros_like(face.pressure)
+    empty = replace(face, zone=[[] for _ in face.zone_times], pressure=pressure)
+    assert not misplaced_length(empty).any()
+    assert not empty.outside.any()
     pressure[:, 2:5] = 1.0
-    np.testing.assert_allclose(misplaced_length(replace(empty, pressure=pressure), picture.times), 3.0)
-    assert not misplaced_length(replace(empty, pressure=0 * pressure), picture.times).any()
+    np.testing.assert_allclose(misplaced_length(empty), 3.0)
+    # At the first time nothing has been solved.
+    np.testing.assert_array_equal(empty.outside.sum(axis=1), [0, *[3] * (len(face.times) - 1)])
 
 
-def test_the_exact_zone_between_known_times_lies_between(picture: Picture) -> None:
-    (face,) = picture.faces
+def test_the_exact_zone_between_known_times_lies_between(face: Segment) -> None:
     early, late = (face.zone[n][0][1] for n in (10, 11))
     ((_, front),) = face.exact_zone(float(face.zone_times[10:12].mean()))
     assert front == pytest.approx((early + late) / 2)

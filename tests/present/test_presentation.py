@@ -18,11 +18,11 @@ from matplotlib.mathtext import MathTextParser
 
 from study.ledger.datafiles import DataError, read_claims, read_rates, read_uncompressed
 from study.ledger.files import write_packed, write_text
-from study.present import outcome
 from study.present.drawing import draw_figures
-from study.present.figures import drawings
+from study.present.figures import drawings, overview
 from study.present.notation import encode
-from study.present.outcome import observed_text, orders_text, rates_text
+from study.present.outcome import ledger_text, observed_text, orders_text, rates_text
+from study.present.picture import read_pictures
 from study.present.tables import write_tables
 
 ROOT = Path(__file__).parents[2]
@@ -30,12 +30,8 @@ NAMES = ("bounds", "equivalence", "ledger", "rates", "stresses")
 """Names of the tables that are written."""
 
 
-def ledger_text(directory: Path) -> str:
-    return outcome.ledger_text(read_claims(directory))
-
-
-def draw_all(directory: Path) -> list[Path]:
-    return draw_figures(directory, drawings)
+def print_ledger(directory: Path) -> str:
+    return ledger_text(read_claims(directory))
 
 
 def draw_some(directory: Path) -> list[Path]:
@@ -50,13 +46,6 @@ def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
     write_ledger(directory)
     write_tables(directory)
     return directory
-
-
-@pytest.fixture(scope="module")
-def drawn(tables: Path) -> Path:
-    """The same directory with figures."""
-    draw_some(tables)
-    return tables
 
 
 @pytest.fixture
@@ -75,21 +64,27 @@ def replace(path: Path, old: str, new: str) -> None:
     write(path, read_uncompressed(path).decode().replace(old, new))
 
 
-def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over(drawn: Path) -> None:
-    assert files(drawn / "tables") == [f"{name}.{form}" for name in NAMES for form in ("csv", "md", "tex")]
+def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over(data: Path) -> None:
+    write_tables(data)
+    draw_some(data)
+    assert files(data / "tables") == [f"{name}.{form}" for name in NAMES for form in ("csv", "md", "tex")]
     names = ["problem", "collapsed", "orders", "convergence", "convergence-prop-5-3", "effectivity"]
-    names += [f"convergence-{case}" for case in CASES]
-    enclosed = committed("enclosures").query("trajectory == 'enclosure'")
-    names += [f"enclosure-{case}" for case in enclosed["case"].unique()]
+    enclosed = committed("enclosures").query("trajectory == 'enclosure'")["case"].unique()
+    kinds = [("convergence", CASES), ("enclosure", enclosed)]
+    names += [f"{kind}-{case}" for kind, cases in kinds for case in cases]
     names += [f"{kind}-{CORNER}" for kind in ("zone", "profiles", "body", "energy")]
-    found = [drawing.name for drawing in drawings(drawn)]
+    found = [drawing.name for drawing in drawings(data)]
     assert sorted(found) == sorted(names)
     forms = ("pdf", "png", "svg", "txt")
-    assert files(drawn / "figures") == sorted(f"{name}.{form}" for name in found[::8] for form in forms)
+    assert files(data / "figures") == sorted(f"{name}.{form}" for name in found[::8] for form in forms)
 
 
 @pytest.mark.slow
-def test_a_second_run_gives_the_same_bytes_and_loads_no_solver(drawn: Path, data: Path) -> None:
+def test_a_second_run_gives_the_same_bytes_and_loads_no_solver(data: Path, tmp_path: Path) -> None:
+    write_tables(data)
+    draw_some(data)
+    again = tmp_path / "again"
+    shutil.copytree(data / "data", again / "data")
     script = (
         "import sys, pathlib, study.present.figures, study.present.tables; d = pathlib.Path(sys.argv[1]);"
         "study.present.tables.write_tables(d);"
@@ -97,12 +92,12 @@ def test_a_second_run_gives_the_same_bytes_and_loads_no_solver(drawn: Path, data
     )
     # Another process with another hash seed: an order taken from a set would show.
     environment = os.environ | {"PYTHONHASHSEED": "7", "PYTHONPATH": str(ROOT)}
-    command = [sys.executable, "-c", script, str(data)]
+    command = [sys.executable, "-c", script, str(again)]
     run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    again = sorted([*(data / "figures").iterdir(), *(data / "tables").iterdir()])
-    assert len(again) >= 3 * len(NAMES) + 4 * 2
-    for path in again:
-        assert path.read_bytes() == (drawn / path.parent.name / path.name).read_bytes(), path.name
+    written = sorted([*(again / "figures").iterdir(), *(again / "tables").iterdir()])
+    assert len(written) >= 3 * len(NAMES) + 4 * 2
+    for path in written:
+        assert path.read_bytes() == (data / path.parent.name / path.name).read_bytes(), path.name
     solvers = ("study.fem", "study.solve", "study.statements.prop_5_4", "manufactured", "skfem")
     assert not [name for name in run.stdout.split() if name.startswith(solvers)]
 
@@ -116,35 +111,32 @@ def test_tables_agree_with_the_data_to_four_digits(tables: Path) -> None:
     assert (table[["case", "family", "level", "dofs"]] == source[["case", "family", "level", "dofs"]]).all(axis=None)
 
 
-def test_orders_in_the_tables_are_those_of_the_errors(tables: Path) -> None:
-    rates, stresses = (pd.read_csv(tables / "tables" / f"{name}.csv") for name in ("rates", "stresses"))
-    exact = read_rates(tables)
-    for (case, family), rows in rates.groupby(["case", "family"]):
-        errors = exact[(exact["case"] == case) & (exact["family"] == family)]
-        expected = np.diff(np.log(errors["discrete_error"])) / np.diff(np.log(errors["h"]))
-        np.testing.assert_allclose(rows["discrete_order"], [np.nan, *expected], atol=6e-4)
-    measured = pd.read_csv(tables / "data" / "stresses.csv").set_index(["case", "family", "level"])
-    for (case, family), rows in stresses.groupby(["case", "family"]):
-        assert rows["level"].is_monotonic_increasing
-        errors = measured.loc[[(case, family, level) for level in rows["level"]]]
-        expected = np.diff(np.log(errors["stress"])) / np.diff(np.log(errors["h"]))
-        np.testing.assert_allclose(rows["order"], [np.nan, *expected], atol=6e-4)
+@pytest.mark.parametrize(
+    ("name", "error", "order"), [("rates", "discrete_error", "discrete_order"), ("stresses", "stress", "order")]
+)
+def test_orders_in_the_tables_are_those_of_the_errors(tables: Path, name: str, error: str, order: str) -> None:
+    key = ["case", "family", "level"]
+    measured = pd.read_csv(tables / "data" / f"{name}.csv").set_index(key).sort_index()
+    shown = pd.read_csv(tables / "tables" / f"{name}.csv").set_index(key)
+    for series, rows in shown.groupby(["case", "family"]):
+        assert rows.index.is_monotonic_increasing
+        errors = measured.loc[series]
+        expected = np.diff(np.log(errors[error])) / np.diff(np.log(errors["h"]))
+        np.testing.assert_allclose(rows[order], [np.nan, *expected], atol=6e-4)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_markdown_shows_the_cells_of_the_csv_table(tables: Path, name: str) -> None:
     """Below the headings, which have those of its first columns."""
     cells = pd.read_csv(tables / "tables" / f"{name}.csv", dtype=str, keep_default_na=False)
-    text = (tables / "tables" / f"{name}.md").read_text(encoding="utf-8")
-    tables = [part.splitlines()[3:] for part in re.split(r"^## .*\n", text, flags=re.MULTILINE)[1:]]
-    split = [
-        [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for table in tables for line in table if line
-    ]
-    shown = [[re.sub(r"\\(.)", r"\1", cell) for cell in row] for row in split]
-    assert sorted(shown) == sorted(cells.iloc[:, -len(shown[0]) :].to_numpy().tolist())
-    headings = re.findall(r"^## (.*)$", re.sub(r"\\(.)", r"\1", text), re.MULTILINE)
-    first = cells.iloc[:, : -len(shown[0])].drop_duplicates().to_numpy()
-    assert headings == [", ".join(value for value in row if value) for row in first]
+    plain = (tables / "tables" / f"{name}.md").read_text(encoding="utf-8").replace(r"\|", "¦")
+    plain = re.sub(r"\\(.)", r"\1", plain)
+    lines = [part.splitlines()[3:] for part in re.split(r"^## .*\n", plain, flags=re.MULTILINE)[1:]]
+    shown = [line[2:-2].split(" | ") for part in lines for line in part if line]
+    first, last = cells.iloc[:, : -len(shown[0])], cells.iloc[:, -len(shown[0]) :]
+    assert sorted([cell.replace("¦", "|") for cell in row] for row in shown) == sorted(last.to_numpy().tolist())
+    headings = re.findall(r"^## (.*)$", plain, re.MULTILINE)
+    assert headings == [", ".join(filter(None, row)) for row in first.drop_duplicates().to_numpy()]
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -183,13 +175,13 @@ def test_unicode_becomes_mathematics(text: str, latex: str) -> None:
 
 def test_the_rate_text_has_one_line_per_case_and_family(tables: Path) -> None:
     lines, rates = rates_text(tables).splitlines(), read_rates(tables)
-    (line,) = (line for line in lines if line.startswith(SMOOTH) and "shaken" in line)
-    series = rates[(rates["case"] == SMOOTH) & (rates["family"] == "shaken")]
-    finest = series.iloc[-1]
     assert len([line for line in lines if line.startswith(CASES)]) == len(rates.groupby(["case", "family"]))
-    assert line.split()[2:5] == [str(finest["level"]), f"{finest['error']:#.4g}", f"{finest['discrete_order']:.2f}"]
-    assert line.split()[6] == "1", "the predicted order"
-    assert line.split()[7:] == [f"{order:.2f}" for order in series["order"].dropna()][-len(line.split()[7:]) :]
+    (cells,) = (line.split() for line in lines if line.startswith(SMOOTH) and "shaken" in line)
+    series = rates[(rates["case"] == SMOOTH) & (rates["family"] == "shaken")]
+    finest, orders = series.iloc[-1], [f"{order:.2f}" for order in series["order"].dropna()]
+    assert cells[2:5] == [str(finest["level"]), f"{finest['error']:#.4g}", f"{finest['discrete_order']:.2f}"]
+    # The predicted order, then the last observed orders.
+    assert cells[6:] == ["1", *orders[-len(cells[7:]) :]]
 
 
 @pytest.mark.parametrize(
@@ -206,62 +198,45 @@ def test_a_range_with_one_end_is_a_bound(values: tuple[float, float, float], tex
 
 
 def test_the_conclusion_says_how_far_observed_orders_are_from_the_predicted_ones(tables: Path) -> None:
-    claims = read_claims(tables)
-    last = outcome.ledger_text(claims, orders_text(tables)).replace("\n", " ").rpartition("Conclusion: ")[2]
-    assert re.fullmatch(
-        r"1 check contradicted a statement; observed orders of the error differ from the predicted ones by "
-        r"-?\d\.\d\d to -?\d\.\d\d\. ",
-        last,
-    )
+    last = ledger_text(read_claims(tables), orders_text(tables)).replace("\n", " ").rpartition("Conclusion: ")[2]
+    number = r"-?\d\.\d\d"
+    differ = f"observed orders of the error differ from the predicted ones by {number} to {number}"
+    assert re.fullmatch(rf"1 check contradicted a statement; {differ}\. ", last)
 
 
-def test_reported_checks_are_printed_for_few_cases(data: Path) -> None:
-    claims = read_claims(data)
-    reported = claims.assign(verdict=claims["verdict"].where(claims.index != 0, "reported"))
-    assert re.search(r"^reported: ", outcome.ledger_text(reported), re.MULTILINE)
-    many = pd.concat([reported.assign(case=f"case {n}") for n in range(5)])
-    assert not re.search(r"^reported: ", outcome.ledger_text(many), re.MULTILINE)
+def test_reported_checks_are_printed_for_few_cases(tables: Path) -> None:
+    reported = read_claims(tables).assign(verdict="reported")
+    assert "\nreported: " in ledger_text(reported)
+    assert "\nreported: " not in ledger_text(pd.concat([reported.assign(case=f"case {n}") for n in range(5)]))
 
 
 def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_hold(tables: Path) -> None:
-    text = ledger_text(tables)
+    claims = read_claims(tables)
+    text = ledger_text(claims)
     assert re.search(r"^statement +cases +holds +reported +missed +undecided +fails$", text, re.MULTILINE)
     assert re.search(r"^Prop. 5.4 +‖u − u\^h‖.* [12] +[12] +1$", text, re.MULTILINE)
-    listed = (
-        "fails: Prop. 5.4, advance-recede: order, criss-cross: expected 1 ± 0.1, observed 0.7100 in [0.6500, 0.7800]"
-    )
-    assert listed in text.splitlines()
+    fails = "fails: Prop. 5.4, advance-recede: order, criss-cross: expected 1 ± 0.1, observed "
+    assert f"{fails}0.7100 in [0.6500, 0.7800]" in text.splitlines()
     assert "\nundecided: (3.1), (3.2): Γ3,i" in text
     assert "5 checks: 3 hold, 1 fail, 1 undecided, 0 missed (our own prediction was wrong), 0 reported" in text
     assert text.endswith("Conclusion: 1 check contradicted a statement.\n")
-
-
-def test_the_ledger_text_has_a_line_for_every_claim_of_a_label(data: Path) -> None:
-    path = data / "data" / "claims.csv"
-    claims = pd.read_csv(path)
-    claims.loc[1, "statement"] = "another claim about Prop. 5.4"
-    claims.to_csv(path, index=False)
-    text = ledger_text(data)
+    failing = claims["verdict"] == "fails"
+    columns = ["observed", "low", "high"]
+    assert f"{fails}no number" in ledger_text(claims.assign(**claims[columns].mask(failing))).splitlines()
+    # A label with two claims has two lines.
+    text = ledger_text(claims.assign(statement=claims["statement"].mask(failing, "another claim")))
     assert re.search(r"^Prop. 5.4 +‖u − u\^h‖.* 2 +2$", text, re.MULTILINE)
-    assert re.search(r"^Prop. 5.4 +another claim about Prop. 5.4 +1 +1$", text, re.MULTILINE)
-
-
-def test_the_ledger_text_says_where_there_is_no_number(data: Path) -> None:
-    replace(data / "data" / "claims.csv", "0.71,0.65,0.78", ",,")
-    listed = "fails: Prop. 5.4, advance-recede: order, criss-cross: expected 1 ± 0.1, observed no number"
-    assert listed in ledger_text(data).splitlines()
+    assert re.search(r"^Prop. 5.4 +another claim +1 +1$", text, re.MULTILINE)
 
 
 @pytest.mark.parametrize(
     ("present", "name"),
     [
-        *(
-            (write_tables, name)
-            for name in ("rates.csv", "claims.csv", "equivalence.csv", "stresses.csv", "bounds.csv")
-        ),
-        *((draw_all, name) for name in ("rates.csv", "cases.csv", "pictures")),
+        *((write_tables, f"{name}.csv") for name in ("rates", "claims", "equivalence", "stresses", "bounds")),
+        *((overview, name) for name in ("rates.csv", "cases.csv")),
+        (read_pictures, "pictures"),
         (rates_text, "rates.csv"),
-        (ledger_text, "claims.csv"),
+        (print_ledger, "claims.csv"),
     ],
 )
 def test_a_missing_file_is_named_with_the_command_that_makes_it(
@@ -275,18 +250,20 @@ def test_a_missing_file_is_named_with_the_command_that_makes_it(
 
 
 @pytest.mark.parametrize(
-    ("name", "old", "new", "complaint"),
+    ("present", "name", "old", "new", "complaint"),
     [
-        ("rates.csv", "discrete_error", "something", "lacks the columns discrete_error"),
-        ("claims.csv", "undecided", "perhaps", "perhaps"),
-        ("cases.csv", ROUGH, "smooth", f"lacks the cases {ROUGH}"),
-        ("pictures/corner.json.gz", '"zone_exact"', '"zone"', "corner.json.gz is not a picture"),
-        ("pictures/corner.json.gz", '"energy"', '"zone"', "corner.json.gz is not a picture"),
-        ("bounds.csv", "upper", "something", "lacks the columns upper"),
+        (overview, "rates.csv", "discrete_error", "something", "lacks the columns discrete_error"),
+        (write_tables, "claims.csv", "undecided", "perhaps", "perhaps"),
+        (overview, "cases.csv", ROUGH, "smooth", f"lacks the cases {ROUGH}"),
+        (read_pictures, "pictures/corner.json.gz", '"zone_exact"', '"zone"', "corner.json.gz is not a picture"),
+        (read_pictures, "pictures/corner.json.gz", '"energy"', '"zone"', "corner.json.gz is not a picture"),
+        (overview, "bounds.csv", "upper", "something", "lacks the columns upper"),
     ],
 )
-def test_a_damaged_file_is_named(data: Path, name: str, old: str, new: str, complaint: str) -> None:
+def test_a_damaged_file_is_named(
+    data: Path, present: Callable[[Path], object], name: str, old: str, new: str, complaint: str
+) -> None:
     replace(data / "data" / name, old, new)
     with pytest.raises(DataError, match=complaint):
-        (write_tables if name == "claims.csv" else draw_all)(data)
+        present(data)
     assert files(data) == ["data"]

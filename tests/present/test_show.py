@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
@@ -14,34 +13,34 @@ from PIL import Image
 
 from manufactured.tensors import full, mandel
 from study.cli.main import main
-from study.fem.mesh import FAMILIES, Unstructured
+from study.fem.mesh import FAMILIES
 from study.fem.naming import resolve
 from study.ledger.pictures import STEPS
 from study.present.palette import VERMILLION
-from study.present.picture import Picture, with_every_shape
+from study.present.picture import Picture
 from study.present.show import NO_FFMPEG, Shown, count_images, draw_show, mesh_of, write_mp4
 from study.run.showcase import EVERY, mesh_series, solve_showcase
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures
 
-
-@lru_cache
-def moved(case: str, steps: int = 8) -> Motion:
-    """A case on a coarse mesh."""
-    solution = resolve(case).solution
-    family = Unstructured() if solution.body.dim == 2 else FAMILIES[0]
-    return Motion.of(solution, family, 6 if solution.body.dim == 2 else 3, steps)
+CASE = "corner"
+"""A body in the plane with two contact faces."""
 
 
-def shapes_of(motion: Motion) -> Picture:
+@pytest.fixture(scope="module")
+def motion() -> Motion:
+    return Motion.of(resolve(CASE).solution, pictures.FAMILY, 6, 8)
+
+
+def picture_of(motion: Motion) -> Picture:
     """What is drawn of a motion."""
-    return with_every_shape(pictures.record("any", motion, EVERY))
+    return Picture.of(pictures.record("any", motion, EVERY)).at_all_times()
 
 
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Shown]:
     """A case on a coarse mesh with few steps, where there is no ffmpeg."""
-    directory, case, notified = tmp_path_factory.mktemp("shows"), resolve("hexagon"), []
+    directory, case, notified = tmp_path_factory.mktemp("shows"), resolve(CASE), []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("study.run.showcase.STEPS", 8)
         patch.setattr("study.present.show.find_ffmpeg", lambda: None)
@@ -55,27 +54,28 @@ def test_everything_written_is_reported_and_what_is_left_out_has_its_reason(show
     directory, found = shown
     assert sorted(found.written) == sorted(path for path in directory.rglob("*") if path.is_file())
     names = {path.name for path in found.written}
-    assert {"storyboard.png", "animation.gif", "hexagon.pvd", "hexagon-004.vtu"} <= names
+    assert {"storyboard.png", "animation.gif", f"{CASE}.pvd", f"{CASE}-004.vtu"} <= names
     assert found.left_out == [f"animation.mp4: {NO_FFMPEG}"]
 
 
 def test_the_collection_lists_every_file_with_its_time(shown: tuple[Path, Shown]) -> None:
     folder = shown[0] / "vtk"
-    root = ElementTree.parse(folder / "hexagon.pvd").getroot()
+    root = ElementTree.parse(folder / f"{CASE}.pvd").getroot()
     assert (root.tag, root.get("type")) == ("VTKFile", "Collection")
-    sets = root.findall("./Collection/DataSet")
-    assert [float(entry.attrib["timestep"]) for entry in sets] == [0, 0.25, 0.5, 0.75, 1]
-    assert sorted(entry.attrib["file"] for entry in sets) == sorted(path.name for path in folder.glob("*.vtu"))
+    sets = [entry.attrib for entry in root.findall("./Collection/DataSet")]
+    assert [float(entry["timestep"]) for entry in sets] == [0, 0.25, 0.5, 0.75, 1]
+    assert sorted(entry["file"] for entry in sets) == sorted(path.name for path in folder.glob("*.vtu"))
 
 
-def test_a_vtu_file_reads_back_as_the_mesh_and_the_fields_of_its_frame(shown: tuple[Path, Shown]) -> None:
-    motion = Motion.of(resolve("hexagon").solution, pictures.FAMILY, 6, 8)
+def test_a_vtu_file_reads_back_as_the_mesh_and_the_fields_of_its_frame(
+    shown: tuple[Path, Shown], motion: Motion
+) -> None:
     frame, space = motion.frames[-1], motion.space
-    read = meshio.read(shown[0] / "vtk" / "hexagon-004.vtu")
+    read = meshio.read(shown[0] / "vtk" / f"{CASE}-004.vtu")
     np.testing.assert_array_equal(read.cells_dict["triangle"], space.mesh.t.T)
     np.testing.assert_allclose(read.points, np.pad(space.mesh.p.T, ((0, 0), (0, 1))))
-    np.testing.assert_allclose(read.point_data["displacement"][:, :2], space.nodal(frame.u).T)
-    np.testing.assert_allclose(read.point_data["velocity"][:, :2], space.nodal(frame.velocity).T)
+    for name, values in (("displacement", frame.u), ("velocity", frame.velocity)):
+        np.testing.assert_allclose(read.point_data[name][:, :2], space.nodal(values).T)
     np.testing.assert_allclose(read.cell_data["von_mises"][0], von_mises(frame.stress))
     stress = read.cell_data["stress"][0].reshape(-1, 3, 3)
     np.testing.assert_allclose(stress[:, :2, :2], np.moveaxis(full(frame.stress), -1, 0))
@@ -88,7 +88,7 @@ def test_a_vtu_file_reads_back_as_the_mesh_and_the_fields_of_its_frame(shown: tu
 
 
 def test_a_solid_has_tetrahedra_and_all_nine_stresses() -> None:
-    motion = moved("cube-disc")
+    motion = Motion.of(resolve("cube-disc").solution, FAMILIES[0], 2, 2)
     frame, series = motion.frames[-1], mesh_series(motion, 1)
     mesh = mesh_of(series, series.fields[-1])
     assert mesh.cells[0].type == "tetra"
@@ -111,67 +111,60 @@ def test_the_animation_has_a_frame_for_every_time_and_moves(shown: tuple[Path, S
     assert (shown[0] / "animation.gif").stat().st_size < 5e6
 
 
-def test_the_shapes_of_an_animation_are_those_of_the_motion() -> None:
-    motion = moved("advance-recede", 16)
-    shown = shapes_of(motion)
-    assert [shape.time for shape in shown.shapes] == [frame.time for frame in motion.frames[::EVERY]]
-    frames = motion.frames[::EVERY]
+def test_the_shapes_of_an_animation_are_those_of_the_motion(motion: Motion) -> None:
+    shown, frames = picture_of(motion), motion.frames[::EVERY]
+    assert shown.times.tolist() == [frame.time for frame in frames]
     for found, expected in (
-        ([shape.displacement for shape in shown.shapes], [motion.space.nodal(frame.u) for frame in frames]),
-        ([shape.von_mises for shape in shown.shapes], [von_mises(frame.stress) for frame in frames]),
+        (shown.displacement, [motion.space.nodal(frame.u) for frame in frames]),
+        (shown.von_mises, [von_mises(frame.stress) for frame in frames]),
     ):
         np.testing.assert_allclose(found, expected, atol=0.51 * np.max(np.abs(expected)) / STEPS)
 
 
 @pytest.mark.slow
 def test_a_film_is_written_by_the_ffmpeg_of_a_package_where_the_system_has_none(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    motion: Motion, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("imageio_ffmpeg")
     monkeypatch.setenv("PATH", "")
-    path = write_mp4(tmp_path / "film.mp4", shapes_of(moved("advance-recede")))
+    path = write_mp4(tmp_path / "film.mp4", picture_of(motion))
     assert path is not None
     assert path.read_bytes()[4:8] == b"ftyp"
 
 
-def test_a_film_that_is_insisted_on_is_refused_without_ffmpeg(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr("study.cli.show.find_ffmpeg", lambda: None)
-    assert main(["show", "hexagon", "--mp4", "--out", str(tmp_path / "out")]) == 2
-    assert "--mp4: ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
+WRONG = """from dataclasses import replace
+from manufactured.catalogue import named
+case = named("full-contact")
+(face,) = case.solution.faces
+solution = replace(case.solution, faces=(replace(face, gap=face.gap - 1),))
+wrong = replace(case, solution=solution)
+"""
+"""A case with a gap of the wrong sign."""
 
 
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["show", "hexagone"], "study: unknown case 'hexagone'; did you mean hexagon? All: full-contact"),
-        (["show", "nothing.py:case"], "there is no file nothing.py"),
-        (["show", "hexagon", "--level", "1"], "--level must be 2 or more, got 1"),
-        (["show", "hexagon", "--out", "{file}"], "cannot write {file}/hexagon/data/.lock: "),
+        (["hexagone"], "study: unknown case 'hexagone'; did you mean hexagon? All: full-contact"),
+        (["nothing.py:case"], "there is no file nothing.py"),
+        (["hexagon", "--level", "1"], "--level must be 2 or more, got 1"),
+        (["hexagon", "--mp4"], "--mp4: ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`"),
+        (["{file}:wrong"], "violated"),
+        (["full-contact", "--out", "{file}"], "cannot write {file}/full-contact/data/.lock: "),
     ],
+    ids=["misspelt", "no file", "level", "no ffmpeg", "no solution", "not a directory"],
 )
 def test_what_cannot_be_shown_is_refused(
-    arguments: list[str], complaint: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    arguments: list[str],
+    complaint: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    file = tmp_path / "file"
-    file.write_text("not a directory")
-    assert main([argument.format(file=file) for argument in arguments]) == 2
+    monkeypatch.setattr("study.cli.show.find_ffmpeg", lambda: None)
+    file = tmp_path / "wrong.py"
+    file.write_text(WRONG)
+    command = ["show", "--out", str(tmp_path / "out"), *(argument.format(file=file) for argument in arguments)]
+    assert main(command) == 2
     assert complaint.format(file=file) in capsys.readouterr().err
-
-
-def test_a_case_that_is_no_solution_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A gap of the wrong sign."""
-    case = tmp_path / "wrong.py"
-    case.write_text(
-        "from dataclasses import replace\n"
-        "from manufactured.catalogue import catalogue\n"
-        "case = catalogue()[0]\n"
-        "(face,) = case.solution.faces\n"
-        "solution = replace(case.solution, faces=(replace(face, gap=face.gap - 1),))\n"
-        "wrong = replace(case, solution=solution)\n"
-    )
-    assert main(["show", f"{case}:wrong", "--out", str(tmp_path / "out")]) == 2
-    assert "violated" in capsys.readouterr().err
-    assert not (tmp_path / "out").exists()
+    assert [*tmp_path.iterdir()] == [file]

@@ -1,4 +1,4 @@
-"""What the project says about itself is so: citation, workflows, examples, recipes, documentation, types."""
+"""What the project says about itself is so: workflows, examples, recipes, documentation."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ import pandas as pd
 import pytest
 import yaml
 from case_docstrings import missing_parts
+from pages import PAGES, Page
 
 import manufactured
 from manufactured import prove
@@ -33,18 +34,17 @@ from study.statements.prop_5_4 import FirstOrder, measure_case
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text())
 WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), ROOT / "examples" / "convergence-check.yml"]
 RUN_THE_STUDY = ROOT / "docs" / "how-to" / "run-the-study.md"
-PAGES = [ROOT / "README.md", RUN_THE_STUDY, ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md"]
+TYPED = [ROOT / "README.md", RUN_THE_STUDY, ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md"]
+"""Pages whose commands have no words in capitals in place of a name."""
 TARGETS = set(re.findall(r"^([a-z][a-z-]*):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 
 
-def blocks(page: Path, language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", page.read_text(), re.DOTALL)
-
-
-RECIPES = {block.splitlines()[0].removeprefix("# "): block for block in blocks(ROOT / "CONTRIBUTING.md", "python")}
+RECIPES = {
+    text.splitlines()[0].removeprefix("# "): text
+    for text in re.findall(r"```python\n(.*?)```", (ROOT / "CONTRIBUTING.md").read_text(), re.DOTALL)
+}
 
 
 def steps(workflow: Path) -> list[dict[str, object]]:
@@ -52,14 +52,13 @@ def steps(workflow: Path) -> list[dict[str, object]]:
 
 
 def commands(path: Path) -> Iterator[list[str]]:
-    """Every command line of a workflow, or of a page in shell blocks and as `.venv/bin/…`, without redirections."""
+    """Every command line of a workflow, or of a page in shell blocks and within sentences, without redirections."""
     if path.suffix == ".yml":
         texts = [str(step["run"]) for step in steps(path) if "run" in step]
     else:
-        texts = [*blocks(path, "sh"), *re.findall(r"`(\.venv/bin/[^`]+)`", path.read_text())]
+        texts = [*Page(path).typed, *re.findall(r"`((?:\.venv/bin/|make )[^`]+)`", path.read_text())]
     for line in "\n".join(texts).replace("\\\n", " ").splitlines():
-        words = shlex.split(line.partition(" > ")[0], comments=True)
-        if words:
+        if words := shlex.split(line.partition(" > ")[0], comments=True):
             yield words
 
 
@@ -74,46 +73,23 @@ def module(monkeypatch: pytest.MonkeyPatch, name: str) -> ModuleType:
     return found
 
 
-# Citation and changes.
-
-
-def test_the_citation_names_the_holder_of_the_licence_and_the_paper() -> None:
-    holder = re.search(r"Copyright \(c\) \d{4} (.+)", (ROOT / "LICENSE").read_text())
-    assert holder is not None
-    newest = re.search(r"^## \[(.+?)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
-    assert newest is not None
-    assert CITATION["version"] == newest[1]
-    assert CITATION["cff-version"] == "1.2.0"
-    assert {"message", "title", "authors"} <= set(CITATION)
-    assert CITATION["authors"] == [{"name": holder[1]}]
-    (paper,) = CITATION["references"]
-    assert {"type", "title", "authors"} <= set(paper)
-    assert [author["family-names"] for author in paper["authors"]] == ["Barboteu", "Han", "Sofonea"]
-    entry = (ROOT / "paper" / "references.bib").read_text().partition(paper["title"])[2].partition("@")[0]
-    printed = {"number": paper["issue"], "pages": f"{paper['start']}--{paper['end']}"}
-    for key, value in {**printed, "volume": paper["volume"], "year": paper["year"]}.items():
-        assert f"{key} = {{{value}}}" in entry
-
-
 # Workflows.
 
 
-@pytest.mark.parametrize("path", [*WORKFLOWS, *PAGES], ids=lambda path: path.name)
-def test_every_make_target_and_study_command_exists(path: Path) -> None:
-    for words in commands(path):
-        if words[0] == "make":
-            assert set(words[1:]) <= TARGETS, words
-        elif Path(words[0]).name == "study":
-            parser().parse_args(words[1:])
+def test_every_make_target_and_study_command_of_workflows_and_pages_exists() -> None:
+    for path in [*WORKFLOWS, *(page.path for page in PAGES)]:
+        for words in commands(path):
+            if words[0] == "make":
+                assert set(words[1:]) <= TARGETS, words
+            elif Path(words[0]).name == "study" and path in (*WORKFLOWS, *TYPED):
+                parser().parse_args(words[1:])
 
 
 @pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.name)
 def test_workflows_use_actions_of_a_fixed_major_version_and_may_write_nothing(workflow: Path) -> None:
     assert yaml.safe_load(workflow.read_text())["permissions"] == {"contents": "read"}
     used = [str(step["uses"]) for step in steps(workflow) if "uses" in step]
-    assert used
-    for action in used:
-        assert re.fullmatch(r"actions/[a-z-]+@v\d+", action)
+    assert used and all(re.fullmatch(r"actions/[a-z-]+@v\d+", action) for action in used)  # noqa: PT018
 
 
 def test_workflows_run_what_the_documentation_tells_to_run() -> None:
@@ -138,19 +114,13 @@ def test_the_versions_of_python_that_the_documentation_says_are_tested_are() -> 
 TABLE = ROOT / "examples" / "errors.csv"
 
 
-def test_the_example_prints_the_table_beside_it(capsys) -> None:
+def test_the_example_prints_its_table_which_holds_and_a_table_that_loses_its_order_does_not(tmp_path, capsys) -> None:
     runpy.run_path(str(ROOT / "examples" / "errors.py"), run_name="__main__")
     assert capsys.readouterr().out == TABLE.read_text()
-
-
-def test_the_example_holds_and_a_table_that_loses_its_order_does_not(tmp_path, capsys) -> None:
-    assert main(["rates", str(TABLE), "--expected", "1"]) == 0
-    table = pd.read_csv(TABLE)
-    worse = tmp_path / "errors.csv"
+    table, worse = pd.read_csv(TABLE), tmp_path / "errors.csv"
     table.assign(error=table["error"] + 0.1).to_csv(worse, index=False)
-    assert main(["rates", str(worse), "--expected", "1"]) == 1
-    assert main(["rates", str(TABLE), "--expected", "2"]) == 1
-    assert main(["rates", str(tmp_path / "none.csv"), "--expected", "1"]) == 2
+    for file, expected, code in ((TABLE, "1", 0), (TABLE, "2", 1), (worse, "1", 1), (tmp_path / "none.csv", "1", 2)):
+        assert main(["rates", str(file), "--expected", expected]) == code
 
 
 # The recipes of CONTRIBUTING.md.
@@ -192,17 +162,12 @@ def test_the_control_of_the_recipe_is_caught_by_the_row_it_names(monkeypatch) ->
     assert set(control.keys) <= set(failing)
 
 
-# Documentation.
-
-
-def is_documented(name: str) -> bool:
-    """Constants in the docstring of the package, what has a docstring of its own there."""
-    value = getattr(manufactured, name)
-    if inspect.isclass(value) or inspect.isroutine(value) or hasattr(value, "cache_info"):
-        # A dataclass without a docstring gets its signature for one.
-        return bool(value.__doc__) and not value.__doc__.startswith(f"{name}(")
-    return f"``{name}``" in str(manufactured.__doc__)
-
-
 def test_every_public_name_is_documented() -> None:
-    assert [name for name in manufactured.__all__ if not is_documented(name)] == []
+    """Constants are documented in the docstring of the package."""
+    for name in manufactured.__all__:
+        value = getattr(manufactured, name)
+        if inspect.isclass(value) or inspect.isroutine(value) or hasattr(value, "cache_info"):
+            # A dataclass without a docstring gets its signature for one.
+            assert value.__doc__ and not value.__doc__.startswith(f"{name}("), name  # noqa: PT018
+        else:
+            assert f"``{name}``" in str(manufactured.__doc__)

@@ -38,15 +38,12 @@ def names(requirements: list[str]) -> set[str]:
     return {re.split(r"[<>=\[ ]", requirement)[0] for requirement in requirements}
 
 
-def test_the_base_is_numpy_and_sympy_and_every_extra_has_its_file_of_pins() -> None:
+def test_the_base_is_numpy_and_sympy_the_study_needs_forty_packages_and_each_package_has_one_version() -> None:
     assert names(PROJECT["dependencies"]) == {"numpy", "sympy"}
     assert set(EXTRAS) == set(PROJECT["optional-dependencies"])
+    assert set(PINS) == set(EXTRAS.values())
     for extra, file in EXTRAS.items():
         assert names(PROJECT["optional-dependencies"][extra]) <= set(PINS[file])
-
-
-def test_running_the_study_needs_at_most_forty_packages_and_no_tools_and_each_package_has_one_version() -> None:
-    assert set(PINS) == set(EXTRAS.values())
     assert len(PINS["runtime"]) <= 40
     assert set(PINS["runtime"]).isdisjoint({"pytest", "ruff", "mypy", "sphinx", "distributed", "selenium"})
     versions = {(package, version) for pins in PINS.values() for package, version in pins.items()}
@@ -55,16 +52,12 @@ def test_running_the_study_needs_at_most_forty_packages_and_no_tools_and_each_pa
 
 def test_every_pinned_package_runs_on_the_oldest_python_that_the_project_names() -> None:
     oldest = PROJECT["requires-python"].removeprefix(">=") + ".0"
+    # Some pins are for other systems or versions of Python, and are not installed.
+    installed = {canonicalize_name(found.name) for found in distributions()}
     pinned = {package for pins in PINS.values() for package in pins}
-    needed = {package: metadata(package)["Requires-Python"] for package in pinned & packages()}
+    needed = {package: metadata(package)["Requires-Python"] for package in pinned & installed}
     assert len(needed) > 0.9 * len(pinned)
-    newer = [package for package, versions in needed.items() if versions and oldest not in SpecifierSet(versions)]
-    assert newer == []
-
-
-def packages() -> set[str]:
-    """What is installed: some pins are for other systems or versions of Python."""
-    return {canonicalize_name(found.name) for found in distributions()}
+    assert [package for package, versions in needed.items() if oldest not in SpecifierSet(versions or "")] == []
 
 
 def test_manufactured_imports_nothing_else() -> None:
@@ -115,9 +108,21 @@ def test_the_wheel_has_the_mark_that_its_packages_are_typed() -> None:
 def test_everything_that_says_what_this_is_says_the_same() -> None:
     cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     deposited = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
-    assert cited["version"] == PROJECT["version"]
+    (newest, *_) = re.findall(r"^## \[(.+?)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    (holder,) = re.findall(r"Copyright \(c\) \d{4} (.+)", (ROOT / "LICENSE").read_text())
+    assert {"cff-version", "message", "title", "authors"} <= set(cited)
+    assert cited["version"] == PROJECT["version"] == newest
     assert cited["license"] == PROJECT["license"] == deposited["license"]
     assert cited["title"] == deposited["title"]
     assert " ".join(cited["abstract"].split()) == deposited["description"]
     assert cited["keywords"] == PROJECT["keywords"] == deposited["keywords"]
-    assert cited["authors"] == PROJECT["authors"] == deposited["creators"]
+    assert cited["authors"] == PROJECT["authors"] == deposited["creators"] == [{"name": holder}]
+
+
+def test_the_citation_of_the_paper_is_the_one_in_the_article() -> None:
+    (paper,) = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))["references"]
+    assert [author["family-names"] for author in paper["authors"]] == ["Barboteu", "Han", "Sofonea"]
+    entry = (ROOT / "paper" / "references.bib").read_text().partition(paper["title"])[2].partition("@")[0]
+    printed = {"number": paper["issue"], "pages": f"{paper['start']}--{paper['end']}"}
+    for key, value in {**printed, "volume": paper["volume"], "year": paper["year"]}.items():
+        assert f"{key} = {{{value}}}" in entry

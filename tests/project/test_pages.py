@@ -22,17 +22,8 @@ from study.fem.naming import resolve, resolve_data
 from study.statements.enclosure import resolve_problem
 
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
-LONG = {
-    "README.md",
-    "docs/tutorials/own-case.md",
-    "docs/tutorials/own-case-3d.md",
-    "docs/tutorials/bound.md",
-    "docs/tutorials/static.md",
-    "docs/tutorials/yielding.md",
-    "docs/how-to/adapt.md",
-    "docs/how-to/certify.md",
-    "docs/how-to/figures.md",
-}
+LONG = {"README.md", *(f"docs/how-to/{name}.md" for name in ("adapt", "certify", "figures", "verify-a-contact-code"))}
+LONG |= {f"docs/tutorials/{name}.md" for name in ("own-case", "own-case-3d", "bound", "static", "yielding")}
 """Pages whose commands take longer than three seconds, for the slow tests, which `make tutorials` runs. The case of
 ``own-case.md`` is what the tests of most commands start from (``cli/conftest.py``)."""
 LONG_PYTHON = {"docs/how-to/verify-a-contact-code.md", "docs/tutorials/your-displacement.md"}
@@ -126,21 +117,9 @@ TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for l
 @marked(TYPED, LONG)
 def test_the_commands_of_a_page_end_with_success(page: Page, run: Callable[[Page, str], str]) -> None:
     programs = [f"python {name}" for name in page.files]
-    typed = [
-        line
-        for line in page.typed
-        if (words(line)[0] == "study" and not is_one_of(line, CI))
-        or line in programs
-        or line.startswith("python examples/")
-    ]
-    expect(page.printed("sh"), "".join(run(page, line) for line in typed))
-
-
-def test_every_make_target_that_a_page_names_exists() -> None:
-    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
-    inline = re.compile(r"`(make [^`]+)`")
-    named = [line for page in PAGES for line in [*page.typed, *inline.findall(page.text)] if line.startswith("make ")]
-    assert {words(line)[1] for line in named} <= targets
+    programs += [line for line in page.typed if line.startswith("python examples/")]
+    studies = [line for line in page.typed if words(line)[0] == "study" and not is_one_of(line, CI)]
+    expect(page.printed("sh"), "".join(run(page, line) for line in page.typed if line in (*programs, *studies)))
 
 
 def test_the_commands_of_the_table_are_those_of_the_program() -> None:
@@ -149,19 +128,19 @@ def test_the_commands_of_the_table_are_those_of_the_program() -> None:
     assert set(re.findall(r"`study ([a-z]+)", page.text)) == set(commands.choices)
 
 
-def test_links_of_a_page_lead_to_files_that_are_there() -> None:
-    pattern = re.compile(r"\]\(([^)#\s]+)(?:#[^)]*)?\)|^\[[^]]+\]: ([^#\s]+)", re.MULTILINE)
-    targets = [(page, inline or below) for page in PAGES for inline, below in pattern.findall(page.prose)]
-    local = [(page, target) for page, target in targets if not re.match(r"[a-z]+:", target)]
-    assert len(local) > 50
-    assert [(page.name, target) for page, target in local if not (page.path.parent / target).exists()] == []
-
-
-def test_files_that_a_page_names_are_there() -> None:
-    pattern = re.compile(r"`((?:study|manufactured|tests|paper|results|examples)/[\w./-]*)`")
-    named = [(page.name, name) for page in PAGES for name in pattern.findall(page.text) if "/quick" not in name]
+@pytest.mark.parametrize(
+    ("part", "pattern"),
+    [
+        ("prose", r"\]\((?![a-z]+:)([^)#\s]+)(?:#[^)]*)?\)|^\[[^]]+\]: (?![a-z]+:)([^#\s]+)"),
+        ("text", r"`((?:study|manufactured|tests|paper|results|examples)/(?!quick)[\w./-]*)`"),
+    ],
+    ids=["links", "names"],
+)
+def test_files_that_a_page_links_to_or_names_are_there(part: str, pattern: str) -> None:
+    found = [(page, match) for page in PAGES for match in re.finditer(pattern, getattr(page, part), re.MULTILINE)]
+    named = [(page.path.parent if part == "prose" else ROOT, "".join(match.groups(""))) for page, match in found]
     assert len(named) > 50
-    assert [(page, name) for page, name in named if not (ROOT / name).exists()] == []
+    assert [(str(folder), name) for folder, name in named if not (folder / name).exists()] == []
 
 
 def test_the_readme_can_be_read_in_a_few_minutes() -> None:

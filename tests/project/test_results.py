@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 import pytest
@@ -39,18 +40,16 @@ BOUNDS = [statement for statement in STATEMENTS if isinstance(statement, Bounds)
 MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_share", "predicted_interpolation"]
 
 
+def slow_except(quick: Sequence[str], names: Sequence[str], *more: int) -> list[Any]:
+    """Parameters of a test, of which only a few are quick; the nightly job tests all."""
+    return [pytest.param(name, *more, marks=() if name in quick else pytest.mark.slow) for name in names]
+
+
 FEW = ("advance-recede", "yield-on-a-part", "layered", "re-entrant")
 """Cases that are measured again in a second each: a law that is not linear, layers, and a corner with graded meshes."""
 
 
-@pytest.mark.parametrize(
-    ("case", "place"),
-    [
-        *((case, 0) for case in FEW),
-        *(pytest.param(case, 0, marks=pytest.mark.slow) for case in NAMES if case not in FEW),
-        *(pytest.param(case, 2, marks=pytest.mark.slow) for case in NAMES),
-    ],
-)
+@pytest.mark.parametrize(("case", "place"), [*slow_except(FEW, NAMES, 0), *slow_except((), NAMES, 2)])
 def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int) -> None:
     """The coarsest level and the third, on the first and the last family; of solids the coarsest level on the last."""
     mine = RATES[RATES["case"] == case]
@@ -64,13 +63,10 @@ def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int
 
 
 AGREEING = ("advance-recede", "layered", "softening", "yield-on-a-part")
-"""Cases whose formulations are compared again here, with several laws; the nightly job compares all."""
+"""Cases with several laws."""
 
 
-@pytest.mark.parametrize(
-    "case",
-    [pytest.param(case, marks=() if case in AGREEING else pytest.mark.slow) for case in EQUIVALENCE["case"].unique()],
-)
+@pytest.mark.parametrize("case", slow_except(AGREEING, EQUIVALENCE["case"].unique()))
 def test_both_formulations_agree_again(case: str) -> None:
     committed = EQUIVALENCE.query(f"case == '{case}'").iloc[0]
     row = SameMesh().measure(Setting(case, committed["family"], int(committed["level"])))
@@ -106,18 +102,13 @@ def test_bounds_measured_again_agree_with_the_committed_ones(statement: Bounds) 
             assert again[column] == pytest.approx(row[column], rel=1e-5, abs=1e-9, nan_ok=True), (setting, column)
 
 
-DEAR = (
-    *("Landings", "WorkOfContact", "GrowingErrors", "SolutionDivergence", "NoPotential", "Rollers"),
-    *("BackwardEuler", "FullyDiscrete"),
-)
+DEAR = ("Landings", "WorkOfContact", "GrowingErrors", "SolutionDivergence", "NoPotential", "Rollers", "BackwardEuler",
+        "FullyDiscrete")  # fmt: skip
 """Statements whose coarsest setting takes some seconds and more."""
 LISTS = [
-    pytest.param(
-        statement,
-        id=type(statement).__name__,
-        marks=[pytest.mark.slow] if type(statement).__name__ in DEAR else [],
-    )
+    pytest.param(statement, id=name, marks=[pytest.mark.slow] if name in DEAR else [])
     for statement in STATEMENTS
+    for name in [type(statement).__name__]
     if isinstance(statement, ListedNumbers)
 ]
 
@@ -134,10 +125,7 @@ def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series])
     """Yield settings that together have all quantities: the cheapest of the settings with most new quantities."""
     missing = {quantity for values in numbers.values() for quantity in values.index}
     while missing:
-        by_worth = [
-            (-len(missing & {*values.index}), statement.cost(place), place) for place, values in numbers.items()
-        ]
-        *_, place = min(by_worth)
+        place = min(numbers, key=lambda one: (-len(missing & {*numbers[one].index}), statement.cost(one), one))
         yield place
         missing -= {*numbers[place].index}
 
@@ -171,19 +159,15 @@ def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_one
 def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tmp_path: Path) -> None:
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs", "pictures"))
     shutil.copytree(RESULTS / "codes", tmp_path / "codes")
-    verdicts = judge(tmp_path)
-    committed = pd.read_csv(RESULTS / "data" / "claims.csv")
-    again = pd.read_csv(tmp_path / "data" / "claims.csv")
+    assert [verdict for verdict in judge(tmp_path) if verdict.verdict not in (HOLDS, *UNCLAIMED)] == []
+    again, committed = (pd.read_csv(directory / "data" / "claims.csv") for directory in (tmp_path, RESULTS))
     pd.testing.assert_frame_equal(again, committed, rtol=1e-6)
-    assert [v for v in verdicts if v.verdict not in (HOLDS, *UNCLAIMED)] == []
 
 
 def test_the_committed_run_has_every_case_and_reaches_level_256() -> None:
     assert set(RATES["case"]) == set(NAMES)
-    assert RATES["level"].max() >= 256
     finest = RATES.groupby(["dim", "case"])["level"].max()
-    assert (finest.loc[2] >= 64).all()
-    assert (finest.loc[3] >= 18).all()
+    assert (finest.max() >= 256, finest.loc[2].min() >= 64, finest.loc[3].min() >= 18) == (True, True, True)
 
 
 def test_every_row_without_a_claim_says_why_there_is_none() -> None:
@@ -234,6 +218,6 @@ def test_the_tables_of_the_committed_run_and_the_figures_over_all_cases_are_ther
 
 
 def test_what_is_printed_of_the_committed_seeds_and_small_defects_fits_80_columns() -> None:
-    printed = [alarms.text(read_csv(RESULTS, "seeds.csv", SEEDS))]
-    printed.append(sensitivity_text(read_csv(RESULTS, "sensitivity.csv", SENSITIVITY.columns)))
-    assert [line for text in printed for line in text.splitlines() if len(line) > 80] == []
+    printed = alarms.text(read_csv(RESULTS, "seeds.csv", SEEDS)) + "\n"
+    printed += sensitivity_text(read_csv(RESULTS, "sensitivity.csv", SENSITIVITY.columns))
+    assert [line for line in printed.splitlines() if len(line) > 80] == []

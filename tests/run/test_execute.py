@@ -33,12 +33,11 @@ from study.statements.shared.scope import Levels, Scope
 from study.statements.thm_4_2 import SameMesh
 from study.statements.thm_4_2_own_space import OwnSpace
 
-LEVELS = Levels((2, 4))
-
 
 def small() -> Scope:
-    cases, few = ("advance-recede", "yield-on-a-part"), {"every_family": False, "statements": False}
-    return replace(quick(), cases=cases, plane=LEVELS, rough=LEVELS, equivalence=(2,), **few)
+    cases, levels = ("advance-recede", "yield-on-a-part"), Levels((2, 4))
+    few = replace(quick(), cases=cases, plane=levels, rough=levels, equivalence=(2,))
+    return replace(few, every_family=False, statements=False)
 
 
 ROOMY = 64 * GIB
@@ -51,17 +50,12 @@ def pool(executor: Executor, workers: int = 2, together: float = ROOMY) -> Pool:
     return Pool(executor, workers, together, together)
 
 
-def data(directory: Path) -> dict[str, bytes]:
-    """Every data file of a run by its name."""
-    return {str(path.relative_to(directory)): path.read_bytes() for path in directory.rglob("*") if path.is_file()}
-
-
 def computed(scope: Scope, directory: Path, executor: Executor) -> dict[str, bytes]:
-    """The data files of a study."""
+    """The data files of a study by their names."""
     plan, store = Plan.of(scope), Store(directory)
     execute(plan.jobs, store, pool(executor), ignore)
     collect(plan, store)
-    return data(directory)
+    return {str(path.relative_to(directory)): path.read_bytes() for path in directory.rglob("*") if path.is_file()}
 
 
 @pytest.fixture(scope="module")
@@ -137,27 +131,28 @@ class Circular:
 
 def test_a_large_process_does_not_keep_what_a_job_leaves_in_circles_of_references(monkeypatch) -> None:
     monkeypatch.setattr("study.run.executor.CROWDED", 0.0)
-    job = Circular()
-    assert run_job(job) == {}
+    assert run_job(job := Circular()) == {}
     assert job.made() is None
 
 
-def test_jobs_start_beside_those_running_while_workers_and_memory_last() -> None:
-    large, larger, small, tiny = Toy("large", 9, 6), Toy("larger", 8, 7), Toy("small", 7, 3), Toy("tiny", 1, 1)
+LARGE, LARGER, SMALL, TINY = Toy("large", 9, 6), Toy("larger", 8, 7), Toy("small", 7, 3), Toy("tiny", 1, 1)
+
+
+@pytest.mark.parametrize(
+    ("waiting", "running", "suspects", "starting"),
+    [
+        pytest.param([LARGE, LARGER, SMALL, TINY], [], "", [LARGE, SMALL, TINY], id="those for which there is memory"),
+        pytest.param([LARGER], [SMALL, TINY], "", [], id="none while memory is taken"),
+        pytest.param([LARGER], [TINY], "", [LARGER], id="all memory"),
+        pytest.param([TINY] * 4, [], "", [TINY] * 3, id="one for each worker"),
+        pytest.param([SMALL, LARGE], [], "large", [SMALL], id="a suspect waits for others"),
+        pytest.param([LARGE, TINY], [], "large tiny", [LARGE], id="a suspect runs alone"),
+        pytest.param([TINY], [LARGE], "large tiny", [], id="nothing runs beside a suspect"),
+    ],
+)
+def test_jobs_start_while_workers_and_memory_last(waiting, running, suspects: str, starting) -> None:
     three = pool(AtOnce(), workers=3, together=10)
-    assert [*startable([large, larger, small, tiny], [], set(), three)] == [large, small, tiny]
-    assert [*startable([larger], [small, tiny], set(), three)] == []
-    assert [*startable([larger], [tiny], set(), three)] == [larger]
-    assert [*startable([tiny, tiny, tiny, tiny], [], set(), three)] == [tiny, tiny, tiny]
-
-
-def test_a_job_under_suspicion_runs_alone() -> None:
-    innocent, suspect, other = Toy("innocent"), Toy("suspect"), Toy("other")
-    suspects = {"suspect", "other"}
-    two = pool(AtOnce(), workers=2)
-    assert [*startable([innocent, suspect], [], suspects, two)] == [innocent]
-    assert [*startable([suspect, other], [], suspects, two)] == [suspect]
-    assert [*startable([other], [suspect], suspects, two)] == []
+    assert [*startable(waiting, running, set(suspects.split()), three)] == starting
 
 
 def test_a_job_that_raises_is_named_and_the_others_are_kept(tmp_path) -> None:
@@ -185,9 +180,11 @@ class DieOnce:
         return "survived"
 
 
+OTHERS = [Toy(f"other {i}") for i in range(4)]
+
+
 def test_a_run_goes_on_with_new_workers_when_one_is_killed(tmp_path) -> None:
-    store = Store(tmp_path)
-    jobs = [Toy("hit", 2, deed=DieOnce(tmp_path / "mark")), *(Toy(f"other {i}") for i in range(6))]
+    store, jobs = Store(tmp_path), [Toy("hit", 2, deed=DieOnce(tmp_path / "mark")), *OTHERS]
     spent: list[float] = []
     with Processes(2) as executor:
         execute(jobs, store, pool(executor), spent.append)
@@ -208,11 +205,10 @@ def test_processes_end_although_work_was_cancelled() -> None:
 
 
 def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(tmp_path) -> None:
-    store = Store(tmp_path)
-    jobs = [Toy("killer", 2, GIB, deed=die), *(Toy(f"other {i}") for i in range(3))]
+    store, jobs = Store(tmp_path), [Toy("killer", 2, GIB, deed=die), *OTHERS]
     with Processes(2) as executor, pytest.raises(JobsError, match=r"^1 job.*\nkiller: .* killed twice.*1\.0 GiB"):
         execute(jobs, store, pool(executor), ignore)
-    assert all(store.load(f"other {i}", f"other {i}") for i in range(3))
+    assert all(store.load(job.key, job.key) for job in OTHERS)
 
 
 def test_a_standard_pool_that_loses_a_worker_ends_the_run_and_keeps_what_was_finished(tmp_path) -> None:
@@ -234,18 +230,13 @@ def test_jobs_that_a_lost_cluster_has_cancelled_end_the_run(tmp_path) -> None:
         execute([Toy("a")], Store(tmp_path), pool(Gone()), ignore)
 
 
-def test_a_job_that_no_worker_has_the_memory_for_is_refused_with_what_it_needs_and_what_there_is() -> None:
-    jobs = [Toy("small", memory=GIB), Toy("rates__case__family__00512", memory=50 * GIB)]
+def test_a_job_that_no_worker_has_the_memory_for_is_refused_before_any_job_starts(tmp_path) -> None:
+    jobs, executor = [Toy("small", memory=GIB), Toy("rates__case__family__00512", memory=50 * GIB)], AtOnce()
     with pytest.raises(UsageError, match=r"^rates__case__family__00512 needs about 50\.0 GiB.*20\.0 GiB are.*--levels"):
-        refuse_too_large(jobs, pool(AtOnce(), together=20 * GIB))
-    refuse_too_large(jobs[:1], pool(AtOnce(), together=20 * GIB))
-    refuse_too_large([], pool(AtOnce()))
-
-
-def test_other_random_meshes_beyond_the_memory_are_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("study.run.executor.available", lambda: 0.1 * GIB)
-    assert main(["seeds", "--jobs", "1", "--out", str(tmp_path)]) == 2
-    assert "GiB of memory, 0.1 GiB are available" in capsys.readouterr().err
+        execute(jobs, Store(tmp_path), pool(executor, together=20 * GIB), ignore)
+    assert executor.order == []
+    refuse_too_large(jobs[:1], pool(executor, together=20 * GIB))
+    refuse_too_large([], pool(executor))
 
 
 def full_contact(n: int) -> Job:
@@ -266,18 +257,21 @@ def peaks(*jobs: Job) -> list[float]:
     return [1024.0 * int(kibibytes) for kibibytes in re.findall(r"VmHWM:\s+(\d+) kB", found.stdout.decode())]
 
 
-LARGE = [
+EVERY = [
     Job(FirstOrder(), RateSetting("cube-disc", "shaken", 9, "midpoint", 2)),
     Job(FirstOrder(), RateSetting("cube-disc", "one-diagonal", 18, "midpoint", 2)),
     Job(SameMesh(), Setting("cube-disc", "one-diagonal", 6)),
     Job(OwnSpace(), Setting("full-contact", "shaken", 16)),
     Job(EnclosedError(), BoundSetting("full-contact", "shaken", 8, "midpoint", Refined(1, 1))),
 ]
-EVERY = [full_contact(96), *(pytest.param(job, marks=pytest.mark.slow) for job in LARGE)]
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is no /proc")
-@pytest.mark.parametrize("job", EVERY, ids=lambda job: job.key)
+@pytest.mark.parametrize(
+    "job",
+    [full_contact(96), *(pytest.param(job, marks=pytest.mark.slow) for job in EVERY)],
+    ids=lambda job: job.key,
+)
 def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None:
     """The base is most of a small estimate. What grows with the level is compared over the same job at n = 2."""
     least = replace(job, setting=replace(job.setting, level=2))
@@ -288,31 +282,28 @@ def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None
 
 def groups(root: Path, line: str, files: dict[str, str]) -> Path:
     """A Linux system with control groups, as far as they are read."""
-    (root / "proc/self").mkdir(parents=True)
-    (root / "proc/self/cgroup").write_text(line + "\n")
-    for name, text in files.items():
-        path = root / "sys/fs/cgroup" / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text + "\n")
+    for name, text in {"proc/self/cgroup": line, **{f"sys/fs/cgroup/{name}": files[name] for name in files}}.items():
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        (root / name).write_text(text + "\n")
     return root
 
 
-def test_memory_is_what_the_machine_has_and_the_tightest_control_group_allows(tmp_path) -> None:
+@pytest.mark.parametrize(
+    ("line", "prefix", "files", "expected"),
+    [
+        ("0::/job", "", {"job/memory.max": "max", "job/memory.current": "5", "memory.max": "1000"}
+         | {"memory.current": "700", "memory.stat": "anon 600\ninactive_file 50"}, 350),
+        ("4:memory:/job\n1:cpu:/", "memory/job/memory.", {"limit_in_bytes": "2000", "usage_in_bytes": "500"}
+         | {"stat": "total_inactive_file 100"}, 1600),
+    ],
+    ids=["version 2", "version 1"],
+)  # fmt: skip
+def test_memory_is_what_the_tightest_control_group_allows(tmp_path, line, prefix, files, expected: int) -> None:
+    assert available(groups(tmp_path, line, {prefix + name: text for name, text in files.items()})) == expected
+
+
+def test_memory_is_what_the_machine_has_without_control_groups(tmp_path) -> None:
     assert 0 < available(tmp_path) <= psutil.virtual_memory().total
-    second = {
-        "job/memory.max": "max",
-        "job/memory.current": "5",
-        "memory.max": "1000",
-        "memory.current": "700",
-        "memory.stat": "anon 600\ninactive_file 50",
-    }
-    assert available(groups(tmp_path / "second", "0::/job", second)) == 350
-    first = {
-        "memory/job/memory.limit_in_bytes": "2000",
-        "memory/job/memory.usage_in_bytes": "500",
-        "memory/job/memory.stat": "total_inactive_file 100",
-    }
-    assert available(groups(tmp_path / "first", "4:memory:/job\n1:cpu:/", first)) == 1600
 
 
 def test_a_second_run_on_a_directory_is_refused_while_the_first_one_works(tmp_path, capsys) -> None:
@@ -332,18 +323,17 @@ def test_a_second_run_on_a_directory_is_refused_while_the_first_one_works(tmp_pa
         pass
 
 
-def test_data_that_may_not_be_written_or_are_not_there_are_not_locked(tmp_path, monkeypatch) -> None:
+def test_data_are_locked_exactly_where_they_are_there_and_may_be_written(tmp_path, monkeypatch) -> None:
     """Root may write everywhere, so the system's answer is replaced."""
     with Store(tmp_path / "nowhere").steady():
         assert [*tmp_path.iterdir()] == []
     data = Store(tmp_path).data
     data.mkdir()
-    with monkeypatch.context() as patch:
-        patch.setattr(os, "access", lambda path, mode: False)
-        with Store(tmp_path).steady():
-            assert [*data.iterdir()] == []
-    with Store(tmp_path).steady():
-        assert [*data.iterdir()] == [data / ".lock"]
+    for writable, found in ((False, []), (True, [data / ".lock"])):
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "access", lambda path, mode, answer=writable: answer)
+            with Store(tmp_path).steady():
+                assert [*data.iterdir()] == found
 
 
 def test_data_that_may_be_written_are_not_left_unlocked_where_the_lock_may_not(tmp_path, monkeypatch) -> None:
@@ -359,13 +349,11 @@ def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_on
     dead.wait()
     jobs = tmp_path / "data" / "jobs"
     jobs.mkdir(parents=True)
-    stale, alive = jobs / f".a.json.{dead.pid}.part", jobs / f".b.json.{os.getpid()}.part"
-    page = tmp_path / f".report.html.{dead.pid}.part"
-    for part in (stale, alive, page):
+    alive = jobs / f".b.json.{os.getpid()}.part"
+    for part in (alive, jobs / f".a.json.{dead.pid}.part", tmp_path / f".report.html.{dead.pid}.part"):
         part.touch()
     with Store(tmp_path).locked():
-        assert [*jobs.iterdir()] == [alive]
-        assert not page.exists()
+        assert [*tmp_path.rglob("*.part")] == [alive]
 
 
 @pytest.mark.parametrize(

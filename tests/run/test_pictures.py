@@ -81,11 +81,11 @@ def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(c
             np.testing.assert_allclose(face.pressure[n], pressure, atol=0.51 * abs(face.pressure).max() / FINE)
             np.testing.assert_array_equal(face.touching[n], pressure > 0)
     largest = max(abs(space.nodal(frame.u)).max() for frame in motion.frames[::2])
-    for shape in picture.shapes:
-        (frame,) = (frame for frame in motion.frames if frame.time == shape.time)
+    for instant in picture.shown:
+        (frame,) = (frame for frame in motion.frames if frame.time == picture.times[instant])
         moved = space.nodal(frame.u)[:, Skin.of(space.mesh).vertices]
         # Three digits of the largest displacement at any time: a tenth of a pixel.
-        np.testing.assert_allclose(shape.displacement, moved, atol=0.51 * largest / STEPS)
+        np.testing.assert_allclose(picture.displacement[instant], moved, atol=0.51 * largest / STEPS)
 
 
 @pytest.mark.parametrize("case", SOLIDS)

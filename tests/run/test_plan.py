@@ -72,14 +72,11 @@ def test_the_full_study_uses_every_family_that_can_mesh_a_body_and_the_quick_one
 
 
 def test_the_quick_study_measures_a_case_on_the_families_it_names_and_a_twin_on_those_of_its_twin() -> None:
-    found: dict[str, set[str]] = {}
-    for setting in rates("quick"):
-        found.setdefault(setting.case, set()).add(setting.family)
     assert {case.twin for case in catalogue()} - {""} <= set(NAMES)
+    found = {name: {one.family for one in rates("quick") if one.case == name} for name in scope("quick").cases}
     for case in scope("quick").resolved():
         assert found[case.name] == set(case.families or [scope("quick").families_of(case)[0].name])
-        if case.twin:
-            assert found[case.name] == found[case.twin]
+        assert found[case.name] == found[case.twin or case.name]
 
 
 @pytest.mark.parametrize("name", SCOPES)
@@ -142,10 +139,8 @@ def law(case: Case) -> Hashable:
 def test_each_body_and_each_law_is_represented_by_exactly_one_case(
     properties: tuple[str, ...], key: Callable[[Case], Hashable]
 ) -> None:
-    representatives: dict[Hashable, list[str]] = {key(case): [] for case in catalogue()}
-    for case in representing(*properties):
-        representatives[key(case)].append(case.name)
-    of_case = {case.name: representatives[key(case)] for case in catalogue()}
+    representing_names = [(key(case), case.name) for case in representing(*properties)]
+    of_case = {case.name: [name for one, name in representing_names if one == key(case)] for case in catalogue()}
     assert {name: found for name, found in of_case.items() if len(found) != 1} == {}, (
         f"exactly one case must represent the {properties[-1]} of each case; see `represents` in its file"
     )
@@ -219,8 +214,8 @@ def test_a_case_alone_is_measured_by_the_statements_about_every_case() -> None:
 
 def test_a_measurement_becomes_one_row_per_quantity() -> None:
     rows = [row for _, row in Green().records(Setting("a", "f", 8), {"h": 0.1, "p": 1.0, "q": 2.0})]
-    assert [(row["quantity"], row["value"], row["h"]) for row in rows] == [("p", 1.0, 0.1), ("q", 2.0, 0.1)]
-    assert {(row["label"], row["case"], row["family"], row["level"]) for row in rows} == {("(2.14)", "a", "f", 8)}
+    place = {"label": "(2.14)", "case": "a", "family": "f", "level": 8, "h": 0.1}
+    assert rows == [{**place, "quantity": name, "value": value} for name, value in (("p", 1.0), ("q", 2.0))]
 
 
 ROUGH = """

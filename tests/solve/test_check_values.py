@@ -19,7 +19,7 @@ CASE = named("advance-recede")
     [
         (8, 6.977, 4.026),
         (16, 3.536, 2.030),
-        (32, 1.771, 1.017),
+        pytest.param(32, 1.771, 1.017, marks=pytest.mark.slow),
         pytest.param(64, 0.8848, 0.5089, marks=pytest.mark.slow),
     ],
 )

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from random_examples import COSTLY
 from scipy.sparse.linalg import splu
-from step_matrix import step_matrix
+from step_matrix import require_optimal, step_matrix
 
 from manufactured import Kind, named, polygon
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
@@ -17,7 +17,10 @@ from study.fem.space import Space, form
 from study.solve.factorisation import Cholesky, nested_dissection
 from study.solve.signorini import Signorini
 
+TURNED = polygon([(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT])
+"""A square with two slanted pieces of Γ3, which share a vertex and so the two unknowns there."""
 SETTINGS: list[tuple[str, MeshFamily, int]] = [
+    ("turned", Shaken(), 12),
     ("full-contact", CrissCross(), 8),
     ("anisotropic", Shaken(), 12),
     ("rotated", OneDiagonal(), 12),
@@ -31,11 +34,11 @@ Matrices = tuple[sps.csc_array, sps.csr_array]
 
 @pytest.fixture(scope="module", params=SETTINGS, ids=lambda setting: f"{setting[0]}-{setting[1].name}")
 def matrices(request) -> Matrices:
-    """S of a time step and N."""
+    """Return S of a time step and N."""
     name, family, n = request.param
-    body = named(name).solution.body
+    body = TURNED if name == "turned" else named(name).solution.body
     space = Space(family(body, n), body)
-    return step_matrix(name, space), space.N
+    return step_matrix("full-contact" if name == "turned" else name, space), space.N
 
 
 def close(one, other, tolerance: float) -> bool:
@@ -50,30 +53,14 @@ def test_the_factor_solves_and_the_compliance_is_n_s_inverse_n_transposed(matric
     assert close(Signorini(S, N).W, N @ dense[:, 1:], 1e-12)
 
 
-def test_a_vertex_with_two_oblique_normals_is_condensed_with_both() -> None:
-    """The rows of N at the vertex between two slanted pieces of Γ3 share its two unknowns."""
-    body = polygon(
-        [(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT]
-    )
-    space = Space(Shaken()(body, 12), body)
-    (both,) = np.intersect1d(space.contact[0][1], space.contact[1][1])
-    unknowns = np.flatnonzero(np.isin(space.free, [2 * both, 2 * both + 1]))
-    assert (space.N[:, unknowns].toarray() != 0).all(axis=1).sum() == 2
-    S = space.form(named("full-contact").solution.law.A.reference)
-    assert close(Signorini(S, space.N).W, space.N @ np.linalg.solve(S.toarray(), space.N.T.toarray()), 1e-12)
-
-
 def test_the_condensed_solve_satisfies_the_optimality_conditions(matrices: Matrices) -> None:
     S, N = matrices
     solve = Signorini(S, N)
     for seed in range(4):
         b = S @ np.random.default_rng(seed).standard_normal(S.shape[0])
-        u, multipliers = solve(b)
-        assert close(S @ u + N.T @ multipliers, b, 1e-12)
-        assert (N @ u).max() <= 1e-11 * abs(u).max()
-        assert multipliers.min() >= 0
-        assert abs(multipliers * (N @ u)).max() <= 1e-11 * abs(multipliers).max() * abs(u).max()
-        assert multipliers.any()
+        solution = solve(b)
+        require_optimal(S, N, b, solution, 1e-12, 1e-11)
+        assert solution[1].any()
 
 
 def test_without_a_constraint_or_an_active_one_the_solve_is_the_linear_one(matrices: Matrices) -> None:
@@ -84,17 +71,6 @@ def test_without_a_constraint_or_an_active_one_the_solve_is_the_linear_one(matri
         assert multipliers.shape == (some.shape[0],)
         assert not multipliers.any()
         assert close(S @ u, b, 1e-12)
-
-
-def test_the_passes_are_those_through_the_factor(matrices: Matrices) -> None:
-    """L from its columns: forward and backward are its inverse and the inverse of its transpose."""
-    S, _ = matrices
-    n = S.shape[0]
-    factor = Cholesky(S)
-    L = np.linalg.cholesky(S.toarray()[np.ix_(factor.order, factor.order)])
-    b = np.random.default_rng(2).standard_normal(n)
-    assert close(factor.forward(b), np.linalg.solve(L, b[factor.order]), 1e-11)
-    assert close(factor.backward(b)[factor.order], np.linalg.solve(L.T, b), 1e-11)
 
 
 def test_several_right_sides_are_solved_as_each_of_them(matrices: Matrices) -> None:
@@ -108,16 +84,17 @@ def test_several_right_sides_are_solved_as_each_of_them(matrices: Matrices) -> N
     assert close(together.factor(several), np.array([together.factor(b) for b in several]), 1e-12)
 
 
-def test_the_trailing_block_is_the_cholesky_factor_of_the_schur_complement(matrices: Matrices) -> None:
+def test_the_substitutions_and_the_trailing_block_belong_to_the_cholesky_factor(matrices: Matrices) -> None:
+    """The trailing block of L is the factor of the Schur complement on the constrained unknowns."""
     S, N = matrices
     constrained = np.unique(N.nonzero()[1])
     factor = Cholesky(S, constrained)
-    inner, outer = np.split(factor.order, [-len(constrained)])
-    assert (np.sort(outer) == constrained).all()
-    dense = S.toarray()
-    across = dense[np.ix_(inner, outer)]
-    schur = dense[np.ix_(outer, outer)] - across.T @ np.linalg.solve(dense[np.ix_(inner, inner)], across)
-    assert close(factor.trailing, np.linalg.cholesky(schur), 1e-12)
+    L = np.linalg.cholesky(S.toarray()[np.ix_(factor.order, factor.order)])
+    b = np.random.default_rng(2).standard_normal(S.shape[0])
+    assert close(factor.forward(b), np.linalg.solve(L, b[factor.order]), 1e-11)
+    assert close(factor.backward(b)[factor.order], np.linalg.solve(L.T, b), 1e-11)
+    assert (np.sort(factor.order[-len(constrained) :]) == constrained).all()
+    assert close(factor.trailing, L[-len(constrained) :, -len(constrained) :], 1e-12)
 
 
 @st.composite
@@ -142,10 +119,10 @@ def test_any_sparse_positive_definite_matrix_is_factorised(problem: Matrices) ->
 @pytest.mark.parametrize(
     ("name", "family", "n"),
     [
-        ("full-contact", OneDiagonal(), 64),
+        ("full-contact", OneDiagonal(), 40),
         pytest.param("full-contact", CrissCross(), 48, marks=pytest.mark.slow),
         pytest.param("full-contact", Unstructured(), 64, marks=pytest.mark.slow),
-        ("re-entrant", Graded(), 48),
+        ("re-entrant", Graded(), 24),
         pytest.param("cube-two-faces", Shaken(), 12, marks=pytest.mark.slow),
     ],
 )

@@ -14,7 +14,6 @@ from study.solve.euler_bounds import EulerBounds, backward_euler
 from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import path
-from study.solve.steps import StepsError
 from study.solve.tableau import BACKWARD_EULER
 
 FINE = 256
@@ -90,12 +89,3 @@ def test_half_of_kappa_t_is_attained_for_short_steps(kind: str, gamma: float) ->
     exact = np.array([math.cos(kappa), math.sin(kappa)]) if kind == "rotation" else math.exp(kappa) * start
     error = np.linalg.norm(path(problem, BACKWARD_EULER, 1024)[-1] - exact)
     assert error * 1024 == pytest.approx(math.exp(gamma) * kappa**2 / 2, rel=0.01)
-
-
-def test_a_step_that_need_not_have_one_solution_is_refused() -> None:
-    problem = SemiDiscrete(
-        sps.csc_array(np.eye(1)), sps.csc_array([[-4.0]]), None, sps.csr_array((0, 1)), lambda t: np.zeros(1),
-        np.ones(1), 1.0, growth=4.0,
-    )  # fmt: skip
-    with pytest.raises(StepsError, match=r"k < 0\.25"):
-        backward_euler(problem, [0.0, 0.1, 0.4])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -12,9 +11,8 @@ from measured_rows import invented, measured
 
 from manufactured.exact.solution import FaceFields
 from manufactured.tensors import Array
-from study.fem.naming import family_named, resolve
+from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
-from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.statements.contact_work import (
     FACE_RULE,
@@ -27,22 +25,19 @@ from study.statements.contact_work import (
     vertices_on,
 )
 from study.statements.edge_work import BRANCHES, C_0, EQUAL, OF_ALL, OVERALL, WORK, EdgeWork, beta, supremum
-from study.statements.shared.base import grid
+from study.statements.shared.base import Setting, grid
+from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import midpoints
 
 GRID = "one-diagonal"
+RHO = 0.05, 0.25, 0.5
 
 
-def test_the_seminorm_of_a_straight_line_is_known() -> None:
-    # ∬ |x − y|^{1−2ϱ} = 2/((2 − 2ϱ)(3 − 2ϱ)).
-    for rho in (0.05, 0.25, 0.5):
-        found = seminorm(FIRST[0], SECOND[0], rho)
-        assert found == pytest.approx(math.sqrt(2 / ((2 - 2 * rho) * (3 - 2 * rho))), rel=1e-3)
-
-
-def test_hat_functions_have_the_same_seminorm() -> None:
-    v = np.random.default_rng(0).normal(size=PANELS + 1)
-    nodes = np.linspace(0, 1, PANELS + 1)
+@pytest.mark.parametrize("rho", RHO)
+def test_the_seminorm_of_a_straight_line_is_known_and_hat_functions_have_the_one_of_their_matrix(rho: float) -> None:
+    """∬ |x − y|^{1−2ϱ} = 2/((2 − 2ϱ)(3 − 2ϱ))."""
+    assert seminorm(FIRST[0], SECOND[0], rho) ** 2 == pytest.approx(2 / ((2 - 2 * rho) * (3 - 2 * rho)), rel=2e-3)
+    v, nodes = np.random.default_rng(0).normal(size=PANELS + 1), np.linspace(0, 1, PANELS + 1)
     direct = seminorm(np.interp(FIRST[0], nodes, v), np.interp(SECOND[0], nodes, v), 0.5)
     assert v @ gram(PANELS, 0.5) @ v == pytest.approx(float(direct) ** 2)
 
@@ -61,11 +56,9 @@ def contact_sets() -> Iterator[Array]:
         yield np.repeat(panels, FIRST[0].size // PANELS)
 
 
-@pytest.mark.parametrize("rho", [0.05, 0.25, 0.5])
+@pytest.mark.parametrize("rho", RHO)
 def test_no_pressure_and_no_gap_exceed_the_bound_on_an_edge_and_some_are_not_small(rho: float) -> None:
-    shares = [supremum(touching, rho) for touching in contact_sets()]
-    assert max(shares) <= 1
-    assert max(shares) > 0.02
+    assert 0.02 < max(supremum(touching, rho) for touching in contact_sets()) <= 1
 
 
 @pytest.mark.parametrize("points", [0, 1, FIRST[0].size - 1, FIRST[0].size])
@@ -75,33 +68,21 @@ def test_an_edge_whose_panels_are_all_of_one_kind_does_no_work(points: int) -> N
 
 
 def test_a_bound_of_another_power_of_the_contact_set_is_exceeded(monkeypatch: pytest.MonkeyPatch) -> None:
-    # Were β proportional to |N| and |C|, whichever is smaller, small sets would exceed it.
-    wrong: Callable[[Array], Array] = lambda part: C_0 * np.minimum(part, 1 - part) ** 2  # noqa: E731
-    monkeypatch.setattr("study.statements.edge_work.beta", wrong)
+    """Were β proportional to the square of |N| or |C|, whichever is smaller, small sets would exceed it."""
+    monkeypatch.setattr("study.statements.edge_work.beta", lambda part: C_0 * np.minimum(part, 1 - part) ** 2)
     assert max(supremum(touching, 0.5) for touching in contact_sets()) > 1
-
-
-def edge_rows(*levels: int) -> pd.DataFrame:
-    return measured(EdgeWork(), grid(("trains", "merging-patches"), (GRID,), levels))
 
 
 def verdict_of(verdicts: list[Verdict], key: str) -> set[str]:
     return {verdict.verdict for verdict in verdicts if verdict.key == key}
 
 
-def test_the_work_on_every_edge_is_within_its_bound() -> None:
-    assert {verdict.verdict for verdict in EdgeWork().judge(edge_rows(16, 32))} == {HOLDS}
-
-
-def test_a_pressure_off_the_zone_of_contact_breaks_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
-    stated = FaceFields.stated_pressure
-
-    def everywhere(self: FaceFields, time: float) -> Array:
-        """A constant more: the seminorm does not see it."""
-        return np.asarray(stated(self, time) + 1e4)
-
-    monkeypatch.setattr(FaceFields, "stated_pressure", everywhere)
-    verdicts = EdgeWork().judge(edge_rows(32))
+def test_the_work_on_every_edge_is_within_its_bound_unless_there_is_pressure_off_the_contact_zone(monkeypatch) -> None:
+    """A constant is added to the pressure: the seminorm does not see it."""
+    settings, stated = grid(("trains", "merging-patches"), (GRID,), (16, 32)), FaceFields.stated_pressure
+    assert {verdict.verdict for verdict in EdgeWork().judge(measured(EdgeWork(), settings))} == {HOLDS}
+    monkeypatch.setattr(FaceFields, "stated_pressure", lambda self, time: np.asarray(stated(self, time) + 1e4))
+    verdicts = EdgeWork().judge(measured(EdgeWork(), settings[1::2]))
     assert FAILS in verdict_of(verdicts, "solution") & verdict_of(verdicts, "constant")
 
 
@@ -130,10 +111,12 @@ def work_rows(work: Callable[[int], float], spread: float = 0.5) -> pd.DataFrame
     return pd.concat([invented(numbers, levels.tolist(), case="trains", family=f) for f in (GRID, "shaken")])
 
 
-def test_work_of_order_one_holds_and_is_reported_on_irregular_meshes() -> None:
-    verdicts = WorkOfContact().judge(work_rows(lambda n: 1 / n))
+def test_work_of_order_one_holds_and_is_reported_on_irregular_meshes_and_too_few_levels_decide_nothing() -> None:
+    rows = work_rows(lambda n: 1 / n)
+    verdicts = WorkOfContact().judge(rows)
     assert verdict_of(verdicts, "order") == verdict_of(verdicts, "spread") == verdict_of(verdicts, "share") == {HOLDS}
     assert verdict_of(verdicts, "order-irregular") == verdict_of(verdicts, "excess") == {REPORTED}
+    assert verdict_of(WorkOfContact().judge(rows[rows["level"] <= 32]), "order") == {UNDECIDED}
 
 
 @pytest.mark.parametrize("order", [0.8, 1.5])
@@ -147,30 +130,21 @@ def test_a_spread_that_stays_and_work_that_cannot_be_seen_fail() -> None:
     assert verdict_of(verdicts, "spread") == verdict_of(verdicts, "share") == {FAILS}
 
 
-def test_too_few_levels_decide_nothing() -> None:
-    rows = work_rows(lambda n: 1 / n)
-    assert verdict_of(WorkOfContact().judge(rows[rows["level"] <= 32]), "order") == {UNDECIDED}
-
-
 @pytest.fixture(scope="module")
 def coarse() -> Resolved:
-    solution = resolve("trains").solution
-    return Resolved(solution, Space(family_named("shaken")(solution.body, 8), solution.body))
+    return Resolved(resolve("trains").solution, space_of(Setting("trains", "shaken", 8)))
 
 
 def test_functions_of_the_space_are_the_same_on_the_refined_mesh(coarse: Resolved) -> None:
     space, fine = coarse.space, coarse.v_norm.space
-    matrix, slope = np.array([[1.0, 2.0], [3.0, 4.0]]), space.mesh.p[1].max() - space.mesh.p[1]
     # Linear and zero on Γ1 = {y = 1}.
-    v = space.interpolate(matrix[:, :1] * slope)
-    assert coarse.inclusion @ v == pytest.approx(fine.interpolate(matrix[:, :1] * (1 - fine.mesh.p[1])))
+    linear, exact = (each.interpolate(np.array([[1.0], [3.0]]) * (1 - each.mesh.p[1])) for each in (space, fine))
+    assert coarse.inclusion @ linear == pytest.approx(exact)
     some = np.random.default_rng(1).normal(size=space.dofs)
-    assert energy(fine, coarse.inclusion @ some) == pytest.approx(energy(space, some))
-
-
-def energy(space: Space, v: Array) -> float:
-    """‖ε(v)‖²."""
-    return float(np.sum(space.volumes * space.strain(v) ** 2))
+    one, other = (
+        np.sum(each.volumes * each.strain(v) ** 2) for each, v in ((space, some), (fine, coarse.inclusion @ some))
+    )
+    assert one == pytest.approx(other)
 
 
 def test_cells_are_small_where_details_are_and_large_elsewhere(coarse: Resolved) -> None:
@@ -181,12 +155,11 @@ def test_cells_are_small_where_details_are_and_large_elsewhere(coarse: Resolved)
 
 
 def test_the_work_is_the_same_through_the_load_and_on_the_face(coarse: Resolved) -> None:
+    """R grows like t², whose midpoint rule with eight nodes is known."""
     solution, space = coarse.solution, coarse.space
-    total = TotalWork(solution)
-    nodes = solution.at(space.mesh.p)
-    # R grows like t², whose midpoint rule with eight nodes is known.
-    at_end = -pressing_on(coarse)(1.0) @ space.interpolate(nodes.displacement(1.0))
-    assert total(vertices_on(space)) == pytest.approx(at_end * np.mean(((np.arange(8) + 0.5) / 8) ** 2), rel=1e-3)
+    at_end = -pressing_on(coarse)(1.0) @ space.interpolate(solution.at(space.mesh.p).displacement(1.0))
+    expected = at_end * np.mean(((np.arange(8) + 0.5) / 8) ** 2)
+    assert TotalWork(solution)(vertices_on(space)) == pytest.approx(expected, rel=1e-3)
 
 
 def test_the_work_for_many_sets_of_vertices_is_that_of_interpolants_for_each(coarse: Resolved) -> None:

@@ -4,49 +4,28 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pandas as pd
 import pytest
+from measured_rows import verdicts
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.ledger.window import around
-from study.statements.enclosure import (
-    CHECKED,
-    CHECKED_LEVEL,
-    ROOM,
-    UNPREDICTED,
-    BoundedError,
-    EnclosedError,
-    judge_interval,
-)
+from study.statements import enclosure
+from study.statements.enclosure import BoundedError, EnclosedError
 
 
 def bounds(trajectory: str, levels: tuple[int, ...] = (8, 16), case: str = "a", **changes) -> pd.DataFrame:
     """Rows of ``bounds.csv`` with errors of order 1, which the ends miss by one per cent."""
-    rows = [
-        {
-            "trajectory": trajectory,
-            "case": case,
-            "family": "shaken",
-            "scheme": "midpoint",
-            "level": n,
-            "h": 1 / n,
-            "known": True,
-            "expected_order": 1.0,
-            "error": 1 / n,
-            "lowest": 0.99 / n,
-            "highest": 1.01 / n,
-            "above": 0.99,
-            "below": 0.99,
-            "upper": 1.01,
-            "lower": 0.99,
-        }
-        for n in levels
-    ]
+    h = 1 / np.array(levels)
+    rows = {"trajectory": trajectory, "case": case, "family": "shaken", "scheme": "midpoint", "level": levels, "h": h}
+    rows |= {"known": True, "expected_order": 1.0, "error": h, "lowest": 0.99 * h, "highest": 1.01 * h}
+    rows |= {"above": 0.99, "below": 0.99, "upper": 1.01, "lower": 0.99}
     return pd.DataFrame(rows).assign(**changes)
 
 
-def verdicts(statement: BoundedError | EnclosedError, rows: pd.DataFrame) -> dict[str, str]:
-    return {verdict.key: verdict.verdict for verdict in statement.judge(rows)}
+UNKNOWN = bounds("enclosure", known=False, error=math.nan, above=math.nan, below=math.nan)
+"""Rows of a problem whose solution nobody knows."""
 
 
 def test_errors_inside_hold_and_the_distance_of_the_ends_is_reported() -> None:
@@ -57,8 +36,7 @@ def test_errors_inside_hold_and_the_distance_of_the_ends_is_reported() -> None:
 
 def test_each_statement_is_judged_by_its_own_rows() -> None:
     both = pd.concat([bounds("bound", above=2.0), bounds("enclosure")])
-    assert verdicts(BoundedError(), both)["above"] == FAILS
-    assert verdicts(EnclosedError(), both)["above"] == HOLDS
+    assert [verdicts(one, both)["above"] for one in (BoundedError(), EnclosedError())] == [FAILS, HOLDS]
 
 
 @pytest.mark.parametrize("value", [1.0001, math.nan])
@@ -69,34 +47,26 @@ def test_one_error_outside_on_one_mesh_fails(value: float) -> None:
         assert [key for key, verdict in found.items() if verdict == FAILS] == [end]
 
 
-def test_ends_are_close_where_it_was_announced() -> None:
-    rows = bounds("enclosure", (8, CHECKED_LEVEL), CHECKED)
-    assert verdicts(EnclosedError(), rows)["tight-above"] == HOLDS
-    wide = rows.assign(upper=[1.01, 1.2], lower=[0.99, 0.8])
-    found = verdicts(EnclosedError(), wide)
-    assert (found["tight-above"], found["tight-below"]) == (FAILS, FAILS)
-    elsewhere = verdicts(EnclosedError(), rows.assign(upper=[1.2, 1.01], lower=[0.8, 0.99]))
-    assert (elsewhere["tight-above"], elsewhere["tight-below"]) == (HOLDS, HOLDS)
+@pytest.mark.parametrize(("wide_at", "verdict"), [((), HOLDS), ((1,), FAILS), ((0,), HOLDS)])
+def test_ends_are_close_where_it_was_announced(wide_at: tuple[int, ...], verdict: str) -> None:
+    upper, lower = (
+        [wide if level in wide_at else near for level in (0, 1)] for wide, near in ((1.2, 1.01), (0.8, 0.99))
+    )
+    found = verdicts(
+        EnclosedError(), bounds("enclosure", (8, enclosure.CHECKED_LEVEL), enclosure.CHECKED, upper=upper, lower=lower)
+    )
+    assert (found["tight-above"], found["tight-below"]) == (verdict, verdict)
 
 
 def test_an_order_is_judged_where_nobody_knows_the_error() -> None:
-    unknown = bounds("enclosure", known=False, error=math.nan, above=math.nan, below=math.nan)
-    assert verdicts(EnclosedError(), unknown) == {"order": HOLDS}
-    assert verdicts(EnclosedError(), unknown.assign(expected_order=1.5)) == {"order": FAILS}
-    wide = unknown.assign(highest=1.2 * unknown["highest"])
-    assert verdicts(EnclosedError(), wide) == {"order": UNDECIDED}
-    assert verdicts(BoundedError(), unknown.assign(trajectory="bound")) == {}
-    assert verdicts(EnclosedError(), unknown[:1]) == {}
+    assert verdicts(EnclosedError(), UNKNOWN) == {"order": HOLDS}
+    assert verdicts(EnclosedError(), UNKNOWN.assign(expected_order=1.5)) == {"order": FAILS}
+    assert verdicts(EnclosedError(), UNKNOWN.assign(highest=1.2 * UNKNOWN["highest"])) == {"order": UNDECIDED}
+    assert verdicts(BoundedError(), UNKNOWN.assign(trajectory="bound")) == verdicts(EnclosedError(), UNKNOWN[:1]) == {}
+    (order,) = EnclosedError().judge(UNKNOWN.assign(expected_order=math.nan))
+    assert (order.verdict, order.expected) == (REPORTED, enclosure.UNPREDICTED)
 
 
-def test_the_whole_interval_of_an_order_must_lie_in_the_window_of_every_other_order() -> None:
-    window = around(1, ROOM)
-    assert judge_interval((0.86, 1.14), window) == HOLDS
-    assert judge_interval((0.84, 1.02), window) == UNDECIDED
-    assert judge_interval((1.16, 1.2), window) == FAILS
-
-
-def test_a_problem_without_a_known_solution_and_a_predicted_order_says_so() -> None:
-    rows = bounds("enclosure", known=False, expected_order=math.nan, error=math.nan, above=math.nan, below=math.nan)
-    (order,) = EnclosedError().judge(rows)
-    assert (order.verdict, order.expected) == (REPORTED, UNPREDICTED)
+@pytest.mark.parametrize(("span", "verdict"), [((0.86, 1.14), HOLDS), ((0.84, 1.02), UNDECIDED), ((1.16, 1.2), FAILS)])
+def test_the_whole_interval_of_an_order_must_lie_in_the_window_of_every_other_order(span, verdict: str) -> None:
+    assert enclosure.judge_interval(span, around(1, enclosure.ROOM)) == verdict

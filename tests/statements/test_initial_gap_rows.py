@@ -5,29 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
-from test_propositions import table
+from test_propositions import prop_5_3, prop_5_4, table
 
 from manufactured.case import INITIAL_GAP
 from study.ledger.verdict import FAILS, Verdict
-from study.statements.from_rates import SizeOfInterpolation
 from study.statements.initial_gap import InitialGap
-from study.statements.prop_5_3 import Convergence
-from study.statements.prop_5_4 import FirstOrder
 
 LEVELS = (8, 16, 32, 64)
-FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured")
-
-
-def measured(order: float, **changes: float) -> pd.DataFrame:
-    """Rows of a solid on several families, whose errors have an order; the last column says what is predicted."""
-    each = [table(order, LEVELS, INITIAL_GAP, family=family, **changes) for family in FAMILIES]
-    return pd.concat(each).assign(dim=3, expected_order=1.0)
-
-
-def failing(found: list[Verdict]) -> set[str]:
-    return {verdict.key for verdict in found if verdict.verdict == FAILS}
-
-
 WRONG = [
     *(("error", np.full(len(LEVELS), 0.1)), ("discrete_error", 3.0), ("time_share", 0.5), ("discrete_time_share", 0.9)),
     *(("residual", 1.0), ("clamped", 0.1), ("parallelogram", 0.1), ("quadrature_change", 0.1)),
@@ -35,27 +19,31 @@ WRONG = [
 ]
 
 
+def measured(order: float, **changes: object) -> pd.DataFrame:
+    """Rows of a solid on several families, whose errors have an order; the last column says what is predicted."""
+    families = ("one-diagonal", "criss-cross", "shaken")
+    each = [table(order, LEVELS, INITIAL_GAP, family=family, **changes) for family in families]
+    return pd.concat(each).assign(dim=3, expected_order=1.0)
+
+
+def pairs(found: list[Verdict]) -> list[tuple[str, str]]:
+    return [(verdict.key, verdict.verdict) for verdict in found]
+
+
 def test_every_row_about_an_initial_gap_can_fail() -> None:
-    keys = {verdict.key for verdict in InitialGap().judge(measured(1.0))}
+    keys = {key for key, _ in pairs(InitialGap().judge(measured(1.0)))}
     wrong = [measured(0.5), *(measured(1.0, **{column: value}) for column, value in WRONG)]
-    assert set().union(*(failing(InitialGap().judge(rows)) for rows in wrong)) == keys
+    assert {key for rows in wrong for key, verdict in pairs(InitialGap().judge(rows)) if verdict == FAILS} == keys
 
 
-@pytest.mark.parametrize("changes", [{}, *({column: value} for column, value in WRONG)], ids=lambda one: "".join(one))
-def test_a_smooth_solution_has_the_verdicts_of_proposition_5_4(changes: dict[str, object]) -> None:
-    rows = measured(1.0, **changes)
-    same = rows.assign(claim="Prop. 5.4")
-    expected = [*FirstOrder().judge(same), *SizeOfInterpolation().judge(same)]
+@pytest.mark.parametrize(
+    ("order", "claim", "verdicts"),
+    [(1.0, "Prop. 5.4", prop_5_4), (0.5, "Prop. 5.3", prop_5_3)],
+    ids=["smooth", "rough"],
+)
+def test_a_case_has_the_verdicts_of_the_proposition_about_its_regularity(order: float, claim: str, verdicts) -> None:
+    rows = measured(order).assign(expected_order=order)
     found = InitialGap().judge(rows)
-    assert [(row.key, row.verdict) for row in found] == [(row.key, row.verdict) for row in expected]
+    assert pairs(found) == pairs(verdicts(rows.assign(claim=claim), order))
     assert {row.label for row in found} == {INITIAL_GAP}
-
-
-def test_a_rough_solution_has_the_verdicts_of_proposition_5_3() -> None:
-    rows = measured(0.5).assign(expected_order=0.5)
-    expected = Convergence().judge(rows.assign(claim="Prop. 5.3"))
-    assert [(row.key, row.verdict) for row in InitialGap().judge(rows)] == [(row.key, row.verdict) for row in expected]
-
-
-def test_other_cases_have_no_row() -> None:
-    assert InitialGap().judge(measured(1.0).assign(claim="Prop. 5.4")) == []
+    assert InitialGap().judge(rows.assign(claim=claim)) == []

@@ -44,12 +44,10 @@ def found(change: Change, name: str = "full-contact") -> Gaps:
 
 
 @pytest.mark.parametrize(("name", "q"), [("full-contact", 1.0), ("softening", 4 / 3)])
-@pytest.mark.parametrize("left", [(1e-6, 0.0, 0.0, 0.0), (1e-8, 4e-8, 9e-8, 1.6e-7)], ids=["once", "always"])
-def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(left, name, q) -> None:
+def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(name: str, q: float) -> None:
     """(q k)^{1/2} R and (L_A/k + L_G)^{1/2} R over the largest sizes by hand, R = Σ q^{N−n} g_n^{1/2}, kγ = 1 − 1/q."""
     displacements, stresses = both(name)
     law, space, k = stresses.law, stresses.space, displacements.T / STEPS
-    R = sum(q ** (STEPS - n) * np.sqrt(gap) for n, gap in enumerate(left, start=1))
     before, size_u, size_s = displacements.u0, 0.0, 0.0
     for state in list(BACKWARD_EULER.march(displacements, STEPS))[1:]:
         strain, rate = space.strain(state.u), space.strain(state.u - before) / k
@@ -58,9 +56,11 @@ def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(lef
         size_s = max(size_s, float(np.sqrt(np.einsum("In,In,n->", sigma, sigma, space.volumes))))
         before = state.u
     largest = [float(abs(np.linalg.eigvalsh(tensor.matrix)).max()) for tensor in (law.A, law.G)]
-    now = found(lambda n, state: replace(state, gap=left[n - 1] if n else 0.0), name)
-    assert now.displacement_bound == pytest.approx(np.sqrt(q * k) * R / size_u, rel=1e-9)
-    assert now.stress_bound == pytest.approx(np.sqrt(largest[0] / k + largest[1]) * R / size_s, rel=1e-9)
+    for left in ((1e-6, 0.0, 0.0, 0.0), (1e-8, 4e-8, 9e-8, 1.6e-7)):
+        R = sum(q ** (STEPS - n) * np.sqrt(gap) for n, gap in enumerate(left, start=1))
+        now = found(lambda n, state, left=left: replace(state, gap=left[n - 1] if n else 0.0), name)
+        assert now.displacement_bound == pytest.approx(np.sqrt(q * k) * R / size_u, rel=1e-9)
+        assert now.stress_bound == pytest.approx(np.sqrt(largest[0] / k + largest[1]) * R / size_s, rel=1e-9)
 
 
 def test_steps_that_need_not_have_one_solution_are_refused() -> None:
@@ -72,38 +72,31 @@ def test_an_error_as_large_as_the_bound_for_one_step_is_seen() -> None:
     """In the norms of the proof ‖C^{1/2} Δε‖² = gap makes ‖Δu‖_V at most k^{1/2} gap^{1/2}."""
     displacements, stresses = both()
     law, space, k = stresses.law, stresses.space, displacements.T / STEPS
-    d = np.random.default_rng(0).standard_normal(space.dofs)
+    d = 1e-4 * np.random.default_rng(0).standard_normal(space.dofs)
     strain = space.strain(d)
     gap = float(np.einsum("In,In,n->", law.A(strain) / k + law.G(strain), strain, space.volumes))
-    scale = 1e-4
-    now = found(lambda n, s: replace(s, u=s.u + scale * d * (n == 1), gap=scale**2 * gap if n == 1 else 0.0))
+    now = found(lambda n, state: replace(state, u=state.u + d * (n == 1), gap=gap * (n == 1)))
     assert 0.5 < now.displacement_gap / now.displacement_bound < 1
 
 
-@pytest.mark.parametrize("step", range(1, STEPS + 1))
+@pytest.mark.parametrize("step", [None, *range(1, STEPS + 1)])
 @pytest.mark.parametrize(
     ("what", "seen_by"),
     [
-        ("u", ("displacement_gap", "energy_gap", "membership")),
-        ("stress", ("stress_gap", "admissibility", "energy_gap")),
+        ("u", {"displacement_gap", "energy_gap", "membership"}),
+        ("stress", {"stress_gap", "admissibility", "energy_gap"}),
     ],
 )
-def test_no_step_is_left_out(step: int, what: str, seen_by: tuple[str, ...]) -> None:
-    honest, off = (found(_off(what, n)) for n in (-1, step))
-    for name in Gaps._fields:
-        assert (getattr(off, name) > 1e-6) == (name in seen_by), name
-        assert getattr(honest, name) < 1e-6, name
-
-
-def _off(what: str, step: int) -> Change:
+def test_no_step_is_left_out(step: int | None, what: str, seen_by: set[str]) -> None:
     """1 % of random numbers in the displacement or the stress of one step."""
 
-    def change(n: int, state: StressState) -> StressState:
+    def off(n: int, state: StressState) -> StressState:
         value = getattr(state, what)
         noise = np.random.default_rng(n).standard_normal(value.shape) * abs(value).max()
         return replace(state, **{what: value + 0.01 * noise}) if n == step else state
 
-    return change
+    seen = {name for name, value in found(off)._asdict().items() if value > 1e-6}
+    assert seen == (seen_by if step else set())
 
 
 @pytest.mark.parametrize(
@@ -112,7 +105,7 @@ def _off(what: str, step: int) -> Change:
         (3e-13, 4.6e-8, (1e-9, 1e-7)),
         (1.2e-8, 3e-8, (1e-7, 1e-7)),
         (3e-8, 2e-8, (3e-8, 2e-8)),
-        (float("nan"), 2e-8, (float("nan"), 2e-8)),
+        (np.nan, 2e-8, (np.nan, 2e-8)),
     ],
     ids=["small", "within", "beyond", "no number"],
 )

@@ -19,22 +19,24 @@ def test_steps_up_to_the_final_time_and_short_enough_for_a_softening_law_are_acc
     scope.check()
 
 
-@pytest.mark.parametrize("k", [-0.1, 0.0, 1.01])
-def test_time_steps_that_are_not_positive_or_longer_than_T_are_refused(k: float) -> None:
-    with pytest.raises(UsageError, match=f"the time step must be positive and at most T, got k = {k:g}"):
-        replace(ONE, k=k).check()
-
-
-def test_a_step_of_a_softening_law_that_may_have_several_solutions_is_refused_with_the_name_of_the_case() -> None:
-    with pytest.raises(UsageError, match=r"^softening: .*backward-euler"):
-        replace(SOFT, k=1.0).check()
-
-
 @pytest.mark.parametrize(
-    ("levels", "message"),
-    [((), "got none"), ((1, 2), "got 1 2"), ((4, 4), "levels must increase"), ((8, 4), "levels must increase")],
+    ("changes", "message"),
+    [
+        *(({"k": k}, f"^the time step must be positive and at most T, got k = {k:g}") for k in (-0.1, 0.0, 1.01)),
+        ({"k": 1.0}, r"^softening: .*backward-euler"),  # The problem of a step may have several solutions.
+        *(
+            ({kind: Levels(levels)}, message)
+            for kind in ("plane", "rough", "solid")
+            for levels, message in (
+                ((), "got none"),
+                ((1, 2), "got 1 2"),
+                ((4, 4), "must increase"),
+                ((8, 4), "increase"),
+            )
+        ),
+    ],
+    ids=str,
 )
-@pytest.mark.parametrize("kind", ["plane", "rough", "solid"])
-def test_levels_below_two_or_not_increasing_are_refused(kind: str, levels: tuple[int, ...], message: str) -> None:
+def test_impossible_time_steps_and_levels_are_refused(changes: dict[str, object], message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        replace(ONE, **{kind: Levels(levels)}).check()
+        replace(SOFT, **changes).check()

@@ -1,15 +1,16 @@
-"""Laws whose G is Lipschitz and not monotone, as (3.2) allows, and what is read off cases that have them."""
+"""Laws of materials: constants, also of an elasticity that is not monotone or has no potential, and their cases."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from on_floor import on_floor
 
-from manufactured import Case, CaseError, Data, Regularity, named, unit_square
+from manufactured import Case, Data, named, prove, unit_square
 from manufactured.catalogue import catalogue
 from manufactured.factor import Factor, x1
 from manufactured.law import (
@@ -19,23 +20,52 @@ from manufactured.law import (
     Indefinite,
     KelvinVoigt,
     LawError,
+    Linear,
+    NonSymmetric,
     Yield,
     isotropic,
     isotropic_matrix,
 )
-from manufactured.tensors import dyad
+from manufactured.no_potential import NAME, SKEW, law_without_potential, no_potential
+from manufactured.symbols import pos, s, t
+from manufactured.tensors import dyad, full, identity, mandel, rotation
 from study.bound.problem import BoundError
 from study.certify.statement import statement
 from study.cli.main import main
+from study.fem.naming import resolve
+from study.solve.energy_balance import density
 
 SOFT = Indefinite(isotropic_matrix(0.5, -1.5))
+NOT_SYMMETRIC = np.array([[2.0, 1, 0], [0, 2, 0], [0, 0, 1]])
 S = np.array([1.0, -0.5, 0.3])
 COMBINED = Combined(S, Indefinite(isotropic_matrix(-1, 0.25)), Yield(6.0, FrobeniusBall(2.0)))
 SHEARED = Combined(S, Indefinite(isotropic_matrix(-1, 0.25)), Yield(6.0, DeviatoricBall(2.0)))
+YIELDING = [Yield(3.0, ball(2.0)) for ball in (FrobeniusBall, DeviatoricBall)]
 strains = st.lists(st.floats(-20, 20), min_size=3, max_size=3).map(np.array)
 
 
-def test_the_constants_of_an_operator_that_softens_are_its_extreme_eigenvalues() -> None:
+def test_a_mandel_vector_keeps_inner_products_and_turns_by_an_orthogonal_matrix() -> None:
+    rng = np.random.default_rng(1)
+    for dim in (2, 3):
+        a, b = (x + x.T for x in rng.normal(size=(2, dim, dim)))
+        frame, _ = np.linalg.qr(rng.normal(size=(dim, dim)))
+        assert np.isclose(mandel(a) @ mandel(b), np.sum(a * b))
+        assert np.allclose(full(mandel(a)), a)
+        assert np.allclose(rotation(frame) @ mandel(a), mandel(frame @ a @ frame.T))
+        assert np.isclose(identity(dim) @ mandel(a), np.trace(a))
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (0, 2, 1)])
+def test_renaming_axes_rounds_nothing(order: tuple[int, ...]) -> None:
+    turned = rotation(np.eye(3)[list(order)] * [1, -1, 1])
+    assert set(abs(turned).ravel()) == {0.0, 1.0}
+    assert np.array_equal(turned @ turned.T, np.eye(6))
+
+
+def test_the_constants_of_a_linear_operator_are_its_extreme_eigenvalues() -> None:
+    A = isotropic(1.0, 0.5)
+    assert (A.ellipticity, A.lipschitz) == pytest.approx((2.0, 3.0))
+    assert A.normal_modulus(np.array([0.0, -1.0])) == pytest.approx(2.5)
     assert (SOFT.monotonicity, SOFT.lipschitz) == pytest.approx((-2.0, 2.0))
     varying = Indefinite(SOFT.matrix, Factor(2 + x1, 2.0, 3.0))
     assert (varying.monotonicity, varying.lipschitz) == pytest.approx((-6.0, 6.0))
@@ -43,12 +73,20 @@ def test_the_constants_of_an_operator_that_softens_are_its_extreme_eigenvalues()
     assert (stiff.monotonicity, stiff.lipschitz) == pytest.approx((4.0, 6.0))
 
 
-@pytest.mark.parametrize("G", [SOFT, COMBINED, SHEARED], ids=["linear", "ball", "cylinder"])
+@pytest.mark.parametrize("G", [SOFT, COMBINED, SHEARED, *YIELDING])
 @given(a=strains, b=strains)
 def test_no_pair_of_strains_violates_the_stated_constants(G, a, b) -> None:
     change, apart = G(a) - G(b), a - b
     assert np.linalg.norm(change) <= G.lipschitz * np.linalg.norm(apart) * (1 + 1e-12) + 1e-12
     assert change @ apart >= G.monotonicity * (apart @ apart) * (1 + 1e-12) - 1e-12
+
+
+@pytest.mark.parametrize("G", YIELDING)
+@given(a=strains)
+def test_the_law_3_3_is_monotone_and_zero_exactly_on_the_convex_set(G, a) -> None:
+    assert G.monotonicity == 0
+    projected = np.linalg.norm(G.convex.projector @ a)
+    assert np.any(G(a) != 0) == (projected > G.convex.radius) or projected == pytest.approx(G.convex.radius)
 
 
 def test_both_constants_of_a_combined_operator_are_attained() -> None:
@@ -77,19 +115,26 @@ def test_the_stress_at_rest_is_the_one_that_is_stated() -> None:
     assert named("double-well").solution.law.G.at_rest.any()
 
 
-@given(st.floats(0.01, 30))
-def test_the_normal_response_of_a_combined_operator_is_its_nn_component_under_compression(q) -> None:
+@pytest.mark.parametrize("G", [COMBINED, SHEARED, *YIELDING])
+@given(q=st.floats(0.01, 30))
+def test_the_normal_response_is_the_nn_component_under_compression(G, q) -> None:
     n = np.array([0.6, -0.8])
-    rest, g, b, edge = COMBINED.normal_response(n)
-    assert COMBINED(-q * dyad(n, n)) @ dyad(n, n) == pytest.approx(rest - g * q - b * max(q - edge, 0))
+    rest, g, b, edge = (0.0, 0.0, *G.normal_response(n))[-4:]
+    assert G(-q * dyad(n, n)) @ dyad(n, n) == pytest.approx(rest - g * q - b * max(q - edge, 0))
 
 
 @pytest.mark.parametrize(
     ("make", "message"),
     [
         (lambda: KelvinVoigt(SOFT, isotropic(1, 1), ""), r"\(3\.1\) needs m_A > 0.*only G may soften"),
-        (lambda: isotropic(0.5, -1.5), "use ``Indefinite``"),
-        (lambda: Indefinite(np.array([[2.0, 1, 0], [0, 2, 0], [0, 0, 1]])), "not symmetric"),
+        (lambda: isotropic(1, -1.5), "not elliptic: its smallest eigenvalue is -1.*use ``Indefinite``"),
+        (lambda: isotropic(float("nan"), 1), "not finite"),
+        *((partial(kind, NOT_SYMMETRIC), "not symmetric") for kind in (Linear, Indefinite)),
+        *((partial(kind, np.eye(4)), "3×3") for kind in (Linear, NonSymmetric)),
+        (lambda: NonSymmetric(np.diag([1.0, np.nan, 1.0])), "not finite"),
+        (lambda: Yield(-1.0, FrobeniusBall(1)), "β > 0"),
+        (lambda: Yield(1.0, FrobeniusBall(0)), "radius r > 0"),
+        (lambda: KelvinVoigt(isotropic(1, 1, 3), isotropic(1, 1, 2), ""), "dimension 3"),
         (lambda: Combined(np.zeros(6), SOFT, Yield(1.0, FrobeniusBall(1.0))), r"S has the shape \(6,\)"),
         (lambda: Combined(np.zeros(3), SOFT, Yield(1.0, FrobeniusBall(1.0, 3))), "operators of the same dimension"),
         (lambda: Combined(np.full(3, np.nan), SOFT, Yield(1.0, FrobeniusBall(1.0))), "not finite"),
@@ -120,15 +165,45 @@ def test_differences_may_grow_under_laws_that_soften_alone_and_no_faster_than_th
         assert rate <= law.G.lipschitz / law.A.ellipticity
 
 
-def test_a_front_that_moves_costs_the_pressure_a_power_of_a_prescribed_strain() -> None:
-    case = named("double-well")
-    assert case.regularity == Regularity(gap=4, pressure=2, moving=True)
-    with pytest.raises(CaseError, match=r"m = 3, .*formulas say moving front, α = 4, m = 2|pressure=2"):
-        replace(case, regularity=Regularity(gap=4, pressure=3, moving=True))
-
-
 def test_a_moving_case_satisfies_3_4_literally() -> None:
     """α > 9/2 and m > 5/2."""
     literal: list[Case] = [case for case in catalogue() if case.regularity.moving and case.regularity.gap > 4.5]
     assert [case.name for case in literal] == ["softening"]
     assert all(case.regularity.pressure > 2.5 for case in literal)
+
+
+RNG = np.random.default_rng(7)
+COUPLED = np.array([[2.0, 0, 0], [0, 2, 1], [0, 0, 2]])
+"""σ_22 depends on ε_12, and σ_12 not on ε_22."""
+
+
+def test_the_case_proves_itself_and_is_found_by_its_name() -> None:
+    assert all(finding.passes for finding in prove(no_potential().solution, NAME))
+    assert resolve(NAME).order == 1
+
+
+def test_constants_are_the_largest_and_the_smallest_quotients() -> None:
+    G = law_without_potential().G
+    strain = RNG.standard_normal((3, 4000))
+    quotients = np.sum(G(strain) * strain, axis=0) / np.sum(strain**2, axis=0)
+    stretches = np.linalg.norm(G(strain), axis=0) / np.linalg.norm(strain, axis=0)
+    assert G.monotonicity <= quotients.min() <= G.monotonicity + 0.05
+    assert G.lipschitz * 0.99 <= stretches.max() <= G.lipschitz
+    assert not np.allclose(G.matrix, G.matrix.T)
+
+
+def test_the_skew_part_works_on_no_strain() -> None:
+    strain = RNG.standard_normal((3, 50))
+    assert np.sum(NonSymmetric(SKEW)(strain) * strain, axis=0) == pytest.approx(np.zeros(50), abs=1e-12)
+
+
+@pytest.mark.parametrize("matrix", [COUPLED, COUPLED.T], ids=["sn to nn", "nn to sn"])
+def test_a_law_that_couples_nn_with_sn_needs_a_prescribed_strain(matrix: np.ndarray) -> None:
+    law = KelvinVoigt(isotropic(1, 0), NonSymmetric(matrix), "coupled")
+    with pytest.raises(LawError, match="prescribe the strain"):
+        on_floor(law, t * pos(s - 0.5, 4), t * pos(0.5 - s, 2), 0.5 - s)
+
+
+def test_no_energy_is_stored_without_a_potential() -> None:
+    with pytest.raises(LawError, match="has no stored energy"):
+        density(law_without_potential().G, np.zeros((3, 1)), np.zeros((3, 1)))

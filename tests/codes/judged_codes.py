@@ -1,0 +1,56 @@
+"""Tasks of cases as another code reads them, and the judgement of a code that solves them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import contact_judge as judge
+import numpy as np
+import this_study
+
+from study.fem.naming import family_named, resolve
+from study.run.tasks import frozen, march, plain
+from study.statements.shared.tasks import Task
+
+Make = Callable[[Any], Callable[[np.ndarray, np.ndarray], np.ndarray]]
+
+
+def task(case: str, level: int = 8, family: str = "one-diagonal") -> Task:
+    return Task(resolve(case), family_named(family), level)
+
+
+def read(data: dict[str, Any]) -> judge.Task:
+    return judge.Task(f"{data['case']}-{data['level']}-{data['scale']}", json.loads(json.dumps(plain(data))))
+
+
+@cache
+def exported(
+    case: str,
+    level: int = 8,
+    family: str = "one-diagonal",
+    times: tuple[float, ...] = (0.15, 0.55, 0.9),
+    steps: int = 0,
+    scale: float = 1.0,
+) -> judge.Task:
+    """The static problems of a case at some times, or a march of some steps, as the judge reads them from a file."""
+    mine = task(case, level, family)
+    return read(march(mine, steps) if steps else frozen(mine, times, scale))
+
+
+def judged(make: Make, *tasks: judge.Task) -> judge.Judgement:
+    """What the judge finds for a code on one case."""
+    (found,) = judge.assess(list(tasks), {one.name: judge.answer(one, make) for one in tasks})
+    return found
+
+
+def doctored(change: Callable[[Any, np.ndarray], Any]) -> Make:
+    """Our own solver, with a changed result of every step."""
+
+    def make(task: Any) -> Any:
+        step = this_study.make(task)
+        return lambda load, stress: change(task, step(load, stress))
+
+    return make

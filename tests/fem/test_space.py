@@ -1,0 +1,438 @@
+"""Bodies, their meshes, quadrature, and V^h with its loads, in dimensions 2 and 3."""
+
+from __future__ import annotations
+
+from itertools import product
+from math import factorial
+
+import numpy as np
+import pytest
+from skfem import Basis, BilinearForm, ElementTetP1, ElementTriP1, ElementVector, MeshTri
+from skfem.helpers import ddot, sym_grad, trace
+
+from manufactured import Body, BodyError, Kind, Part, box, isotropic, named, polygon, unit_square
+from manufactured.tensors import mandel
+from study.fem.error_norm import ErrorNorm
+from study.fem.independent import LeadingTerm, load_from_forces
+from study.fem.mesh import (
+    FAMILIES,
+    CrissCross,
+    Graded,
+    MeshError,
+    OneDiagonal,
+    Shaken,
+    Unstructured,
+    boundary_parts,
+)
+from study.fem.quadrature import Line, cell_rules, facet_rule, simplex_rule
+from study.fem.space import Space
+from study.statements.pictures import contact_weights
+
+CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
+SKEW = np.array([[1.2, 0.3, 0.1], [0.0, 0.9, 0.2], [-0.2, 0.0, 1.1]])
+SOLID = [OneDiagonal(), Shaken()]
+FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
+TURNED = polygon([(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [CONTACT, LOADED, CLAMPED, CONTACT])
+PENTAGON = polygon([(0, 0), (1, 0), (1.3, 0.7), (0.5, 1.2), (-0.2, 0.6)], [CONTACT, LOADED, CLAMPED, LOADED, CONTACT])
+PLAN = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+ANGLE = polygon(PLAN, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED], refine=[(1, 1), (0, 2)])
+SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+LAYERED = {
+    name: polygon(SQUARE, [CONTACT, LOADED, CLAMPED, LOADED], refine=[(1, 1)], interfaces=interfaces)
+    for name, interfaces in (
+        ("level", [((0, 0.25), (1, 0.25)), ((1, 0.5), (0, 0.5))]),
+        ("slanted", [((0, 0.3), (1, 0.7))]),
+        ("branching", [((0, 0.3), (1, 0.7)), ((0, 0.3), (1, 0.25)), ((0.2, 1), (1, 0.7))]),
+    )
+}
+
+
+def face(kind: Kind, *corners: tuple[float, float, float]) -> Part:
+    return Part(kind, np.array(corners, dtype=float).T)
+
+
+def skewed() -> Body:
+    """Return a parallelepiped away from the origin."""
+    return Body(tuple(Part(part.kind, SKEW @ part.corners + [[3.0], [-1.0], [0.5]]) for part in box().parts))
+
+
+def split_bottom(*halves: Part) -> Body:
+    """Return the unit cube with other parts as its bottom, such that the boundary condition changes inside a face."""
+    return Body((*(part for part in box().parts if part.kind is not CONTACT), *halves))
+
+
+HALF = split_bottom(
+    face(CONTACT, (0, 0, 0), (0, 1, 0), (0.5, 1, 0), (0.5, 0, 0)),
+    face(LOADED, (0.5, 0, 0), (0.5, 1, 0), (1, 1, 0), (1, 0, 0)),
+)
+
+
+def prism() -> Body:
+    """Return an L-shaped polygon times (0, 1): not convex, its flat ends cut into squares."""
+    sides = [face(LOADED, (*a, 0), (*b, 0), (*b, 1), (*a, 1)) for a, b in zip(PLAN, PLAN[1:] + PLAN[:1], strict=True)]
+    squares = [[(x, y), (x, y + 1), (x + 1, y + 1), (x + 1, y)] for x, y in ((0, 0), (1, 0), (0, 1))]
+    bottom = [face(CONTACT, *((*c, 0) for c in square)) for square in squares]
+    top = [face(CLAMPED, *((*c, 1) for c in square[::-1])) for square in squares]
+    return Body((*sides, *bottom, *top))
+
+
+BODIES = {"cube": box(), "slab": box((2.0, 1.0, 0.5), left=CONTACT), "skewed": skewed(), "half": HALF}
+
+# ---- polyhedra
+
+
+@pytest.mark.parametrize(
+    ("body", "volume"), [(BODIES["slab"], 1.0), (skewed(), np.linalg.det(SKEW)), (HALF, 1.0), (prism(), 3.0)]
+)
+def test_the_volume_follows_from_the_divergence_theorem(body: Body, volume: float) -> None:
+    assert body.measure == pytest.approx(volume)
+    assert np.allclose(sum(part.measure * part.normal for part in body.parts), 0)
+
+
+def test_local_axes_of_a_face_are_right_handed_and_x_and_y_at_the_bottom() -> None:
+    body = box((2.0, 3.0, 1.0))
+    (bottom,) = body.of(CONTACT)
+    assert np.allclose(bottom.frame, np.eye(3))
+    assert np.allclose(bottom.coordinates(np.array([0.3, 0.4, 0.7]))[0], [0.3, 0.4])
+    for part in (*body.parts, *skewed().parts):
+        assert np.allclose(part.frame.T @ part.frame, np.eye(3))
+        assert np.linalg.det(part.frame) == pytest.approx(1)
+        assert np.allclose(part.point(part.outline), part.corners)
+        assert np.allclose(part.outline[:, 0], 0)
+        assert part.outline[1].min() >= -1e-12
+
+
+def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed() -> None:
+    rng, body = np.random.default_rng(1), prism()
+    x = rng.uniform(-0.5, 2.5, (3, 4000))
+    inside = (x[:2].min(axis=0) > 0) & (x[:2].max(axis=0) < 2) & (x[:2].min(axis=0) < 1) & (abs(x[2] - 0.5) < 0.5)
+    assert (body.contains(x.reshape(3, 40, 100)) == inside.reshape(40, 100)).all()
+    sample = body.sample(rng, 6000)
+    assert body.contains(sample).all()
+    assert np.allclose(sample.mean(axis=1), [5 / 6, 5 / 6, 1 / 2], atol=0.03)
+    triangle = face(LOADED, (1, 0, 0), (0, 2, 0), (0, 0, 3))
+    points = triangle.sample(rng, 6000)
+    assert triangle.contains(points, 1e-12).all()
+    assert np.allclose(points.mean(axis=1), [1 / 3, 2 / 3, 1], atol=0.05)
+    assert np.allclose(points[0] + points[1] / 2 + points[2] / 3, 1)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: face(LOADED, (0, 0, 0), (1, 0, 0), (1, 1, 0.1), (0, 1, 0)), "not flat"),
+        (lambda: face(LOADED, (0, 0, 0), (2, 0, 0), (0.5, 0.5, 0), (0, 2, 0)), "not convex"),
+        (lambda: face(LOADED, (0, 0, 0), (1, 0, 0)), "cannot have corners of the shape"),
+        (lambda: face(LOADED, (0, 0, 0), (1, 0, 0), (2, 0, 0)), "area 0"),
+        (lambda: face(LOADED, (0, 0, 0), (0, 0, 0), (1, 0, 0)), "edge of length 0"),
+        (lambda: face(LOADED, (0, 0, 0), (1, 0, 0), (0, np.nan, 0)), "not a finite number"),
+        (lambda: Body(box().parts[1:]), "do not enclose"),
+        (lambda: Body(box().parts[:1] + box().parts), "do not enclose"),
+        (lambda: Body(tuple(Part(p.kind, p.corners[:, ::-1]) for p in box().parts)), "counter-clockwise"),
+        (lambda: Body((Part(LOADED, box().parts[0].corners + 0.1), *box().parts[1:])), "do not enclose"),
+        (lambda: Body((*box().parts, *unit_square().parts)), "dimensions"),
+        (lambda: box(top=LOADED), "no part Γ1"),
+        (lambda: Body(box().parts, refine=((0.5, 0.0, 0.0),)), "not one of the vertices"),
+        (lambda: Body(box().parts, interfaces=(Part(Kind.INTERFACE, box().parts[0].corners),)), "in a 2D body"),
+        (lambda: Body((Part(Kind.INTERFACE, box().parts[0].corners), *box().parts[1:])), "lies inside"),
+    ],
+)
+def test_wrong_faces_and_bodies_are_refused(make, message: str) -> None:
+    with pytest.raises(BodyError, match=message):
+        make()
+
+
+# ---- meshes
+
+
+@pytest.mark.parametrize("family", SOLID, ids=lambda f: f.name)
+@pytest.mark.parametrize("name", BODIES)
+def test_tetrahedra_fill_the_body_and_keep_a_fifth_of_their_volume(family, name: str) -> None:
+    body = BODIES[name]
+    for n in (2, 6):
+        space = Space(family(body, n), body)
+        assert space.cells == 6 * n**3
+        assert space.volumes.min() > 0.2 * body.measure / (6 * n**3)
+        assert space.h == pytest.approx(body.measure ** (1 / 3) / n)
+
+
+def test_every_tetrahedron_of_a_kuhn_mesh_has_the_diagonal_of_its_cube() -> None:
+    mesh = OneDiagonal()(box(), 3)
+    corners = mesh.p[:, mesh.t]
+    assert np.allclose(np.ptp(corners, axis=1), 1 / 3)
+    sides = np.linalg.norm(corners[:, :, None] - corners[:, None], axis=0).max(axis=(0, 1))
+    assert np.allclose(sides, np.sqrt(3) / 3)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_the_worst_shaking_leaves_a_simplex_of_the_grid_a_fifth_of_its_volume(dim: int) -> None:
+    """The volume is linear in every coordinate, so it is smallest where all shifts are extreme."""
+    path = np.tri(dim + 1, dim, -1)
+    shifts = np.array(list(product([-1, 1], repeat=path.size))).reshape(-1, *path.shape) * Shaken().amplitude * 2 / dim
+    moved = path + shifts
+    assert np.linalg.det(moved[:, 1:] - moved[:, :1]).min() == pytest.approx(1 - 4 * Shaken().amplitude)
+
+
+def test_shaken_vertices_slide_along_edges_and_along_lines_where_the_condition_or_the_material_changes() -> None:
+    plain, shaken = OneDiagonal()(HALF, 4).p, Shaken()(HALF, 4).p
+    moved = abs(shaken - plain).max(axis=0) > 1e-3
+    on = (plain[0] == 0.5) & (plain[2] == 0)
+    inner = on & (plain[1] > 0) & (plain[1] < 1)
+    assert moved[inner].all()
+    assert not moved[on & ~inner].any()
+    assert (shaken[::2, on] == plain[::2, on]).all()
+    edge = (plain[1] == 0) & (plain[2] == 1) & (plain[0] > 0) & (plain[0] < 1)
+    assert moved[edge].all()
+    assert np.allclose(shaken[1:, edge], plain[1:, edge])
+    plain, shaken = (family(LAYERED["level"], 8).p for family in (OneDiagonal(), Shaken()))
+    on = np.flatnonzero(plain[1] == 0.25)[1:-1]
+    assert np.allclose(shaken[1, on], 0.25, rtol=0, atol=1e-15)
+    assert (shaken[0, on] != plain[0, on]).all()
+
+
+CHANGE_OFF_THE_GRID = polygon([(0, 0), (0.3, 0), (1, 0), (1, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED, LOADED])
+# The diagonals of the cells do not end where this face is cut.
+CUT = split_bottom(face(CONTACT, (0, 0, 0), (0, 1, 0), (1, 0, 0)), face(LOADED, (1, 0, 0), (0, 1, 0), (1, 1, 0)))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Space(OneDiagonal()(HALF, 3), HALF), "is not a vertex of the mesh"),
+        (lambda: Space(OneDiagonal()(CHANGE_OFF_THE_GRID, 8), CHANGE_OFF_THE_GRID), "is not a vertex of the mesh"),
+        (lambda: Space(OneDiagonal()(LAYERED["level"], 6), LAYERED["level"]), "edges of the mesh follow it"),
+        (lambda: Space(OneDiagonal()(CUT, 4), CUT), "facets of total area"),
+        (lambda: Space(OneDiagonal()(unit_square(), 3), box()), "dimension 2 was given for a body of dimension 3"),
+        (lambda: OneDiagonal()(prism(), 3), "parallelepiped"),
+        (lambda: OneDiagonal()(PENTAGON, 8), "5 corners"),
+        (lambda: CrissCross()(box(), 3), "2D bodies"),
+        (lambda: Unstructured()(box(), 3), "2D bodies"),
+        (lambda: Graded()(unit_square(), 8), "list points in `refine`"),
+    ],
+)
+def test_meshes_that_do_not_fit_a_body_are_refused(make, message: str) -> None:
+    with pytest.raises(MeshError, match=message):
+        make()
+
+
+def test_families_serve_the_bodies_that_they_can_mesh() -> None:
+    for body, names in (
+        (skewed(), ["one-diagonal", "shaken"]),
+        (PENTAGON, ["unstructured"]),
+        (LAYERED["level"], [family.name for family in FAMILIES]),
+        (LAYERED["slanted"], ["unstructured", "graded"]),
+        (LAYERED["branching"], ["unstructured", "graded"]),
+    ):
+        assert [family.name for family in FAMILIES if family.serves(body)] == names
+    for family, body, n in (
+        (Unstructured(), PENTAGON, 8),
+        (OneDiagonal(), CHANGE_OFF_THE_GRID, 10),
+        (Unstructured(), CHANGE_OFF_THE_GRID, 8),
+        *(
+            (family, body, n)
+            for body in LAYERED.values()
+            for family in FAMILIES
+            if family.serves(body)
+            for n in (4, 12)
+        ),
+    ):
+        space = Space(family(body, n), body)
+        for interface in body.interfaces:
+            sides = interface.coordinates(space.mesh.p[:, space.mesh.t])[1]
+            assert (sides.max(axis=0) * sides.min(axis=0) > -1e-9 * space.volumes).all(), family.name
+
+
+def test_graded_meshes_shrink_towards_their_points_and_change_nothing_elsewhere() -> None:
+    """The cells at c have diameters of the order n^{-5/2}, the others of the order 1/n."""
+    nearest, largest = [], []
+    for n in (16, 32, 64):
+        space, plain = Space(Graded()(ANGLE, n), ANGLE), Unstructured()(ANGLE, n).p
+        nearest.append(np.sort(np.linalg.norm(space.mesh.p - 1, axis=0))[1])
+        largest.append(np.sqrt(space.volumes.max()))
+        moved = abs(space.mesh.p - plain).max(axis=0) > 0
+        near = [np.linalg.norm(plain - np.array(c)[:, None], axis=0) < Graded().radius(ANGLE, c) for c in ANGLE.refine]
+        assert (moved <= np.any(near, axis=0)).all()
+    assert np.allclose(np.log2(np.divide(nearest[:-1], nearest[1:])), 2.5, atol=0.25)
+    assert np.allclose(np.log2(np.divide(largest[:-1], largest[1:])), 1, atol=0.2)
+
+
+# ---- quadrature
+
+
+@pytest.mark.parametrize(("dim", "degree"), [*product([2, 3], range(1, 9)), (2, 12), (2, 19)])
+def test_a_rule_on_a_simplex_is_exact_to_its_degree(dim: int, degree: int) -> None:
+    """∫ Π λ_i^{a_i} = d! |T| Π a_i! / (d + Σ a_i)!, the integral of a product of barycentric coordinates."""
+    points, weights = simplex_rule(dim, degree)
+    for powers in product(range(degree + 1), repeat=dim):
+        if sum(powers) <= degree:
+            exact = factorial(dim) * np.prod([factorial(a) for a in powers]) / factorial(dim + sum(powers))
+            found = weights @ np.prod(points[1:] ** np.array(powers)[:, None], axis=0)
+            assert found == pytest.approx(exact, rel=1e-11)
+
+
+def test_rules_integrate_quartics_over_a_solid_and_sextics_over_its_faces() -> None:
+    body = box((1.0, 2.0, 3.0))
+    mesh = Shaken()(body, 3)
+    total = sum(float(np.sum(np.prod(r.points[:2] ** 2, axis=0) * r.weights)) for r in cell_rules(mesh, 4, ()))
+    assert total == pytest.approx(8 / 3, rel=1e-12)
+    exact = [0, 8 * 27 / 9, 0, 4 * 27 / 9, 0, 9 * 8 / 9]
+    for part, facets, integral in zip(body.parts, boundary_parts(mesh, body), exact, strict=True):
+        rule = facet_rule(mesh, facets, part, (), 4)
+        x = part.point(rule.s)
+        assert np.allclose(np.einsum("dkn,knq->dnq", mesh.p[:, mesh.facets[:, facets]], rule.shapes), x)
+        assert rule.weights.sum() == pytest.approx(part.measure)
+        assert np.sum(np.prod(x**2, axis=0) * rule.weights) == pytest.approx(integral, abs=1e-11)
+
+
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (0.6, 0.8)])
+@pytest.mark.parametrize("exponent", [-0.5, 0.0, 0.5, 2.0])
+def test_split_cells_integrate_powers_of_the_distance_to_a_line(direction, exponent: float) -> None:
+    """∫ (s − c)_+^e (1 + r) over the unit square, turned so that s is the coordinate across the line, r along it."""
+    plain, line = Shaken()(unit_square(), 6), Line(direction, 1 / 3)
+    turned = np.array([direction, line.tangent])
+    total, area = 0.0, 0.0
+    for rule in cell_rules(MeshTri(turned.T @ plain.p, plain.t), 6, (line,)):
+        s, r = np.tensordot(turned, rule.points, axes=1)
+        depth = s - line.offset
+        # Evaluated as a NumPy mask, so that 0^(-1/2) never appears.
+        values = np.where(depth > 0, np.where(depth > 0, depth, 1.0) ** exponent, 0.0) * (1 + r)
+        total += float(np.sum(values * rule.weights))
+        area += float(rule.weights.sum())
+    assert area == pytest.approx(1.0, rel=1e-12)
+    # Away from the crossed cells the ordinary rule limits the accuracy.
+    assert total == pytest.approx(1.5 * (2 / 3) ** (exponent + 1) / (exponent + 1), rel=2e-4)
+
+
+@pytest.mark.parametrize("exponent", [-1.0, -0.9, 0.0, 1.0])
+def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(exponent: float) -> None:
+    """∫ r^e over the triangle (0,0), (1,0), (1,1) is ∫_0^{π/4} (cos θ)^{−e−2} dθ/(e+2); twice this for the square."""
+    nodes, weights = np.polynomial.legendre.leggauss(30)
+    exact = 2 * float(np.sum(weights * np.cos(np.pi / 8 * (nodes + 1)) ** (-exponent - 2))) * np.pi / 8 / (exponent + 2)
+    (rule,) = cell_rules(OneDiagonal()(unit_square(), 1), 4, (), [(0.0, 0.0)])
+    assert np.sum(np.hypot(*rule.points) ** exponent * rule.weights) == pytest.approx(exact, rel=1e-12)
+    assert np.sum(np.prod(rule.points**2, axis=0) * rule.weights) == pytest.approx(1 / 9, rel=1e-12)
+    # With ordinary cells around them, their degree limits the accuracy.
+    rules = cell_rules(Unstructured()(unit_square(), 8), 6, (), [(0.0, 0.0)])
+    total = sum(float(np.sum(np.hypot(*rule.points) ** exponent * rule.weights)) for rule in rules)
+    assert total == pytest.approx(exact, rel=1e-5)
+
+
+MESH, SOLID_MESH = OneDiagonal()(unit_square(), 4), OneDiagonal()(box(), 2)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Line((1.0, 1.0), 0.5), "expected 1"),
+        (lambda: cell_rules(MESH, 4, (), [(0.3, 0.3)]), "not a vertex of the mesh"),
+        (lambda: cell_rules(MESH, 4, (Line((1.0, 0.0), 0.1),), [(0.0, 0.0)]), "two lines or points"),
+        (lambda: cell_rules(MESH, 4, (Line((1.0, 0.0), 0.1), Line((0.0, 1.0), 0.1))), "two lines or points"),
+        (lambda: cell_rules(SOLID_MESH, 4, (Line((1.0, 0.0, 0.0), 0.3),)), "2D only"),
+        (lambda: facet_rule(SOLID_MESH, boundary_parts(SOLID_MESH, box())[4], box().parts[4], (0.3,), 4), "2D only"),
+    ],
+)
+def test_lines_and_points_for_which_there_is_no_rule_are_refused(make, message: str) -> None:
+    with pytest.raises(MeshError, match=message):
+        make()
+
+
+# ---- V^h
+
+
+@pytest.mark.parametrize("family", SOLID, ids=lambda f: f.name)
+def test_the_strain_of_an_affine_field_is_exact_and_so_is_its_energy(family) -> None:
+    """With Γ1 at z = 1 and u = a (z − 1): ε = sym(a ⊗ e_3), (A ε, ε)_Q = |Ω| A ε·ε."""
+    body, a, C = box(), np.array([0.3, -0.7, 0.5]), isotropic(1.3, 0.7, 3).matrix
+    space = Space(family(body, 4), body)
+    v = space.interpolate(np.multiply.outer(a, space.mesh.p[2] - 1))
+    strain = mandel(np.multiply.outer(a, [0.0, 0.0, 1.0]))
+    assert np.allclose(space.strain(v), strain[:, None])
+    assert v @ space.form(C) @ v == pytest.approx(strain @ C @ strain)
+    assert space.functional(np.ones((6, space.cells))) @ v == pytest.approx(strain.sum())
+
+
+@pytest.mark.parametrize(("family", "body"), [*((f, TURNED) for f in FOR_SQUARES), (Shaken(), skewed())])
+def test_the_matrix_of_a_form_is_the_one_that_scikit_fem_assembles(family, body: Body) -> None:
+    mu, lam = 1.3, 0.7
+    space = Space(family(body, 5 if body.dim == 2 else 3), body)
+    basis = Basis(space.mesh, ElementVector(ElementTriP1() if body.dim == 2 else ElementTetP1()))
+
+    @BilinearForm
+    def form(u, v, _):
+        e, d = sym_grad(u), sym_grad(v)
+        return 2 * mu * ddot(e, d) + lam * trace(e) * trace(d)
+
+    expected = form.assemble(basis)[space.free][:, space.free]
+    assert abs(space.form(isotropic(mu, lam, body.dim).matrix) - expected).max() < 1e-12 * abs(expected).max()
+
+
+@pytest.mark.parametrize(
+    ("family", "body", "both"), [*((f, TURNED, 1) for f in FOR_SQUARES), (Shaken(), BODIES["slab"], 5)]
+)
+def test_constraints_are_v_dot_nu_on_every_face_and_twice_where_two_faces_meet(family, body: Body, both: int) -> None:
+    space = Space(family(body, 4), body)
+    v = np.random.default_rng(3).normal(size=space.dofs)
+    nodal = space.nodal(v)
+    expected = np.concatenate([part.normal @ nodal[:, vertices] for part, vertices in space.contact])
+    assert np.allclose(space.N @ v, expected)
+    assert len(np.intersect1d(space.contact[0][1], space.contact[1][1])) == both
+
+
+def test_the_weights_of_contact_vertices_cover_a_face_except_next_to_gamma_1() -> None:
+    body = BODIES["slab"]
+    space = Space(Shaken()(body, 4), body)
+    (left, at_left), (bottom, _) = space.contact
+    of_left, of_bottom = np.split(contact_weights(space), [len(at_left)])
+    assert np.isclose(of_bottom.sum(), bottom.measure)
+    assert of_left.sum() < left.measure
+    assert (space.mesh.p[2, at_left] < 0.5).all()
+
+
+@pytest.mark.parametrize("case", ["advance-recede", "travelling-patch", "yield-on-a-part", "rough-2"])
+def test_the_interpolant_of_an_admissible_displacement_is_admissible(case: str) -> None:
+    solution = named(case).solution
+    v_norm = ErrorNorm(solution, Space(Shaken()(solution.body, 12), solution.body))
+    for time in np.linspace(0, 1, 4):
+        assert (v_norm.space.N @ v_norm.sample(time).interpolant).max() <= 1e-14
+
+
+# ---- loads and the leading term of the interpolation error, by independent formulas
+
+
+def difference_of_loads(name: str, family, n: int, time: float, raised: int = 4) -> float:
+    """Return the relative difference of the load from the stress and the load from the forces, equal by (2.14)."""
+    solution = named(name).solution
+    v_norm = ErrorNorm(solution, Space(family(solution.body, n), solution.body), raised=raised)
+    load = v_norm.load(time)
+    difference = load - load_from_forces(solution, v_norm.space, time, v_norm.degree)
+    return float(np.linalg.norm(difference) / np.linalg.norm(load))
+
+
+@pytest.mark.parametrize("family", [OneDiagonal(), Shaken(), Unstructured()], ids=lambda f: f.name)
+def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(family) -> None:
+    for name in ("full-contact", "no-contact"):
+        assert difference_of_loads(name, family, 8, 0.7) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("name", "levels", "raised", "factor"),
+    [("advance-recede", (8, 32), 4, 4), pytest.param("cube-disc", (4, 12), 2, 2, marks=pytest.mark.slow)],
+)
+def test_the_two_loads_meet_under_refinement_if_the_force_jumps(name: str, levels, raised: int, factor: int) -> None:
+    coarse, fine = (difference_of_loads(name, Shaken(), n, 0.7, raised) for n in levels)
+    assert fine < min(coarse / factor, 0.02)
+
+
+@pytest.mark.parametrize(
+    ("family", "name", "n", "tolerance"),
+    [
+        *((family, "full-contact", 24, 3e-3) for family in FOR_SQUARES),
+        pytest.param(Shaken(), "cube-disc", 12, 0.05, marks=pytest.mark.slow),
+    ],
+)
+def test_the_leading_term_is_the_interpolation_error_on_fine_meshes(family, name: str, n: int, tolerance) -> None:
+    solution = named(name).solution
+    v_norm = ErrorNorm(solution, Space(family(solution.body, n), solution.body))
+    sample = v_norm.sample(0.7)
+    leading = LeadingTerm(solution, v_norm.space)(0.7)
+    assert v_norm.distance(sample, sample.interpolant) == pytest.approx(leading, rel=tolerance)
