@@ -57,7 +57,7 @@ def finished(tmp_path_factory) -> tuple[Path, str]:
     with pytest.MonkeyPatch.context() as patch:
         printed: list[str] = []
         patch.setattr("builtins.print", lambda *text, **_: printed.append(" ".join(map(str, text))))
-        options = ["--levels", "4", "8", "--steps", "10", "--refine", "0", "--shorter", "2", "--out", str(out)]
+        options = ["--levels", "4", "8", "--refine", "0", "--shorter", "2", "--out", str(out)]
         assert main(["bound", "advance-recede", *options]) == 0
     return out / "advance-recede", "\n".join(printed)
 
@@ -82,7 +82,7 @@ def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
     directory, _ = finished
     levels, series = (pd.read_csv(directory / name) for name in ("levels.csv", "enclosure.csv"))
     assert list(levels["level"]) == [4, 8]
-    assert list(levels["steps"]) == [10, 10]
+    assert list(levels["steps"]) == [21, 32]
     assert (levels["error"].between(levels["lowest"], levels["highest"]) & (levels["error"] <= levels["plain"])).all()
     coarse, fine = (row for _, row in levels.iterrows())
     assert np.isnan(coarse["order_low"])
@@ -106,12 +106,12 @@ def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
 
 
 def test_the_trajectory_is_on_disk_with_its_mesh_and_times(finished) -> None:
-    for level in (4, 8):
+    for level, steps in ((4, 21), (8, 32)):
         with np.load(finished[0] / f"trajectory-{level}.npz") as found:
             p, cells, times, u = (found[name] for name in ("p", "t", "times", "u"))
         assert (len(p), len(cells), cells.max()) == (2, 3, p.shape[1] - 1)
-        assert times == pytest.approx(np.linspace(0, 1, 11))
-        assert u.shape == (11, 2, p.shape[1])
+        assert times == pytest.approx(np.linspace(0, 1, steps + 1))
+        assert u.shape == (steps + 1, 2, p.shape[1])
         assert abs(u[:, :, np.isclose(p[1], 1)]).max() == 0 < abs(u[-1]).max()
         assert u[:, 1, np.isclose(p[1], 0)].min() >= -1e-12
 

@@ -78,7 +78,7 @@ def test_other_files_beside_those_of_the_study_are_no_hindrance(tmp_path: Path) 
     Store(tmp_path).check()
 
 
-def test_a_bound_resumes_with_the_levels_that_are_not_done(tmp_path, told, monkeypatch) -> None:
+def test_a_bound_resumes_with_the_levels_that_are_not_done(tmp_path, capsys, monkeypatch) -> None:
     asked: list[int] = []
     original = bounded.bounded_solution
 
@@ -89,13 +89,13 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done(tmp_path, told, monke
     monkeypatch.setattr(bounded, "bounded_solution", counted)
     monkeypatch.setattr("study.cli.bound.draw_one", lambda *_: [])
     command = ["bound", "ramp", *COARSE, "--out", str(tmp_path), "--levels", "2"]
-    told(*command, code=0)
-    printed = told(*command, "4", code=0)
-    whole = everything(tmp_path)
-    assert told(*command, "4", code=0).split("enclosed")[-1] == printed.split("enclosed")[-1]
+    assert main(command) == main([*command, "4"]) == 0
+    whole, printed = everything(tmp_path), capsys.readouterr().out
+    assert main([*command, "4"]) == 0
+    assert capsys.readouterr().out.split("enclosed")[-1] == printed.split("enclosed")[-1]
     assert (asked, everything(tmp_path)) == ([2, 4], whole)
     (tmp_path / "ramp" / "trajectory-4.npz").unlink()
-    told(*command, "4", "--scheme", "bdf2", code=0)
+    assert main([*command, "4", "--scheme", "bdf2"]) == 0
     assert asked == [2, 4, 2, 4]
 
 
