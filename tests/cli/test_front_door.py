@@ -107,7 +107,7 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(
     path = tmp_path / "mine.py"
     path.write_text(OWN.format(face=face, of=of), encoding="utf-8")
     said = told("run", "--case", f"{path}:mine", "--levels", "4", "--out", str(tmp_path / "out"))
-    assert said.endswith(f"instead of {kink} write {instead}\n")
+    assert said.endswith(f"instead of {kink} write {instead}; correct the file\n")
     assert "label" not in said
     assert len(said.splitlines()) == 1
 
