@@ -44,7 +44,13 @@ def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]
     # memory.
     each = [part.amplitudes for part in modes]
 
-    return lambda time, rate: np.concatenate([of(time, rate).ravel() for of in each])
+    def at(time: float, rate: bool) -> Amplitudes:
+        found = []
+        for of in each:
+            found.append(of(time, rate).ravel())
+        return np.concatenate(found)
+
+    return at
 
 
 @dataclass(frozen=True, eq=False)
