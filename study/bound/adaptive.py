@@ -214,12 +214,7 @@ def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
 
 
 def text(
-    name: str,
-    rows: pd.DataFrame,
-    tolerance: Tolerance,
-    stopped: str,
-    sentences: Sequence[str],
-    norm: str = MOVING,
+    name: str, rows: pd.DataFrame, tolerance: Tolerance, stopped: str, sentences: Sequence[str], norm: str = MOVING
 ) -> list[str]:
     """Return the printed lines: a verdict on the tolerance and on the bound, and one line for each mesh.
 

@@ -211,7 +211,6 @@ def measure_contact(setup: Experiment) -> dict[str, Any]:
 LANDS = "lift-and-land"
 """The case whose pressure jumps in time, for which no order of the contact force is claimed."""
 NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
-JUMP = around(0.5, 0.2, "k^{1/2}")
 NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of the resultant"
 """Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
 
@@ -303,7 +302,7 @@ class ContactForce(Statement):
             if mine := split_superclose(groups)[superclose]:
                 norms.append((rule, mine))
         for rule, mine in norms:
-            jump = JUMP if rule.key.startswith("order") else Window()
+            jump = around(0.5, 0.2, "k^{1/2}") if rule.key.startswith("order") else Window()
             yield Observation(replace(rule, window=jump), NO_ORDER) if case == LANDS else rule, mine
         yield from ((rule, groups) for rule in EXACT)
 

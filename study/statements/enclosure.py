@@ -43,10 +43,9 @@ from study.statements.shared.base import Setting, Statement
 from study.statements.shared.meshes import families
 from study.statements.shared.scope import Scope
 
-COMPUTED = "case", "family", "scheme", "trajectory", "level", "h", "steps", "expected_order"
 BOUNDED = "error", "lowest", "highest", "above", "below", "upper", "lower"
 PARTS = "residual", "contact", "oscillation", "bending"
-COLUMNS = (*COMPUTED, *BOUNDED, *PARTS)
+COLUMNS = ("case", "family", "scheme", "trajectory", "level", "h", "steps", "expected_order", *BOUNDED, *PARTS)
 """The columns of ``bounds.csv``.
 
 Here ũ is the displacement from which the bounds are computed, d = ‖ũ(t) − u_h(t)‖_V, and y is a bound of its own error

@@ -52,10 +52,9 @@ class RegularityNeeded(FromRates):
 
 SAME_MESH = ["family", "scheme", "level"]
 DIFFERENCE = "relative difference of"
-SAME = at_most(1e-10)
 ROUND_OFF = at_most(1e-7, "rounding times the condition number of the matrices, of order h⁻², in a small difference")
 CHANGES = (
-    largest("errors", f"{DIFFERENCE} ‖u − u^h‖_V, ‖u − Π^h u‖_V", SAME, "error", "interpolation_error"),
+    largest("errors", f"{DIFFERENCE} ‖u − u^h‖_V, ‖u − Π^h u‖_V", at_most(1e-10), "error", "interpolation_error"),
     largest("discrete-error", f"{DIFFERENCE} ‖Π^h u − u^h‖_V", ROUND_OFF, "discrete_error"),
 )
 """Criteria for the relative differences between the errors of both bodies.

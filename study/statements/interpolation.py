@@ -26,16 +26,7 @@ from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import (
-    ENOUGH,
-    Groups,
-    Observation,
-    Rule,
-    between_levels,
-    consecutive,
-    order,
-    weighted,
-)
+from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, between_levels, consecutive, order, weighted
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h

@@ -133,9 +133,6 @@ class Rates(FromRates):
         """
         yield self.file, {"claim": self.proposition, **found}
 
-    def steps(self, setting: RateSetting) -> int:
-        return setting.steps
-
 
 # Measurement, with few steps where a few suffice, because it takes most of the run time of a study.
 RESPONSE, MORE = 12, 4

@@ -101,16 +101,8 @@ class Separation(ListedNumbers):
                 functionals = [space.functional(other) for other in both]
                 distances += [beyond(load - F, problem.N) / np.linalg.norm(F) for F in functionals]
                 quotients.append(minimum(np.sum((other - sigma) * weighted) for other in both) / (work / 2))
-        return with_h(
-            space.h,
-            {
-                "cone": maximum(cones),
-                "least gap": minimum(gaps),
-                "largest gap": maximum(gaps),
-                "stresses": maximum(distances),
-                "refuted": minimum(quotients),
-            },
-        )
+        found = {"cone": maximum(cones), "least gap": minimum(gaps), "largest gap": maximum(gaps)}
+        return with_h(space.h, {**found, "stresses": maximum(distances), "refuted": minimum(quotients)})
 
 
 def projected(problem: SemiDiscrete, u: Array) -> Array:

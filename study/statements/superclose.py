@@ -62,15 +62,13 @@ class Superclose(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, self.steps(setting))
         coarse = setup.scheme.march(setup.problem, setup.steps // 2)
-        discrete: list[float] = []
-        drift: list[float] = []
+        discrete, drift = [], []
         for n, state in enumerate(setup.scheme.march(setup.problem, setup.steps)):
             discrete.append(norm(setup.problem, setup.v_norm.sample(state.time).interpolant - state.u))
             if n % 2 == 0:
                 drift.append(norm(setup.problem, next(coarse).u - state.u))
-        return with_h(
-            setup.space.h, {"discrete error": maximum(discrete), "time share": maximum(drift) / maximum(discrete)}
-        )
+        largest_error = maximum(discrete)
+        return with_h(setup.space.h, {"discrete error": largest_error, "time share": maximum(drift) / largest_error})
 
     def cost(self, setting: Setting) -> float:
         return 2.0 * setting.level**2 * self.steps(setting)

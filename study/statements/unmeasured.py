@@ -17,7 +17,6 @@ from study.ledger.verdict import REPORTED, Verdict, row
 from study.ledger.window import Window
 from study.statements.shared.base import LISTED, Statement
 
-
 TEXTS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))
 """The texts of the rows, by the name of their list."""
 

@@ -156,9 +156,9 @@ class Statement:
     def steps(self, setting: Any) -> int:
         """Return the number of time steps, which is part of the cache key of the result.
 
-        It is 0 if ``measure`` itself chooses the number.
+        It is the number in the setting, or 0 if the setting has none because ``measure`` itself chooses the number.
         """
-        return 0
+        return int(getattr(setting, "steps", 0))
 
     def __eq__(self, other: object) -> bool:
         return type(self) is type(other)
