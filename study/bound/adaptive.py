@@ -7,8 +7,6 @@ add up to half of the sum of all shares of cells. Red, green and blue refinement
 quarter of the bound, all steps are halved.
 """
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """The command ``study bound``: compute a displacement and bounds of its error on each level; write tables and text."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence

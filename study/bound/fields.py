@@ -1,7 +1,5 @@
 """Read the displacement of another program from a file: .npz, or any mesh format that meshio reads."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass

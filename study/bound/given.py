@@ -7,8 +7,6 @@ the triangle inequality then bounds the error of u_h from both sides. The mesh o
 and its time steps have equal length.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

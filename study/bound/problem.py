@@ -21,8 +21,6 @@ between ``LEAST`` and ``MOST``. Then squares of data and of residuals are normal
 ``SMALLEST``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache

@@ -23,8 +23,6 @@ edges of Γ2 the same bounds hold with the arc length as variable, on each subin
 quadrature rule.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache

@@ -16,8 +16,6 @@ Source: W. Prager, J. L. Synge, Approximations in elasticity based on the concep
 5 (1947) 241–269.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cached_property
 

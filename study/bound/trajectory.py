@@ -11,8 +11,6 @@ points, so ũ(t) is admissible for every t, however inaccurate the control point
 value and the difference quotient of the midpoint scheme.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ with δu_n = (u_n − u_{n−1})/k. It is computed from the strains of the cells
 solver.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import pairwise
 

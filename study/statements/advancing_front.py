@@ -25,8 +25,6 @@ The load is computed as (f_0, v) + (f_2, v)_{Γ2}, because f_0 is bounded, while
 integrates is not.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 

@@ -23,8 +23,6 @@ the steps is between 1/5 and 1. For the midpoint rule interpolation causes most 
 the rule is of higher order at the nodes where velocities are smooth.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

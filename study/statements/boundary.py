@@ -18,8 +18,6 @@ error of the tractions tends to 0 in two senses. Its orders are predicted for so
 The second half of the file constructs the smooth fields v, which other statements use as well.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 

@@ -42,8 +42,6 @@ returns a mean of the values before and after the jump. So the error in L²(0,T)
 that depends on the position of the jump within the step. This order is only reported.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise

@@ -33,8 +33,6 @@ No order is predicted for the error and the excess. A mesh resolves a train only
 error has hardly begun to fall. On grids work / error must be above 1/50, twenty times its value for smooth fronts.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

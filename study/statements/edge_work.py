@@ -22,8 +22,6 @@ of edges must occur, otherwise only one expression is tested. A deliberate defec
 constant does not change the seminorm, but the pressure no longer vanishes on N, and the bound must fail.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from itertools import product

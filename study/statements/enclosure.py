@@ -11,8 +11,6 @@ enclosure, and reported otherwise. Enclosures of the errors on two levels also e
 exact solution is unknown.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -46,8 +46,6 @@ order of the term:
   meshes cannot distinguish it from a constant, so the change is reported and no bound is claimed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

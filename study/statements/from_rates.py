@@ -9,8 +9,6 @@ The modules ``prop_5_3`` and ``prop_5_4`` measure these errors. The statements a
 * Axes: a rotated body must have the same errors on rotated meshes.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 
 from study.fem.naming import family_named

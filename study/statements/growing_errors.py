@@ -20,8 +20,6 @@ distance of two solutions of Problem 5.1 for the same T and ω. Predicted before
 * *Monotone laws, G = ωA:* the bound of ``backward_euler`` has no exponential, and holds for all ω and T.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

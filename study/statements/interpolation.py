@@ -10,8 +10,6 @@ for piecewise linear functions, so the windows have two ends. (5.24) is printed 
 H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

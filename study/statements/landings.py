@@ -31,8 +31,6 @@ Under the load of the case itself, gap and pressure vanish to high order at the 
 velocities, and the order is 2 over all halvings.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace

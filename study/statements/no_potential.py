@@ -38,8 +38,6 @@ Changes after the first measurement:
   fresh seeds, which would take hours.
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -23,8 +23,6 @@ Predicted before measuring, with the Lamé constants μ, λ of A:
 * On the finest grid it is at least three times ‖u_0‖_V, the error of the start u_0^h = 0.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -28,8 +28,6 @@ adapted to singularities. Its maximum is taken over twice as many times as there
   like log 1/h, that is, by the same amount from mesh to mesh. (4.12) does not hold, and the paper does not claim it.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from types import MappingProxyType

@@ -17,8 +17,6 @@ meshes, these meshes do not resolve contact, and the orders of the force are und
 windows or not.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Computes the data for the figures and the report page of a case: contact over time, deformation and stress."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import Any

@@ -19,8 +19,6 @@ or two. So trajectories and forces agree to 1e-9. These checks notice relative d
 value or a force.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

@@ -12,8 +12,6 @@ first assumes that the positive multipliers are the same as in the last iteratio
 of Lawson and Hanson is used.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np

@@ -22,8 +22,6 @@ time has no check of (5.41), which is then 0 ≤ 0. The check is undecided if a 
 times.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

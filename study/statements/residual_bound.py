@@ -16,8 +16,6 @@ bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q. **Measured and
   √(m_A/‖A‖), because ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from manufactured.law import KelvinVoigt

@@ -34,8 +34,6 @@ and with −G, which satisfies (3.2) as well.
   - for a monotone G at least (1 + 1/2)⁻¹ = 2/3.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

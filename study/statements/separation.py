@@ -21,8 +21,6 @@ Only P uses the contact solver; nonnegative least squares decides whether a func
 the argument of the proof. The statements on Thm 4.2 test whether computed solutions of Problem 3.2 lie in K.
 """
 
-from __future__ import annotations
-
 from itertools import chain, islice
 
 import numpy as np

@@ -23,8 +23,6 @@ monotone except for gI, g = max(−m, 0)/m_A ≤ ω: it multiplies differences b
 factors for e^{ωt}, which is smaller, holds for the steps without an error in time, and the even law attains it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import islice

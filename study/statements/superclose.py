@@ -9,8 +9,6 @@ case was judged at first and is now only reported, because its ü is not square 
 between 1 % and 40 %.
 """
 
-from __future__ import annotations
-
 from types import MappingProxyType
 
 from manufactured.catalogue import catalogue

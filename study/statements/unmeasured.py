@@ -3,8 +3,6 @@
 They list misprints in the paper, claims that no computation can test, and formulas that need no check of their own.
 The texts of the rows are in ``unmeasured.toml``."""
 
-from __future__ import annotations
-
 import math
 import tomllib
 from pathlib import Path

@@ -1,7 +1,5 @@
 """(4.1) and Theorem 2.2: velocities are bounded, and solutions depend continuously on load and initial displacement."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

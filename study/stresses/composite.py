@@ -22,8 +22,6 @@ Math. 30 (1978) 103–116; D. N. Arnold, J. Douglas, C. P. Gupta, A family of hi
 for plane elasticity, Numer. Math. 45 (1984) 1–22.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import factorial, prod

@@ -28,8 +28,6 @@ Source of hybridisation: D. N. Arnold, F. Brezzi, Mixed and nonconforming finite
 postprocessing and error estimates, RAIRO Modél. Math. Anal. Numér. 19 (1985) 7–32.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -4,8 +4,6 @@ A statement is a claim of the paper or of this study. It is measured in several 
 on one mesh. Criteria compare the measured numbers with tolerance windows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType

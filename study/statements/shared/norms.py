@@ -3,8 +3,6 @@
 All use the same quadrature rules as the errors that ``ErrorNorm`` computes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any

@@ -15,8 +15,6 @@ A task is such a problem on one mesh. It has two modes:
 All data except the displacements are multiplied by one factor S, which does not change u.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
