@@ -324,10 +324,9 @@ def aligned(columns: Mapping[str, Iterable[str]]) -> list[str]:
     Args:
         columns: the cells of each column, by its head; blanks in front of a head make the column wider.
     """
+    widths = [len(head) for head in columns]
     lines = [columns, *zip(*columns.values(), strict=True)]
-    return [
-        " ".join(f"{cell:>{len(head)}}" for head, cell in zip(columns, line, strict=True)).rstrip() for line in lines
-    ]
+    return [" ".join(f"{cell:>{k}}" for k, cell in zip(widths, line, strict=True)).rstrip() for line in lines]
 
 
 def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:

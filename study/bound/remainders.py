@@ -143,7 +143,7 @@ def _by_order(
     for series in (boxes(formula) for formula in formulas if formula != 0):
         sizes = series.largest * powers
         by_order = (sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1))
-        found.append(np.array([series.half_range, *by_order]))
+        found.append(np.array([(series.high[0] - series.low[0]) / 2, *by_order]))
     return [*found, np.zeros((ORDER + 1, count))]
 
 

@@ -315,9 +315,8 @@ class Majorant:
             missed = d.sampling.missed(d.oscillation, piece.a, piece.b)
             at = knots.snapshots[n], middle[n], knots.snapshots[n + 1]
             oscillation = np.array([d.oscillation(one.left_out) + missed.cells for one in at])
-            yield Terms(
-                piece, products[..., n, :], float(curvature[n]), contact[n], oscillation, float(bending[n]), missed
-            )
+            curved, bent = float(curvature[n]), float(bending[n])
+            yield Terms(piece, products[..., n, :], curved, contact[n], oscillation, bent, missed)
 
     def _residual(self, loads: Loads, target: Tensors, u: Array) -> tuple[Array, Array]:
         """Compute the equilibrated stress σ̃ nearest to a given stress at several times.

@@ -105,9 +105,8 @@ class BackwardEuler(ListedNumbers):
         for count in COUNTS:
             k, nodes = problem.T / count, exact[:: FINEST // count]
             states, middle = path(problem, BACKWARD_EULER, count), path(problem, MIDPOINT, count)
-            error, of_interpolation, of_midpoint = (
-                furthest(problem, exact, interpolated(values, FINEST)) for values in (states, nodes, middle)
-            )
+            lines = [interpolated(values, FINEST) for values in (states, nodes, middle)]
+            error, of_interpolation, of_midpoint = (furthest(problem, exact, line) for line in lines)
             of_constant = maximum(furthest(problem, exact, side) for side in last(states, FINEST))
             bound_of_midpoint = furthest(problem, nodes, middle) + k / 2 * flow.fastest
             numbers = (

@@ -161,9 +161,8 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
     def tangential(part: Part, along: Field, inside: Field) -> Field:
         others, tangents = [other for other in contact if other is not part], part.frame[:, :-1]
         projector = tangents @ tangents.T
-        return vanishing(
-            lambda x: np.tensordot(projector, along(x), axes=1) + part.coordinates(x)[1] * inside(x), clamped + others
-        )
+        field: Field = lambda x: np.tensordot(projector, along(x), axes=1) + part.coordinates(x)[1] * inside(x)  # noqa: E731
+        return vanishing(field, clamped + others)
 
     rng = np.random.default_rng(SEED)
     on_contact = [tangential(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(FIELDS)]

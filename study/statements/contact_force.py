@@ -195,15 +195,9 @@ def measure_contact(setup: Experiment) -> dict[str, Any]:
     errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
     coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
     shares = abs(errors - coarse) / errors
-    return {
-        "h": setup.space.h,
-        "steps": setup.steps,
-        **dict(zip(ERRORS, map(float, errors), strict=True)),
-        **dict(zip(SHARES, map(float, shares), strict=True)),
-        "penetration": penetration,
-        "pulling": pulling,
-        "clamped": forces.clamped,
-    }
+    measured = dict(zip((*ERRORS, *SHARES), map(float, (*errors, *shares)), strict=True))
+    violations = {"penetration": penetration, "pulling": pulling, "clamped": forces.clamped}
+    return {"h": setup.space.h, "steps": setup.steps, **measured, **violations}
 
 
 LANDS = "lift-and-land"

@@ -133,9 +133,8 @@ def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
     """
     studied = {case.name for case in cases}
     if not full:
-        yield from (
-            BoundSetting(name, family, 8, scheme, SmoothedInTime()) for name, family, scheme in QUICK if name in studied
-        )
+        chosen = [place for place in QUICK if place[0] in studied]
+        yield from (BoundSetting(name, family, 8, scheme, SmoothedInTime()) for name, family, scheme in chosen)
         if CHECKED in studied:
             yield from by_midpoint(CHECKED, "one-diagonal", (4, 8), Refined(0, 2))
             yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))

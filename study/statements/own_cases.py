@@ -95,9 +95,8 @@ def unclaimed(verdict: Verdict) -> Verdict:
     missed = (verdict.label, verdict.key, verdict.verdict) == (ContactForce.label, superclose.key, FAILS)
     if not (missed and other.window.contains(verdict.observed)):
         return verdict
-    return replace(
-        verdict, expected=f"no claim: {verdict.expected}; other meshes: {other.window.text}", verdict=REPORTED
-    )
+    text = f"no claim: {verdict.expected}; other meshes: {other.window.text}"
+    return replace(verdict, expected=text, verdict=REPORTED)
 
 
 def reason(verdict: Verdict, groups: Groups, expected: float, remedy: str) -> str:

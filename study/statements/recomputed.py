@@ -78,26 +78,16 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         plain: the problem of the second solver.
         own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
     """
-    states = [(s.time, s.u, s.multipliers) for s in setup.scheme.march(setup.problem, 2 * setup.steps)]
+    states = list(setup.scheme.march(setup.problem, 2 * setup.steps))
     norms = plain.norms(np.stack([u for _, u, _ in own_load], axis=1))
     forces = np.linalg.norm([multipliers for *_, multipliers in own_load])
-    sizes = max(norms[0], TINY * norms.max()), norms.max(), forces
-    gaps_own, gaps_same = differences(plain, states, own_load), differences(plain, states, same_load)
-    found = zip((*GAPS, *SAME_LOAD), (*gaps_own, *gaps_same[1:]), (*sizes, *sizes[1:]), strict=True)
-    return {name: float(gap / size if size else gap > 0) for name, gap, size in found}
-
-
-def differences(plain: PlainProblem, states: Trajectory, trajectory: Trajectory) -> tuple[float, float, float]:
-    """Return the differences between two trajectories, that is, two discrete solutions at all time nodes.
-
-    Returns:
-        The difference of the initial values in V, the largest difference of displacements in V, and the difference of
-        the contact forces at all times in the Euclidean norm.
-    """
-    pairs = list(zip(states, trajectory, strict=True))
-    missing = plain.norms(np.stack([ours - u for (_, ours, _), (_, u, _) in pairs], axis=1))
-    missing_forces = np.array([ours - forces for (*_, ours), (*_, forces) in pairs])
-    return missing[0], missing.max(), float(np.linalg.norm(missing_forces))
+    sizes, found = (max(norms[0], TINY * norms.max()), norms.max(), forces), {}
+    for names, trajectory in ((GAPS, own_load), (("", *SAME_LOAD), same_load)):
+        pairs = list(zip(states, trajectory, strict=True))
+        missing = plain.norms(np.stack([ours.u - u for ours, (_, u, _) in pairs], axis=1))
+        missing_forces = np.linalg.norm([ours.multipliers - multipliers for ours, (*_, multipliers) in pairs])
+        found |= zip(names, zip((missing[0], missing.max(), missing_forces), sizes, strict=True), strict=True)
+    return {name: float(gap / size if size else gap > 0) for name, (gap, size) in found.items() if name}
 
 
 def ratio(column: str, norm: str, window: Window) -> Criterion:
@@ -121,15 +111,13 @@ def ratio(column: str, norm: str, window: Window) -> Criterion:
 SAME = around(1, 0.005, "quadrature")
 FORCES = "|λ − λ̃| / |λ̃| over all steps"
 DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
-ALIKE = "both with the same load"
+ALIKE, TWO_RULES = "both with the same load", "the load is integrated by two rules"
 STOPPED = positive_at_most(1e-9, "of ‖u^h‖_V; tolerances of both solvers")
 STOPPED_FORCES = at_most(1e-9, "of λ; tolerances of both solvers")
 TRAJECTORIES = (
     largest("start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding"), "start"),
-    largest(
-        "displacement", DISPLACEMENTS, at_most(2e-3, "of ‖u^h‖_V; the load is integrated by two rules"), "displacement"
-    ),
-    largest("multipliers", FORCES, at_most(0.01, "of λ; the load is integrated by two rules"), "multipliers"),
+    largest("displacement", DISPLACEMENTS, at_most(2e-3, f"of ‖u^h‖_V; {TWO_RULES}"), "displacement"),
+    largest("multipliers", FORCES, at_most(0.01, f"of λ; {TWO_RULES}"), "multipliers"),
     largest("displacement-same-load", f"{DISPLACEMENTS}, {ALIKE}", STOPPED, "displacement_same_load"),
     largest("multipliers-same-load", f"{FORCES}, {ALIKE}", STOPPED_FORCES, "multipliers_same_load"),
 )

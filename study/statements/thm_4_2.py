@@ -188,9 +188,8 @@ OVER = "difference between Problems 3.1 and 3.2 / its bound from the duality gap
 PROVED = positive_at_most(1.0, "proved")
 ALLOWED = "bound of the difference from the duality gap / size of the solution"
 AGREEMENT, INSIDE = positive_at_most(1e-7, "at every step"), at_most(1e-7, "at every step")
-SHARP = positive_at_most(
-    1e-5, "32 steps, each with the root of a duality gap of 1e-15, and norms that differ by a factor 10"
-)
+REASON = "32 steps, each with the root of a duality gap of 1e-15, and norms that differ by a factor 10"
+SHARP = positive_at_most(1e-5, REASON)
 
 
 class SameMesh(Statement):

@@ -238,9 +238,8 @@ def _force_at(data: Data, x: Points) -> ForceInTime:
     if data.force_modes is None:
         return data.body_force(x)
     modes = data.force_modes(x.reshape(len(x), -1))
-    (rates, viscous), (strains, elastic) = (
-        (amplitudes_of(part), strain_matrix(part, x[0].size)) for part in (modes.viscous, modes.elastic)
-    )
+    rates, strains = (amplitudes_of(part) for part in (modes.viscous, modes.elastic))
+    viscous, elastic = (strain_matrix(part, x[0].size) for part in (modes.viscous, modes.elastic))
     return lambda time: (viscous @ rates(time, True) + elastic @ strains(time, False)).reshape(x.shape)
 
 
