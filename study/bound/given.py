@@ -105,11 +105,12 @@ def true_error(
     if case is None:
         return None
     u_h, exact, data = computed.on(coarse), case.solution, coarse.data
-    return lambda time, _: math.sqrt(
-        squared_distances(
-            coarse, lambda x: exact.at(x).strain(time), u_h(time), (*data.lines, *data.fronts(time))
-        ).sum()
-    )
+
+    def error(time: float, _: Array) -> float:
+        rough = *data.lines, *data.fronts(time)
+        return math.sqrt(squared_distances(coarse, lambda x: exact.at(x).strain(time), u_h(time), rough).sum())
+
+    return error
 
 
 # The remaining functions check the arrays of a displacement that another program has computed.

@@ -43,6 +43,7 @@ Field = Callable[[Points], Vectors]
 """A smooth displacement field, analytic in x."""
 FIELDS = 3
 """Number of smooth test fields for each of the two traction conditions."""
+FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 STRONG = around(1, 0.25, "if the stress error is spread evenly; ‖σ − σ^h‖_Q = O(h) alone gives 1/2")
 SUPERCLOSE = between(1, 2, 0.25, 0, "order 2 where the triangles along Γ3 are symmetric")
 WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v")
@@ -67,11 +68,7 @@ class NaturalConditions(ListedNumbers):
         weighted("tangential-weakly", "order of σ_τ on Γ3, tested with smooth v", WEAK, "tangential, weakly", CELLS),
     )
     quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))
-    full = grid(
-        ("advance-recede", "travelling-patch", "yield-and-release"),
-        ("one-diagonal", "criss-cross", "shaken", "unstructured"),
-        (12, 24, 48),
-    )
+    full = grid(("advance-recede", "travelling-patch", "yield-and-release"), FAMILIES, (12, 24, 48))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         # [0, T] is split into INSTANTS equal parts. Each part has an odd number of time steps, so that its midpoint is

@@ -213,10 +213,8 @@ ON_GRIDS = (
     from_32("spread", "order of the relative standard deviation of R over random vertices", "spread", HALF),
     WORK_SHARE,
 )
-ON_IRREGULAR_MESHES = Observation(
-    from_32("order-irregular", f"{ROOT}, on single irregular meshes", "work", FIRST_ORDER),
-    "on irregular meshes single orders depend on chance",
-)
+SINGLE = from_32("order-irregular", f"{ROOT}, on single irregular meshes", "work", FIRST_ORDER)
+ON_IRREGULAR_MESHES = Observation(SINGLE, "on irregular meshes single orders depend on chance")
 ON_ALL_MESHES = (
     Observation(from_32("error", "order of ‖u − u^h‖_V", "error", Window()), NOT_RESOLVED),
     Observation(EXCESS_SHARE, "the study has no bound of this excess in V"),

@@ -62,14 +62,12 @@ def bernstein(degree: int, barycentric: Array) -> Array:
     Returns:
         The values, (polynomials, ...).
     """
-    return np.array(
-        [
-            factorial(degree)
-            / prod(map(factorial, alpha))
-            * prod(x**a for x, a in zip(barycentric, alpha, strict=True))
-            for alpha in indices(degree, len(barycentric))
-        ]
-    )
+
+    def polynomial(alpha: tuple[int, ...]) -> Array:
+        powers = (x**a for x, a in zip(barycentric, alpha, strict=True))
+        return factorial(degree) / prod(map(factorial, alpha)) * prod(powers)
+
+    return np.array([polynomial(alpha) for alpha in indices(degree, len(barycentric))])
 
 
 def interval_mass(degree: int, other: int) -> Array:
