@@ -81,13 +81,17 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
     states = list(setup.scheme.march(setup.problem, 2 * setup.steps))
     norms = plain.norms(np.stack([u for _, u, _ in own_load], axis=1))
     forces = np.linalg.norm([multipliers for *_, multipliers in own_load])
-    sizes, found = (max(norms[0], TINY * norms.max()), norms.max(), forces), {}
-    for names, trajectory in ((GAPS, own_load), (("", *SAME_LOAD), same_load)):
+    sizes = max(norms[0], TINY * norms.max()), norms.max(), forces
+    found: dict[str, float] = {}
+    for names, trajectory in ((GAPS, own_load), (SAME_LOAD, same_load)):
         pairs = list(zip(states, trajectory, strict=True))
         missing = plain.norms(np.stack([ours.u - u for ours, (_, u, _) in pairs], axis=1))
         missing_forces = np.linalg.norm([ours.multipliers - multipliers for ours, (*_, multipliers) in pairs])
-        found |= zip(names, zip((missing[0], missing.max(), missing_forces), sizes, strict=True), strict=True)
-    return {name: float(gap / size if size else gap > 0) for name, (gap, size) in found.items() if name}
+        quotients = zip((missing[0], missing.max(), missing_forces), sizes, strict=True)
+        relative = [float(gap / size if size else gap > 0) for gap, size in quotients]
+        # The initial value is the same for both loads, so it is compared with the first one only.
+        found |= zip(names, relative[-len(names) :], strict=True)
+    return found
 
 
 def ratio(column: str, norm: str, window: Window) -> Criterion:
