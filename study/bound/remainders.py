@@ -51,6 +51,7 @@ CACHED = 64
 """Number of time intervals for which bounds of the data between sample points are cached."""
 Sides = Mapping[sp.Symbol, Pair]
 """Boxes around cells or around parts of edges: for each coordinate, the lower and upper ends, (boxes,) each."""
+GRADED = "cells at the lines and points where the data are rough have graded rules, which are not exact"
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 
 
@@ -199,9 +200,7 @@ class Sampling:
             found.append(f"the term of the nonlinear G of {law.name} is a quadrature")
         lines = [Line(direction, offset) for direction, offset in data.lines]
         if any(cells.size for cells in rough_cells(self.space.mesh, lines, data.points)):
-            found.append(
-                "cells at the lines and points where the data are rough have graded rules, which are not exact"
-            )
+            found.append(GRADED)
         return tuple(found)
 
     @cached_property

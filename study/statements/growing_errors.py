@@ -130,8 +130,7 @@ def projection(setup: Experiment, time: float) -> np.ndarray:
     The viscosity A must be homogeneous.
     """
     stress = setup.solution.law.A.matrix @ setup.v_norm.means(time)
-    found: np.ndarray = Cholesky(setup.problem.M)(setup.space.functional(stress))
-    return found
+    return np.asarray(Cholesky(setup.problem.M)(setup.space.functional(stress)))
 
 
 def in_time(setup: Experiment, law: KelvinVoigt) -> float:

@@ -50,11 +50,8 @@ class Superclose(ListedNumbers):
     not_judged = MappingProxyType({"load-w11": BY_CHANCE})
 
     def places(self, full: bool) -> list[Setting]:
-        cases = [
-            case.name
-            for case in catalogue()
-            if case.proposition == "Prop. 5.4" and case.solution.body.dim == 2 and FAMILY in families(case)
-        ]
+        plane = [case for case in catalogue() if case.proposition == "Prop. 5.4" and case.solution.body.dim == 2]
+        cases = [case.name for case in plane if FAMILY in families(case)]
         return grid(cases, (FAMILY,), (16, 32, 64)) if full else grid(EVOLVING[:2], (FAMILY,), (8, 16, 32))
 
     def measure(self, setting: Setting) -> dict[str, float]:

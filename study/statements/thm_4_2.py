@@ -34,12 +34,10 @@ process without a displacement solver.
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import scipy.sparse as sps
@@ -248,7 +246,7 @@ class Sides:
     stresses: Callable[[SemiDiscrete], StressProblem]
 
     @classmethod
-    def of(cls, solution: ExactSolution, family: MeshFamily, level: int) -> Sides:
+    def of(cls, solution: ExactSolution, family: MeshFamily, level: int) -> Self:
         """Return both problems of an exact solution on one mesh."""
         displacements, stresses = problems(solution, family, level)
         return cls(displacements, lambda _: stresses)
@@ -265,7 +263,7 @@ class Derived(StressProblem):
     displacements: SemiDiscrete
 
     @classmethod
-    def compared(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Derived:
+    def compared(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Self:
         """Return the wrong stress problem: the data of a correct one, and the solution of a displacement problem."""
         return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
 

@@ -33,14 +33,12 @@ for the same time steps. Its multipliers are compared with displacements.
   (Aubin, Nitsche). So the order is at least the order against u, and at most 2.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import pandas as pd
@@ -153,12 +151,12 @@ class StressExperiment:
     solver: type[Signorini] = Signorini
 
     @classmethod
-    def of(cls, solution: ExactSolution, family: MeshFamily, level: int, steps: int) -> StressExperiment:
+    def of(cls, solution: ExactSolution, family: MeshFamily, level: int, steps: int) -> Self:
         """Return the stress problem of an exact solution on the mesh of a level."""
         return cls(solution, Data.of(solution), StressSpace(family(solution.body, level), solution.body), BDF2, steps)
 
     @classmethod
-    def at(cls, setting: Setting, steps: int) -> StressExperiment:
+    def at(cls, setting: Setting, steps: int) -> Self:
         """Return the stress problem for the case and the mesh of a setting."""
         return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, steps)
 

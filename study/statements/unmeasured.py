@@ -32,10 +32,7 @@ class Listed(Statement):
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         """Return one row for each entry of ``lines``. The rows are reported only, because nothing is measured."""
         none, nothing = Window(math.nan, math.nan), (math.nan, (math.nan, math.nan), REPORTED)
-        return [
-            row(self, key, quantity, none, nothing, place, expected=comment)
-            for key, place, quantity, comment in self.lines
-        ]
+        return [row(self, key, quantity, none, nothing, place, "", text) for key, place, quantity, text in self.lines]
 
 
 def lines_of(name: str) -> list[tuple[str, str, str, str]]:

@@ -222,8 +222,7 @@ def act(C: Array, strain: Tensors) -> Tensors:
     """
     if C.ndim == 2:
         return mapped(C, strain)
-    found: Tensors = np.einsum("...IJ,J...->I...", C, strain)
-    return found
+    return np.asarray(np.einsum("...IJ,J...->I...", C, strain))
 
 
 def _times(vectors: Array, matrices: Array) -> Array:
