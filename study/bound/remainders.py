@@ -94,10 +94,8 @@ class Evidence:
     @property
     def sentences(self) -> list[str]:
         """Sentences for the user: whether the bound is guaranteed, why not, and how to improve it."""
-        if self.reasons:
-            found = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
-        else:
-            found = ["guaranteed: also between quadrature points and times; rounding is not enclosed"]
+        found = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
+        found = found or ["guaranteed: also between quadrature points and times; rounding is not enclosed"]
         if self.poorly_seen:
             found.append(f"{self.poorly_seen}: take finer levels or more --steps for a narrower interval")
         return found

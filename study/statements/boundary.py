@@ -187,10 +187,7 @@ def distances(x: Points, parts: list[Part]) -> Array:
     Returns:
         One product for each point, (...).
     """
-    product: Array = np.ones(x.shape[1:])
-    for part in parts:
-        product = product * part.coordinates(x)[1]
-    return product
+    return np.prod([part.coordinates(x)[1] for part in parts], axis=0)
 
 
 def vanishing(field: Field, parts: list[Part]) -> Field:

@@ -47,6 +47,10 @@ PACE = "the time steps are too long: raise `pace` of the case, or give a shorter
 REASONS = {
     "order-graded": NO_RATE,
     "discrete-order-others": "the discrete error Π^h u − u^h is not asymptotic on these meshes: {remedy}",
+    "discrete-order-superclose": (
+        "Π^h u − u^h is not of higher order than the error: the meshes are too coarse for contact, {remedy}; or load, "
+        "material or contact is wrong by a little, which the error itself would not show"
+    ),
     "discrete-share": SHARE,
     "size": SHARE,
     "time-share": PACE,
@@ -129,11 +133,6 @@ def reason(verdict: Verdict, groups: Groups, expected: float, remedy: str) -> st
         return "" if slower else f"errors fall more slowly than h^s, and do not slow down: {remedy}"
     if key == "discrete-order-superclose" and verdict.observed > verdict.window_high:
         return f"Π^h u − u^h falls faster than it can on fine meshes: {NOT_YET}: {remedy}"
-    if key == "discrete-order-superclose":
-        return (
-            "Π^h u − u^h is not of higher order than the error: the meshes are too coarse for contact, "
-            f"{remedy}; or load, material or contact is wrong by a little, which the error itself would not show"
-        )
     return REASONS.get(key, "").format(remedy=remedy)
 
 

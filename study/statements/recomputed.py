@@ -35,7 +35,6 @@ from study.statements.recomputed_solver import PlainProblem, Trajectory
 from study.statements.shared import estimates
 from study.statements.shared.base import REPORTED, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import is_random
 from study.statements.shared.scope import Scope
 
 ERRORS = "error", "interpolation_error", "discrete_error"
@@ -154,7 +153,7 @@ class Recomputed(Statement):
             RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
             for reference, case, family in scope.on_families()
             if scope.scheme == MIDPOINT.name
-            if not (is_random(family.name) and (case.proposition == "Prop. 5.3" or case.name in NARROW))
+            if not (family.random and (case.proposition == "Prop. 5.3" or case.name in NARROW))
             for level in scope.levels_of(case).all[:1]
         ]
 

@@ -63,7 +63,7 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import BDF2, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement, grid, steps_like_h
-from study.statements.shared.meshes import ALONG, CELLS, is_random
+from study.statements.shared.meshes import ALONG, CELLS
 from study.stresses.composite import alfeld_split, barycentric, bernstein
 from study.stresses.hybrid import DualState, StressEvolution, act, tensor_at
 from study.stresses.stress_space import StressSpace
@@ -439,7 +439,7 @@ def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
 
 def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
     """Yield the criteria for a solution with the given regularity on a mesh family."""
-    random, orders_of = is_random(family), predicted(regularity, family)
+    random, orders_of = family_named(family).random, predicted(regularity, family)
     for name, orders in orders_of.items():
         parts = CELLS if name in IN_CELLS else ALONG
         window = orders.window(CHANCE if parts == ALONG and random else 0.0)
