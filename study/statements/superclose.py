@@ -62,8 +62,8 @@ class Superclose(ListedNumbers):
             discrete.append(norm(setup.problem, setup.v_norm.sample(state.time).interpolant - state.u))
             if n % 2 == 0:
                 drift.append(norm(setup.problem, next(coarse).u - state.u))
-        largest_error = maximum(discrete)
-        return with_h(setup.space.h, {"discrete error": largest_error, "time share": maximum(drift) / largest_error})
+        found = {"discrete error": maximum(discrete), "time share": maximum(drift) / maximum(discrete)}
+        return with_h(setup.space.h, found)
 
     def cost(self, setting: Setting) -> float:
         return 2.0 * setting.level**2 * self.steps(setting)
