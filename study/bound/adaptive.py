@@ -7,8 +7,6 @@ add up to half of the sum of all shares of cells. Red, green and blue refinement
 quarter of the bound, all steps are halved.
 """
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Sequence
@@ -214,12 +212,7 @@ def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
 
 
 def text(
-    name: str,
-    rows: pd.DataFrame,
-    tolerance: Tolerance,
-    stopped: str,
-    sentences: Sequence[str],
-    norm: str = MOVING,
+    name: str, rows: pd.DataFrame, tolerance: Tolerance, stopped: str, sentences: Sequence[str], norm: str = MOVING
 ) -> list[str]:
     """Return the printed lines: a verdict on the tolerance and on the bound, and one line for each mesh.
 

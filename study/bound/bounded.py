@@ -1,7 +1,5 @@
 """The command ``study bound``: compute a displacement and bounds of its error on each level; write tables and text."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -305,16 +303,9 @@ def text(
     """
     known, last = bool(table["error"].notna().all()), table.iloc[-1]
     size = "‖u‖_G" if norm == STATIC else "max ‖u(t)‖_V"
-    explained = [
-        *sentences,
-        MEANING[norm],
-        f"% of u: per cent of {size}, which lies in {interval(last['norm_low'], last['norm_high'], SHOWN)}",
-    ]
-    lines = [
-        f"{name}: {norm} enclosed, {'exact solution known' if known else 'solution unknown'}",
-        *(textwrap.fill(sentence, width()) for sentence in explained),
-        "",
-    ]
+    share = f"% of u: per cent of {size}, which lies in {interval(last['norm_low'], last['norm_high'], SHOWN)}"
+    lines = [f"{name}: {norm} enclosed, {'exact solution known' if known else 'solution unknown'}"]
+    lines += [*(textwrap.fill(sentence, width()) for sentence in (*sentences, MEANING[norm], share)), ""]
     # A static problem has one time only, and the last table already shows its enclosure.
     over = [] if norm == STATIC else [*_over_time(over_time, known, names[-1] if names else ""), ""]
     return "\n".join([*lines, *over, *_intervals(table, known, norm != STATIC, names)])
@@ -326,10 +317,9 @@ def aligned(columns: Mapping[str, Iterable[str]]) -> list[str]:
     Args:
         columns: the cells of each column, by its head; blanks in front of a head make the column wider.
     """
+    widths = [len(head) for head in columns]
     lines = [columns, *zip(*columns.values(), strict=True)]
-    return [
-        " ".join(f"{cell:>{len(head)}}" for head, cell in zip(columns, line, strict=True)).rstrip() for line in lines
-    ]
+    return [" ".join(f"{cell:>{k}}" for k, cell in zip(widths, line, strict=True)).rstrip() for line in lines]
 
 
 def _over_time(over_time: pd.DataFrame, known: bool, name: str) -> list[str]:
@@ -402,10 +392,8 @@ def contact_sentences(body: Body) -> list[str]:
 
 def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list[Path]:
     """Write the tables ``levels.csv`` and ``enclosure.csv`` to a directory, and return their paths."""
-    return [
-        write_text(directory / "levels.csv", table.to_csv(index=False)),
-        write_text(directory / "enclosure.csv", over_time.to_csv(index=False)),
-    ]
+    files = {"levels.csv": table, "enclosure.csv": over_time}
+    return [write_text(directory / name, rows.to_csv(index=False)) for name, rows in files.items()]
 
 
 def trajectory_file(directory: Path, level: int) -> Path:

@@ -4,8 +4,6 @@
 be computed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -212,10 +210,8 @@ class Discretisation:
     @cached_property
     def _normal_moments(self) -> sps.csr_array:
         """The matrix that ``normal_moments`` applies; its rows are ordered by edge e, then by polynomial B_i."""
-        on = self.stresses.on(Kind.CONTACT)
-        traces = self.displacements.normal_components(
-            [(part, self.displacements.on_edges(edges).T.ravel()) for part, edges in on]
-        )
+        V, on = self.displacements, self.stresses.on(Kind.CONTACT)
+        traces = V.normal_components([(part, V.on_edges(edges).T.ravel()) for part, edges in on])
         lengths = self.stresses.lengths[self.equilibrium.contact]
         return sps.csr_array(sps.kron(sps.diags_array(lengths), GRAM.T) @ traces)
 

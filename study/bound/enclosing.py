@@ -9,8 +9,6 @@ If ũ is much closer to u than u_h is, y is smaller than d and the lower bound i
 smoothed in time; then only the upper bound is useful.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace

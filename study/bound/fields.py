@@ -1,7 +1,5 @@
 """Read the displacement of another program from a file: .npz, or any mesh format that meshio reads."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -120,9 +118,8 @@ def _together(path: Path, meshes: Iterable[tuple[float | None, Any]], name: str 
         values.append(_vector(path, mesh, name))
     if first is None:
         raise BoundError(f"{path} lists no mesh")
-    return Field(
-        first.points, _triangles(path, first), None if None in times else np.array(times, dtype=float), np.array(values)
-    )
+    all_times = None if None in times else np.array(times, dtype=float)
+    return Field(first.points, _triangles(path, first), all_times, np.array(values))
 
 
 def _triangles(path: Path, mesh: Any) -> Array:

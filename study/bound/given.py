@@ -7,8 +7,6 @@ the triangle inequality then bounds the error of u_h from both sides. The mesh o
 and its time steps have equal length.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -107,11 +105,12 @@ def true_error(
     if case is None:
         return None
     u_h, exact, data = computed.on(coarse), case.solution, coarse.data
-    return lambda time, _: math.sqrt(
-        squared_distances(
-            coarse, lambda x: exact.at(x).strain(time), u_h(time), (*data.lines, *data.fronts(time))
-        ).sum()
-    )
+
+    def error(time: float, _: Array) -> float:
+        rough = *data.lines, *data.fronts(time)
+        return math.sqrt(squared_distances(coarse, lambda x: exact.at(x).strain(time), u_h(time), rough).sum())
+
+    return error
 
 
 # The remaining functions check the arrays of a displacement that another program has computed.
@@ -159,14 +158,12 @@ def given(
     mesh, nodes, degree = _mesh(data.body, points, triangles)
     moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
     if moved > ROUNDING * float(np.ptp(points, axis=0).max()):
-        remarks.append(
-            f"vertices near the boundary were moved onto it, by at most {moved:.2g}; u_h is meant on that mesh"
-        )
+        moves = f"vertices near the boundary were moved onto it, by at most {moved:.2g}"
+        remarks.append(f"{moves}; u_h is meant on that mesh")
     values = u[:, nodes].reshape(len(times), -1)
     _check_fit(mesh, data.body)
-    found = GivenDisplacement(
-        mesh, data.body, degree, times, values, steps or max(len(times) - 1, LEAST_STEPS), tuple(remarks)
-    )
+    steps = steps or max(len(times) - 1, LEAST_STEPS)
+    found = GivenDisplacement(mesh, data.body, degree, times, values, steps)
     found = replace(found, remarks=(*remarks, *_penetration(found, moving=not isinstance(data, Static))))
     return _clamped(data, found, nearest)
 
@@ -404,10 +401,8 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     # u_h does not vanish on Γ1, so the matrix of (Aε(v), ε(w))_Q is needed for displacements without this constraint.
     V = _Unclamped(mesh, found.body)
     M = V.form(data.law.A.matrix, data.law.A.factor(V.points))
-    projected = np.zeros_like(coefficients)
-    projected[clamped.free] = splu(sps.csc_array(M[clamped.free][:, clamped.free])).solve(
-        (M @ coefficients)[clamped.free]
-    )
+    projected, free = np.zeros_like(coefficients), clamped.free
+    projected[free] = splu(sps.csc_array(M[free][:, free])).solve((M @ coefficients)[free])
     difference = coefficients - projected
     offset, whole = (math.sqrt(max(np.einsum("it,it->t", v, M @ v).max(), 0.0)) for v in (difference, coefficients))
     share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"

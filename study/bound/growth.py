@@ -19,8 +19,6 @@ other factor, which is sharp for steps much longer than 1/θ. By the Cauchy–Sc
 multiple of the mean value. If the least g_i is m < 0, then θ = 0 and the right side has the factor e^{|m|k}.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

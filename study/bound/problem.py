@@ -21,8 +21,6 @@ between ``LEAST`` and ``MOST``. Then squares of data and of residuals are normal
 ``SMALLEST``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -144,9 +142,8 @@ def load_constants(body: Body, A: Linear) -> LoadConstants:
     force = np.einsum("kc,itv,de->kidctve", np.eye(space.cells), hats, components).reshape(-1, space.cells, 3, 3, 2)
     surface = np.zeros((len(force), len(space.lengths), DEGREE + 1, 2))
     mass = np.kron(np.kron(np.diag(space.volumes), (np.ones((3, 3)) + np.eye(3)) / 12), components)
-    volume = (
-        _largest_ratio(equilibrium, Loads(force, surface), mass) + cell_constants(space.map, compliance, 1).max() ** 2
-    )
+    volume = _largest_ratio(equilibrium, Loads(force, surface), mass)
+    volume += cell_constants(space.map, compliance, 1).max() ** 2
     sides = [constants for *_, constants in loaded_sides(space, compliance)]
     if not any(constants.size for constants in sides):
         return LoadConstants(float(np.sqrt(volume)), 0.0)

@@ -310,11 +310,6 @@ class Series:
         return np.asarray(self.low.any(axis=1) | self.high.any(axis=1))
 
     @property
-    def half_range(self) -> Array:
-        """Half the length of the range of the formula, (boxes,)."""
-        return (self.high[0] - self.low[0]) / 2
-
-    @property
     def largest(self) -> Array:
         """The largest absolute value of each Taylor coefficient, (terms, boxes)."""
         return np.maximum(abs(self.low), abs(self.high))

@@ -23,8 +23,6 @@ edges of Γ2 the same bounds hold with the arc length as variable, on each subin
 quadrature rule.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -53,6 +51,7 @@ CACHED = 64
 """Number of time intervals for which bounds of the data between sample points are cached."""
 Sides = Mapping[sp.Symbol, Pair]
 """Boxes around cells or around parts of edges: for each coordinate, the lower and upper ends, (boxes,) each."""
+GRADED = "cells at the lines and points where the data are rough have graded rules, which are not exact"
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 
 
@@ -95,10 +94,8 @@ class Evidence:
     @property
     def sentences(self) -> list[str]:
         """Sentences for the user: whether the bound is guaranteed, why not, and how to improve it."""
-        if self.reasons:
-            found = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
-        else:
-            found = ["guaranteed: also between quadrature points and times; rounding is not enclosed"]
+        found = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
+        found = found or ["guaranteed: also between quadrature points and times; rounding is not enclosed"]
         if self.poorly_seen:
             found.append(f"{self.poorly_seen}: take finer levels or more --steps for a narrower interval")
         return found
@@ -145,7 +142,7 @@ def _by_order(
     for series in (boxes(formula) for formula in formulas if formula != 0):
         sizes = series.largest * powers
         by_order = (sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1))
-        found.append(np.array([series.half_range, *by_order]))
+        found.append(np.array([(series.high[0] - series.low[0]) / 2, *by_order]))
     return [*found, np.zeros((ORDER + 1, count))]
 
 
@@ -201,9 +198,7 @@ class Sampling:
             found.append(f"the term of the nonlinear G of {law.name} is a quadrature")
         lines = [Line(direction, offset) for direction, offset in data.lines]
         if any(cells.size for cells in rough_cells(self.space.mesh, lines, data.points)):
-            found.append(
-                "cells at the lines and points where the data are rough have graded rules, which are not exact"
-            )
+            found.append(GRADED)
         return tuple(found)
 
     @cached_property

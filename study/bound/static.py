@@ -16,8 +16,6 @@ Source: W. Prager, J. L. Synge, Approximations in elasticity based on the concep
 5 (1947) 241–269.
 """
 
-from __future__ import annotations
-
 import math
 from functools import cached_property
 
@@ -70,11 +68,8 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     """
     fine = StaticDiscretisation(coarse.data, coarse.mesh.refined(refinements or 0))
     u_h = computed.on(fine)(0.0)
-    if refinements is None:
-        v = u_h
-    else:
-        V = fine.displacements
-        v, _ = Signorini(fine.M, V.N, V.free_points)(fine.load(0.0))
+    V = fine.displacements
+    v = u_h if refinements is None else Signorini(fine.M, V.N, V.free_points)(fine.load(0.0))[0]
     # The bound y of ‖u − ũ‖, from the stress σ̃, and the contributions of the cells to y.
     snapshot, sampling, T = fine.snapshot(0.0), fine.sampling, fine.data.body.T
     missed = sampling.missed(fine.oscillation, 0.0, T)

@@ -213,14 +213,15 @@ class Knots:
     residual: Array
     normal: Array
 
+    @property
+    def stresses(self) -> tuple[Tensors, Tensors, Array]:
+        return self.viscous, self.elastic, self.residual
+
     def __add__(self, later: Knots) -> Knots:
-        return Knots(
-            self.snapshots + later.snapshots,
-            np.concatenate([self.viscous, later.viscous], axis=1),
-            np.concatenate([self.elastic, later.elastic], axis=1),
-            np.concatenate([self.residual, later.residual], axis=1),
-            np.concatenate([self.normal, later.normal]),
-        )
+        pairs = zip(self.stresses, later.stresses, strict=True)
+        viscous, elastic, residual = (np.concatenate(pair, axis=1) for pair in pairs)
+        normal = np.concatenate([self.normal, later.normal])
+        return Knots(self.snapshots + later.snapshots, viscous, elastic, residual, normal)
 
 
 class Majorant:
@@ -273,7 +274,7 @@ class Majorant:
             ends, rates = (np.array(each) for each in zip(*((p.end, p.rate(end=True)) for p in block), strict=True))
             knots = last + self.knots([piece.b for piece in block], ends, rates)
             yield from self._block(block, knots)
-            viscous, elastic, residual = (each[:, -1:] for each in (knots.viscous, knots.elastic, knots.residual))
+            viscous, elastic, residual = (each[:, -1:] for each in knots.stresses)
             last = Knots(knots.snapshots[-1:], viscous, elastic, residual, knots.normal[-1:])
 
     def knots(self, times: Sequence[float], u: Array, rates: Array) -> Knots:
@@ -315,9 +316,8 @@ class Majorant:
             missed = d.sampling.missed(d.oscillation, piece.a, piece.b)
             at = knots.snapshots[n], middle[n], knots.snapshots[n + 1]
             oscillation = np.array([d.oscillation(one.left_out) + missed.cells for one in at])
-            yield Terms(
-                piece, products[..., n, :], float(curvature[n]), contact[n], oscillation, float(bending[n]), missed
-            )
+            curved, bent = float(curvature[n]), float(bending[n])
+            yield Terms(piece, products[..., n, :], curved, contact[n], oscillation, bent, missed)
 
     def _residual(self, loads: Loads, target: Tensors, u: Array) -> tuple[Array, Array]:
         """Compute the equilibrated stress σ̃ nearest to a given stress at several times.
@@ -396,11 +396,9 @@ class Majorant:
         of_edges = terms.contact_on_edges / max(mean.contact, np.finfo(float).tiny)
         np.add.at(cells, d.cells_at_contact, by_contact * of_edges)
         shares = Shares(cells, float(added @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
+        ends = piece.a, piece.b, y, at_b
         return Interval(
-            piece.a,
-            piece.b,
-            y,
-            at_b,
+            *ends,
             inside,
             residual=k * (float(np.sqrt(mean.residual.sum())) + terms.curvature),
             contact=k * mean.contact,

@@ -3,8 +3,6 @@
 Statements that go beyond the paper come last.
 """
 
-from __future__ import annotations
-
 from study.statements.admissibility import Admissibility
 from study.statements.advancing_front import AdvancingFront
 from study.statements.backward_euler import BackwardEuler

@@ -6,8 +6,6 @@ with δu_n = (u_n − u_{n−1})/k. It is computed from the strains of the cells
 solver.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -36,6 +34,7 @@ ROUND_OFF, ROUNDED = at_most(1e-10, _BY_WHAT), positive_at_most(1e-10, _BY_WHAT)
 """Tolerance windows for inequalities and for equations.
 
 The violation of an inequality may be exactly 0; the violation of an equation between sums has round-off."""
+CONE = "(4.15): distance of F − Eᵀσ_n from the cone of contact forces {Nᵀλ : λ ≥ 0}"
 
 
 class Admissibility(ListedNumbers):
@@ -48,9 +47,7 @@ class Admissibility(ListedNumbers):
     claim = "σ(t) ∈ Σ(t) and (σ(t), ε(u(t)))_Q = (f(t), u(t))_V"
     rules = (
         largest("membership", "(3.10): violation of u_n ∈ K^h", ROUND_OFF, "membership"),
-        largest(
-            "cone", "(4.15): distance of F − Eᵀσ_n from the cone of contact forces {Nᵀλ : λ ≥ 0}", ROUNDED, "distance"
-        ),
+        largest("cone", CONE, ROUNDED, "distance"),
         largest("work", "(4.14): |(σ_n, ε(u_n))_Q − (f_n, u_n)_V|", ROUNDED, "work"),
         largest("displacements", "(3.10): violation of the inequality for random v ∈ K^h", ROUND_OFF, "displacements"),
         largest("stresses", "(3.11): violation of the inequality for random τ ∈ Σ^h(t_n)", ROUND_OFF, "stresses"),

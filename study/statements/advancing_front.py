@@ -25,8 +25,6 @@ The load is computed as (f_0, v) + (f_2, v)_{Γ2}, because f_0 is bounded, while
 integrates is not.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 
@@ -64,6 +62,7 @@ INTERPOLATION = around(1, STEEPER, "the order of the interpolation error; only 1
 SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "order from the two finest levels; smooth parts of u̇ raise it")
 TRAIL = between(1, 1.5, STEEPER, STEEPER, "3/2 if the front leaves the same error in every cell, 1 if not")
 NEGLIGIBLE = positive_at_most(0.02, "negligible against the error")
+FINER_QUADRATURE = "bound of the change of u^h under finer quadrature of f_0 / error"
 
 
 class AdvancingFront(ListedNumbers):
@@ -81,9 +80,7 @@ class AdvancingFront(ListedNumbers):
         order("rate", "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}", SINGULAR, "rate", last=2),
         order("excess", "order of the excess ‖u^h − u^h_lin‖ over the linear problem", TRAIL, "excess"),
         largest("time", "change of u^h with half the time step / error", NEGLIGIBLE, "time share"),
-        largest(
-            "quadrature", "bound of the change of u^h under finer quadrature of f_0 / error", NEGLIGIBLE, "quadrature"
-        ),
+        largest("quadrature", FINER_QUADRATURE, NEGLIGIBLE, "quadrature"),
     )
     # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
     quick = grid((NAME,), ("unstructured",), (8, 16, 32))

@@ -23,8 +23,6 @@ the steps is between 1/5 and 1. For the midpoint rule interpolation causes most 
 the rule is of higher order at the nodes where velocities are smooth.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np
@@ -50,11 +48,8 @@ COLUMNS = {quantity: [f"{count} {quantity}" for count in COUNTS] for quantity in
 """Names of the columns with each quantity, one column for each number of time steps."""
 PROVED = positive_at_most(1.0, "proved in the article for every h and k")
 UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
-BETWEEN = Window(
-    0.2,
-    1 + ROUNDING,
-    "at most 1 is proved; predicted 1/2 to 2/3 if u̇^h changes steadily, 1 if it jumps in the middle of a step",
-)
+HALF = "at most 1 is proved; predicted 1/2 to 2/3 if u̇^h changes steadily, 1 if it jumps in the middle of a step"
+BETWEEN = Window(0.2, 1 + ROUNDING, HALF)
 IN_K = around(1, 0.1, "least squares over six halvings of k, on every mesh")
 SAME_SOLUTION = positive_at_most(0.1, "the reference solution hardly changes the error")
 ERROR = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"
@@ -110,9 +105,8 @@ class BackwardEuler(ListedNumbers):
         for count in COUNTS:
             k, nodes = problem.T / count, exact[:: FINEST // count]
             states, middle = path(problem, BACKWARD_EULER, count), path(problem, MIDPOINT, count)
-            error, of_interpolation, of_midpoint = (
-                furthest(problem, exact, interpolated(values, FINEST)) for values in (states, nodes, middle)
-            )
+            lines = [interpolated(values, FINEST) for values in (states, nodes, middle)]
+            error, of_interpolation, of_midpoint = (furthest(problem, exact, line) for line in lines)
             of_constant = maximum(furthest(problem, exact, side) for side in last(states, FINEST))
             bound_of_midpoint = furthest(problem, nodes, middle) + k / 2 * flow.fastest
             numbers = (

@@ -18,8 +18,6 @@ error of the tractions tends to 0 in two senses. Its orders are predicted for so
 The second half of the file constructs the smooth fields v, which other statements use as well.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
@@ -45,8 +43,10 @@ Field = Callable[[Points], Vectors]
 """A smooth displacement field, analytic in x."""
 FIELDS = 3
 """Number of smooth test fields for each of the two traction conditions."""
+FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 STRONG = around(1, 0.25, "if the stress error is spread evenly; ‖σ − σ^h‖_Q = O(h) alone gives 1/2")
 SUPERCLOSE = between(1, 2, 0.25, 0, "order 2 where the triangles along Γ3 are symmetric")
+BOUNDED = "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3"
 WEAK = around(2, 0.3, "product of two errors O(h), σ − σ^h and v − Π^h v")
 
 
@@ -61,19 +61,12 @@ class NaturalConditions(ListedNumbers):
     rules = (
         order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", STRONG, "loaded"),
         order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
-        Observation(
-            order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
-            "the check of σ^hν − σ_ν ν bounds ‖σ^h_τ‖, whose first-order part depends on the triangles along Γ3",
-        ),
+        Observation(order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"), BOUNDED),
         weighted("loaded-weakly", "order of σν − f_2 on Γ2, tested with smooth v", WEAK, "loaded, weakly", CELLS),
         weighted("tangential-weakly", "order of σ_τ on Γ3, tested with smooth v", WEAK, "tangential, weakly", CELLS),
     )
     quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))
-    full = grid(
-        ("advance-recede", "travelling-patch", "yield-and-release"),
-        ("one-diagonal", "criss-cross", "shaken", "unstructured"),
-        (12, 24, 48),
-    )
+    full = grid(("advance-recede", "travelling-patch", "yield-and-release"), FAMILIES, (12, 24, 48))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         # [0, T] is split into INSTANTS equal parts. Each part has an odd number of time steps, so that its midpoint is
@@ -163,9 +156,8 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
     def tangential(part: Part, along: Field, inside: Field) -> Field:
         others, tangents = [other for other in contact if other is not part], part.frame[:, :-1]
         projector = tangents @ tangents.T
-        return vanishing(
-            lambda x: np.tensordot(projector, along(x), axes=1) + part.coordinates(x)[1] * inside(x), clamped + others
-        )
+        field: Field = lambda x: np.tensordot(projector, along(x), axes=1) + part.coordinates(x)[1] * inside(x)  # noqa: E731
+        return vanishing(field, clamped + others)
 
     rng = np.random.default_rng(SEED)
     on_contact = [tangential(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(FIELDS)]
@@ -195,10 +187,7 @@ def distances(x: Points, parts: list[Part]) -> Array:
     Returns:
         One product for each point, (...).
     """
-    product: Array = np.ones(x.shape[1:])
-    for part in parts:
-        product = product * part.coordinates(x)[1]
-    return product
+    return np.prod([part.coordinates(x)[1] for part in parts], axis=0)
 
 
 def vanishing(field: Field, parts: list[Part]) -> Field:

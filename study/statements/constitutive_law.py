@@ -10,8 +10,6 @@ of the catalogue is tested at the vertices and at the centres of the cells of a 
   the derivative of G with extreme eigenvalues (``AtPoints.derivative``). They show whether L_G is the best constant.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

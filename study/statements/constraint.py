@@ -9,8 +9,6 @@ and functions outside K^h (one (Nv)_i > 0). Linear functions attain their maximu
 allowed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

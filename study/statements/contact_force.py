@@ -42,8 +42,6 @@ returns a mean of the values before and after the jump. So the error in L²(0,T)
 that depends on the position of the jump within the step. This order is only reported.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
@@ -197,21 +195,14 @@ def measure_contact(setup: Experiment) -> dict[str, Any]:
     errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
     coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
     shares = abs(errors - coarse) / errors
-    return {
-        "h": setup.space.h,
-        "steps": setup.steps,
-        **dict(zip(ERRORS, map(float, errors), strict=True)),
-        **dict(zip(SHARES, map(float, shares), strict=True)),
-        "penetration": penetration,
-        "pulling": pulling,
-        "clamped": forces.clamped,
-    }
+    measured = dict(zip((*ERRORS, *SHARES), map(float, (*errors, *shares)), strict=True))
+    violations = {"penetration": penetration, "pulling": pulling, "clamped": forces.clamped}
+    return {"h": setup.space.h, "steps": setup.steps, **measured, **violations}
 
 
 LANDS = "lift-and-land"
 """The case whose pressure jumps in time, for which no order of the contact force is claimed."""
 NO_ORDER = "p jumps in time, and the error comes from the step with the jump"
-JUMP = around(0.5, 0.2, "k^{1/2}")
 NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of the resultant"
 """Why no order of the resultant is claimed if a contact face meets the clamped boundary Γ1.
 
@@ -303,7 +294,7 @@ class ContactForce(Statement):
             if mine := split_superclose(groups)[superclose]:
                 norms.append((rule, mine))
         for rule, mine in norms:
-            jump = JUMP if rule.key.startswith("order") else Window()
+            jump = around(0.5, 0.2, "k^{1/2}") if rule.key.startswith("order") else Window()
             yield Observation(replace(rule, window=jump), NO_ORDER) if case == LANDS else rule, mine
         yield from ((rule, groups) for rule in EXACT)
 

@@ -22,8 +22,6 @@ of edges must occur, otherwise only one expression is tested. A deliberate defec
 constant does not change the seminorm, but the pressure no longer vanishes on N, and the bound must fail.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from itertools import product
@@ -55,6 +53,8 @@ EXPONENTS = 0.05, 0.25, 0.5
 """The exponents ϱ = s − 1/2 for which suprema are computed, that is, s = 0.55, 0.75, 1."""
 WORK, OF_ALL, OVERALL = "R_E / bound", "supremum / bound", "R_E / (h² |σ_ν| |u_ν'|)"
 BRANCHES = "edges by |N|", "edges by |C|"
+PROVED = at_most(1.0, "proved")
+SUPREMUM = "supremum of |R_E| / bound over all σ_ν, u_ν' with the same contact zone, s = 0.55, 0.75, 1"
 
 
 class EdgeWork(ListedNumbers):
@@ -72,13 +72,8 @@ class EdgeWork(ListedNumbers):
         *grid(("merging-patches", "natural-front", "rough-2.25"), ("one-diagonal", "unstructured"), (8, 16, 32, 64)),
     )
     rules = (
-        largest("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", at_most(1.0, "proved"), WORK),
-        largest(
-            "all",
-            "supremum of |R_E| / bound over all σ_ν, u_ν' with the same contact zone, s = 0.55, 0.75, 1",
-            at_most(1.0, "proved"),
-            OF_ALL,
-        ),
+        largest("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", PROVED, WORK),
+        largest("all", SUPREMUM, PROVED, OF_ALL),
         largest("constant", "|R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", at_most(C_0, "proved"), OVERALL),
     )
 

@@ -46,8 +46,6 @@ order of the term:
   meshes cannot distinguish it from a constant, so the change is reported and no bound is claimed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -117,10 +115,8 @@ class ErrorBounds(ListedNumbers):
                 term = RATE if gamma == known[EXPONENTS["(5.21)"]] else TRACE
                 lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
                 window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
-                exponent = of_errors(
-                    f"growth-{number}", lower, window, term, ENOUGH, lambda h, ratio: exactly(-fit(h, ratio))
-                )
-                yield exponent, groups
+                named = f"growth-{number}", lower, window, term, ENOUGH
+                yield of_errors(*named, lambda h, ratio: exactly(-fit(h, ratio))), groups
             elif bound == "(5.42)" and known[LOGARITHM] > 0:
                 changing = replace(steady, quantity=f"{quantity}, of lower order by |log h|^{{1/4}}")
                 yield Observation(changing, "a few levels cannot show a logarithm"), groups

@@ -9,8 +9,6 @@ The modules ``prop_5_3`` and ``prop_5_4`` measure these errors. The statements a
 * Axes: a rotated body must have the same errors on rotated meshes.
 """
 
-from __future__ import annotations
-
 import pandas as pd
 
 from study.fem.naming import family_named
@@ -52,10 +50,9 @@ class RegularityNeeded(FromRates):
 
 SAME_MESH = ["family", "scheme", "level"]
 DIFFERENCE = "relative difference of"
-SAME = at_most(1e-10)
 ROUND_OFF = at_most(1e-7, "rounding times the condition number of the matrices, of order h⁻², in a small difference")
 CHANGES = (
-    largest("errors", f"{DIFFERENCE} ‖u − u^h‖_V, ‖u − Π^h u‖_V", SAME, "error", "interpolation_error"),
+    largest("errors", f"{DIFFERENCE} ‖u − u^h‖_V, ‖u − Π^h u‖_V", at_most(1e-10), "error", "interpolation_error"),
     largest("discrete-error", f"{DIFFERENCE} ‖Π^h u − u^h‖_V", ROUND_OFF, "discrete_error"),
 )
 """Criteria for the relative differences between the errors of both bodies.

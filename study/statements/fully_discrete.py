@@ -16,8 +16,6 @@ were made before the measurement. Results are reported without a verdict, becaus
   into contact or leave it. No theory proves 3/2; ``landings`` shows that only order 1 may remain.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 

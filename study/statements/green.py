@@ -25,8 +25,6 @@ Functions of V^h are also P1 functions on the halved cells. So a functional on t
 means of the values of these functions at the new vertices.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -20,8 +20,6 @@ distance of two solutions of Problem 5.1 for the same T and ω. Predicted before
 * *Monotone laws, G = ωA:* the bound of ``backward_euler`` has no exponential, and holds for all ω and T.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -57,6 +55,8 @@ LONGEST = tuple((omega, T) for omega, T in SWEEP if omega * T == max(a * b for a
 KNOWN = around(1, 5e-3, "the midpoint rule changes the quotient by at most 3.3e-3")
 PROVED = positive_at_most(1.0, "proved")
 NEEDED = at_least(1.0, "so a bound without the factor e^{ωT} = 2e4 would be wrong")
+AT_LONGEST = "error / (c e^{−ωT} · right side of (5.21)), no contact, ωT = 10"
+OVER_BOUND = "error / (c · right side of (5.21)), moving contact, with the law of the case and with G = −ωA"
 
 
 class GrowingErrors(ListedNumbers):
@@ -67,19 +67,8 @@ class GrowingErrors(ListedNumbers):
     claim = "errors grow like e^{ωT}, ω = L_G/m_A, if G = −ωA, and never faster"
     rules = (
         every("known", "‖u − u^h‖ at T / predicted value, G = −ωA, no contact", KNOWN, *columns("even", "known")),
-        every(
-            "needed",
-            "error / (c e^{−ωT} · right side of (5.21)), no contact, ωT = 10",
-            NEEDED,
-            *(column("even", "needed", *pair) for pair in LONGEST),
-        ),
-        largest(
-            "bound",
-            "error / (c · right side of (5.21)), moving contact, with the law of the case and with G = −ωA",
-            PROVED,
-            *columns("own", "bound"),
-            *columns("even", "bound"),
-        ),
+        every("needed", AT_LONGEST, NEEDED, *columns("even", "needed", LONGEST)),
+        largest("bound", OVER_BOUND, PROVED, *columns("own", "bound"), *columns("even", "bound")),
         largest("time", "‖u^h − û^{hk}‖ / its bound from the data, G = ωA", PROVED, *columns("monotone", "time")),
     )
     quick = grid(("softening",), ("unstructured",), (4,))
@@ -141,8 +130,7 @@ def projection(setup: Experiment, time: float) -> np.ndarray:
     The viscosity A must be homogeneous.
     """
     stress = setup.solution.law.A.matrix @ setup.v_norm.means(time)
-    found: np.ndarray = Cholesky(setup.problem.M)(setup.space.functional(stress))
-    return found
+    return np.asarray(Cholesky(setup.problem.M)(setup.space.functional(stress)))
 
 
 def in_time(setup: Experiment, law: KelvinVoigt) -> float:

@@ -29,8 +29,6 @@ Sources: W. Prager, J. L. Synge, Approximations in elasticity based on the conce
 problems, Math. Comp. 78 (2009) 1237–1267.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from sympy import Rational, sympify
 

@@ -18,8 +18,6 @@ criteria of Proposition 5.3. If g is forgotten or has the wrong sign, the error 
 (``study.controls``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from manufactured.case import INITIAL_GAP

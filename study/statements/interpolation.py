@@ -10,8 +10,6 @@ for piecewise linear functions, so the windows have two ends. (5.24) is printed 
 H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -26,16 +24,7 @@ from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import (
-    ENOUGH,
-    Groups,
-    Observation,
-    Rule,
-    between_levels,
-    consecutive,
-    order,
-    weighted,
-)
+from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, between_levels, consecutive, order, weighted
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h

@@ -13,8 +13,6 @@ refinement; for nested spaces it cannot rise. By (2.17) its limit for h → 0 is
 on V^h. Here C_K is the constant of V^h, which is bounded below uniformly in h.
 """
 
-from __future__ import annotations
-
 import math
 
 import pandas as pd

@@ -31,8 +31,6 @@ Under the load of the case itself, gap and pressure vanish to high order at the 
 velocities, and the order is 2 over all halvings.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -58,12 +56,11 @@ FINEST = 8192
 """Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
 LANDING, RISE = 0.4, 0.075
 """Data of the problem with two unknowns: the time at which u_2 comes into contact, and then the velocity of u_1."""
-PROVED = Window(
-    math.sqrt(2) * 0.2 * RISE * (1 - 1e-9), math.sqrt(2) * 0.8 * RISE * (1 + 1e-9), "proved, both ends attained"
-)
+LEAST, MOST = (math.sqrt(2) * part * RISE for part in (0.2, 0.8))
+PROVED = Window(LEAST * (1 - 1e-9), MOST * (1 + 1e-9), "proved, both ends attained")
 LAST = COUNTS[3:]
 """Numbers of time steps in the last three halvings, where the order 1 is expected."""
-LEFT = around(1, 0.4, "excludes 3/2 and 2")
+LEFT, SECOND = around(1, 0.4, "excludes 3/2 and 2"), around(2, 0.3)
 LOADS = {"own": "load of the case", "rolling": "load that moves along Γ3"}
 """Descriptions of the two loads, by their names in columns."""
 TWO_UNKNOWNS = "error / k for a problem with two unknowns"
@@ -131,11 +128,10 @@ class Landings(ListedNumbers):
             every(f"{name}-two", f"{name}: {TWO_UNKNOWNS}", PROVED, *(f"two {name} {count}" for count in COUNTS))
             for name in (BACKWARD_EULER.name, MIDPOINT.name)
         ),
-        *(
-            order_of(scheme, load, counts, window)
-            for scheme in (BDF2, MIDPOINT)
-            for load, counts, window in (("rolling", LAST, LEFT), ("own", COUNTS, around(2, 0.3)))
-        ),
+        order_of(BDF2, "rolling", LAST, LEFT),
+        order_of(BDF2, "own", COUNTS, SECOND),
+        order_of(MIDPOINT, "rolling", LAST, LEFT),
+        order_of(MIDPOINT, "own", COUNTS, SECOND),
     )
     full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))
 

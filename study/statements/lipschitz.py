@@ -18,8 +18,6 @@ if v_1 + i v_2 is holomorphic, and e^{nz} decays arbitrarily fast away from the 
 fields, by Liouville's theorem.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -28,8 +28,6 @@ adapted to singularities. Its maximum is taken over twice as many times as there
   like log 1/h, that is, by the same amount from mesh to mesh. (4.12) does not hold, and the paper does not claim it.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 from types import MappingProxyType
@@ -54,7 +52,9 @@ from study.statements.shared.scope import REGULAR
 INTERVALS = 512
 COARSER = 16
 """Quotient of the lengths of long and short time intervals, over which increments of the load are compared."""
+VARIATION = f"variation of f^h on {INTERVALS} intervals / on {INTERVALS // 2} intervals"
 SETTLES = Window(1 - ROUNDING, 1.01, "the variation cannot fall; without a bound it grows by a power of 2")
+INCREMENTS = f"largest increment of f^h / largest increment over {COARSER} times as long intervals"
 CONTINUOUS = Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump")
 UNIFORM = around(1, 0.05, "f^h tends to f")
 WITHOUT = "ε(ü) ~ (s − c)^{α−4} with α = 13/4 is not square integrable and f has no bounded variation in V"
@@ -66,18 +66,8 @@ class LoadInTime(ListedNumbers):
     label = "(3.8), (5.9)"
     claim = "f ∈ W^{1,1}(0,T;V), and f^h ∈ W^{1,1}(0,T;V^h) uniformly in h"
     rules = (
-        every(
-            "variation",
-            f"variation of f^h on {INTERVALS} intervals / on {INTERVALS // 2} intervals",
-            SETTLES,
-            "variation",
-        ),
-        every(
-            "increments",
-            f"largest increment of f^h / largest increment over {COARSER} times as long intervals",
-            CONTINUOUS,
-            "increments",
-        ),
+        every("variation", VARIATION, SETTLES, "variation"),
+        every("increments", INCREMENTS, CONTINUOUS, "increments"),
         change("uniform", "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh / coarsest mesh", UNIFORM, "norm", levels=2),
     )
     not_judged = MappingProxyType({"moving-rough": WITHOUT})

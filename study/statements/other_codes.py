@@ -23,8 +23,6 @@ distance. So two codes agree by chance in the nine reported digits on one mesh i
 meshes. (The errors cannot be used for this test: in double precision they agree on up to three meshes of eight.)
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import combinations
 

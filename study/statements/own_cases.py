@@ -17,8 +17,6 @@ meshes, these meshes do not resolve contact, and the orders of the force are und
 windows or not.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace
@@ -49,6 +47,10 @@ PACE = "the time steps are too long: raise `pace` of the case, or give a shorter
 REASONS = {
     "order-graded": NO_RATE,
     "discrete-order-others": "the discrete error Π^h u − u^h is not asymptotic on these meshes: {remedy}",
+    "discrete-order-superclose": (
+        "Π^h u − u^h is not of higher order than the error: the meshes are too coarse for contact, {remedy}; or load, "
+        "material or contact is wrong by a little, which the error itself would not show"
+    ),
     "discrete-share": SHARE,
     "size": SHARE,
     "time-share": PACE,
@@ -97,9 +99,8 @@ def unclaimed(verdict: Verdict) -> Verdict:
     missed = (verdict.label, verdict.key, verdict.verdict) == (ContactForce.label, superclose.key, FAILS)
     if not (missed and other.window.contains(verdict.observed)):
         return verdict
-    return replace(
-        verdict, expected=f"no claim: {verdict.expected}; other meshes: {other.window.text}", verdict=REPORTED
-    )
+    text = f"no claim: {verdict.expected}; other meshes: {other.window.text}"
+    return replace(verdict, expected=text, verdict=REPORTED)
 
 
 def reason(verdict: Verdict, groups: Groups, expected: float, remedy: str) -> str:
@@ -132,11 +133,6 @@ def reason(verdict: Verdict, groups: Groups, expected: float, remedy: str) -> st
         return "" if slower else f"errors fall more slowly than h^s, and do not slow down: {remedy}"
     if key == "discrete-order-superclose" and verdict.observed > verdict.window_high:
         return f"Π^h u − u^h falls faster than it can on fine meshes: {NOT_YET}: {remedy}"
-    if key == "discrete-order-superclose":
-        return (
-            "Π^h u − u^h is not of higher order than the error: the meshes are too coarse for contact, "
-            f"{remedy}; or load, material or contact is wrong by a little, which the error itself would not show"
-        )
     return REASONS.get(key, "").format(remedy=remedy)
 
 

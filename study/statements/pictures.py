@@ -1,7 +1,5 @@
 """Computes the data for the figures and the report page of a case: contact over time, deformation and stress."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import Any
@@ -171,8 +169,6 @@ def intervals(s: Array, level: Array) -> list[list[float]]:
         level: the values of ψ at the points, (points,).
     """
     inside = level >= 0
-    if not inside.any():
-        return []
     crossing = np.flatnonzero(inside[1:] != inside[:-1])
     jump = level[crossing + 1] - level[crossing]
     roots = s[crossing] - level[crossing] * (s[crossing + 1] - s[crossing]) / jump

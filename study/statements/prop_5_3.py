@@ -11,8 +11,6 @@ limit e∞ varies from seed to seed by up to a quarter of its window, so it is n
 a corner the order must be 1.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -133,9 +133,6 @@ class Rates(FromRates):
         """
         yield self.file, {"claim": self.proposition, **found}
 
-    def steps(self, setting: RateSetting) -> int:
-        return setting.steps
-
 
 # Measurement, with few steps where a few suffice, because it takes most of the run time of a study.
 RESPONSE, MORE = 12, 4
@@ -265,15 +262,9 @@ class Measurement:
         finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
         error = experiment.v_norm.distance(experiment.v_norm.sample(time), self.worst.u)
         raised = finer.distance(finer.sample(time), self.worst.u)
-        change = replace(
-            problem,
-            load=lambda t: finer.load(t) - experiment.v_norm.load(t),
-            u0=np.zeros_like(problem.u0),
-            N=problem.N[:0],
-            gap=0.0,
-            remainder=None,
-            solver=contact_solver(experiment.space),
-        )
+        solver = contact_solver(experiment.space)
+        linear = replace(problem, u0=np.zeros_like(problem.u0), N=problem.N[:0], gap=0.0, remainder=None, solver=solver)
+        change = replace(linear, load=lambda t: finer.load(t) - experiment.v_norm.load(t))
         steps = RESPONSE
         while True:
             drift = maximum([math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)])

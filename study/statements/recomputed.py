@@ -19,8 +19,6 @@ or two. So trajectories and forces agree to 1e-9. These checks notice relative d
 value or a force.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -37,7 +35,6 @@ from study.statements.recomputed_solver import PlainProblem, Trajectory
 from study.statements.shared import estimates
 from study.statements.shared.base import REPORTED, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import is_random
 from study.statements.shared.scope import Scope
 
 ERRORS = "error", "interpolation_error", "discrete_error"
@@ -50,7 +47,6 @@ GAPS = "start", "displacement", "multipliers"
 They compare initial values, displacements at all times (both in the norm of V), and nodal contact forces."""
 SAME_LOAD = "displacement_same_load", "multipliers_same_load"
 """Columns with the differences of displacements and contact forces if both solvers use the load of the study."""
-RECOMPUTED = CsvFile("recomputed.csv", RATES.key, (*RATES.key, "h", *ERRORS, *GAPS, *SAME_LOAD))
 TINY = 1e-12
 """An initial displacement counts as zero if its norm is at most this number times the largest norm over time."""
 
@@ -81,26 +77,20 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         plain: the problem of the second solver.
         own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
     """
-    states = [(s.time, s.u, s.multipliers) for s in setup.scheme.march(setup.problem, 2 * setup.steps)]
+    states = list(setup.scheme.march(setup.problem, 2 * setup.steps))
     norms = plain.norms(np.stack([u for _, u, _ in own_load], axis=1))
     forces = np.linalg.norm([multipliers for *_, multipliers in own_load])
     sizes = max(norms[0], TINY * norms.max()), norms.max(), forces
-    gaps_own, gaps_same = differences(plain, states, own_load), differences(plain, states, same_load)
-    found = zip((*GAPS, *SAME_LOAD), (*gaps_own, *gaps_same[1:]), (*sizes, *sizes[1:]), strict=True)
-    return {name: float(gap / size if size else gap > 0) for name, gap, size in found}
-
-
-def differences(plain: PlainProblem, states: Trajectory, trajectory: Trajectory) -> tuple[float, float, float]:
-    """Return the differences between two trajectories, that is, two discrete solutions at all time nodes.
-
-    Returns:
-        The difference of the initial values in V, the largest difference of displacements in V, and the difference of
-        the contact forces at all times in the Euclidean norm.
-    """
-    pairs = list(zip(states, trajectory, strict=True))
-    missing = plain.norms(np.stack([ours - u for (_, ours, _), (_, u, _) in pairs], axis=1))
-    missing_forces = np.array([ours - forces for (*_, ours), (*_, forces) in pairs])
-    return missing[0], missing.max(), float(np.linalg.norm(missing_forces))
+    found: dict[str, float] = {}
+    for names, trajectory in ((GAPS, own_load), (SAME_LOAD, same_load)):
+        pairs = list(zip(states, trajectory, strict=True))
+        missing = plain.norms(np.stack([ours.u - u for ours, (_, u, _) in pairs], axis=1))
+        missing_forces = np.linalg.norm([ours.multipliers - multipliers for ours, (*_, multipliers) in pairs])
+        quotients = zip((missing[0], missing.max(), missing_forces), sizes, strict=True)
+        relative = [float(gap / size if size else gap > 0) for gap, size in quotients]
+        # The initial value is the same for both loads, so it is compared with the first one only.
+        found |= zip(names, relative[-len(names) :], strict=True)
+    return found
 
 
 def ratio(column: str, norm: str, window: Window) -> Criterion:
@@ -124,15 +114,13 @@ def ratio(column: str, norm: str, window: Window) -> Criterion:
 SAME = around(1, 0.005, "quadrature")
 FORCES = "|λ − λ̃| / |λ̃| over all steps"
 DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
-ALIKE = "both with the same load"
+ALIKE, TWO_RULES = "both with the same load", "the load is integrated by two rules"
 STOPPED = positive_at_most(1e-9, "of ‖u^h‖_V; tolerances of both solvers")
 STOPPED_FORCES = at_most(1e-9, "of λ; tolerances of both solvers")
 TRAJECTORIES = (
     largest("start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding"), "start"),
-    largest(
-        "displacement", DISPLACEMENTS, at_most(2e-3, "of ‖u^h‖_V; the load is integrated by two rules"), "displacement"
-    ),
-    largest("multipliers", FORCES, at_most(0.01, "of λ; the load is integrated by two rules"), "multipliers"),
+    largest("displacement", DISPLACEMENTS, at_most(2e-3, f"of ‖u^h‖_V; {TWO_RULES}"), "displacement"),
+    largest("multipliers", FORCES, at_most(0.01, f"of λ; {TWO_RULES}"), "multipliers"),
     largest("displacement-same-load", f"{DISPLACEMENTS}, {ALIKE}", STOPPED, "displacement_same_load"),
     largest("multipliers-same-load", f"{FORCES}, {ALIKE}", STOPPED_FORCES, "multipliers_same_load"),
 )
@@ -145,7 +133,7 @@ class Recomputed(Statement):
 
     label = "computed again"
     claim = "the errors in rates.csv, computed again from Problem 5.1 with other quadrature, assembly and solvers"
-    file = RECOMPUTED
+    file = CsvFile("recomputed.csv", RATES.key, (*RATES.key, "h", *ERRORS, *GAPS, *SAME_LOAD))
     joined_file = RATES
     per_step = 120.0, 600.0
     rules = (
@@ -165,7 +153,7 @@ class Recomputed(Statement):
             RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
             for reference, case, family in scope.on_families()
             if scope.scheme == MIDPOINT.name
-            if not (is_random(family.name) and (case.proposition == "Prop. 5.3" or case.name in NARROW))
+            if not (family.random and (case.proposition == "Prop. 5.3" or case.name in NARROW))
             for level in scope.levels_of(case).all[:1]
         ]
 
@@ -180,6 +168,3 @@ class Recomputed(Statement):
 
     def memory(self, setting: RateSetting) -> float:
         return estimates.SMALL if setting.dim == 2 else estimates.SOLID
-
-    def steps(self, setting: RateSetting) -> int:
-        return setting.steps

@@ -12,8 +12,6 @@ first assumes that the positive multipliers are the same as in the last iteratio
 of Lawson and Hanson is used.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -68,11 +66,10 @@ class PlainProblem:
         normals: list[Array] = []
         at: list[int] = []
         for face, vertices in zip(self.solution.faces, on, strict=True):
-            known = [
-                vertex for vertex, normal in zip(at, normals, strict=True) if np.allclose(normal, face.part.normal)
-            ]
+            normal = face.part.normal
+            known = [vertex for vertex, other in zip(at, normals, strict=True) if np.allclose(other, normal)]
             new = [int(v) for v in vertices if self.numbers[self.dim * v] >= 0 and v not in known]
-            at, normals = [*at, *new], [*normals, *[face.part.normal] * len(new)]
+            at, normals = [*at, *new], [*normals, *[normal] * len(new)]
         columns = self.numbers[self.dim * np.array(at)[:, None] + np.arange(self.dim)]
         rows = np.repeat(np.arange(len(at)), self.dim)
         self.N = sps.csr_array((np.ravel(normals), (rows, columns.ravel())), shape=(len(at), self.free.size))

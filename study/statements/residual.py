@@ -22,14 +22,14 @@ time has no check of (5.41), which is then 0 ≤ 0. The check is undecided if a 
 times.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+# ``from study.statements import green`` would make results depend on all statements (``study.run.fingerprint``).
+import study.statements.green as green
 from manufactured.body import Kind, Part
 from manufactured.catalogue import catalogue
 from manufactured.exact import ExactSolution
@@ -42,18 +42,6 @@ from study.fem.space import Space
 from study.ledger.criterion import Criterion, Groups, Rule, finest, greatest
 from study.ledger.window import positive_at_most
 from study.statements.boundary import planes, strain, vanishing, waves
-from study.statements.green import (
-    FINE,
-    KINKED,
-    ROUND_OFF,
-    SMOOTH,
-    TIMES,
-    cut_at_fronts,
-    has_smooth_force,
-    smallest_positive,
-    smooth_off_lines,
-    square_integrable,
-)
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.meshes import IRREGULAR, named, place, space_of
 from study.statements.shared.norms import maximum, midpoints
@@ -82,7 +70,7 @@ class Residual(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         if full:
-            cases = [case for case in catalogue() if square_integrable(case)]
+            cases = [case for case in catalogue() if green.square_integrable(case)]
             # In 3D regular meshes are used, because the defect depends on where a front cuts cells; on random meshes of
             # twelve cells it varies by a factor of three.
             return place(cases, IRREGULAR, (8, 16)) + place(cases, REGULAR, (), (8, 15))
@@ -90,10 +78,11 @@ class Residual(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, case = space_of(setting), resolve(setting.case)
-        return with_h(space.h, {**defects(case.solution, space), "smooth": smooth_off_lines(case)})
+        return with_h(space.h, {**defects(case.solution, space), "smooth": green.smooth_off_lines(case)})
 
     def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
-        window, cancelling = (SMOOTH, CANCELLING) if has_smooth_force(groups) else (KINKED, KINKED)
+        smooth_force = green.has_smooth_force(groups)
+        window, cancelling = (green.SMOOTH, CANCELLING) if smooth_force else (green.KINKED, green.KINKED)
         yield finest("smooth", f"{DEFECT} / smallest term, smooth v", window, "smooth v"), groups
         # For v = Π^h u − u the terms nearly cancel.
         yield finest("remainder", f"{DEFECT} / smallest term of R, v = Π^hu − u", cancelling, "Π^hu − u"), groups
@@ -119,21 +108,21 @@ def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
     round-off. It is NaN if there is no contact at these times.
     """
     found: dict[str, list[float]] = {"smooth v": [], "Π^hu − u": [], "bound": []}
-    for time in (fraction * solution.body.T for fraction in TIMES):
-        cut = cut_at_fronts(solution, time)
+    for time in (fraction * solution.body.T for fraction in green.TIMES):
+        cut = green.cut_at_fronts(solution, time)
         R = terms(cut, space, time, [*smooth_fields(space), interpolation_error(cut, space, time)])
-        pressed = ~(R.bound <= ROUND_OFF * np.linalg.norm(R.stress))
+        pressed = ~(R.bound <= green.ROUND_OFF * np.linalg.norm(R.stress))
         found["bound"] += (abs(R.residual[pressed]) / R.bound[pressed]).tolist()
         for name, v, sizes in (
             ("smooth v", slice(FIELDS), (R.stress, R.body, R.loaded, R.contact)),
             ("Π^hu − u", slice(FIELDS, None), (R.stress, R.body, R.loaded)),
         ):
             defect = float(np.linalg.norm((R.residual - R.contact)[v]))
-            found[name].append(defect / smallest_positive([float(np.linalg.norm(size[v])) for size in sizes]))
+            found[name].append(defect / green.smallest_positive([float(np.linalg.norm(size[v])) for size in sizes]))
     instants, touching = midpoints(solution.body.T, INSTANTS).tolist(), False
     for face in solution.faces:
         exact = solution.on(face, on_facets(space, face.part, face.rough).s)
-        least = ROUND_OFF * exact.stress_scale()
+        least = green.ROUND_OFF * exact.stress_scale()
         touching |= any(np.any(abs(exact.pressure(time)) > least) for time in instants)
     if not touching:
         del found["bound"]
@@ -204,7 +193,7 @@ class Terms:
 def terms(solution: ExactSolution, space: Space, time: float, functions: Sequence[FunctionOfV]) -> Terms:
     """Return the terms of the residual for several test fields at one time, by fine quadrature rules."""
     stress, body, loaded, contact, square, pressed = np.zeros((6, len(functions)))
-    for rule in rules(solution, space.mesh, FINE[space.dim]):
+    for rule in rules(solution, space.mesh, green.FINE[space.dim]):
         exact = solution.at(rule.points)
         sigma, force = exact.stress(time) * rule.weights, exact.body_force(time) * rule.weights
         values = [inside(rule) for inside, _ in functions]

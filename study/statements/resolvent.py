@@ -34,8 +34,6 @@ and with −G, which satisfies (3.2) as well.
   - for a monotone G at least (1 + 1/2)⁻¹ = 2/3.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
@@ -114,10 +112,8 @@ class Resolvent(ListedNumbers):
 
 
 def random_functions(space: Space, rng: np.random.Generator) -> Iterator[Array]:
-    """Yield random P1 functions with strains on both sides of the yield point of every law."""
-    for strain in STRAINS:
-        for _ in range(PAIRS):
-            yield random_function(space, strain, rng)
+    """Return random P1 functions with strains on both sides of the yield point of every law."""
+    return (random_function(space, strain, rng) for strain in STRAINS for _ in range(PAIRS))
 
 
 def monotonicity(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, float]:

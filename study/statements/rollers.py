@@ -312,7 +312,6 @@ SCATTER = "order of the relative standard deviation over shaken meshes"
 BEST = "order of E_h = ‖u − P_hu‖_V, the error of the linear problem"
 NEAR_PATCH = "order of the nodal errors of P_hu next to the patch, one or two diagonals"
 FEW_MESHES = "eight meshes determine a standard deviation only up to a quarter"
-BY_LOGARITHM = "a logarithm changes the order from level to level"
 
 
 def change_by_half_steps(group: pd.DataFrame) -> Measured | None:
@@ -423,7 +422,7 @@ class Rollers(ListedNumbers):
             ("order-shaken", f"{EXCESS}, mean over shaken meshes", HALF, "excess", shaken, ""),
             ("order-unstructured", f"{EXCESS}, unstructured meshes", ONE_MESH, "excess", on(UNSTRUCTURED), SMOOTHED),
             ("scatter", SCATTER, SUM, "scatter", shaken, FEW_MESHES),
-            ("best", BEST, LINEAR, "E_h", groups, BY_LOGARITHM),
+            ("best", BEST, LINEAR, "E_h", groups, "a logarithm changes the order from level to level"),
         ):
             criterion = order(key, quantity, window, column)
             yield Observation(criterion, reason) if reason else criterion, mine

@@ -21,8 +21,6 @@ Only P uses the contact solver; nonnegative least squares decides whether a func
 the argument of the proof. The statements on Thm 4.2 test whether computed solutions of Problem 3.2 lie in K.
 """
 
-from __future__ import annotations
-
 from itertools import chain, islice
 
 import numpy as np
@@ -101,16 +99,8 @@ class Separation(ListedNumbers):
                 functionals = [space.functional(other) for other in both]
                 distances += [beyond(load - F, problem.N) / np.linalg.norm(F) for F in functionals]
                 quotients.append(minimum(np.sum((other - sigma) * weighted) for other in both) / (work / 2))
-        return with_h(
-            space.h,
-            {
-                "cone": maximum(cones),
-                "least gap": minimum(gaps),
-                "largest gap": maximum(gaps),
-                "stresses": maximum(distances),
-                "refuted": minimum(quotients),
-            },
-        )
+        found = {"cone": maximum(cones), "least gap": minimum(gaps), "largest gap": maximum(gaps)}
+        return with_h(space.h, {**found, "stresses": maximum(distances), "refuted": minimum(quotients)})
 
 
 def projected(problem: SemiDiscrete, u: Array) -> Array:

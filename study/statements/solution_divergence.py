@@ -23,8 +23,6 @@ monotone except for gI, g = max(−m, 0)/m_A ≤ ω: it multiplies differences b
 factors for e^{ωt}, which is smaller, holds for the steps without an error in time, and the even law attains it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from itertools import islice
@@ -68,9 +66,9 @@ def column(law: str, what: str, omega: float, T: float) -> str:
     return f"{law} {what}, ω = {omega:g}, T = {T:g}"
 
 
-def columns(law: str, what: str) -> list[str]:
+def columns(law: str, what: str, pairs: tuple[tuple[float, float], ...] = SWEEP) -> list[str]:
     """Return the names of the columns with a measured number of a law, one for each pair (ω, T)."""
-    return [column(law, what, omega, T) for omega, T in SWEEP]
+    return [column(law, what, omega, T) for omega, T in pairs]
 
 
 class SolutionDivergence(ListedNumbers):

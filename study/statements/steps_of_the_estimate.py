@@ -40,8 +40,6 @@ Early times are included, because ∫‖e‖² on the right side hides a wrong u
 larger than η, the ratio is 3/((2 + 6L) t) in (5.16) and (5.19), which exceeds 1 only for t < 3/(2 + 6L).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 

@@ -9,8 +9,6 @@ case was judged at first and is now only reported, because its ü is not square 
 between 1 % and 40 %.
 """
 
-from __future__ import annotations
-
 from types import MappingProxyType
 
 from manufactured.catalogue import catalogue
@@ -52,25 +50,20 @@ class Superclose(ListedNumbers):
     not_judged = MappingProxyType({"load-w11": BY_CHANCE})
 
     def places(self, full: bool) -> list[Setting]:
-        cases = [
-            case.name
-            for case in catalogue()
-            if case.proposition == "Prop. 5.4" and case.solution.body.dim == 2 and FAMILY in families(case)
-        ]
+        plane = [case for case in catalogue() if case.proposition == "Prop. 5.4" and case.solution.body.dim == 2]
+        cases = [case.name for case in plane if FAMILY in families(case)]
         return grid(cases, (FAMILY,), (16, 32, 64)) if full else grid(EVOLVING[:2], (FAMILY,), (8, 16, 32))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, self.steps(setting))
         coarse = setup.scheme.march(setup.problem, setup.steps // 2)
-        discrete: list[float] = []
-        drift: list[float] = []
+        discrete, drift = [], []
         for n, state in enumerate(setup.scheme.march(setup.problem, setup.steps)):
             discrete.append(norm(setup.problem, setup.v_norm.sample(state.time).interpolant - state.u))
             if n % 2 == 0:
                 drift.append(norm(setup.problem, next(coarse).u - state.u))
-        return with_h(
-            setup.space.h, {"discrete error": maximum(discrete), "time share": maximum(drift) / maximum(discrete)}
-        )
+        found = {"discrete error": maximum(discrete), "time share": maximum(drift) / maximum(discrete)}
+        return with_h(setup.space.h, found)
 
     def cost(self, setting: Setting) -> float:
         return 2.0 * setting.level**2 * self.steps(setting)

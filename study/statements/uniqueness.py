@@ -4,8 +4,6 @@ For Theorems 4.1 and 5.2 displacements are compared that solve Problem 3.1 on V^
 that solve Problem 3.2 in a conforming stress space, without displacements.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

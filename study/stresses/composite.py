@@ -22,8 +22,6 @@ Math. 30 (1978) 103–116; D. N. Arnold, J. Douglas, C. P. Gupta, A family of hi
 for plane elasticity, Numer. Math. 45 (1984) 1–22.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from math import factorial, prod
@@ -64,14 +62,12 @@ def bernstein(degree: int, barycentric: Array) -> Array:
     Returns:
         The values, (polynomials, ...).
     """
-    return np.array(
-        [
-            factorial(degree)
-            / prod(map(factorial, alpha))
-            * prod(x**a for x, a in zip(barycentric, alpha, strict=True))
-            for alpha in indices(degree, len(barycentric))
-        ]
-    )
+
+    def polynomial(alpha: tuple[int, ...]) -> Array:
+        powers = (x**a for x, a in zip(barycentric, alpha, strict=True))
+        return factorial(degree) / prod(map(factorial, alpha)) * prod(powers)
+
+    return np.array([polynomial(alpha) for alpha in indices(degree, len(barycentric))])
 
 
 def interval_mass(degree: int, other: int) -> Array:

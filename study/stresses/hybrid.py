@@ -28,8 +28,6 @@ Source of hybridisation: D. N. Arnold, F. Brezzi, Mixed and nonconforming finite
 postprocessing and error estimates, RAIRO Modél. Math. Anal. Numér. 19 (1985) 7–32.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -224,8 +222,7 @@ def act(C: Array, strain: Tensors) -> Tensors:
     """
     if C.ndim == 2:
         return mapped(C, strain)
-    found: Tensors = np.einsum("...IJ,J...->I...", C, strain)
-    return found
+    return np.asarray(np.einsum("...IJ,J...->I...", C, strain))
 
 
 def _times(vectors: Array, matrices: Array) -> Array:

@@ -96,7 +96,7 @@ class Snapshot:
 
 
 class ProjectedLoads:
-    """Computes the projected loads P f_0 and P f_2 at any time; the result for the last time is cached.
+    """Computes the projected loads P f_0 and P f_2 at any time.
 
     Args:
         data: the problem.
@@ -111,19 +111,17 @@ class ProjectedLoads:
         self._lines = [Line(*line) for line in data.lines]
         self._cut = np.concatenate([*rough_cells(self._thirds, self._lines, data.points), np.empty(0, dtype=int)])
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
-        self._last: tuple[float, Loads] | None = None
 
     def __call__(self, time: float) -> Loads:
-        if self._last is None or self._last[0] != time:
-            space = self.space
-            force = np.empty((3 * space.cells, space.degree * (space.degree + 1) // 2, 2))
-            for block, values in self._evaluated(time):
-                force[block.rule.cells] = block.projected(values)
-            surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
-            for part in self._parts:
-                surface[part.edges] = part.projected(part.load(time))
-            self._last = time, Loads(force.reshape(space.cells, 3, -1, 2), surface)
-        return self._last[1]
+        """Return the projected loads P f_0 and P f_2 at a time."""
+        space = self.space
+        force = np.empty((3 * space.cells, space.degree * (space.degree + 1) // 2, 2))
+        for block, values in self._evaluated(time):
+            force[block.rule.cells] = block.projected(values)
+        surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
+        for part in self._parts:
+            surface[part.edges] = part.projected(part.load(time))
+        return Loads(force.reshape(space.cells, 3, -1, 2), surface)
 
     def _block(self, rule: CellRule) -> _Block:
         mesh, degree = self.space.mesh, self.space.degree
@@ -240,9 +238,8 @@ def _force_at(data: Data, x: Points) -> ForceInTime:
     if data.force_modes is None:
         return data.body_force(x)
     modes = data.force_modes(x.reshape(len(x), -1))
-    (rates, viscous), (strains, elastic) = (
-        (amplitudes_of(part), strain_matrix(part, x[0].size)) for part in (modes.viscous, modes.elastic)
-    )
+    rates, strains = (amplitudes_of(part) for part in (modes.viscous, modes.elastic))
+    viscous, elastic = (strain_matrix(part, x[0].size) for part in (modes.viscous, modes.elastic))
     return lambda time: (viscous @ rates(time, True) + elastic @ strains(time, False)).reshape(x.shape)
 
 

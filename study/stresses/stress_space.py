@@ -6,8 +6,6 @@ products of two stresses exactly, and by the Bernstein coefficients of its tract
 normal and tangential components (ν, τ), elsewhere Cartesian ones.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

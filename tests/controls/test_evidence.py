@@ -217,11 +217,11 @@ tractions at the last instant @ study.statements.boundary:tractions
   + .iloc[-1]
   +     return
   = one instant: σ^h
-trajectories at the last node @ study.statements.recomputed:differences
+trajectories at the last node @ study.statements.recomputed:gaps
   - missing.max()  ↦  missing[-1]
   = computed again: u, odd node; computed again: u, even node
-forces of the last step, again @ study.statements.recomputed:differences
-  - np.linalg.norm(missing_forces)  ↦  np.linalg.norm(missing_forces[-1])
+forces of the last step, again @ study.statements.recomputed:gaps
+  - (*_, multipliers) in pairs])  ↦  (*_, multipliers) in pairs[-1:]])
   = computed again: λ, odd node; computed again: λ, even node
 errors at every even time, again @ study.controls.baselines:recompute
   - np.max(errors, axis=0)  ↦  np.max(errors[::2], axis=0)

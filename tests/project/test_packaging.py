@@ -105,6 +105,11 @@ def test_the_wheel_has_the_mark_that_its_packages_are_typed() -> None:
         assert (ROOT / package / "py.typed").is_file()
 
 
+def test_the_wheel_has_the_texts_of_statements_without_a_measurement() -> None:
+    assert "*.toml" in PYPROJECT["tool"]["setuptools"]["package-data"]["study.statements"]
+    assert [path.name for path in ROOT.glob("study/statements/**/*.toml")] == ["unmeasured.toml"]
+
+
 def test_everything_that_says_what_this_is_says_the_same() -> None:
     cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     deposited = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))

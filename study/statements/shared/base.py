@@ -4,8 +4,6 @@ A statement is a claim of the paper or of this study. It is measured in several 
 on one mesh. Criteria compare the measured numbers with tolerance windows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -156,9 +154,9 @@ class Statement:
     def steps(self, setting: Any) -> int:
         """Return the number of time steps, which is part of the cache key of the result.
 
-        It is 0 if ``measure`` itself chooses the number.
+        It is the number in the setting, or 0 if the setting has none because ``measure`` itself chooses the number.
         """
-        return 0
+        return int(getattr(setting, "steps", 0))
 
     def __eq__(self, other: object) -> bool:
         return type(self) is type(other)
@@ -177,11 +175,8 @@ SOFTENING = ("softening", "double-well")
 """Two cases with an elasticity operator G that softens: G is Lipschitz, as (3.2) requires, but not monotone.
 
 G is linear in the first case and nonlinear in the second."""
-LISTED = CsvFile(
-    "statements.csv",
-    ("label", "case", "family", "level"),
-    ("label", "case", "family", "level", "h", "quantity", "value"),
-)
+KEY = ("label", "case", "family", "level")
+LISTED = CsvFile("statements.csv", KEY, (*KEY, "h", "quantity", "value"))
 """The data file of most statements. It has one row for each measured number."""
 
 

@@ -1,7 +1,5 @@
 """Matrices of bilinear forms on the P1 space V^h, and extreme values of Rayleigh quotients of two forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.sparse as sps
 from scipy.sparse.linalg import eigsh

@@ -16,8 +16,6 @@ The constants come from measured peaks of the resident memory with one thread. T
     task           static problems at three times n = 128: 180; n time steps n = 64: 310, 96: 1130; in space n = 18: 390
 """
 
-from __future__ import annotations
-
 from study.fem.naming import family_named
 
 MIB, KIB = 2.0**20, 2.0**10

@@ -16,8 +16,6 @@ On 8 × 8 cells with a contact front δ_n is about 1/20. Two remedies reduce thi
   0.006 for n = 8, 16 and 32, so nearly all scatter of an order came from the coarsest mesh.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from functools import lru_cache
 

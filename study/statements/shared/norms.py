@@ -3,10 +3,8 @@
 All use the same quadrature rules as the errors that ``ErrorNorm`` computes.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +13,7 @@ from manufactured.exact import ExactSolution
 from manufactured.exact.solution import FaceFields
 from manufactured.tensors import Array, Tensors
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines
-from study.fem.quadrature import facet_rule
+from study.fem.quadrature import Line, facet_rule
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
 
@@ -55,47 +53,23 @@ def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
     return math.sqrt(max(float(functional @ riesz(functional)), 0.0))
 
 
-class Velocity:
-    """Computes the norm ‖u̇(t)‖_V of the exact velocity and its interpolation error ‖u̇(t) − Π^h u̇(t)‖_V."""
-
-    def __init__(self, solution: ExactSolution, space: Space) -> None:
-        self.space = space
-        self._blocks = [
-            (rule, solution.at(rule.points), solution.law.at(rule.points).A)
-            for rule in rules(solution, space.mesh, DEGREE)
-        ]
-        self._nodes = solution.at(space.mesh.p)
-
-    def norm(self, times: Array) -> Array:
-        """Return the norm ‖u̇(t)‖_V of the exact velocity at n times, (n,)."""
-        return np.array([self._distance(time, np.zeros(self.space.dofs)) for time in times.tolist()])
-
-    def interpolation_error(self, times: Array) -> Array:
-        """Return the interpolation error ‖u̇(t) − Π^h u̇(t)‖_V of the exact velocity at n times, (n,)."""
-        interpolants = ((time, self.space.interpolate(self._nodes.velocity(time))) for time in times.tolist())
-        return np.array([self._distance(time, v) for time, v in interpolants])
-
-    def _distance(self, time: float, v: Array) -> float:
-        """Return the distance ‖u̇(t) − v‖_V of the exact velocity from a P1 function v."""
-        strain, total = self.space.strain(v), 0.0
-        for rule, fields, A in self._blocks:
-            difference = fields.strain_rate(time) - strain[:, rule.cells, None]
-            total += float(np.einsum("Icq,Icq,cq->", A(difference), difference, rule.weights))
-        return math.sqrt(total)
-
-
 class Energies:
     """Computes inner products in V and the work of stresses on strains.
 
     ``ErrorNorm`` integrates the load with the same quadrature points. So the stress in a work and the stress in the
     load have the same quadrature error.
 
+    Args:
+        solution: the exact solution.
+        space: the P1 displacement space V^h.
+        along: lines along which quadrature points are moved, as for ``ErrorNorm``; by default as there.
+
     Attributes:
         exact: the exact solution at the quadrature points; its strains have the shape (D, points).
     """
 
-    def __init__(self, solution: ExactSolution, space: Space) -> None:
-        blocks = rules(solution, space.mesh, DEGREE, shared_lines(solution))
+    def __init__(self, solution: ExactSolution, space: Space, along: Sequence[Line] | None = None) -> None:
+        blocks = rules(solution, space.mesh, DEGREE, shared_lines(solution) if along is None else along)
         self.space = space
         self.weights = np.concatenate([rule.weights.ravel() for rule in blocks])
         self._cells = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in blocks])
@@ -127,6 +101,24 @@ class Energies:
     def product(self, one: Tensors, other: Tensors) -> float:
         """Return the inner product (A ε, ε')_Q of V for two strains at the quadrature points, (D, points)."""
         return self.work(self.exact.law.A(one), other)
+
+
+class Velocity:
+    """Computes the norm ‖u̇(t)‖_V of the exact velocity and its interpolation error ‖u̇(t) − Π^h u̇(t)‖_V."""
+
+    def __init__(self, solution: ExactSolution, space: Space) -> None:
+        self.energies = Energies(solution, space, along=())
+
+    def norm(self, times: Array) -> Array:
+        """Return the norm ‖u̇(t)‖_V of the exact velocity at n times, (n,)."""
+        rates = (self.energies.exact.strain_rate(time) for time in times.tolist())
+        return np.sqrt([self.energies.product(rate, rate) for rate in rates])
+
+    def interpolation_error(self, times: Array) -> Array:
+        """Return the interpolation error ‖u̇(t) − Π^h u̇(t)‖_V of the exact velocity at n times, (n,)."""
+        exact, strain, interpolant = self.energies.exact, self.energies.strain, self.energies.interpolated_rate
+        errors = (exact.strain_rate(time) - strain(interpolant(time)) for time in times.tolist())
+        return np.sqrt([self.energies.product(error, error) for error in errors])
 
 
 class ContactWork:

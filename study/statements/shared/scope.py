@@ -1,7 +1,5 @@
 """The scope of a study: the cases, mesh families, levels and time scheme with which it runs."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise

@@ -15,8 +15,6 @@ A task is such a problem on one mesh. It has two modes:
 All data except the displacements are multiplied by one factor S, which does not change u.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -151,11 +149,9 @@ class Task:
 
     def pressures(self, time: float) -> list[Array]:
         """Return for each contact face the exact pressure at its vertices that are not clamped, (vertices,)."""
-        found = []
-        for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
-            s, _ = part.coordinates(self.space.mesh.p[:, vertices])
-            found.append(self.solution.on(face, s).pressure(time))
-        return found
+        pairs = zip(self.solution.faces, self.space.contact, strict=True)
+        places = [(face, part.coordinates(self.space.mesh.p[:, vertices])[0]) for face, (part, vertices) in pairs]
+        return [self.solution.on(face, s).pressure(time) for face, s in places]
 
     def tractions(self, kind: Kind, time: float) -> list[Array]:
         """Return exact tractions at the facet corners of all boundary parts of a kind.
