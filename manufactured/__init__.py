@@ -7,8 +7,6 @@ is built from a gap and a pressure. They are formulas of the coordinate ``s`` al
 ``slab``. With them the displacement that belongs to a contact face decreases to zero inside the body.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 

@@ -1,7 +1,5 @@
 """A case: an exact solution, its regularity, the predicted order of convergence, and the reason for this order."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import astuple, dataclass, fields

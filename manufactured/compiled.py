@@ -1,7 +1,5 @@
 """NumPy functions made from SymPy expressions and their derivatives."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """Evaluates all fields of an exact solution at given points and one time, in one call."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

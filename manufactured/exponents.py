@@ -1,7 +1,5 @@
 """Finds the exponents of truncated powers in a formula, and the parts of a formula that may not be smooth."""
 
-from __future__ import annotations
-
 import math
 
 import sympy as sp

@@ -1,7 +1,5 @@
 """Reads the exponents at contact fronts off the formulas of gap, pressure and strain on a face."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Scalar factors α(x) > 0 of material tensors, by which a material becomes heterogeneous."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

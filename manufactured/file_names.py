@@ -1,7 +1,5 @@
 """Checks whether a name can be part of a file name on every operating system."""
 
-from __future__ import annotations
-
 import re
 
 MOST_BYTES = 100

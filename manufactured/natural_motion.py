@@ -21,8 +21,6 @@ error that remains in the cell is ~ h^{3/2}. The errors of h^{−1} cells are in
 the order of the interpolation error.
 """
 
-from __future__ import annotations
-
 from sympy import Expr, Rational
 
 from manufactured.body import Kind, unit_square

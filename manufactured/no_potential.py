@@ -20,8 +20,6 @@ The case is not in the catalogue, because some computations for cases of the cat
 on the strains of V^h, the energy balance, and the error bound.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from manufactured.case import Case

@@ -12,8 +12,6 @@
   towards this corner and towards the ends of Γ1.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from sympy import Expr, Rational, sqrt

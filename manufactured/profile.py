@@ -1,7 +1,5 @@
 """Functions of the depth y that continue contact data from a face into the body (``manufactured.contact``)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """The order of convergence that is proved for a case."""
 
-from __future__ import annotations
-
 from manufactured.case import Case
 
 

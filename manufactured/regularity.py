@@ -24,8 +24,6 @@ Prop. 5.4 gives, ``proved_order``, may be lower. For u̇ ∈ H^{1+s'} and u_ν �
 Π^h u̇‖_V and ‖u_ν − Π^h u_ν‖^{1/2}_{L²(Γ3)} in (5.42). If σ_ν ∉ L²(Γ3), it is min(1, s', s/2), from (5.28).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

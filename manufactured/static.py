@@ -1,7 +1,5 @@
 """Problems of static linear elasticity with contact, without viscosity and time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from manufactured.body import Body

@@ -4,8 +4,6 @@ Gap and pressure are SymPy formulas of ``s``, the coordinate along a contact fac
 time ``t``. ``compiled`` makes NumPy functions of them and of their derivatives, and ``jet`` evaluates these functions.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from itertools import product
 

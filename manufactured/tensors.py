@@ -19,8 +19,6 @@ Source: J. Mandel, Généralisation de la théorie de plasticité de W. T. Koite
 Struct. 1 (1965) 273–295.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Functions that make bodies: polygons, the unit square and boxes."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

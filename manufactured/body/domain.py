@@ -1,7 +1,5 @@
 """A body: a polygon or polyhedron with boundary parts."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

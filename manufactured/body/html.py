@@ -1,7 +1,5 @@
 """HTML for notebooks: a picture of a body with its boundary parts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

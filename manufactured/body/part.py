@@ -6,8 +6,6 @@ divided into the simplices (c_0, c_i, …, c_{i+d−2}) that share its first cor
     |S| ν = Σ_i a_i/(d−1)!,   where the vector a_i is given by a_i·x = det [x, c_i − c_0, …].
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum

@@ -4,8 +4,6 @@ Each term is a derivative of w, q or r along the face times a function of the de
 w − g replaces w.
 """
 
-from __future__ import annotations
-
 import math
 from functools import lru_cache
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Turns formulas of x1, x2, x3 and t into functions of points and time."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The formulas of the data of a problem, for computations that need more than values at points."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import sympy as sp

@@ -1,7 +1,5 @@
 """Interfaces of the displacement fields whose sum is an exact solution."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import sympy as sp

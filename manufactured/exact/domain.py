@@ -3,8 +3,6 @@
 This is necessary because the formulas of exact solutions can also be evaluated elsewhere, where they are no solution.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 

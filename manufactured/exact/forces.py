@@ -5,8 +5,6 @@ of w, q and r (gap, normal and shear strain) along the face. So f_0 is a sum ove
 a field that does not depend on time. Other displacement fields are evaluated point by point.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Integrals over time of polynomials times e^{−λ(t−r)}, by the φ-functions of exponential integrators."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The times at which contact fronts pass given points of a face, so that contact begins or ends there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol

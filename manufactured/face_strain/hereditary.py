@@ -1,7 +1,5 @@
 """The normal strain q on a contact face for a linear law, which depends on the history of the pressure."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 

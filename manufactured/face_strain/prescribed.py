@@ -1,7 +1,5 @@
 """A prescribed strain on a contact face; the pressure follows from the law."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

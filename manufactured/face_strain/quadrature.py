@@ -1,7 +1,5 @@
 """Integrals over time of smooth functions times e^{−λ(t−r)} by Gauss's rule, if no closed form is known."""
 
-from __future__ import annotations
-
 import math
 from copy import copy
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The interface of the strain on a contact face."""
 
-from __future__ import annotations
-
 from typing import Protocol
 
 import sympy as sp

@@ -1,7 +1,5 @@
 """An elasticity operator that is neither monotone nor zero at rest, G(ε) = S + C ε + β (ε − P_K ε)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Linear operators τ ↦ α(x) C τ: viscosity A, (3.1), and linear elasticity G, (2.7)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

@@ -1,7 +1,5 @@
 """A linear elasticity operator whose matrix is not symmetric, so the operator is not the derivative of an energy."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

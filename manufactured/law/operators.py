@@ -1,7 +1,5 @@
 """Interfaces of constitutive operators: elasticity operators that satisfy (3.2), and operators at fixed points."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Protocol
 

@@ -1,7 +1,5 @@
 """The elasticity operator (3.3), G(ε) = β (ε − P_K ε), with the projection P_K onto a closed convex set."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

@@ -23,8 +23,6 @@ in H².
 Predicted order 1 for a fixed ℓ and h → 0, because u ∈ H². The statement ``statements.rollers`` studies ℓ = 2h.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 from sympy import Expr, Rational, exp, prod, sqrt

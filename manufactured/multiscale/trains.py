@@ -23,8 +23,6 @@ higher. For one fixed u the order finally rises above 1. No order is predicted f
 asymptotic on these meshes.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 from sympy import Expr, Rational, pi, sin, sqrt

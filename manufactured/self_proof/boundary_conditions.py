@@ -1,7 +1,5 @@
 """Checks of the boundary conditions (2.3), (2.4) and (2.5) of the contact problem at random points."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

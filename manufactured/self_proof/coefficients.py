@@ -1,7 +1,5 @@
 """Checks for heterogeneous materials: continuous tractions where a factor jumps, and the bounds of the factors."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from manufactured.exact import ExactSolution

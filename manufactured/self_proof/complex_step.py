@@ -4,8 +4,6 @@ Source: J. N. Lyness, C. B. Moler, Numerical differentiation of analytic functio
 202–210.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

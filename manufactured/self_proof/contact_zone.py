@@ -1,7 +1,5 @@
 """Checks of the contact data on grids of the contact faces and of [0, T]: signs, contact zone and continuity."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from manufactured.body import Part

@@ -1,7 +1,5 @@
 """The result of checking one condition of the contact problem, and the error that lists all violated conditions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

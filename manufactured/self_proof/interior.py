@@ -1,7 +1,5 @@
 """Checks of the conditions inside the body: strain (2.10), velocity (2.6), law (2.1) and equilibrium (2.2)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

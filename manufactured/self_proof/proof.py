@@ -1,7 +1,5 @@
 """The self-proof of an exact solution, which checks all conditions of Problem 2.1."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from manufactured.exact import ExactSolution

@@ -1,7 +1,5 @@
 """The terms y^m Re(c z^β), z = x + iy, of which singular displacement fields consist."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A part of the contact boundary where the displacement is a singular field."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -9,8 +9,6 @@ root is a lower bound of the error for all v ∈ V^h. It is a difference of near
 relative accuracy to about (machine precision)/h², that is 1e-10 at h = 1e-3.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@
 ``ErrorNorm``.
 """
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

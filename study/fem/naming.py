@@ -1,7 +1,5 @@
 """Finds cases, problems and mesh families by the names that commands and data files use."""
 
-from __future__ import annotations
-
 import importlib.util
 import re
 import sys

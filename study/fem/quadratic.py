@@ -6,8 +6,6 @@ coefficients ν·c. If all of them are ≤ 0, so is v_ν. These are the constrai
 midpoints would not suffice.) Not every admissible quadratic displacement satisfies them.
 """
 
-from __future__ import annotations
-
 from functools import cached_property
 
 import numpy as np

@@ -7,8 +7,6 @@
 * All other cells have a standard rule.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

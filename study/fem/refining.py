@@ -6,8 +6,6 @@ mesh. Loads and errors of functions in V^h can thus be computed on the finer mes
 approximate.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -3,8 +3,6 @@
 v|_ϱ² = ∬ |v(x) − v(y)|² |x − y|^{−1−2ϱ} dx dy.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The energy balance of a computed motion: stored energy, dissipation, and work of contact and load."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -14,8 +14,6 @@ The first bound needs the computed solution, the second only the data; both hold
 paper/time.tex.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

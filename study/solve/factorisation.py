@@ -1,7 +1,5 @@
 """Sparse Cholesky factorisation of a symmetric positive definite matrix, by SciPy's SuperLU."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -13,8 +13,6 @@ measure the remaining error.
 of such pairs are pairs, so each image needs one product with M only.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable, Sequence
 

@@ -21,8 +21,6 @@ independent of h. z is the initial velocity u̇^h(0+), which is the projection o
 directions that K^h permits at u_0, and ‖z‖_V ≤ ‖f(0)‖_V + ‖B^h u_0‖_V.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

@@ -4,8 +4,6 @@ Source: P. Goulart, Y. Chen, Clarabel: an interior-point solver for conic progra
 arXiv:2405.12762 (2024).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import clarabel

@@ -27,8 +27,6 @@ are removed from the finest matrix and from the corrections that the coarse leve
 active set would halve the number of iterations, but their construction would take the time that they save.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from itertools import combinations
 

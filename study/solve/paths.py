@@ -1,7 +1,5 @@
 """Numerical solutions as arrays of displacements at equidistant times, and distances between such solutions."""
 
-from __future__ import annotations
-
 import math
 from itertools import pairwise
 

@@ -17,8 +17,6 @@ forward and one backward substitution. W = YᵀY.
 Large problems in 3D are solved by multigrid instead (``study.solve.solver_choice``).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Chooses the contact solver for a space, direct or multigrid, and the largest residual that it may leave."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from functools import partial

@@ -5,8 +5,6 @@ about pace · T · n^e steps, where ``pace`` is a factor and the exponent e depe
 the time error to be negligible relative to the error in space.
 """
 
-from __future__ import annotations
-
 import math
 
 from study.ledger.files import UsageError
