@@ -1,17 +1,20 @@
-"""The record of seeds adds and never replaces, and counts no seed for a rule that it was not judged by."""
+"""The record of seeds adds and never replaces, and ``study check`` notices every line that was changed."""
 
 from __future__ import annotations
 
 import gzip
 import re
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from study.controls.alarms import newer, tally, text
+from study.controls import alarms
+from study.controls.alarms import compare_record, newer, tally, text
 from study.controls.record import Record, packed, place, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.datafiles import DataError, alarm_summary
@@ -142,7 +145,6 @@ def with_line(change: Callable[[str], str]) -> Callable[[bytes], bytes]:
         (with_line(lambda line: line[:-1] + "aaaa\n"), "is damaged"),
         (with_line(lambda line: line[:-2] + "\n"), "is damaged"),
         (lambda packed: packed[:-9], r"places.csv.gz is not a table"),
-        (lambda packed: packed[:40], r"places.csv.gz is not a table"),
         (lambda packed: b"label,key", r"places.csv.gz is not a table"),
     ],
 )
@@ -163,3 +165,72 @@ def test_a_thousand_rows_and_a_hundred_and_fifty_seeds_take_less_than_250_kB(tmp
     lines = {row: replace(line, places="".join(rng.permutation(digits))) for row in known}
     replace(record, lines=lines).write(tmp_path)
     assert sum(path.stat().st_size for path in (tmp_path / "data" / "seeds").iterdir()) < 250_000
+
+
+RESULTS = Path(__file__).parents[2] / "results"
+TABLE, DRAWN, PLACES = "seeds.csv", "seeds/drawn.csv", "seeds/places.csv.gz"
+Change = Callable[[list[str]], list[str]]
+
+
+@pytest.fixture
+def copied(tmp_path: Path, committed: Record, counted: pd.DataFrame, monkeypatch) -> Path:
+    """A copy of the committed record and its table, which is not counted again while the record is unchanged."""
+    monkeypatch.setattr(alarms, "tally", lambda record: counted if record == committed else tally(record))
+    (tmp_path / "data").mkdir()
+    shutil.copy(RESULTS / "data" / TABLE, tmp_path / "data")
+    shutil.copytree(RESULTS / "data" / "seeds", tmp_path / "data" / "seeds")
+    return tmp_path
+
+
+def without(line: int) -> Change:
+    return lambda lines: [text for number, text in enumerate(lines) if number != line % len(lines)]
+
+
+def changed(line: int, change: Callable[[str], str]) -> Change:
+    return lambda lines: [*lines[:line], change(lines[line]), *lines[line + 1 :]]
+
+
+def one_alarm_more(text: str) -> str:
+    *start, alarms = text.rstrip("\n").split(",")
+    return ",".join([*start, f"{int(alarms) + 1}\n"])
+
+
+TAMPERED: dict[str, tuple[str, Change]] = {
+    "the last line of the table deleted": (TABLE, without(-1)),
+    "a line of the seeds deleted": (DRAWN, without(80)),
+    "the last line of the places deleted": (PLACES, without(-1)),
+    "a line of the table twice": (TABLE, lambda lines: [*lines, lines[-1]]),
+    "a number of the table": (TABLE, changed(1, lambda text: text.replace(",100,0,", ",101,0,"))),
+    "a seed twice": (DRAWN, lambda lines: [*lines[:-1], lines[5], lines[-1]]),
+    "an alarm more": (DRAWN, changed(71, one_alarm_more)),
+    "another part": (DRAWN, changed(5, lambda text: text.replace("whole", "light"))),
+}
+
+
+def test_the_committed_record_agrees_with_its_table(copied: Path) -> None:
+    assert {path.name for path in compare_record(copied)} == {"seeds.csv", "drawn.csv", "places.csv.gz"}
+
+
+@pytest.mark.parametrize("name", TAMPERED)
+def test_a_change_is_refused(name: str, copied: Path) -> None:
+    file, change = TAMPERED[name]
+    path = copied / "data" / file
+    content = path.read_bytes()
+    packed = path.suffix == ".gz"
+    lines = (gzip.decompress(content) if packed else content).decode().splitlines(keepends=True)
+    assert change(lines) != lines
+    text = "".join(change(lines)).encode()
+    path.write_bytes(gzip.compress(text) if packed else text)
+    with pytest.raises(DataError, match="seeds"):
+        compare_record(copied)
+
+
+@pytest.mark.parametrize("file", [TABLE, DRAWN, PLACES])
+def test_a_missing_file_is_refused(file: str, copied: Path) -> None:
+    (copied / "data" / file).unlink()
+    with pytest.raises(DataError, match=f"{Path(file).name} is missing"):
+        compare_record(copied)
+
+
+def test_a_run_without_seeds_has_nothing_to_compare(tmp_path: Path) -> None:
+    assert compare_record(tmp_path) == set()

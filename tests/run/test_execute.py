@@ -269,7 +269,7 @@ EVERY = [
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere there is no /proc")
 @pytest.mark.parametrize(
     "job",
-    [full_contact(96), *(pytest.param(job, marks=pytest.mark.slow) for job in EVERY)],
+    [full_contact(64), *(pytest.param(job, marks=pytest.mark.slow) for job in EVERY)],
     ids=lambda job: job.key,
 )
 def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None:

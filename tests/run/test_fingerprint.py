@@ -50,25 +50,27 @@ def forget() -> None:
 
 
 def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_not(copied: Path) -> None:
-    def keys_after(module: str, old: str, new: str) -> tuple[str, str]:
-        """The cache keys of a measurement, and of all that depends on any code, after a change of a module."""
-        path = copied / module
-        text = path.read_text(encoding="utf-8")
-        assert old in text, (module, old)
-        path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    def keys_after(old: str, new: str, *modules: str) -> tuple[str, str]:
+        """The cache keys of a measurement, and of all that depends on any code, after a change of modules."""
+        texts = {copied / module: (copied / module).read_text(encoding="utf-8") for module in modules}
+        for path, text in texts.items():
+            assert old in text, (path, old)
+            path.write_text(text.replace(old, new, 1), encoding="utf-8")
         forget()
         found = fingerprint(FirstOrder(), SETTING), of_everything()
-        path.write_text(text, encoding="utf-8")
+        for path, text in texts.items():
+            path.write_text(text, encoding="utf-8")
         return found
 
-    before = keys_after(COMPUTE[0], "import", "import")
-    for module in (*COMPUTE, *REST):
-        assert keys_after(module, '"""', '"""In other words: ') == before
-        assert keys_after(module, "\n\n", "\n# A comment.\n\n") == before
-        measured, everything = keys_after(module, "\nfrom ", "\nCHANGED = 1\nfrom ")
+    every = (*COMPUTE, *REST)
+    before = keys_after("", "")
+    assert keys_after('"""', '"""In other words: ', *every) == before
+    assert keys_after("\n\n", "\n# A comment.\n\n", *every) == before
+    for module in every:
+        measured, everything = keys_after("\nfrom ", "\nCHANGED = 1\nfrom ", module)
         assert (measured != before[0]) == (module in COMPUTE)
         assert everything != before[1]
-    measured, everything = keys_after("study/statements/prop_5_4.py", "positive_at_most(0.02", "positive_at_most(0.03")
+    measured, everything = keys_after("positive_at_most(0.02", "positive_at_most(0.03", "study/statements/prop_5_4.py")
     assert measured == before[0], "a changed window measures nothing anew"
     assert everything != before[1]
 

@@ -1,11 +1,13 @@
-"""The condensation of the contact solve and the factorisation it rests on, against dense linear algebra."""
+"""The contact solve: the condensation and the factorisation it rests on, against dense linear algebra."""
 
 from __future__ import annotations
+
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 import scipy.sparse as sps
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from random_examples import COSTLY
 from scipy.sparse.linalg import splu
@@ -14,6 +16,7 @@ from step_matrix import require_optimal, step_matrix
 from manufactured import Kind, named, polygon
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space, form
+from study.solve import signorini
 from study.solve.factorisation import Cholesky, nested_dissection
 from study.solve.signorini import Signorini
 
@@ -149,3 +152,31 @@ def test_a_matrix_without_positive_pivots_is_refused() -> None:
     for entries in (*small, with_one_negative_pivot(0), with_one_negative_pivot(200)):
         with pytest.raises(np.linalg.LinAlgError, match="not positive definite"):
             Cholesky(sps.csc_array(np.array(entries)))
+
+
+@st.composite
+def contact_problems(draw):
+    """Draw positive definite matrices, some of them nearly singular, which need not be M-matrices."""
+    n, m = draw(st.integers(2, 10)), draw(st.integers(1, 6))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    root = rng.normal(size=(n, n))
+    S = root @ root.T + draw(st.sampled_from([1.0, 1e-3])) * np.eye(n)
+    N = draw(st.sampled_from([np.eye(n), rng.normal(size=(min(m, n), n))]))
+    return sps.csc_array(S), sps.csr_array(N), 3 * rng.normal(size=n)
+
+
+@settings(max_examples=100)
+@given(contact_problems())
+def test_the_contact_solve_satisfies_the_optimality_conditions_for_any_positive_definite_matrix(problem) -> None:
+    S, N, b = problem
+    require_optimal(S, N, b, Signorini(S, N)(b), 1e-8)
+
+
+def test_a_cycling_active_set_is_finished_by_the_finite_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Being definite is not enough (F. E. Curtis, Z. Han, D. P. Robinson, Comput. Optim. Appl. 60 (2015) 311–341)."""
+    finished = Mock(wraps=signorini.nnls)
+    monkeypatch.setattr(signorini, "nnls", finished)
+    S, N = sps.csc_array([[4.0, 5, -5], [5, 9, -5], [-5, -5, 7]]), sps.eye_array(3, format="csr")
+    for times, b in enumerate(([-2.0, -1, 3], [2.0, 1, -3]), start=1):
+        require_optimal(S, N, np.array(b), Signorini(S, N)(np.array(b)), 1e-12)
+        assert finished.call_count == times
