@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import os
 import socket
-import subprocess
 import sys
-import time
 from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 
 import psutil
 import pytest
+from distributed import LocalCluster
 
 from study.cli.main import main
 from study.ledger.files import UsageError
@@ -30,49 +26,16 @@ mine = replace(named("advance-recede"), name="mine", pace=3)
 """
 
 
-@contextmanager
-def dask(*arguments: str | Path) -> Iterator[None]:
-    """A program of Dask, ended with all its children."""
-    command = [sys.executable, "-m", "dask", *map(str, arguments), "--no-dashboard"]
-    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as program:
-        try:
-            yield
-        finally:
-            children = psutil.Process(program.pid).children(recursive=True)
-            for process in (program, *children):
-                process.kill()
-
-
-def workers(address: str, directory: Path, count: int, threads: int = 1) -> tuple[str | Path, ...]:
-    """Arguments that start workers."""
-    each = ("--nworkers", str(count), "--nthreads", str(threads), "--local-directory", directory)
-    return ("worker", address, *each)
+def dask(workers: int, threads: int = 1) -> LocalCluster:
+    """A scheduler on the loopback interface with worker processes, which start in another directory than the runs."""
+    return LocalCluster(n_workers=workers, threads_per_worker=threads, dashboard_address=None)
 
 
 @pytest.fixture(scope="module")
-def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The address of a scheduler on the loopback interface."""
-    found = tmp_path_factory.mktemp("scheduler") / "file.json"
-    with dask("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", found):
-        deadline = time.monotonic() + 60
-        while not found.exists() and time.monotonic() < deadline:
-            time.sleep(0.1)
-        yield json.loads(found.read_text())["address"]
-
-
-@pytest.fixture(scope="module")
-def cluster(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """The address of a scheduler with two workers, which start in another directory than the runs."""
-    with dask(*workers(scheduler, tmp_path_factory.mktemp("workers"), 2)):
-        deadline = time.monotonic() + 60
-        while time.monotonic() < deadline:
-            try:
-                with connected(scheduler, []) as pool:
-                    if pool.workers == 2:
-                        break
-            except UsageError:
-                time.sleep(0.1)
-        yield scheduler
+def cluster() -> Iterator[str]:
+    """The address of a scheduler with two workers."""
+    with dask(2) as started:
+        yield started.scheduler_address
 
 
 def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys, monkeypatch) -> None:
@@ -91,19 +54,18 @@ def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys
     assert "pip install '.[study,cluster]' in a clone" in refusal("tcp://127.0.0.1:8786")
 
 
-def test_a_cluster_without_workers_is_refused_with_how_to_start_some(scheduler, monkeypatch) -> None:
+def test_a_cluster_without_workers_is_refused_with_how_to_start_some(monkeypatch) -> None:
     monkeypatch.setattr("study.run.executor.PATIENCE", 1)
-    with pytest.raises(UsageError, match=f"has no workers.*dask worker {scheduler} "), connected(scheduler, []):
-        pass
+    with dask(0) as empty:
+        told = f"has no workers.*dask worker {empty.scheduler_address} "
+        with pytest.raises(UsageError, match=told), connected(empty.scheduler_address, []):
+            pass
 
 
 @pytest.mark.slow
-def test_workers_with_several_threads_are_refused(scheduler, tmp_path) -> None:
-    with (
-        dask(*workers(scheduler, tmp_path, 1, threads=2)),
-        pytest.raises(UsageError, match="runs 2 threads, expected 1; start it with dask worker"),
-        connected(scheduler, []),
-    ):
+def test_workers_with_several_threads_are_refused() -> None:
+    told = "runs 2 threads, expected 1; start it with dask worker"
+    with dask(1, threads=2) as started, pytest.raises(UsageError, match=told), connected(started.scheduler_address, []):
         pass
 
 
@@ -127,12 +89,8 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
 @pytest.mark.slow
 def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch) -> None:
     monkeypatch.setattr("study.run.executor.versions", lambda: {**versions(), "numpy": "another"})
-    with (
-        pytest.raises(
-            UsageError, match=r"the worker tcp://127.* would not compute the same: numpy [\d.]+, here another"
-        ),
-        connected(cluster, ["full-contact"]),
-    ):
+    told = r"the worker tcp://127.* would not compute the same: numpy [\d.]+, here another"
+    with pytest.raises(UsageError, match=told), connected(cluster, ["full-contact"]):
         pass
 
 

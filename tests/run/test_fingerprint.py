@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 from study.fem.naming import resolve
 from study.run import fingerprint as keys
-from study.run.fingerprint import COMPUTING, ROOT, code_hash, fingerprint, of_everything, problem
-from study.run.plan import Plan, quick
+from study.run.fingerprint import COMPUTING, ROOT, fingerprint, of_everything, problem
 from study.statements.enclosure import resolve_problem
 from study.statements.prop_5_4 import FirstOrder, RateSetting
+from study.statements.shared.base import Setting
+from study.statements.thm_4_2 import SameMesh
 
 SETTING = RateSetting("full-contact", "shaken", 4, "midpoint", 8)
 
@@ -28,25 +30,19 @@ REST = (
     *("manufactured/cases/corner.py", "study/statements/korn.py", "study/statements/__init__.py"),
 )
 """Other modules, among them another case, another statement and the lists of cases and statements."""
-CACHED = (code_hash, keys.measuring_code, keys._modules, keys._imported, keys._code)
+CACHED = ("code_hash", "measuring_code", "_modules", "_imported", "_code")
 
 
 @pytest.fixture
-def copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+def copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Some modules of the project below another root, of which the hash is computed."""
     for module in (*COMPUTE, *REST):
         (tmp_path / module).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / module, tmp_path / module)
     monkeypatch.setattr(keys, "ROOT", tmp_path)
-    forget()
-    yield tmp_path
-    forget()
-
-
-def forget() -> None:
-    """Forget what was computed from the text of modules."""
-    for function in CACHED:
-        function.cache_clear()
+    for name in CACHED:
+        monkeypatch.setattr(keys, name, cache(getattr(keys, name).__wrapped__))
+    return tmp_path
 
 
 def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_not(copied: Path) -> None:
@@ -56,7 +52,8 @@ def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_n
         for path, text in texts.items():
             assert old in text, (path, old)
             path.write_text(text.replace(old, new, 1), encoding="utf-8")
-        forget()
+        for name in CACHED:
+            getattr(keys, name).cache_clear()
         found = fingerprint(FirstOrder(), SETTING), of_everything()
         for path, text in texts.items():
             path.write_text(text, encoding="utf-8")
@@ -89,15 +86,17 @@ def test_other_versions_of_libraries_change_the_key(monkeypatch: pytest.MonkeyPa
     assert fingerprint(FirstOrder(), SETTING) != before
 
 
-def test_jobs_that_differ_have_different_keys() -> None:
-    jobs = Plan.of(quick()).jobs
-    assert len({job.fingerprint() for job in jobs}) == len(jobs)
-    other = RateSetting("full-contact", "shaken", 4, "midpoint", 9)
-    assert fingerprint(FirstOrder(), SETTING) != fingerprint(FirstOrder(), other)
+def test_measurements_that_differ_in_one_respect_have_different_keys() -> None:
+    changes = {"case": "no-contact", "family": "one-diagonal", "level": 5, "scheme": "bdf2", "steps": 9}
+    others = [replace(SETTING, **{name: value}) for name, value in changes.items()]
+    keys = {fingerprint(FirstOrder(), setting) for setting in (SETTING, *others)}
+    keys.add(fingerprint(SameMesh(), Setting("full-contact", "shaken", 4)))
+    assert len(keys) == len(changes) + 2
 
 
 MINE = """
 from dataclasses import replace
+from functools import cache
 from manufactured import named
 
 FACTOR = 1
