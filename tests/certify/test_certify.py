@@ -1,8 +1,10 @@
-"""What ``study certify`` proves is what ``study bound`` computes; what it does not serve is refused in words."""
+"""The checker stands alone, judges the file that it reads, and proves what ``study bound`` computes."""
 
 from __future__ import annotations
 
 import runpy
+import subprocess
+import sys
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
@@ -20,7 +22,7 @@ from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.certify import certified, checker
-from study.certify.certified import Making
+from study.certify.certified import Making, write
 from study.certify.constants import reference_element
 from study.certify.statement import Twins, in_doubles, rational, rational_mesh, statement, voigt
 from study.certify.witnesses import StressEncoder, admissible, value_of
@@ -28,7 +30,67 @@ from study.cli.main import main
 from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.solve.tableau import MIDPOINT
 
-EXAMPLES = Path(__file__).parents[2] / "examples" / "certificates"
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples" / "certificates"
+SMALL = Path(__file__).parent / "square-2.json.gz"
+CERTIFICATES = [
+    pytest.param(path, id=path.name, marks=() if path.name.startswith("bracket") else pytest.mark.slow)
+    for path in sorted(EXAMPLES.glob("*.json.gz"))
+]
+"""One is checked by the quick tests; `make certificates-check` checks all of them."""
+
+
+def test_it_has_the_size_that_is_claimed_for_it() -> None:
+    code_lines = runpy.run_path(str(ROOT / ".ci" / "budget.py"))["code_lines"]
+    assert code_lines(Path(checker.__file__).read_text()) <= 830
+
+
+def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path: Path) -> None:
+    copied = tmp_path / "check.py"
+    copied.write_text(Path(checker.__file__).read_text())
+    command = [sys.executable, "-I", "-S", str(copied), str(SMALL)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env={"PYTHONIOENCODING": "utf-8"})
+    assert "8 cells, h = 0.5000: max ‖u − u_h‖_V in [0.0" in done.stdout
+
+
+@pytest.mark.parametrize("path", CERTIFICATES)
+def test_committed_certificates_prove_positive_intervals(path: Path) -> None:
+    found = checker.verified(checker.load(path))
+    assert 0 < found.low < found.high < 10 * found.low
+
+
+COMPUTED = {"low": 0.003926112, "high": 0.275508060, "last": 0.138330852}
+"""The bounds that ``study bound`` computes for the problem, mesh and steps of the small certificate."""
+
+
+def test_what_is_proved_is_known(plain: checker.Enclosure) -> None:
+    assert {name: float(getattr(plain, name)) for name in COMPUTED} == pytest.approx(COMPUTED, rel=1e-6)
+
+
+def test_the_level_is_not_believed(certificate: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What is printed is counted on the mesh: 8 cells of the unit square, h = √(2/8)."""
+    assert checker.main([str(write(tmp_path / "other-level.json.gz", certificate | {"level": 64}))]) == 0
+    assert "    8 cells, h = 0.5000: max ‖u − u_h‖_V in [0.00392611, 0.27550807]" in capsys.readouterr().out
+
+
+def test_u_h_is_what_the_interval_is_about(certificate: Any, plain: checker.Enclosure) -> None:
+    """An error that is added to u_h at a vertex inside the body moves the interval by as much."""
+    mesh = certificate["mesh"]
+    (place,) = set(range(len(mesh["points"]))) - {v for side in mesh["sides"] for v in side}
+    for u in certificate["computed"]:
+        u[2 * place] += 1.0
+    assert checker.verified(certificate).low > plain.high + 1 / 2
+
+
+def test_certificates_of_two_problems_give_no_order(certificate: Any, tmp_path, capsys) -> None:
+    first = write(tmp_path / "one.json.gz", certificate)
+    certificate["problem"]["loads"] = {}
+    certificate["stress"]["tractions"] = [row[:8] + row[24:] for row in certificate["stress"]["tractions"]]
+    other = write(tmp_path / "other.json.gz", certificate)
+    assert checker.main([str(first), str(other)]) == 1
+    assert "its problem differs from the problem of the first file" in capsys.readouterr().out
+
+
 FUNCTIONS = runpy.run_path(str(EXAMPLES / "problems.py"))
 PROBLEMS: dict[str, Data] = {name: FUNCTIONS[name]() for name in ("square", "wedge", "bracket")}
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
@@ -42,12 +104,12 @@ def constants_of_a_coarse_mesh() -> Iterator[None]:
         yield
 
 
-def test_what_is_proved_is_what_is_computed(computed_bounds: dict[str, float]) -> None:
+def test_what_is_proved_is_what_is_computed() -> None:
     data, family, refined = PROBLEMS["square"], OneDiagonal(), Refined(0, 1)
     found = checker.verified(Making(data, family, MIDPOINT, refined).certificate(2, 2))
     computed = bounded_solution(data, None, family, 2, MIDPOINT, 2, refined).enclosure
     bounds = {"low": computed.lowest, "high": computed.highest, "last": computed.bound[-1]}
-    assert bounds == pytest.approx(computed_bounds, rel=1e-6)
+    assert bounds == pytest.approx(COMPUTED, rel=1e-6)
     assert {name: float(getattr(found, name)) for name in bounds} == pytest.approx(bounds, rel=1e-6)
 
 
