@@ -22,6 +22,7 @@ from study.statements.contact_work import WorkOfContact
 from study.statements.enclosure import resolve_problem
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
+from study.statements.initial_gap import InitialGap
 from study.statements.landings import Landings
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
@@ -176,6 +177,13 @@ def test_every_statement_is_measured_on_cases_and_problems_that_exist(name: str)
     assert missing == (FULL_ONLY if name == "quick" else set())
     for job in jobs:
         assert resolve_problem(job.setting.case).name == job.setting.case
+
+
+@pytest.mark.parametrize("name", SCOPES)
+def test_no_statement_but_its_own_is_measured_on_a_gap(name: str) -> None:
+    gaps = {case.name for case in catalogue() if case.solution.has_initial_gap}
+    about = {type(job.statement) for job in plan(name).jobs if job.setting.case in gaps}
+    assert about == {InitialGap, Pictures}
 
 
 @pytest.mark.parametrize("name", SCOPES)

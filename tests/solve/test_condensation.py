@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from unittest.mock import Mock
 
 import numpy as np
@@ -13,11 +14,13 @@ from random_examples import COSTLY
 from scipy.sparse.linalg import splu
 from step_matrix import require_optimal, step_matrix
 
-from manufactured import Kind, named, polygon
+from manufactured import Kind, named, polygon, s
+from study.fem.error_norm import gaps_at_vertices
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space, form
 from study.solve import signorini
 from study.solve.factorisation import Cholesky, nested_dissection
+from study.solve.multigrid import Multigrid
 from study.solve.signorini import Signorini
 
 TURNED = polygon([(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT])
@@ -180,3 +183,37 @@ def test_a_cycling_active_set_is_finished_by_the_finite_method(monkeypatch: pyte
     for times, b in enumerate(([-2.0, -1, 3], [2.0, 1, -3]), start=1):
         require_optimal(S, N, np.array(b), Signorini(S, N)(np.array(b)), 1e-12)
         assert finished.call_count == times
+
+
+# With an initial gap, N u ≤ g
+
+
+def test_the_solution_satisfies_complementarity_with_the_gap_and_multigrid_finds_the_same() -> None:
+    """On a cube, for a load that closes some gaps and opens others."""
+    solution = named("cube-bowl").solution
+    space = Space(Shaken()(solution.body, 6), solution.body)
+    S, N, gap, x = form(space, solution.law.A), space.N, gaps_at_vertices(solution, space), space.free_points
+    b = S @ np.random.default_rng(1).standard_normal(space.dofs)
+    u, forces = Signorini(S, N, x, gap)(b)
+    left = gap - N @ u
+    assert S @ u + N.T @ forces == pytest.approx(b, abs=1e-10 * abs(b).max())
+    assert left.min() >= -1e-12
+    assert forces.min() >= 0
+    assert abs(forces * left).max() <= 1e-12 * forces.max()
+    assert 0 < np.count_nonzero(forces) < len(gap)
+    found, pressed = Multigrid(S, N, x, 1e-11, gap)(b)
+    assert found == pytest.approx(u, abs=1e-7 * abs(u).max())
+    assert pressed == pytest.approx(forces, abs=1e-6 * forces.max())
+    assert ((gap - N @ found) >= -1e-12).all()
+
+
+def test_every_face_has_its_own_gap_in_the_order_of_the_constraints() -> None:
+    solution = named("hexagon").solution
+    faces = tuple(replace(face, initial_gap=(i + 1) * s**2) for i, face in enumerate(solution.faces))
+    space = Space(Unstructured()(solution.body, 8), solution.body)
+    wanted = [
+        (i + 1) * np.linalg.norm(space.mesh.p[:, vertex] - part.start) ** 2
+        for i, (part, vertices) in enumerate(space.contact)
+        for vertex in vertices
+    ]
+    assert gaps_at_vertices(replace(solution, faces=faces), space) == pytest.approx(wanted)

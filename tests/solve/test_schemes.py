@@ -193,3 +193,13 @@ def test_a_fixed_point_that_does_not_settle_says_so() -> None:
     stiff = replace(problem, remainder=lambda v: 50 * problem.M @ v)
     with pytest.raises(EvolutionError, match="take more steps"):
         list(MIDPOINT.march(stiff, 4))
+
+
+def test_the_residual_of_a_step_knows_the_gap() -> None:
+    setup = Experiment.of(named("parabolic-gap").solution, OneDiagonal(), 8, MIDPOINT, 4)
+    assert max(state.residual() for state in setup.scheme.march(setup.problem, 4)) < 1e-10
+    wrong = replace(setup.problem, gap=0.0)
+    assert next(setup.scheme.march(wrong, 4)).u == pytest.approx(setup.problem.u0)
+    step = setup.problem.stepper(MIDPOINT, 0.25)
+    step.problem = wrong  # the residual of a correct step, with respect to the cone of the paper
+    assert step(1, [setup.problem.initial()]).residual() > 1e-3

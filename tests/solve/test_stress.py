@@ -94,3 +94,8 @@ def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused() -
     strange = replace(stresses, law=replace(stresses.law, G=Other()))
     with pytest.raises(StressError, match="complementary potential"):
         list(strange.march(2))
+
+
+def test_theorem_4_2_is_not_about_a_gap() -> None:
+    with pytest.raises(StressError, match="initial gap"):
+        problems(named("closing-gap").solution, OneDiagonal(), 4)
