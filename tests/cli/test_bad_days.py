@@ -93,17 +93,17 @@ def test_what_would_take_for_ever_is_refused_at_once(tmp_path: Path, told) -> No
     assert "so thin that rounding errors hide" in told("bound", f"{path}:mine", "--out", str(tmp_path / "out"))
     out = ["--out", str(tmp_path / "out")]
     for command in (
-        "run --case corner --step 1e-12",
+        "run --case full-contact --step 1e-12",
         "bound ramp --steps 10000000",
-        "export corner --mode march --steps 10000000",
+        "export full-contact --mode march --steps 10000000",
     ):
         assert "time steps were asked for, but at most 1e+06 are allowed" in told(*command.split(), *out)
     for command in (
-        "run --case corner --levels 8 16 99999",
+        "run --case full-contact --levels 8 16 99999",
         "bound ramp --levels 8 99999",
         f"certify {SQUARE} --family one-diagonal --levels 8 99999",
-        "show corner --level 99999",
-        "export corner --levels 99999",
+        "show full-contact --level 99999",
+        "export full-contact --levels 99999",
     ):
         said = told(*command.split(), *out)
         assert re.search(r"99999 needs about \d+\.\d GiB of memory, .* are available; take coarser levels", said), said

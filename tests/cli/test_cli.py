@@ -189,7 +189,7 @@ def test_a_job_file_of_another_format_is_refused(tmp_path: Path) -> None:
         store.load("a", "x")
 
 
-HEAD = "label,key,case,family,reason\n"
+COLUMNS = "label,key,case,family,reason\n"
 ROW = Verdict("(0.0)", "a claim", "pocket", "an order", "1 ± 0.1", 1, 0.5, 1.5, HOLDS, "order", "shaken", 0.9, 1.1)
 LINE = "(0.0),order,pocket,shaken,three levels leave the order open\n"
 
@@ -205,7 +205,7 @@ def listed(directory: Path, text: str) -> Path:
     [(HOLDS, "", 0), (MISSED, "", 0), (UNDECIDED, "", 3), (UNDECIDED, LINE, 0), (HOLDS, LINE, 3), (FAILS, LINE, 1)],
 )
 def test_undecided_rows_are_accepted_if_exactly_these_are_listed(tmp_path, verdict, lines, code, capsys) -> None:
-    file = listed(tmp_path, HEAD + lines)
+    file = listed(tmp_path, COLUMNS + lines)
     assert code_of([replace(ROW, verdict=verdict)], file) == code
     differs = {(UNDECIDED, ""): "undecided but not listed", (HOLDS, LINE): "not undecided but listed"}
     row = f"this check is {differs.get((verdict, lines))} in {file}: (0.0), order, pocket, shaken\n"
@@ -220,7 +220,7 @@ def test_without_a_list_an_undecided_row_and_no_row_at_all_are_undecided() -> No
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (HEAD + "(0.0),order,pocket,shaken, \n", "line 2: the reason why the row is undecided is missing"),
+        (COLUMNS + "(0.0),order,pocket,shaken, \n", "line 2: the reason why the row is undecided is missing"),
         ("label,key\n", "has the columns label, key, expected label, key, case, family, reason"),
         ("", "cannot be read as CSV"),
         (None, "cannot be read as CSV"),

@@ -100,12 +100,9 @@ PRESCRIBED = "ContactFace(floor, {}, Prescribed(((1.0, {}),)), z)"
         (PRESCRIBED.format("pos(-z, 4)", "-Max(z, 0)**2"), "Max(0, -s + t/2)**2", "pos(-s + t/2, 2)"),
     ],
 )
-@pytest.mark.parametrize("of", ["", ", dim=3"])
-def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(
-    face: str, kink: str, instead: str, of: str, tmp_path: Path, told
-) -> None:
+def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, kink, instead, tmp_path, told) -> None:
     path = tmp_path / "mine.py"
-    path.write_text(OWN.format(face=face, of=of), encoding="utf-8")
+    path.write_text(OWN.format(face=face, of=", dim=3"), encoding="utf-8")
     said = told("run", "--case", f"{path}:mine", "--levels", "4", "--out", str(tmp_path / "out"))
     assert said.endswith(f"instead of {kink} write {instead}; correct the file\n")
     assert "label" not in said
@@ -170,6 +167,9 @@ def test_the_parser_prints_the_version_and_refuses_an_expected_order_that_is_no_
         ("export corner --levels 1", "2 or more"),
         ("export corner --mode march --steps 0", "1 or more"),
         ("bound ramp --adapt 5% --cells 0", "1 or more"),
+        ("seeds --minutes -1", "0 or more (0 makes the table again from the record)"),
+        ("seeds --seed -1", "0 or more"),
+        ("seeds --seeds 0", "1 or more"),
     ],
 )
 def test_a_number_that_is_not_permitted_is_refused_before_a_module_is_imported(
