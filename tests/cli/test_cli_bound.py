@@ -24,14 +24,6 @@ from manufactured.data import Data
 
 kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
 body = polygon([(0, 0), (2, 0), (2, 1), (0, 1)], kinds)
-TOP = 2
-
-
-def press() -> Data:
-    load = -2 * t * pos(1 - (2 * (x1 - 1)) ** 2, 2)
-    return Data.formulas(body, not_proportional(), f0=(0, -t / 5), f2={TOP: (0, load)})
-
-
 infinite = Data.formulas(body, not_proportional(), f0=(0, 1 / t))
 unlike = Data.formulas(body, not_proportional(), f0=(0, 0), u0=(x2, 0))
 number = 3
@@ -115,20 +107,6 @@ def test_the_trajectory_is_on_disk_with_its_mesh_and_times(finished) -> None:
         assert u.shape == (steps + 1, 2, p.shape[1])
         assert abs(u[:, :, np.isclose(p[1], 1)]).max() == 0 < abs(u[-1]).max()
         assert u[:, 1, np.isclose(p[1], 0)].min() >= -1e-12
-
-
-def test_a_users_problem_without_a_solution_goes_the_same_way(user: str, tmp_path: Path, capsys) -> None:
-    """Written as formulas in some 15 lines; the interval gets narrower from level to level."""
-    out = tmp_path / "out"
-    options = ["--levels", "2", "4", "--steps", "4", "--refine", "1", "--shorter", "2", "--out", str(out)]
-    assert main(["bound", f"{user}:press", *options]) == 0
-    assert "press: ‖u(t) − u_h(t)‖_V enclosed, solution unknown" in capsys.readouterr().out
-    levels = pd.read_csv(out / "press" / "levels.csv")
-    assert levels["error"].isna().all()
-    assert list(levels["steps"]) == [4, 4]
-    assert (levels["lowest"] < levels["highest"]).all()
-    assert levels["highest"].is_monotonic_decreasing
-    assert (out / "press" / "enclosure.png").is_file()
 
 
 @pytest.mark.parametrize(

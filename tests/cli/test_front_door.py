@@ -212,24 +212,17 @@ def test_finer_meshes_are_one_line_to_copy(file: Path) -> None:
 
 
 FIRST = {
-    "cases --json": {"json": True},
     "run": {"plan": "quick", "case": None, "levels": None, "scheme": "midpoint", "step": None, "cluster": None},
     "run --quick --case a b --case f.py:c": {"plan": "quick", "case": ["a", "b", "f.py:c"]},
     "run --full --levels 8 16 --scheme bdf2 --step 0.1 --jobs 3 --cluster tcp://h:1 --out d": dict(
         plan="full", levels=[8, 16], scheme="bdf2", step=0.1, jobs=3, cluster="tcp://h:1", out=Path("d")
     ),
-    "check --junit f.xml": {"out": Path("results"), "junit": Path("f.xml")},
-    "compare a b": {"old": Path("a"), "new": Path("b"), "tolerance": 1e-12, "absolute": 0.0, "json": False},
     "compare a b --tolerance 1e-6 --absolute 1e-9 --json": {"tolerance": 1e-6, "absolute": 1e-9, "json": True},
-    "controls --jobs 2": {"jobs": 2, "out": Path("results")},
     # A number of seeds was asked for then; today it may be, and they are fresh ones.
     "seeds --seeds 20": {"seeds": 20, "out": Path("results")},
     "bound f.py:w": dict(problem="f.py:w", levels=[8, 16], family="unstructured", scheme="midpoint", steps=None)
     | dict(refine=1, shorter=4, out=Path("bounds")),
     "show f.py:c --level 12": {"case": "f.py:c", "level": 12, "out": Path("shows")},
-    "report": {"out": Path("results")},
-    "tables --out d": {"out": Path("d")},
-    "figures --jobs 2": {"out": Path("results"), "jobs": 2},
     "rates errors.csv --expected 1 --json": {"file": Path("errors.csv"), "expected": 1.0, "json": True},
 }
 """Commands of the first round, before there was a documentation site, and what they meant.

@@ -10,7 +10,7 @@ import copy
 import re
 import subprocess
 import sys
-from functools import cache
+from functools import cache, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -23,6 +23,8 @@ from study.controls.baselines import Equivalence, Sweep, turned
 from study.controls.control import Control, patched
 from study.controls.replacements import no_contact
 from study.controls.run_controls import NO_DEFECT, Outcome, _key, alike, controls_text, outcomes, settings, work
+from study.controls.sensitivity import CLOSE, LEAST, Place, lines
+from study.controls.small_defects import DEFECTS, START
 from study.controls.table import CONTROLS, ELASTICITY, MEMBERS
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
@@ -231,7 +233,7 @@ def modules_after(code: str) -> set[str]:
     return set(found.stdout.split())
 
 
-SPACE = """
+MARCH = """
 from manufactured import named
 from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import OneDiagonal
@@ -240,28 +242,18 @@ solution = named("advance-recede").solution
 space = Space(OneDiagonal()(solution.body, 4), solution.body)
 v_norm = ErrorNorm(solution, space)
 data = space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant
-"""
-STRESSES = "from study.solve.stress_problem import StressProblem; *_, last = StressProblem.of(*data).march(8)"
-DISPLACEMENTS = """
-from study.solve.evolution import SemiDiscrete
-from study.solve.tableau import BACKWARD_EULER
-*_, last = BACKWARD_EULER.march(SemiDiscrete.of(*data), 8)
+from study.solve.stress_problem import StressProblem
+*_, last = StressProblem.of(*data).march(8)
+assert last.time == space.body.T
 """
 
 
-@pytest.mark.parametrize(
-    ("march", "solver", "others"),
-    [
-        (STRESSES, "clarabel", "signorini multigrid solver_choice evolution tableau fixed_point factorisation"),
-        pytest.param(DISPLACEMENTS, "study.solve.signorini", "interior_point stress_problem", marks=pytest.mark.slow),
-    ],
-    ids=["stresses", "displacements"],
-)
-def test_neither_problem_loads_a_solver_of_the_other_while_it_marches(march: str, solver: str, others: str) -> None:
+def test_the_stress_problem_loads_no_solver_of_displacements_while_it_marches() -> None:
     """So it cannot call one, not even on a copy of the other problem, which no change of that one would show."""
-    loaded = modules_after(f"{SPACE}\n{march}\nassert last.time == space.body.T")
-    assert solver in loaded
-    solvers = {f"study.solve.{name}" for name in others.split()}
+    loaded = modules_after(MARCH)
+    assert "clarabel" in loaded
+    names = "signorini multigrid solver_choice evolution tableau fixed_point factorisation"
+    solvers = {f"study.solve.{name}" for name in names.split()}
     assert all(map(find_spec, solvers))
     assert not loaded & solvers
 
@@ -313,3 +305,33 @@ def test_derived_stresses_agree_with_their_displacements_perfectly() -> None:
 def test_a_turned_body_carries_an_exact_solution() -> None:
     for finding in examine(turned(resolve("full-contact").solution, 0.3)):
         assert finding.passes, finding
+
+
+@lru_cache
+def place() -> Place:
+    return Place.of(Setting("advance-recede", "one-diagonal", 8))
+
+
+LOADS = "load f", "surface load f_2", "body force f_0", "contact load", "time t"
+"""Seen only by the load that is integrated a second time, with a quadrature error between the two."""
+
+
+@pytest.mark.parametrize("name", DEFECTS)
+def test_a_millionth_is_seen_except_of_loads_of_which_two_per_cent_are(name: str) -> None:
+    assert bool(place().failing(DEFECTS[name](place().setup, 1e-6))) is (name not in LOADS)
+    if name in LOADS:
+        assert place().failing(DEFECTS[name](place().setup, 0.02))
+
+
+def test_the_smallest_defect_fails_and_one_a_little_smaller_or_none_does_not() -> None:
+    assert place().failing(place().setup) == []
+    load = DEFECTS["load f"]
+    amount, row = place().smallest(load)
+    assert row in place().failing(load(place().setup, amount))
+    assert not place().failing(load(place().setup, amount / CLOSE**2))
+    assert LEAST < amount < 0.01
+
+
+def test_of_a_start_that_is_zero_nothing_can_be_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("study.controls.sensitivity.DEFECTS", {START: DEFECTS[START]})
+    assert lines(Setting("full-contact", "one-diagonal", 8)) == []

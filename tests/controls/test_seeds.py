@@ -65,7 +65,6 @@ def test_plans_of_two_seeds_measure_the_same_on_other_meshes() -> None:
     three, four = plan_of_three().jobs, seeded(4).jobs
     assert {job.setting.family for job in three} == {"shaken-3"}
     assert [job.key for job in four] == [job.key.replace("shaken-3", "shaken-4") for job in three]
-    assert {job.fingerprint() for job in four[::20]}.isdisjoint(job.fingerprint() for job in three[::20])
 
 
 def test_every_case_and_statement_that_the_ledger_judges_on_shaken_meshes_is_among_them() -> None:

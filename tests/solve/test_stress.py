@@ -64,14 +64,6 @@ def test_the_history_of_strains_is_compatible_though_it_knows_no_displacement(na
         assert abs(state.strain - strain).max() <= 1e-7 * max(abs(strain).max(), 1e-3)
 
 
-def test_a_flipped_normal_and_the_load_of_another_time_are_seen() -> None:
-    displacements, stresses = case_on("full-contact", OneDiagonal(), 6)
-    assert gaps(displacements, replace(stresses, N=-stresses.N), steps=6).displacement_gap > 1e-3
-    displacements, stresses = case_on("advance-recede", OneDiagonal(), 6)
-    late = replace(stresses, load=lambda t: stresses.load(max(t - 1 / 12, 0.0)))
-    assert gaps(displacements, late, steps=12).displacement_gap > 1e-3
-
-
 def test_the_distance_from_the_admissible_set_is_zero_for_contact_forces_only() -> None:
     displacements, _ = case_on("advance-recede", OneDiagonal(), 4)
     N = displacements.N
