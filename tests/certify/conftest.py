@@ -29,5 +29,4 @@ def certificate(made: Any) -> Any:
 
 @pytest.fixture(scope="session")
 def plain(made: Any) -> checker.Enclosure:
-    """What it proves."""
     return checker.verified(made)

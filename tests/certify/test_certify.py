@@ -18,14 +18,12 @@ from manufactured import Data, FrobeniusBall, KelvinVoigt, Kind, Yield, isotropi
 from manufactured.factor import layers, x2
 from manufactured.law import Linear as Tensor
 from study.bound.bounded import bounded_solution
-from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.certify import certified, checker
 from study.certify.certified import Making, write
-from study.certify.constants import reference_element
-from study.certify.statement import Twins, in_doubles, rational, rational_mesh, statement, voigt
-from study.certify.witnesses import StressEncoder, admissible, value_of
+from study.certify.statement import in_doubles, rational, rational_mesh, statement, voigt
+from study.certify.witnesses import admissible, value_of
 from study.cli.main import main
 from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.solve.tableau import MIDPOINT
@@ -155,7 +153,6 @@ REFUSED: dict[str, tuple[Data, str]] = {
     "not rational": (formulas((0, sqrt(3) * t)), "coefficients are not rational"),
     "a kink in f_0": (formulas((0, pos(x1 - t, 3))), "f_0 has a kink"),
     "a ramp in f_0 that stops": (formulas((0, Min(t, Rational(1, 2)))), "f_0 has .*support polynomials"),
-    "a ramp in f_2 that stops": (loaded(Min(t, Rational(1, 2))), "f_2 has .*support polynomials"),
     "a kinked ramp of a kink": (loaded(pos(t - Rational(1, 2), 1) * pos(x2 - t, 2)), "f_2 has the summand"),
     "a kink in a kink": (loaded(pos(x2 - pos(t - Rational(1, 2), 1), 1)), "f_2 has .*support polynomials"),
     "a kink in u_0": (formulas(u0=(0, (1 - x2) * pos(x1 - Rational(1, 2), 2))), "u_0 has .*support polynomials"),
@@ -166,7 +163,6 @@ REFUSED: dict[str, tuple[Data, str]] = {
     "layers": (formulas(law=LAYERS), "A is not linear and uniform"),
     # The checker would refuse these.
     "a high degree": (formulas((0, x1**11)), "no certificate can be made of this problem: .*integer from 0 to 10"),
-    "a high total degree": (formulas((0, x1**6 * t**5)), "no certificate can .*degree above 10"),
     "a high power": (loaded(pos(x2 - t, 11)), "no certificate can .*integer from 0 to 10"),
     "u_0 in the foundation": (formulas(u0=(0, (x2 - 1) * x1)), "no certificate can .*u_0ν ≤ 0 on Γ3 cannot be shown"),
 }
@@ -223,32 +219,6 @@ def test_rounded_displacements_are_admissible_and_near(normals: list[Any]) -> No
         assert max(checker.dot(found, n) for n in normals) <= 0
         excess = max(float(checker.dot(value, n)) / np.hypot(*map(float, n)) for n in normals)
         assert np.hypot(*np.subtract(found, value)) <= (0 if excess <= 0 else 3 * excess + 6)
-
-
-def test_stresses_come_back_from_their_numbers() -> None:
-    """What the checker decodes is the stress that was encoded, in every cell and component."""
-    data = PROBLEMS["bracket"]
-    stated = checker.Problem(statement(data))
-    exact = checker.Mesh.of(rational_mesh(Unstructured()(data.body, 4), data.body), stated)
-    fine = Discretisation(data, in_doubles(exact))
-    twins, bits, coarse = Twins(fine.mesh, exact), 50, 4
-    encoder = StressEncoder(stated, twins, fine)
-    strain = fine.strain(np.random.default_rng(3).normal(size=fine.displacements.dofs))
-    stress = fine.equilibrium(encoder.loads(Fraction(1, 2), Fraction(1))[-1], strain, None)
-    tractions, inner = encoder.integers(encoder.tractions(stress), encoder.inner(stress.values), bits, coarse)
-    element = checker.Element.of(reference_element()[0])
-    decoder = checker.Stresses(exact, {"bits": bits, "coarse": coarse}, element)
-    field, unbalanced = decoder.field(decoder.tractions(tractions)[0], inner, [])
-    scale = stress.values.max()
-    for cell, mine, n, corners in zip(exact.cells, field, twins.cells, twins.corners, strict=True):
-        pushed = np.tensordot(checker.voigt(*cell.F), np.array(mine, dtype=float).reshape(3, 3, 10), 1)
-        _, X, Y = fine.stresses.barycentric[corners].reshape(3, 3, -1)
-        monomials = np.array([X**i * Y**j for i, j, _ in checker.CUBIC])
-        # Subtriangle i is opposite to corner i.
-        found = np.einsum("Iik,kiq->Iiq", pushed, monomials[:, corners]) * (exact.h / cell.det**2 / decoder.unit)
-        wanted = stress.values[:, n].reshape(3, 3, -1)[:, corners] / np.array([1, 1, 2**0.5])[:, None, None]
-        assert found == pytest.approx(wanted, abs=1e-8 * scale)
-    assert float(unbalanced) < 1e-9 * scale
 
 
 @pytest.mark.parametrize("family", [OneDiagonal(), Shaken(), Unstructured()], ids=lambda family: family.name)

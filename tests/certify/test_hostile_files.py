@@ -34,7 +34,6 @@ def safe(sentence: str) -> str:
 
 
 def refusal(data: Any) -> str:
-    """The sentence with which a certificate is refused."""
     with pytest.raises(checker.RefusedError) as caught:
         checker.verified(data)
     return safe(str(caught.value))
@@ -49,7 +48,6 @@ def checked(path: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, s
 
 
 def refused(content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
-    """The sentence with which the program refuses a file."""
     path = tmp_path / "hostile.json.gz"
     path.write_bytes(content)
     code, out, error = checked(path, capsys)
@@ -143,8 +141,6 @@ def test_only_fractions_of_at_most_100_digits_are_numbers() -> None:
 
 
 def edit(*keys: Any, to: Any = None, by: Callable[[Any], Any] | None = None) -> Callable[[Any], None]:
-    """Change one entry."""
-
     def change(data: Any) -> None:
         place = at(data, keys[:-1])
         place[keys[-1]] = by(place[keys[-1]]) if by else to
@@ -168,25 +164,13 @@ def stated(data: Any) -> checker.Mesh:
     return checker.Mesh.of(data["mesh"], checker.Problem(data["problem"]))
 
 
-def on_part(kind: str) -> int:
-    """The place of the second component of a vertex on a part, away from its ends."""
-    edges = [edge for edge, side in stated(json.loads(TEXT)).boundary.items() if side.kind == kind]
+def entered(rows: list[list[int]]) -> list[list[int]]:
+    """Move ũ at the last time into the foundation, at a vertex away from its ends; rows are second differences."""
+    edges = [edge for edge, side in stated(json.loads(TEXT)).boundary.items() if side.kind == "contact"]
     inner = [v for edge in edges for v in edge if sum(v in other for other in edges) == 2]
-    return 2 * inner[0] + 1
-
-
-WALL, FOUNDATION = on_part("clamped"), on_part("contact")
-
-
-def moved(time: int, place: int, to: int) -> Callable[[list[list[int]]], list[list[int]]]:
-    """Replace one number in rows that are given by their second differences."""
-
-    def change(rows: list[list[int]]) -> list[list[int]]:
-        plain = checker.summed(rows)
-        plain[time][place] = to
-        return differences(plain)
-
-    return change
+    plain = checker.summed(rows)
+    plain[-1][2 * inner[0] + 1] = -1
+    return differences(plain)
 
 
 def hang_a_node(data: Any) -> None:
@@ -209,10 +193,7 @@ def squeezed(column: list[int]) -> list[int]:
 
 
 TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
-    "ũ enters the foundation": (edit("displacement", "nodes", by=moved(-1, FOUNDATION, -1)), "ũ_ν > 0 on Γ3"),
-    "ũ leaves the wall": (edit("displacement", "nodes", by=moved(0, WALL, 1)), "ũ does not vanish on Γ1"),
-    "u_h leaves the wall": (edit("computed", 1, WALL, to=2.0**-60), "u_h does not vanish on Γ1"),
-    "the foundation pulls": (edit("stress", "tractions", by=moved(2, 0, 1)), "σ̃_ν > 0 on Γ3"),
+    "ũ enters the foundation": (edit("displacement", "nodes", by=entered), "ũ_ν > 0 on Γ3"),
     "a cell is missing": (edit("mesh", "cells", by=last), "a boundary inside or outside|does not fit side"),
     "a cell is there twice": (edit("mesh", "cells", by=lambda x: [*x, x[0]]), "two cells lie on the same side"),
     "a cell is clockwise": (edit("mesh", "cells", 0, by=lambda x: x[::-1]), "not counter-clockwise"),
@@ -222,15 +203,11 @@ TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
     "a polygon that meets itself": (edit("problem", "vertices", 2, to=["-1", "1/2"]), "meet|not counter-clockwise"),
     "no wall": (edit("problem", "kinds", 2, to="loaded"), "no part is clamped"),
     "A is not elliptic": (edit("problem", "A", to=[["0"] * 3] * 3), "A is not symmetric and positive definite"),
-    "A is not monotone": (edit("problem", "A", 0, 0, to="0"), "A is not symmetric and positive definite"),
     "A is not symmetric": (edit("problem", "A", 0, 1, to="1/3"), "A is not symmetric and positive definite"),
     "G is not monotone": (edit("problem", "G", 2, 2, to="-1"), "G is not symmetric and positive semidefinite"),
-    "too much damping": (edit("m", to="2001/1000"), "G − mA is not positive semidefinite"),
-    "negative damping": (edit("m", to="-1"), "m is negative"),
     "a smaller constant in Ω": (edit("constants", "volume", by=twice), "constant of forces"),
     "a smaller constant on Γ2": (edit("constants", "surface", by=twice), "constant of loads"),
     "a constant in Ω that is 0": (edit("constants", "volume", to="0"), "a constant of the body is not positive"),
-    "a constant on Γ2 that is 0": (edit("constants", "surface", to="0"), "a constant of the body is not positive"),
     "another tensor field": (edit("constants", "field", 3, 0, by=lambda x: x + 2**28), "the tensor field does not"),
     "a traction is not finite": (edit("stress", "tractions", 3, 20, to=math.nan), "is nan, but must be an integer"),
     "tractions of the element differ": (edit("element", "columns", 7, by=plus({31: 1})), "tractions of the ref"),
@@ -248,8 +225,6 @@ TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
     "f_2 on a part that is not there": (edit("problem", "loads", "7", to=[[], []]), "a side that does not exist"),
     "time runs backwards": (edit("problem", "T", to="-1"), "T is not positive"),
     "time does not run": (edit("problem", "T", to="0"), "T is not positive"),
-    "u_0 off the wall": (edit("problem", "start", 0, to=[["1", 0, 0]]), "u_0 does not vanish on Γ1"),
-    "u_0 in the foundation": (edit("problem", "start", 1, to=[["-1", 0, 0], ["1", 0, 1]]), "u_0ν ≤ 0 on Γ3"),
     # Sizes.
     "no unit of σ̃": (edit("stress", "bits", to=0), "integer from 1 to 512"),
     "many refinements": (edit("refinements", to=9), "integer from 0 to 8"),
@@ -308,7 +283,6 @@ TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "a gzip file with a wrong sum": (lambda: packed(TEXT)[:-8] + b"\0" * 8, "not a gzip file"),
     "two gzip members": (lambda: packed(TEXT) + packed(TEXT), "data after its certificate"),
     "bytes behind a gzip file": (lambda: packed(TEXT) + b"\0", "data after its certificate"),
-    "a bomb of spaces": (lambda: packed(TEXT + " " * BIG), "unpacks to more than"),
     "a bomb of members": (lambda: packed(TEXT) * 1000, "data after its certificate"),
     "no JSON": (lambda: packed("certificate"), "not a gzip file with JSON"),
     "text that is not ASCII": (lambda: packed(TEXT.replace("contact", "kontakt\u202e")), "not a gzip file with JSON"),

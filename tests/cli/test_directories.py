@@ -113,14 +113,26 @@ def hold(store: Store | TaskStore) -> None:
     lock.__enter__()
 
 
+RUN = ["run", "--case", "full-contact", "--levels", "2", "4"]
+
+
 @pytest.mark.parametrize(
-    ("store", "command", "folder"), [(Store, *OWNED[0]), (TaskStore, *OWNED[2])], ids=["bound", "export"]
+    ("store", "command", "folder"),
+    [(Store, *OWNED[0]), (TaskStore, *OWNED[2]), (Store, RUN, "")],
+    ids=["bound", "export", "run"],
 )
-def test_two_commands_on_one_directory_are_refused_by_name(store, command, folder: str, tmp_path, told) -> None:
+def test_two_commands_on_one_directory_are_refused_by_name_until_the_first_one_ends(
+    store, command, folder: str, tmp_path, told
+) -> None:
     with Processes(1) as other:
         other.submit(hold, store(tmp_path / folder)).result()
         said = told(*command, "--out", str(tmp_path))
+        if store is Store:
+            with pytest.raises(StoreError, match="another run works on"), Store(tmp_path / folder).steady():
+                pass
     assert f"another run works on {tmp_path / folder}: wait until it ends, or give another directory with" in said
+    with store(tmp_path / folder).locked():
+        pass
 
 
 def test_a_lock_that_its_owner_has_removed_holds_nothing(tmp_path: Path) -> None:
