@@ -58,7 +58,6 @@ PROBLEMS = {
     "rolling": {"f0": (0, 0), "f2": {2: (0, -4 * t * pos(1 - (x1 - Rational(3, 4) - t / 2) ** 2, 3))}},
     "with a start": {"f0": (0, -t), "u0": (0, x1**2 * (1 + x2) / 10)},
     "at rest": {"f0": (0, 0)},
-    "quick": {"f0": (0, -exp(8 * t))},
 }
 
 

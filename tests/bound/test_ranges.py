@@ -168,7 +168,6 @@ BALLISTIC = [{"pos": lambda x, a: np.where(x > 0, np.maximum(x, 1e-300) ** a, 0.
 FORMULAS = [
     t * exp(-4 * (x1 - 0.3) ** 2 - 4 * (x2 - 0.4) ** 2),
     sin(3 * x1 * t) * cos(x2) / (1 + x1**2),
-    pos(x1 - t, 3) * x2,
     pos(x1 - x2, Rational(5, 2)) - pos(t - x2, 0),
     sqrt(1 + x1 * x2) + (1 + x2) ** Rational(-3, 2),
     tanh(x1 - 2 * t) + x1 ** (1 + x2),

@@ -156,9 +156,7 @@ REFUSED: dict[str, tuple[Data, str]] = {
     "a kinked ramp of a kink": (loaded(pos(t - Rational(1, 2), 1) * pos(x2 - t, 2)), "f_2 has the summand"),
     "a kink in a kink": (loaded(pos(x2 - pos(t - Rational(1, 2), 1), 1)), "f_2 has .*support polynomials"),
     "a kink in u_0": (formulas(u0=(0, (1 - x2) * pos(x1 - Rational(1, 2), 2))), "u_0 has .*support polynomials"),
-    "a jump": (loaded(pos(x2 - t, 0)), "f_2 has the summand"),
     "two kinks": (loaded(pos(x2 - t, 1) * pos(t - x2 / 2, 2)), "f_2 has the summand"),
-    "a fractional power": (loaded(pos(x2 - t, Rational(3, 2))), "f_2 has the summand"),
     "a law that yields": (formulas(law=YIELDS), "G is not linear and uniform"),
     "layers": (formulas(law=LAYERS), "A is not linear and uniform"),
     # The checker would refuse these.

@@ -604,6 +604,18 @@ def test_loads_that_are_missed_are_added_with_their_constant(name: str, certific
     assert found[1] - found[0] == pytest.approx(wanted, rel=1e-3)
 
 
+def test_an_interval_is_a_distance_more_or_less_a_bound(made: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The largest bound inside a piece decides from above, the one at its end from below; the start counts, too."""
+    certificate = checker.Certificate(made)
+    for name, value in (("growth", (Q(1), Q(2))), ("_residual", None), ("_contact", None)):
+        monkeypatch.setattr(certificate, name, lambda *_, value=value: value)
+    monkeypatch.setattr(certificate, "_distances", lambda _: [(Q(4), Q(9)), (Q(16), Q(49)), (Q(16), Q(25))])
+    for start, high in ((1, 7 + 2), (144, 12 + float(certificate._start()))):
+        monkeypatch.setattr(certificate, "_distance", lambda *_, start=start: (Q(0), Q(start)))
+        found = certificate.check()
+        assert (found.low, found.last, float(found.high)) == (4 - 1, 1, pytest.approx(high, rel=1e-14))
+
+
 def test_a_bound_without_end_is_refused(made: Any) -> None:
     certificate = checker.Certificate(made)
     certificate.growth = lambda *_: (Q(0), Q(10**100))  # type: ignore[assignment,method-assign]

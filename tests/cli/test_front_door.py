@@ -203,8 +203,6 @@ FIRST = {
     "seeds --seeds 20": {"seeds": 20, "out": Path("results")},
     "bound f.py:w": dict(problem="f.py:w", levels=[8, 16], family="unstructured", scheme="midpoint", steps=None)
     | dict(refine=1, shorter=4, out=Path("bounds")),
-    "show f.py:c --level 12": {"case": "f.py:c", "level": 12, "out": Path("shows")},
-    "rates errors.csv --expected 1 --json": {"file": Path("errors.csv"), "expected": 1.0, "json": True},
 }
 """Commands of the first round, before there was a documentation site, and what they meant.
 

@@ -50,7 +50,6 @@ def plan(name: str) -> Plan:
 
 
 def rates(name: str) -> list[RateSetting]:
-    """Where a study measures errors."""
     return [job.setting for job in plan(name).jobs if isinstance(job.statement, Rates)]
 
 
