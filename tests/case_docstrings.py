@@ -1,7 +1,5 @@
 """Checks the docstring of the module of a case: formulas first, then the predicted order with its reason."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 

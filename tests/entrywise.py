@@ -1,7 +1,5 @@
 """Entrywise comparison of arrays; ``pytest.approx`` does the same much more slowly, entry by entry."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

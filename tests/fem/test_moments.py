@@ -1,7 +1,5 @@
 """Exact strains as sums of products, quadrature points that share coordinates, and the integrals made of both."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

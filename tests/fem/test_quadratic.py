@@ -1,7 +1,5 @@
 """Displacements of degree 2: the cone, strains, forms and moments, and how P1 is embedded."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

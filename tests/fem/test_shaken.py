@@ -1,7 +1,5 @@
 """Random meshes are random, everywhere and by as much as they say; no cell is degenerate or leaves the body."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Bodies, their meshes, quadrature, and V^h with its loads, in dimensions 2 and 3."""
 
-from __future__ import annotations
-
 from itertools import product
 from math import factorial
 

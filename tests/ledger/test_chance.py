@@ -1,7 +1,5 @@
 """Rates of alarms: intervals by count, and tails of distributions that are known."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Two result directories: what differs is found wherever it stands, and nothing else is."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import math

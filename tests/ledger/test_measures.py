@@ -1,7 +1,5 @@
 """From the levels of mesh families to a verdict: what is taken of them, and when they cannot tell."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What tables contain, what is refused in them, and what messages say about differences and full disks."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 from types import SimpleNamespace

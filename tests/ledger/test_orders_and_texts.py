@@ -1,7 +1,5 @@
 """Observed orders; rounded bounds are bounds; labels say which numbers of the paper they are about."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """A window distinguishes wrong from unclear, and writes its own text from its numbers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

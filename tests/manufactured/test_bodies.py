@@ -1,7 +1,5 @@
 """General bodies: turned axes, other sides, several contact faces, one long side, an end time other than 1."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

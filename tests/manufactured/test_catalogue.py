@@ -1,7 +1,5 @@
 """Every exact solution has a file with its formulas and the order that they predict, and is shown in notebooks."""
 
-from __future__ import annotations
-
 from importlib import import_module
 from pkgutil import iter_modules
 from xml.etree import ElementTree

@@ -1,7 +1,5 @@
 """Formulas evaluated by NumPy."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy as sp

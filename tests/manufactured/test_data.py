@@ -1,7 +1,5 @@
 """Data without a solution: what formulas become, what an exact solution gives, what is refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy as sp

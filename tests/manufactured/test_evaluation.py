@@ -1,7 +1,5 @@
 """One call gives all fields of a case, which belong together; points, times and shapes beyond it are refused."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from costly_cases import by_cost

@@ -1,7 +1,5 @@
 """Names that cannot be part of a file name are refused wherever a user can give one."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Laws of materials: constants, also of an elasticity that is not monotone or has no potential, and their cases."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

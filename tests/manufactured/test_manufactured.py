@@ -1,7 +1,5 @@
 """The continuous problem: contact data, initial gaps, labels and the self-proof of every case."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

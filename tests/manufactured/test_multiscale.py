@@ -1,7 +1,5 @@
 """Cases with contact at many scales, and rollers: exact solutions, with details of the widths that they state."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every condition of the self-proof can fail, and what is not a number fails it."""
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -1,7 +1,5 @@
 """What exact solutions are made of: singular fields that rest or travel, layers, coupled strains, regularity."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The project of the tutorial on CI: its tests and the steps of the action turn red when its solver is broken."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Exit codes, JSON, JUnit, Markdown and plots of ``study rates``; tables that are written and read back."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``study rates`` on tables from public issue threads, regression files and documentation, as people pasted them."""
 
-from __future__ import annotations
-
 import json
 import shlex
 import time

@@ -1,7 +1,5 @@
 """The worked examples of Celik et al. (2008), and the library."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.stats import linregress, t

@@ -1,7 +1,5 @@
 """No result is typed into the papers: their numbers and tables come from the data, and claim no more than the data."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import re

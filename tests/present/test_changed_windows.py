@@ -1,7 +1,5 @@
 """No window is loosened, and no row given up, without a reason that stands on the page."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A chart is computed once; figure and page draw the same curves, and its triangle, orders and ticks are right."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

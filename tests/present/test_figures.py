@@ -1,7 +1,5 @@
 """Every figure says what it shows, from its data alone, in a size and in colours that can be read."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Every numbered formula and statement of the source has rows in the ledger, or a reason why it has none."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 
 import pandas as pd

@@ -1,7 +1,5 @@
 """The colours of the report page: every variable has a colour, and every text is readable."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

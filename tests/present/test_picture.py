@@ -1,7 +1,5 @@
 """What is computed from a picture before anything is drawn: contact zones, projection, magnification."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tables and figures show what is in the data files, need nothing else, and are written whole or not at all."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

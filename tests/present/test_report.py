@@ -1,7 +1,5 @@
 """The page of results shows every row of the data, asks no network for anything, and refuses data it cannot show."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re

@@ -1,7 +1,5 @@
 """The page of results in a browser: it loads without a complaint, filters, moves, fits a phone, and needs no mouse."""
 
-from __future__ import annotations
-
 import json
 import os
 import re

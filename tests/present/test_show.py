@@ -1,7 +1,5 @@
 """What `study show` writes can be read back, and shows the motion that was solved."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree

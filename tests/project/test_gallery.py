@@ -1,7 +1,5 @@
 """The formulas of the gallery are those that the cases state, in the form that browsers draw."""
 
-from __future__ import annotations
-
 import re
 import sys
 from importlib import import_module

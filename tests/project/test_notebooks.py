@@ -1,7 +1,5 @@
 """The notebooks of the documentation run from top to bottom, and are committed with the outputs of such a run."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What is installed: the exact solutions with NumPy and SymPy, the study as an extra, and what says who made it."""
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import json

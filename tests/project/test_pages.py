@@ -1,7 +1,5 @@
 """What the README and the documentation tell people to type works."""
 
-from __future__ import annotations
-
 import importlib.util
 import io
 import re

@@ -1,7 +1,5 @@
 """What README and documentation show is what the data say."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

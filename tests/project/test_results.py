@@ -1,7 +1,5 @@
 """The committed results are what the code gives: measured again at small levels, judged again, drawn."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Every verdict on the contact force can come out otherwise, and its norms are the ones that they are called."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

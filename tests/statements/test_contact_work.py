@@ -1,7 +1,5 @@
 """The work of contact: the lemma on one edge, its rows, and what must break them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import numpy as np

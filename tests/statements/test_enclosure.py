@@ -1,7 +1,5 @@
 """Verdicts on bounds of errors: one error outside fails, and an interval for an order has to be narrow."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

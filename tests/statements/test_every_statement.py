@@ -1,7 +1,5 @@
 """Every statement that lists its numbers: quick settings hold, each row can fail, and any part can be judged."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 

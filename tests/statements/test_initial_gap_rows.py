@@ -1,7 +1,5 @@
 """The rows about cases with an initial gap are those of Propositions 5.3 and 5.4, and fail as these do."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,7 +1,5 @@
 """The evidence for the error of a row: u^h on Γ1, the parallelogram law, the leading term, and a second solver."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 

@@ -3,8 +3,6 @@
 Python's ``max`` and ``min`` hide NaN unless it comes first; pandas leaves it out.
 """
 
-from __future__ import annotations
-
 import ast
 import math
 import sys

@@ -1,7 +1,5 @@
 """Other people's codes have our errors; one that has others, that was copied or left out is noticed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A user's own case that is a poor test is undecided, with what to do; it fails where the data contradict."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A verdict is two-sided and can come out otherwise."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,7 +1,5 @@
 """Verdicts on random meshes depend little on chance, and still notice defects."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -3,8 +3,6 @@
 In ``test_controls`` defects must turn verdicts. Here the changes are no defects, so no verdict may change.
 """
 
-from __future__ import annotations
-
 import inspect
 from dataclasses import dataclass, fields, replace
 from importlib import import_module

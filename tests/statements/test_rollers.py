@@ -1,7 +1,5 @@
 """Rollers: the problem condensed to Γ3, and the verdicts with the changes that must turn them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Studies that cannot be measured are refused before anything is solved."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Statements about the evolution: their pieces are right, and each verdict can come out otherwise."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import SimpleNamespace

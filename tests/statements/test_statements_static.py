@@ -1,7 +1,5 @@
 """Statements without time: their pieces agree with independent ones, and each verdict can come out otherwise."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """O(h + k) for backward Euler with its constants, and what second-order schemes lose at landings."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """Composite equilibrium stresses: their conditions checked from values at points, and their use in Problem 3.2."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Callable

@@ -4,8 +4,6 @@ The truth is approached from below: on a triangle refined four times, the larges
 quadratic g ⟂ P_q(T)² and v. Every such quotient is one that the constant has to bound.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.sparse as sps
