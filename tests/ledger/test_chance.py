@@ -10,23 +10,16 @@ from study.ledger.chance import AGAINST, FEWEST, Tail, interval, promise_verdict
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 
 
-@pytest.mark.parametrize(("alarms", "judged"), [(0, 100), (1, 100), (7, 120), (20, 20)])
+@pytest.mark.parametrize(("alarms", "judged"), [(0, 0), (0, 100), (1, 100), (7, 120), (20, 20)])
 def test_the_interval_has_the_tails_that_clopper_and_pearson_ask_for(alarms: int, judged: int) -> None:
     low, high = interval(alarms, judged)
-    if alarms:
-        assert stats.binom.sf(alarms - 1, judged, low) == pytest.approx(0.025)
-    if alarms < judged:
-        assert stats.binom.cdf(alarms, judged, high) == pytest.approx(0.025)
-    assert low <= alarms / judged <= high
+    assert low == 0 if alarms == 0 else stats.binom.sf(alarms - 1, judged, low) == pytest.approx(0.025)
+    assert high == 1 if alarms == judged else stats.binom.cdf(alarms, judged, high) == pytest.approx(0.025)
+    assert low * judged <= alarms <= high * judged
 
 
-def test_no_alarm_on_a_hundred_seeds_says_little_and_none_on_no_seed_nothing() -> None:
-    assert interval(0, 100) == (0.0, pytest.approx(1 - 0.025 ** (1 / 100)))
-    assert interval(0, 0) == (0.0, 1.0)
-
-
-def samples(model: stats.rv_continuous, size: int, seed: int = 1) -> np.ndarray:
-    return model.rvs(size=size, random_state=np.random.default_rng(seed))
+def samples(model: stats.rv_continuous, size: int) -> np.ndarray:
+    return model.rvs(size=size, random_state=np.random.default_rng(1))
 
 
 @pytest.mark.parametrize("distance", [2.0, 3.0, 4.0])
@@ -34,14 +27,6 @@ def test_the_tail_of_a_normal_row_is_that_of_the_normal_distribution(distance: f
     found = tail(samples(stats.norm(1 - 0.1 * distance, 0.1), 2000), False)
     assert found.model == "normal"
     assert found.rate == pytest.approx(stats.norm.sf(distance), rel=0.4)
-
-
-def test_few_seeds_give_a_rate_that_counts_how_few_they_are() -> None:
-    """On the average it is that of one more seed; estimates in place of the truth would give too little."""
-    rates = [tail(samples(stats.norm(0.7, 0.1), 10, seed), False) for seed in range(400)]
-    normal = [found.rate for found in rates if found.model == "normal"]
-    assert np.mean(normal) == pytest.approx(stats.t.sf(3 / math.sqrt(1.1), 9), rel=0.5)
-    assert np.mean(normal) > 3 * stats.norm.sf(3)
 
 
 def test_a_normal_row_has_the_rate_of_the_prediction_bound_that_lies_on_the_edge() -> None:

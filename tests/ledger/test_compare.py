@@ -140,16 +140,6 @@ def test_numbers_are_equal_within_an_absolute_and_a_relative_part() -> None:
         assert not tolerance.equates(np.array([a, b]), np.array([b, a])).any()
 
 
-def test_nan_is_nan_and_infinite_is_infinite_whatever_the_tolerance(old: Path, new: Path) -> None:
-    pairs = {("nan", ""): 0, ("inf", "inf"): 0, ("", "1.5"): 1, ("inf", "-inf"): 1, ("inf", "1"): 1, ("", "inf"): 1}
-    for texts, differs in pairs.items():
-        for directory, text in zip((old, new), texts, strict=True):
-            write(directory, "rates.csv", "order", 3, text)
-        found = compared(old, new, 1e9)
-        assert [number.cells[0]["relative"] for number in told(found, "rates.csv").values()] == [None] * differs
-        assert found.differs == differs
-
-
 def test_changed_verdicts_come_first_in_words_and_json_says_what_the_text_says(old: Path, new: Path, capsys) -> None:
     write(new, "rates.csv", "order", 3, "")
     write(new, "claims.csv", "verdict", place(new, "claims.csv", label="Prop. 5.4", case="full-contact"), "fails")
