@@ -127,7 +127,6 @@ def test_the_diagnosis_names_what_an_analyst_sees(command: str, sentence: str, c
 
 SMALL = "{}\n0.25,1.78\n0.125,0.697\n0.0625,0.317\n"
 READ = {
-    "carriage returns": SMALL.format("h,error").replace("\n", "\r\n"),
     "capital H": SMALL.format("H,error"),
     "another order of the rows": "h,error\n0.0625,0.317\n0.25,1.78\n0.125,0.697\n",
     "quotes": '"h","error"\n"0.25","1.78"\n"0.125","0.697"\n"0.0625","0.317"\n',
@@ -135,7 +134,6 @@ READ = {
     "a trailing separator": "h, error,\n0.25, 1.78,\n0.125, 0.697,\n0.0625, 0.317,\n",
     "h and n": "h,n,error\n0.25,4,1.78\n0.125,8,0.697\n0.0625,16,0.317\n",
     "levels": "level,h,error\n0,0.25,1.78\n1,0.125,0.697\n2,0.0625,0.317\n",
-    "orders, first a dash": "h,Error,EOC\n0.25,1.78,-\n0.125,0.697,1.36\n0.0625,0.317,1.14\n",
     "orders, first empty": "h,Error,EOC\n0.25,1.78,\n0.125,0.697,1.36\n0.0625,0.317,1.14\n",
     "underscores in numbers": "n,error\n1_0,1.78\n2_0,0.697\n4_0,0.317\n",
     "cells along the sides": "resolution,error\n4x4,1.78\n8x8,0.697\n16x16,0.317\n",
@@ -172,12 +170,6 @@ TWO_ROWS = {
         "  h     L2      H1     Linf     L2      H1     Linf",
         "1/8  1.00e-2 1.00e-1 2.00e-1 1.00e-1 2.00e-1 3.00e-1",
         "1/16 2.50e-3 5.00e-2 1.00e-1 5.00e-2 1.00e-1 1.50e-1",
-    ],
-    "velocity L2, velocity H1, pressure L2": [
-        "      velocity         pressure",
-        "h     L2      H1       L2",
-        "1/8   1.00e-2 1.00e-1  1.00e-1",
-        "1/16  2.50e-3 5.00e-2  5.00e-2",
     ],
     "velocity L2, pressure H1, pressure L2": [
         "     velocity    pressure",
@@ -283,14 +275,11 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
         (b"", "is empty"),
         (b"h,error\n", "no line with numbers"),
         (b"\0\0", "binary"),
-        (bytes(range(256)) * 400, "binary"),
         (b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "binary"),
         (b"h,error\n0.25,1.78\0\n", "line 2"),
         (b"n,error\n0,1\n8,.5\n", "sizes must be positive"),
-        (b"n,error\n-4,1\n8,.5\n", "sizes must be positive"),
         ("h,error\n.25,1\n.125,−0.5\n".encode(), "must not be negative"),
         (b"h,error\n1," + b"1" * 131_072 + b"\n.5,1\n", "131072 characters"),
-        (b"h,error\n1," + b"x" * 131_072 + b"\n.5,1\n", "131072 characters"),
         (b"h,error\n" + b"1,1\n" * 110_000, "100000 lines"),
         (b"h,error\n" + b"0.123456789,0.123456789\n" * 1_000_000, "more than 8 MB"),
         (b"h,error\n1,abc\n.5,1\n", "line 2: the entry of error is 'abc'"),
@@ -299,11 +288,11 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
             b"0.25 0.0131\n0.125 0.00661\n",
             "has 2 columns, but no line above names them: add a header such as 'h error'",
         ),
-        (b"word " * 100_000 + b": 1", "no table was recognised"),
-        ((b"x" * 1_990 + b" ") * 300, "no line with numbers"),
-        ((b"1" * 1_990 + b" ") * 300, "300 columns, but no line above names them"),
+        (b"word " * 20_000 + b": 1", "no table was recognised"),
+        ((b"x" * 1_990 + b" ") * 100, "no line with numbers"),
+        ((b"1" * 1_990 + b" ") * 100, "100 columns, but no line above names them"),
         (b"|1" * 20_000, "20000 columns, but no line above names them"),
-        (b"h: 1 " * 30_000, "no table was recognised"),
+        (b"h: 1 " * 10_000, "no table was recognised"),
         (b"cells,error\n8,.1\n16,.05\n", "give --dim"),
         (b"level,error\n1,.1\n2,.05\n", "give --ratio 2"),
         (b"h,order\n1,-\n.5,2\n", "no column of errors among h (size), order (order)"),
@@ -317,14 +306,13 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
         (b"log10(h) log10(err)\n-1 -2\n-1.3 -2.6\n-1.6 -3.2\n", "column log10(h) holds logarithms"),
         (b"h,log_err\n1,5.1\n.5,4.5\n", "column log_err holds logarithms"),
         (b"[0.4, 0.2, 0.1]\n[1.6, 0.4, 0.1]\n", "the list in line 1 has no name: write 'h = '"),
-        (b"array([0.4, 0.2])\narray([1.6, 0.4])\n", "the list in line 1 has no name: write 'h = '"),
         (b"[0.4 0.2 0.1 0.05]\n[1.6 0.4 0.1 0.025]\n", "the list in line 1 has no name: write 'h = '"),
     ],
 )
 def test_damaged_and_hostile_files_are_refused_in_words(data: bytes, words: str, rates) -> None:
     start = time.process_time()
     assert words in rates(data, code=2)
-    assert time.process_time() - start < 5
+    assert time.process_time() - start < 2
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
@@ -349,9 +337,8 @@ def test_many_rows_and_many_columns_are_read_within_seconds(rates) -> None:
 @pytest.mark.parametrize("finest_first", [False, True])
 @pytest.mark.parametrize(
     "name",
-    ["Zellen", "Anzahl Elemente", "cells", "N", "nombre d'inconnues", "nœuds", "número de nodos", "nodi", "ddl",
-     "Iterationen", "Rechenzeit", "temps", "Größe", "taille", "size", "количество ячеек", "セル数", "#T", "nel", "ne"],
-)  # fmt: skip
+    ["Anzahl Elemente", "N", "nombre d'inconnues", "número de nodos", "Rechenzeit", "Größe", "size", "セル数", "#T"],
+)
 def test_whole_numbers_that_grow_as_the_errors_fall_are_no_errors(name: str, finest_first: bool) -> None:
     for counts in ("32 128 512 2048", "32.0 128.0 512.0 2048.0", "9 9 10 12"):
         rows = sorted(zip(SIZES, counts.split(), ORDER_2, strict=True), reverse=finest_first)
