@@ -53,7 +53,6 @@ def in_cells(space: Quadratic, rng: np.random.Generator, q: int = 5) -> tuple[Ar
 
 
 def values(space: Quadratic, v: Array, barycentric: Array) -> Array:
-    """Return v at the points, (2, cells, q)."""
     return np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
 
 

@@ -93,19 +93,17 @@ def test_a_higher_degree_leaves_less_out() -> None:
 # ---- bounds from below
 
 
-class Whole(Quadratic):
-    """Displacements of one triangle, fixed nowhere."""
-
+class FixedNowhere(Quadratic):
     @property
     def free(self) -> Array:  # type: ignore[override]
         return np.arange(2 * self.count)
 
 
-def whole_triangle(F: Array, times: int) -> Whole:
-    return Whole(MeshTri(F @ CORNERS, np.array([[0], [1], [2]])).refined(times), None)
+def whole_triangle(F: Array, times: int) -> FixedNowhere:
+    return FixedNowhere(MeshTri(F @ CORNERS, np.array([[0], [1], [2]])).refined(times), None)
 
 
-def largest(space: Whole, C: Array, load: Array, mass: Array) -> float:
+def largest(space: FixedNowhere, C: Array, load: Array, mass: Array) -> float:
     """Return sup ∫ g·v/(‖g‖ ‖ε(v)‖_A) for columns ∫ g_i·v of the loads g_i and their products ∫ g_i·g_j."""
     # g ⟂ rigid motions, so any regularisation that acts only on those gives the same energy.
     rigid = rigid_motions(space.nodes)
