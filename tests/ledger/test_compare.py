@@ -24,10 +24,10 @@ RESULTS = Path(__file__).parents[2] / "results"
 SPACE, PLANE = "pictures/cube-disc.json", "pictures/full-contact.json"
 
 
-@pytest.fixture
-def old(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def committed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The committed data; of the largest tables only one case."""
-    data: Path = tmp_path / "old" / "data"
+    data = tmp_path_factory.mktemp("committed") / "data"
     (data / "pictures").mkdir(parents=True)
     for path in [*(RESULTS / "data").glob("*.csv"), *(RESULTS / "data" / f"{name}.gz" for name in (SPACE, PLANE))]:
         shutil.copy(path, data / path.relative_to(RESULTS / "data"))
@@ -35,6 +35,11 @@ def old(tmp_path: Path) -> Path:
         change(data.parent, name, lambda table: table[table["case"] == "full-contact"])
     (data / ".lock").touch()
     return data.parent
+
+
+@pytest.fixture
+def old(committed: Path, tmp_path: Path) -> Path:
+    return Path(shutil.copytree(committed, tmp_path / "old"))
 
 
 @pytest.fixture

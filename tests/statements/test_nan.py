@@ -24,7 +24,7 @@ from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 from study.ledger.window import at_most
 from study.solve.evolution import ContactStep, SemiDiscrete, State
 from study.solve.tableau import MIDPOINT
-from study.statements import contact_work, edge_work, lipschitz, solution_divergence, superclose, wellposed
+from study.statements import contact_work, edge_work, lipschitz, superclose, wellposed
 from study.statements.green import smallest_positive
 from study.statements.prop_5_4 import FirstOrder, measure
 from study.statements.shared.base import Setting
@@ -108,12 +108,6 @@ def test_one_value_that_is_nan_makes_the_row_fail(monkeypatch, statement, name: 
     assert quantity in set(rows["quantity"][rows["value"].isna()])
     levels = [rows.assign(level=TOUCHING.level * 2**n, h=rows["h"] / 2**n) for n in range(3)]
     assert verdicts(statement, pd.concat(levels))[key] == FAILS
-
-
-def test_the_growth_of_differences_is_nan_if_it_is_for_one_other_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(solution_divergence, "quotients", nan_at(2, solution_divergence.quotients))
-    setup = Experiment.at(Setting("softening", "shaken", 2), MIDPOINT, 1)
-    assert math.isnan(solution_divergence.over_bound(setup, setup.solution.law, 0.1))
 
 
 @dataclass(frozen=True)

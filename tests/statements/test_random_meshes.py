@@ -5,28 +5,19 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from measured_rows import invented, verdicts
+from measured_rows import verdicts
 
 from study.ledger.criterion import growth, order, weighted
 from study.ledger.datafiles import read_rates
 from study.ledger.orders import weighted_order
 from study.ledger.verdict import FAILS, HOLDS
 from study.ledger.window import Window, around, at_most
-from study.statements.interpolation import FIELDS, InterpolationInV
 from study.statements.prop_5_4 import FirstOrder
 from study.statements.shared.meshes import CELLS, LEADING, in_leading_term, is_random
 
 RESULTS = Path(__file__).parents[2] / "results"
 LEVELS = np.array([8, 16, 32])
 H = 1.0 / LEVELS
-
-
-def test_the_numbers_of_cells_are_the_best_weights_where_cells_are_independent() -> None:
-    """The standard deviation of the order of errors h (1 + δ), where δ on a level is like the root of the cells."""
-    errors = H * np.exp(0.4 / LEVELS * np.random.default_rng(5).normal(size=(500, 3)))
-    found = {power: np.std([weighted_order(H, e, power) for e in errors]) for power in (0, 1, 2, 3, 4)}
-    assert min(found, key=found.__getitem__) == CELLS
-    assert found[CELLS] < 0.8 * found[0]
 
 
 def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_finest_level() -> None:
@@ -53,12 +44,9 @@ def rows(rates: pd.DataFrame) -> dict[str, str]:
     return verdicts(FirstOrder(), rates[rates["case"] == "travelling-patch"])
 
 
-def test_shaken_meshes_are_random_with_any_seed() -> None:
+def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates: pd.DataFrame) -> None:
     names = "shaken", "shaken-7", "unstructured", "one-diagonal"
     assert [is_random(name) for name in names] == [True, True, False, False]
-
-
-def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates: pd.DataFrame) -> None:
     found = in_leading_term({"shaken-3": rates, "one-diagonal": rates})
     assert (found["shaken-3"]["h"] == rates[LEADING]).all()
     assert (found["one-diagonal"]["h"] == rates["h"]).all()
@@ -85,11 +73,3 @@ def test_a_leading_term_that_is_not_of_order_h_may_not_take_its_place(rates: pd.
     rates[["error", LEADING]] **= 0.5
     found = rows(rates)
     assert (found["order"], found["leading-order"]) == (HOLDS, FAILS)
-
-
-@pytest.mark.parametrize(("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS), (1.2, FAILS)])
-def test_interpolation_of_another_order_fails(order: float, verdict: str) -> None:
-    """The scatter of the coarsest mesh hardly counts."""
-    errors = np.array([1.05, 1, 1]) * LEVELS**-order
-    rows = invented(dict.fromkeys(FIELDS.values(), errors), LEVELS.tolist(), family="shaken")
-    assert verdicts(InterpolationInV(), rows) == dict.fromkeys([f"{key}-random" for key in FIELDS], verdict)

@@ -82,12 +82,6 @@ def test_green_s_formula_notices_a_stress_whose_divergence_is_no_function() -> N
     assert "rough-2" not in {setting.case for setting in Green().places(full=True)}
 
 
-@pytest.mark.parametrize(("case", "fronts"), [("advance-recede", (0.25 + 2 * 0.7 * 0.3,)), ("full-contact", ())])
-def test_fronts_are_where_the_level_changes_its_sign(case: str, fronts: tuple[float, ...]) -> None:
-    (face,) = resolve(case).solution.faces
-    assert face.fronts(0.7) == pytest.approx(fronts, abs=1e-14)
-
-
 # (2.17), (3.1), (3.2), (4.3).
 
 
@@ -151,12 +145,14 @@ def test_where_nothing_touches_r_over_its_bound_is_left_out_or_undecided(monkeyp
 # (5.23), (5.24).
 
 
+@pytest.mark.parametrize(("family", "scatter"), [("one-diagonal", 1.0), ("shaken", 1.05)])
 @pytest.mark.parametrize(
     ("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS), (1.2, FAILS), (2.0, FAILS), (np.nan, FAILS)]
 )
-def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str) -> None:
-    errors = dict.fromkeys(interpolation.FIELDS.values(), H**order)
-    assert set(verdicts(InterpolationInV(), invented(errors)).values()) == {verdict}
+def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str, family: str, scatter: float) -> None:
+    """On random meshes the scatter of the coarsest one hardly counts."""
+    errors = dict.fromkeys(interpolation.FIELDS.values(), H**order * [scatter, 1, 1])
+    assert set(verdicts(InterpolationInV(), invented(errors, family=family)).values()) == {verdict}
 
 
 @pytest.mark.parametrize(
