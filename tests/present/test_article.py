@@ -178,20 +178,6 @@ def test_labels_of_figures_are_legible_in_print() -> None:
         assert float(share) * TEXT_WIDTH >= LEGIBLE * float(drawn[1]), name
 
 
-def test_orders_in_the_text_enclose_those_computed_from_the_errors_and_no_more(full: FullRun) -> None:
-    # On irregular meshes orders are taken in the leading term of the interpolation error instead of h.
-    rates = full.rates
-    irregular = rates["family"].isin(("shaken", "unstructured"))
-    rates = rates.assign(size=rates["h"].where(~irregular, rates["predicted_interpolation"]))
-    orders = [
-        np.diff(np.log(series["error"])) / np.diff(np.log(series["size"]))
-        for _, series in rates[rates["claim"] == "Prop. 5.4"].sort_values("level").groupby(["case", "family"])
-    ]
-    low, high = float(NUMBERS["orderLevelMin"]), float(NUMBERS["orderLevelMax"])
-    assert low <= np.concatenate(orders).min() < low + 0.01
-    assert high - 0.01 < np.concatenate(orders).max() <= high
-
-
 def test_the_share_of_what_is_allowed_is_that_of_stresses_and_of_displacements(full: FullRun) -> None:
     rows = full.equivalence
     shares = [(rows[f"{what}_gap"] / rows[f"{what}_bound"]).max() for what in ("displacement", "stress")]

@@ -105,6 +105,9 @@ def test_the_orders_at_their_head_are_those_of_the_errors_measured() -> None:
     assert shown == pytest.approx([min(limits), max(limits), min(orders), max(orders)], abs=0.01)
     assert shown[0] <= min(limits) <= max(limits) <= shown[1]
     assert shown[2] <= min(orders) <= max(orders) <= shown[3]
+    numbers = (ROOT / "results" / "article" / "numbers.tex").read_text(encoding="utf-8")
+    for name, value in zip(("orderLevelMin", "orderLevelMax"), row[2:], strict=True):
+        assert rf"\newcommand{{\{name}}}{{{value}}}" in numbers, "the papers say the same"
 
 
 def test_what_its_head_says_is_at_most_so_large_is_not_larger_and_hardly_smaller() -> None:

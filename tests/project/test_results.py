@@ -14,7 +14,6 @@ from study.controls import alarms
 from study.controls.sensitivity import SENSITIVITY, sensitivity_text
 from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import SEEDS, read_claims, read_csv
-from study.ledger.orders import orders
 from study.ledger.verdict import HOLDS, REPORTED, UNCLAIMED
 from study.run.judgement import judge
 from study.run.plan import full
@@ -185,27 +184,6 @@ def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ()
     labels = ["data", *dict.fromkeys(statement.label for statement in listed)]
     assert sorted(claims["label"].unique(), key=labels.index) == list(claims["label"].unique())
     assert not claims.duplicated(["label", "key", "case", "family"]).any()
-
-
-def test_a_row_that_holds_lies_in_its_window() -> None:
-    """With its range, or where that has a window of its own with its value; orders are contained in their range."""
-    claims = read_claims(RESULTS)
-    held = claims[claims["verdict"] == HOLDS]
-    inside = held["observed"].between(held["window_low"], held["window_high"])
-    enclosed = (held["low"] <= held["window_low"]) & (held["window_high"] <= held["high"])
-    assert (inside | enclosed).all()
-
-
-def test_orders_in_3d_lie_within_a_tenth_of_one_on_the_finest_pair() -> None:
-    """Of the interpolation error and of the error, on every family."""
-    for _, rows in RATES.query("dim == 3").groupby(["case", "family"]):
-        finest = rows.tail(2)
-        for column in ("error", "interpolation_error"):
-            assert abs(orders(finest["h"].to_numpy(), finest[column].to_numpy())[0] - 1) <= 0.1
-
-
-def test_steps_in_time_hardly_add_to_the_errors_of_smooth_solutions() -> None:
-    assert RATES.loc[RATES["claim"] == "Prop. 5.4", "time_share"].max() <= 0.02
 
 
 def test_the_tables_of_the_committed_run_and_the_figures_over_all_cases_are_there() -> None:
