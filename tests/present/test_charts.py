@@ -3,13 +3,17 @@
 import math
 import re
 from dataclasses import replace
+from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 from committed import RESULTS, SMOOTH
+from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
+from study.fem.mesh import FAMILIES
 from study.ledger.datafiles import read_rates
 from study.present.charts import (
     Chart,
@@ -23,7 +27,7 @@ from study.present.charts import (
     slope_triangle,
 )
 from study.present.drawing import in_style
-from study.present.palette import Style
+from study.present.palette import RAMPS, Style, family_styles
 from study.present.report import BETWEEN, HEIGHTS, LEFT, RIGHT, TOP, svg_chart
 
 Array = NDArray[np.float64]
@@ -136,3 +140,45 @@ def test_random_meshes_of_rollers_are_one_curve_with_their_range() -> None:
     assert "1.00 (one-diagonal), 1.00 (shaken)" in chart.caption
     assert subplot.y.high >= 4 / 16
     assert rollers_chart(of_rollers({"shaken": 1.0}, "standing")) is None
+
+
+# Colours: every variable has one, and every text is readable.
+
+
+CSS, SCRIPT = (
+    (Path(__file__).parents[2] / "study" / "present" / "page" / name).read_text(encoding="utf-8")
+    for name in ("page.css", "page.js")
+)
+THEMES = [dict(re.findall(r"--(\w+): ([^;]+);", line)) for line in CSS.splitlines() if ":root" in line]
+TEXTS = ("ink", "soft", "link", "good", "bad", "warn")
+
+
+def luminance(colour: str) -> float:
+    """The relative luminance of the Web Content Accessibility Guidelines 2.2: 0 for black, 1 for white."""
+    rgb = np.array(to_rgb(colour))
+    return float(np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4) @ (0.2126, 0.7152, 0.0722))
+
+
+def contrast(one: str, other: str) -> float:
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def test_every_colour_that_the_page_uses_is_defined_for_light_and_for_dark_pages() -> None:
+    used = {*re.findall(r"var\(--([a-z]+)\)", CSS + SCRIPT), *re.findall(r'theme\("--([a-z]+)"\)', SCRIPT)} - {*RAMPS}
+    assert "warn" in used
+    assert len(THEMES) == 2
+    assert all(used <= set(theme) for theme in THEMES)
+
+
+def test_texts_have_enough_contrast_on_the_page_and_on_tinted_lines() -> None:
+    """At least 4.5, as criterion 1.4.3 of the guidelines demands; #767676 on white is their example."""
+    assert contrast("#767676", "#fff") == pytest.approx(4.54, abs=0.005)
+    for name, theme, ground in product(TEXTS, THEMES, ("paper", "shade")):
+        assert contrast(theme[name], theme[ground]) >= 4.5, (name, ground)
+
+
+def test_a_new_mesh_family_has_a_style_that_no_other_family_has() -> None:
+    names = [*(family.name for family in FAMILIES), "new"]
+    styles = family_styles(names).values()
+    assert len({style.colour for style in styles}) == len({style.marker for style in styles}) == len(names)
