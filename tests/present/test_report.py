@@ -19,7 +19,7 @@ from study.ledger.pictures import STEPS, Packed
 from study.present.notation import typeset
 from study.present.picture import Picture, picture_path, read_record, read_values
 from study.present.report import TEXTS, read_film, write_report
-from study.present.tables import BOUNDS, EQUIVALENCE, LEDGER, RATES, STRESSES, Layout
+from study.present.tables import BOUNDS, EQUIVALENCE, LEDGER, RATES, STRESSES
 from study.run.fingerprint import ROOT
 from study.run.plan import full
 from study.run.provenance import read_provenance, sources
@@ -46,7 +46,6 @@ def write_data(directory: Path) -> Path:
 
 
 def report(directory: Path) -> Path:
-    """What `study report` does."""
     return write_report(directory, read_provenance(directory))
 
 
@@ -54,6 +53,7 @@ class Page:
     """The parts of a page: its text, rows of tables as texts, and the data of animations."""
 
     def __init__(self, content: str) -> None:
+        self.content = content
         self.data = re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', content, re.DOTALL)
         self.markup = re.sub(r"<(script|style)\b.*?</\1>", "", content, flags=re.DOTALL)
         self.text = shown(self.markup)
@@ -83,18 +83,12 @@ def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def text(directory: Path) -> str:
-    return (directory / "report.html").read_text(encoding="utf-8")
-
-
-@pytest.fixture(scope="module")
-def page(text: str) -> Page:
-    return Page(text)
+def page(directory: Path) -> Page:
+    return Page((directory / "report.html").read_text(encoding="utf-8"))
 
 
 @pytest.fixture
 def data(directory: Path, tmp_path: Path) -> Path:
-    """A directory with the same data only, to spoil."""
     shutil.copytree(directory / "data", tmp_path / "data")
     return tmp_path
 
@@ -136,31 +130,28 @@ SYMBOL = re.compile(r"[^\W\d_]\^h|‖_\w|\b[^\W\d_]\b(?!\^)")
 """A letter that stands alone, or with h above it; the index of a norm."""
 
 
-@pytest.mark.parametrize("layout", [RATES, STRESSES, EQUIVALENCE, BOUNDS], ids=lambda layout: layout.name)
-def test_symbols_in_the_heading_of_a_table_are_explained_beside_it(layout: Layout) -> None:
-    said = " ".join(f"{letter} {meaning}" for letter, meaning in TEXTS["letters"][layout.name].items())
-    symbols = {symbol for column in layout.columns for symbol in SYMBOL.findall(column.heading)}
-    assert symbols
-    assert {symbol for symbol in symbols if symbol not in said} == set()
+def test_symbols_in_the_heading_of_a_table_are_explained_beside_it() -> None:
+    for layout in (RATES, STRESSES, EQUIVALENCE, BOUNDS):
+        said = " ".join(f"{letter} {meaning}" for letter, meaning in TEXTS["letters"][layout.name].items())
+        symbols = {symbol for column in layout.columns for symbol in SYMBOL.findall(column.heading)}
+        assert symbols, layout.name
+        assert {symbol for symbol in symbols if symbol not in said} == set(), layout.name
 
 
-def test_text_of_the_data_cannot_become_markup(text: str, page: Page) -> None:
-    assert "<img" not in text
+def test_text_of_the_data_cannot_become_markup(page: Page) -> None:
+    assert "<img" not in page.content
     # The summary in the list of cases and on the page of its case; a row of the ledger: its case, also in the filter,
     # and its quantity; a defect; the machine.
     assert page.text.count(HOSTILE) == 2 + 2 + 1 + 1 + 1
     assert HOSTILE in page.values("value") + page.values("data-case")
 
 
-def test_nothing_on_the_page_is_fetched(text: str, page: Page) -> None:
+def test_nothing_on_the_page_is_fetched_and_links_lead_to_its_sections(page: Page) -> None:
     addresses = page.values("src") + page.values("href")
     assert addresses
     assert [address for address in addresses if not address.startswith(("#", "data:"))] == []
-    assert not re.search(r"https?://(?!www\.w3\.org/2000/svg)|@import|url\(", text)
-    assert "default-src 'none'" in text
-
-
-def test_links_lead_to_sections_of_the_page(page: Page) -> None:
+    assert not re.search(r"https?://(?!www\.w3\.org/2000/svg)|@import|url\(", page.content)
+    assert "default-src 'none'" in page.content
     ids = page.values("id")
     assert len(set(ids)) == len(ids)
     assert {link[1:].split("?")[0] for link in page.values("href", "a")} <= set(ids)
@@ -200,12 +191,12 @@ def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Pa
 
 
 def test_a_second_run_gives_the_same_page_which_says_how_to_measure_defects_that_are_not_measured(
-    data: Path, text: str
+    data: Path, page: Page
 ) -> None:
     (data / "data" / "controls.csv").unlink()
     again = report(data).read_text(encoding="utf-8")
     assert "study controls" in again
-    assert again.partition('id="defects"')[:2] == text.partition('id="defects"')[:2]
+    assert again.partition('id="defects"')[:2] == page.content.partition('id="defects"')[:2]
 
 
 @pytest.mark.parametrize("name", FILES)

@@ -7,7 +7,7 @@ from measured_rows import verdicts
 
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNCLAIMED, UNDECIDED
 from study.solve.tableau import MIDPOINT
-from study.statements.contact_force import LANDS, ContactForce, Forces, errors_in_time, measure_contact
+from study.statements.contact_force import LANDS, ContactForce, Forces, errors_in_time
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 
@@ -61,9 +61,9 @@ def test_a_wrong_force_fails(column: str, value, key: str) -> None:
     assert verdicts(STATEMENT, table(**{column: value}))[key] == FAILS
 
 
-@pytest.mark.parametrize(("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS)])
-def test_on_other_meshes_order_one_is_enough_and_less_is_not(order: float, verdict: str) -> None:
-    assert verdicts(STATEMENT, table(family="shaken", dual=LEVELS**-order))["order-dual-other"] == verdict
+def test_on_other_meshes_order_one_is_enough_and_less_is_not() -> None:
+    found = [verdicts(STATEMENT, table(family="shaken", dual=LEVELS**-order)) for order in (1.0, 0.8)]
+    assert [verdict["order-dual-other"] for verdict in found] == [HOLDS, FAILS]
 
 
 def test_no_order_of_the_resultant_is_claimed_if_a_face_meets_the_clamped_side() -> None:
@@ -102,12 +102,6 @@ def test_the_dual_norm_is_a_supremum(setup: Experiment) -> None:
     fields = [best, *rng.standard_normal((50, setup.space.dofs))]
     attained, *others = [abs(y @ (N @ v)) / np.sqrt(v @ M @ v) for v in fields]
     assert max(others) < attained == pytest.approx(np.sqrt(y @ forces.W @ y))
-
-
-def test_time_steps_hardly_change_the_contact_force(setup: Experiment) -> None:
-    found = measure_contact(setup)
-    assert found["pressure_time_share"] < 0.1
-    assert found["penetration"] < 1e-14
 
 
 @pytest.mark.parametrize("peak", range(5))

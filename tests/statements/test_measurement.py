@@ -111,15 +111,11 @@ def recomputed(tables: dict[CsvFile, pd.DataFrame]) -> dict[str, str]:
 
 
 @pytest.mark.parametrize("case", ["yield-and-release", "corner", "natural-front"])
-def test_both_ways_agree_and_a_reported_size_that_is_wrong_by_a_factor_is_caught(case: str) -> None:
+def test_both_ways_agree_and_a_reported_size_that_is_missing_or_wrong_by_a_factor_is_caught(case: str) -> None:
     tables = small_run(case)
     assert set(recomputed(tables).values()) == {HOLDS}
     for column, change in (("error", 0.01), ("interpolation_error", 0.01), ("discrete_error", 0.05)):
         for factor in (1 - change, 1 + change):
             found = recomputed({**tables, RATES: tables[RATES].assign(**{column: factor * tables[RATES][column]})})
             assert {key for key, verdict in found.items() if verdict == FAILS} == {column.replace("_", "-")}
-
-
-def test_a_row_that_was_not_reported_fails() -> None:
-    tables = small_run("corner")
     assert recomputed({**tables, RATES: tables[RATES].iloc[:0]})["error"] == FAILS

@@ -29,7 +29,6 @@ def test_every_level_has_its_rollers_by_name_and_other_names_mean_none() -> None
 
 
 def trajectories(family: str, level: int) -> own.Trajectories:
-    """Of a roller."""
     solution, space = rollers(level)[0].solution, space_of(Setting(f"{own.ROLLER}-{level}", family, level))
     return own.Trajectories.of(own.OnContact(Resolved(solution, space)), round(own.PER_H * level * space.body.T))
 
@@ -117,7 +116,6 @@ def predicted(kind: str, family: str, n: int) -> float:
 
 
 def data(excess: Number = predicted, right: float = 2.0, changed: float = 1.001, step: float = 2.0) -> pd.DataFrame:
-    """Rows with an error of 1/n."""
     found = []
     for setting in own.Rollers().places(full=True):
         family, n = setting.family, setting.level
@@ -170,12 +168,9 @@ def test_every_row_about_rollers_can_fail(wrong: dict[str, Number | float], plac
     ("family", "keys"),
     [(own.PLAIN[1], {"order-equal"}), (own.ALTERNATING, {"order-alternating"}), (own.SEEDS[3], {"order-shaken"})],
 )
-def test_nothing_is_decided_without_a_family_of_meshes(family: str, keys: set[str]) -> None:
+def test_nothing_is_decided_without_a_family_of_meshes_nor_on_two_levels(family: str, keys: set[str]) -> None:
     rows = data()
     found = verdicts(rows[(rows["family"] != family) | ~rows["case"].str.startswith(own.ROLLER)])
     assert {key for (case, key), verdict in found.items() if case == own.ROLLER and verdict == UNDECIDED} == keys
-
-
-def test_two_levels_show_no_order() -> None:
-    found = verdicts(data().query(f"level <= {own.HALVED}"))
+    found = verdicts(rows.query(f"level <= {own.HALVED}"))
     assert {found[own.ROLLER, key] for key in ("order-equal", "order-shaken", "step")} == {UNDECIDED}
