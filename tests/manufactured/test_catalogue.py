@@ -30,8 +30,6 @@ def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_p
     ("name", "before", "after", "missing"),
     [
         ("rough-1.75", "w =", "the gap is", ["w ="]),
-        ("rough-1.75", "p =", "the pressure is", ["p ="]),
-        ("rough-1.75", "ψ =", "the zone is", ["ψ ="]),
         ("rough-1.75", "Predicted order 1/4", "Predicted order 1/2", ["Predicted order 0.25: …"]),
         ("rough-1.75", "Predicted order 1/4", "Order 1/4 was seen", ["Predicted order 0.25: …"]),
         ("rough-1.75", "H^{1+s}", "a larger space", ["H^{1+s}"]),

@@ -237,18 +237,13 @@ def test_names_stand_for_cases_problems_and_users_data(tmp_path) -> None:
         "corner = named('corner')\n"
         "other = 3\n"
     )
-    for name, path, of_case in (
-        ("advance-recede", "", True),
-        ("ramp", "", False),
-        ("press", f"{mine}:", False),
-        ("made", f"{mine}:", False),
-        ("corner", f"{mine}:", True),
+    for path, name, known in (
+        *(("", "advance-recede", True), ("", "ramp", False)),
+        *((f"{mine}:", name, name == "corner") for name in ("press", "made", "corner")),
     ):
         found_name, found, case = resolve_data(path + name)
-        assert found_name == name
-        assert isinstance(found, Data)
-        assert (case is not None and found.formulas_of is case.solution and case.name == name) == of_case
-    assert resolve_data("ramp")[1].formulas_of == problems()[0].data.formulas_of
+        assert (found_name, type(found)) == (name, Data)
+        assert (case is not None and found.formulas_of is case.solution and case.name == name) == known
     with pytest.raises(UsageError, match=r"is a int, expected manufactured\.Data or"):
         resolve_data(f"{mine}:other")
 

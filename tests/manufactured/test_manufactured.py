@@ -17,12 +17,10 @@ from manufactured import (
     PARABOLA,
     Case,
     CaseError,
-    ContactFace,
     ExactSolution,
     FormulaError,
     FrobeniusBall,
     KelvinVoigt,
-    Kind,
     LawError,
     Memory,
     Prescribed,
@@ -69,16 +67,14 @@ def test_a_motion_keeps_its_sign_between_its_times_also_where_it_only_touches(ro
             assert (np.polyval(motion, looked_at) > 0) == (np.polyval(motion, place) > 0)
 
 
-def faulty(**changes) -> ExactSolution:
-    """The advancing and receding front with one piece of its contact data replaced."""
-    solution = named("advance-recede").solution
+def with_face(name: str = "advance-recede", **changes) -> ExactSolution:
+    """The solution of a case with other contact data."""
+    solution = named(name).solution
     (face,) = solution.faces
     return replace(solution, faces=(replace(face, **changes),))
 
 
-C = sp.Rational(1, 4) + 2 * t * (1 - t)
-SHIFT = sp.Rational(1, 50)
-EARLY = sp.Rational(3, 10)
+C, SHIFT, EARLY = sp.Rational(1, 4) + 2 * t * (1 - t), sp.Rational(1, 50), sp.Rational(3, 10)
 
 
 @pytest.mark.parametrize(
@@ -90,7 +86,6 @@ EARLY = sp.Rational(3, 10)
         ({"gap": 20 * pos(s - C, 4) * (1 + pos(s - sp.Rational(9, 10), 0))}, "w without jumps"),
         ({"strain": Memory(20 * pos(C - s, 2) * (1 - 2500 * pos(t * (EARLY - t), 2)), 3, 3, 1.0)}, "σ_ν ≤ 0"),
         ({"strain": Memory(20 * pos(C - s, 2), 2.5, 7, 1.0)}, "p = −σ_ν"),
-        ({"strain": Memory(-20 * pos(C - s, 2), 3, 3, 1.0)}, "σ_ν ≤ 0"),
         ({"level": C - s - sp.Rational(1, 10)}, "off the stated zone"),
         ({"level": C - s + sp.Rational(1, 10)}, "on the stated zone"),
         ({"profile": cutoff(2.0)}, r"\(2.3\)"),
@@ -100,17 +95,15 @@ EARLY = sp.Rational(3, 10)
 )
 def test_data_that_violate_a_condition_are_refused_by_name_place_and_size(changes, condition: str) -> None:
     with pytest.raises(SelfProofError, match=condition) as refusal:
-        prove(faulty(**changes), "faulty")
+        prove(with_face(**changes), "faulty")
     assert "relative defect" in str(refusal.value)
     assert "t = " in str(refusal.value)
 
 
 def test_a_strain_that_jumps_and_jumps_back_is_refused() -> None:
     phases = ((0.3, -t), (0.6, -t - sp.Rational(1, 2)), (1.0, -t))
-    solution = named("full-contact").solution
-    face = ContactFace(solution.body.of(Kind.CONTACT)[0], sp.Integer(0), Prescribed(phases), sp.Integer(1))
     with pytest.raises(SelfProofError, match="∫u̇"):
-        prove(ExactSolution(solution.body, solution.law, (face,)), "jumps")
+        prove(with_face("full-contact", strain=Prescribed(phases)), "jumps")
 
 
 @pytest.mark.parametrize(
@@ -174,16 +167,13 @@ FRONT = s - HALF
     [
         (pos(FRONT, 2) * pos(FRONT, sp.Rational(5, 4)), 3.25),
         (sp.sqrt(pos(FRONT, 5)), 2.5),
-        (FRONT * pos(FRONT, 2), 3),
         ((1 + pos(FRONT, 3)) ** (3 * HALF), 3),
-        (sp.exp(pos(FRONT, 3)), 3),
         (pos(FRONT, 4) + pos(s - HALF / 2, 3), 3),
         (pos(t * FRONT, 3), 3),
         (pos(s, 2), np.inf),
         (pos(1 + s, 5 * HALF), np.inf),
         (pos(-1 - s, 5 * HALF) * t, np.inf),
         (pos(s, 5 * HALF), 2.5),
-        (pos(1 - s, 5 * HALF), 2.5),
     ],
 )
 def test_the_exponent_is_that_of_the_least_smooth_front_on_the_face(gap: sp.Expr, alpha: float) -> None:
@@ -198,11 +188,9 @@ def test_fronts_of_a_strain_that_cancel_in_a_sum_are_seen_all_the_same() -> None
     rough = pos(HALF - s, 2)
     label = Regularity(pressure=2)
     assert labelled(sp.Integer(0), label, rough, initial=-rough).regularity == label
-    solution = named("full-contact").solution
     strain = Prescribed(((0.5, -t * rough), (1.0, t * rough)))
-    cancelling = replace(solution, faces=(replace(solution.faces[0], strain=strain),))
     with pytest.raises(CaseError, match="formulas say fixed front, α = inf, m = 2"):
-        replace(named("full-contact"), solution=cancelling)
+        replace(named("full-contact"), solution=with_face("full-contact", strain=strain))
 
 
 def test_a_front_that_stays_and_is_rougher_than_a_moving_one_has_no_label() -> None:
@@ -221,8 +209,6 @@ def test_a_front_that_stays_and_is_rougher_than_a_moving_one_has_no_label() -> N
         (((s - sp.Rational(3, 10)) ** 2 + (t - HALF) ** 2) ** (3 * HALF), r"\*\*\(3/2\)"),
         (1 + s**2 * sp.log(s), r"log\(s\)"),
         (s**s, r"s\*\*s"),
-        (sp.exp(-1 / s), "1/s"),
-        (sp.sin(sp.sqrt(s)), r"sqrt\(s\)"),
         (pos(sp.sqrt(s) - HALF, 4), r"sqrt\(s\)"),
         (pos(HALF - 1 / s, 4), "1/s"),
         ((t * pos(FRONT, 3) + (s - HALF) ** 2) ** (5 * HALF), r"\*\*\(5/2\)"),
@@ -275,13 +261,15 @@ def test_powers_in_space_are_read_on_the_faces_of_solids() -> None:
     case = named("cube-disc")
     (face,) = case.solution.faces
     s1, s2 = face.variables
-    for extra, refused in ((sp.sqrt(1 + s1 * s2), False), (s2 ** (5 * HALF), True), (sp.sqrt(2 - s1 - s2), True)):
-        solution = replace(case.solution, faces=(replace(face, gap=face.gap * extra),))
-        if refused:
-            with pytest.raises(CaseError, match="not known to be smooth"):
-                replace(case, solution=solution)
-        else:
-            assert replace(case, solution=solution).regularity == case.regularity
+    smooth = with_face("cube-disc", gap=face.gap * sp.sqrt(1 + s1 * s2))
+    assert replace(case, solution=smooth).regularity == case.regularity
+    for extra in (s2 ** (5 * HALF), sp.sqrt(2 - s1 - s2)):
+        with pytest.raises(CaseError, match="not known to be smooth"):
+            replace(case, solution=with_face("cube-disc", gap=face.gap * extra))
+
+
+def with_gap(g: sp.Expr, name: str = "parabolic-gap") -> Case:
+    return replace(named(name), solution=with_face(name, initial_gap=g))
 
 
 NONLINEAR = KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1)), "(3.3)")
@@ -290,16 +278,24 @@ NONLINEAR = KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1)), "(3.3)")
 @pytest.mark.parametrize(
     ("make", "error", "message"),
     [
-        (lambda: faulty(profile=cutoff(0.5, PARABOLA)), ValueError, "kink"),
+        (lambda: with_face(profile=cutoff(0.5, PARABOLA)), ValueError, "kink"),
         (lambda: replace(named("advance-recede").solution, faces=()), ValueError, "got 0 contact faces: give one for"),
         (lambda: on_floor(NONLINEAR, 0, 1), LawError, "prescribe the strain"),
-        (lambda: faulty(gap=sp.Symbol("x") * t), FormulaError, "has x"),
-        (lambda: faulty(gap=sp.Symbol("s") * t), FormulaError, "has s"),
-        (lambda: faulty(gap=sp.Heaviside(s - t)), FormulaError, "pos"),
-        (lambda: faulty(gap=abs(s)), FormulaError, "pos"),
+        (lambda: with_face(gap=sp.Symbol("x") * t), FormulaError, "has x"),
+        (lambda: with_face(gap=sp.Symbol("s") * t), FormulaError, "has s"),
+        (lambda: with_face(gap=sp.Heaviside(s - t)), FormulaError, "pos"),
+        (lambda: with_face(gap=abs(s)), FormulaError, "pos"),
+        (lambda: with_gap(s * t), FormulaError, "depends on t"),
+        (lambda: with_gap(s - sp.Rational(1, 3)), FormulaError, r"is -0\.3333 at s = 0, where .* penetrate"),
+        (lambda: with_gap(abs(s - HALF)), FormulaError, "write fronts with pos"),
+        (lambda: with_gap(pos(s - HALF, 1)), CaseError, "a front that stays with α = 1"),
+        (lambda: with_gap(pos(s - HALF, sp.Rational(9, 4))), CaseError, r"a front that stays with α = 2\.25"),
+        (lambda: with_gap(sp.sqrt(s)), CaseError, "not known to be smooth"),
     ],
 )
-def test_contact_data_that_define_no_solution_are_refused(make, error: type[Exception], message: str) -> None:
+def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(
+    make, error: type[Exception], message: str
+) -> None:
     with pytest.raises(error, match=message):
         make()
 
@@ -320,34 +316,9 @@ def test_a_case_needs_a_predicted_order_that_its_exponents_give_and_a_reason(sta
         Case("mine", "", rough.solution, rough.regularity, **stated)
 
 
-def with_gap(g: sp.Expr, name: str = "parabolic-gap") -> Case:
-    """A case with another initial gap."""
-    case = named(name)
-    (face,) = case.solution.faces
-    assert isinstance(face, ContactFace)
-    return replace(case, solution=replace(case.solution, faces=(replace(face, initial_gap=g),)))
-
-
 def test_no_statement_of_the_paper_is_about_a_gap_other_than_zero() -> None:
     assert {named(name).proposition for name in ("closing-gap", "parabolic-gap", "cube-bowl")} == {INITIAL_GAP}
     assert with_gap(sp.Integer(0)).proposition == "Prop. 5.4"
-
-
-@pytest.mark.parametrize(
-    ("g", "error", "message"),
-    [
-        (s * t, FormulaError, "depends on t"),
-        (s - sp.Rational(1, 3), FormulaError, r"is -0\.3333 at s = 0, where .* penetrate"),
-        (abs(s - HALF), FormulaError, "write fronts with pos"),
-        (sp.Symbol("x"), FormulaError, "has x"),
-        (pos(s - HALF, 1), CaseError, "a front that stays with α = 1"),
-        (pos(s - HALF, sp.Rational(9, 4)), CaseError, r"a front that stays with α = 2\.25"),
-        (sp.sqrt(s), CaseError, "not known to be smooth"),
-    ],
-)
-def test_a_formula_that_is_no_gap_or_has_fronts_that_the_label_does_not_state_is_refused(g, error, message) -> None:
-    with pytest.raises(error, match=message):
-        with_gap(g)
 
 
 def test_a_gap_that_is_open_where_contact_meets_the_clamp_is_no_solution() -> None:

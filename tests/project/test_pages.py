@@ -88,7 +88,6 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Page, str], str]:
 
 
 def expect(said: list[str], output: str) -> None:
-    """What a page says is printed."""
     assert [text for text in said if text.rstrip() not in output] == [], output
 
 

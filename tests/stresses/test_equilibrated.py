@@ -9,7 +9,6 @@ from itertools import product
 import numpy as np
 import pandas as pd
 import pytest
-from entrywise import near
 from skfem import Basis, ElementTriP4, ElementVector
 from sympy import Expr
 
@@ -130,7 +129,7 @@ def test_a_stress_is_admissible_on_every_mesh_and_body(name: str, family: MeshFa
     pressure = np.concatenate(pressures)
     assert pressure.min() >= -1e-8 * size
     assert pressure.max() > 1e-3 * size
-    assert near(equilibrium.pressure(stress) @ shapes, pressure, rel=0.0, abs=1e-8 * size)
+    np.testing.assert_allclose(equilibrium.pressure(stress) @ shapes, pressure, rtol=0.0, atol=1e-8 * size)
 
 
 def moments_of(space: StressSpace, displacement: Callable[[Array], Array]) -> Array:
@@ -172,9 +171,9 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme: T
         zero = 0 * slope
         stress = np.array([(LAMBDA_A + LAMBDA_G * now) * slope, (2 * MU_A + LAMBDA_A) * slope, zero])
         stress[1] += (2 * MU_G + LAMBDA_G) * now * slope
-        assert near(state.stress.values, stress, rel=0.0, abs=1e-10)
-        assert near(state.strain, np.array([zero, now * slope, zero]), rel=0.0, abs=1e-11)
-        assert near(state.stress.moments, now * v, rel=0.0, abs=1e-11)
+        np.testing.assert_allclose(state.stress.values, stress, rtol=0.0, atol=1e-10)
+        np.testing.assert_allclose(state.strain, np.array([zero, now * slope, zero]), rtol=0.0, atol=1e-11)
+        np.testing.assert_allclose(state.stress.moments, now * v, rtol=0.0, atol=1e-11)
         pressure = -space.boundary_tractions(edges, state.stress.tractions)[..., 0]
         assert pressure == pytest.approx(2 * MU_A + LAMBDA_A + (2 * MU_G + LAMBDA_G) * now)
 
