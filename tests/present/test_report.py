@@ -27,7 +27,7 @@ from study.statements.pictures import Pictures
 
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
 HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
-FILES = [*(f"{name}.csv" for name in TABLES), "pictures/corner.json.gz", f"pictures/{SOLID}.json.gz"]
+FILES = [*(f"{name}.csv" for name in TABLES), "pictures/corner.json.gz"]
 
 
 def write_data(directory: Path) -> Path:

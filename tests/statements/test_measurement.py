@@ -110,7 +110,7 @@ def recomputed(tables: dict[CsvFile, pd.DataFrame]) -> dict[str, str]:
     return {verdict.key: verdict.verdict for verdict in Recomputed().judge(joined(Recomputed(), tables))}
 
 
-@pytest.mark.parametrize("case", ["yield-and-release", "corner", "natural-front"])
+@pytest.mark.parametrize("case", ["yield-and-release", "natural-front", pytest.param("corner", marks=pytest.mark.slow)])
 def test_both_ways_agree_and_a_reported_size_that_is_missing_or_wrong_by_a_factor_is_caught(case: str) -> None:
     tables = small_run(case)
     assert set(recomputed(tables).values()) == {HOLDS}
