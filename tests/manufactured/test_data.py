@@ -32,7 +32,6 @@ from manufactured.catalogue import NAMES
 from manufactured.data import Data, LoadError
 from manufactured.file_names import file_name_fault
 from manufactured.problems import problems
-from manufactured.tensors import mandel
 from study.bound.bounded import check_bound
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
@@ -65,27 +64,6 @@ def by_hand(u) -> tuple[sp.Matrix, sp.Matrix]:
     stress = stress_of(1, sp.Rational(1, 2), [sp.diff(v, t) for v in u]) + stress_of(2, 3, u)
     force = -sp.Matrix([sum(sp.diff(stress[i, j], (x1, x2)[j]) for j in range(2)) for i in range(2)])
     return stress, force
-
-
-def test_formulas_have_their_values_at_every_place_and_time() -> None:
-    stress, force = by_hand(U)
-    loads = {RIGHT: tuple(stress[:, 0]), LEFT: tuple(-stress[:, 0])}
-    found = data(tuple(force), f2=loads, u0=tuple(u.subs(t, 0) for u in U))
-    found.check()
-    expected_force, expected_stress = (sp.lambdify((x1, x2, t), formula) for formula in (force, stress))
-    rng = np.random.default_rng(0)
-    x, time = rng.random((2, 4, 3)), 0.3
-    for place in np.ndindex(4, 3):
-        a, b = x[(slice(None), *place)]
-        assert np.allclose(found.body_force(x)(time)[(slice(None), *place)], expected_force(a, b, time)[:, 0])
-    for number, sign in ((RIGHT, 1), (LEFT, -1)):
-        y = SQUARE.parts[number].sample(rng, 5)
-        expected = np.transpose([sign * expected_stress(a, b, time)[:, 0] for a, b in y.T])
-        assert np.allclose(found.surface_load(SQUARE.parts[number], y)(time), expected)
-    a, b = x
-    assert np.allclose(found.start(x), [0 * a, b * (b - 1) * (2 + a)])
-    gradient = np.array([[0 * a, 0 * a], [b * (b - 1), (2 * b - 1) * (2 + a)]])
-    assert np.allclose(found.initial(x), mandel(gradient))
 
 
 def test_the_data_of_an_exact_solution_are_those_of_its_formulas() -> None:

@@ -24,7 +24,7 @@ from manufactured.law import (
     isotropic,
     isotropic_matrix,
 )
-from manufactured.no_potential import NAME, SKEW, law_without_potential, no_potential
+from manufactured.no_potential import NAME, law_without_potential, no_potential
 from manufactured.symbols import pos, s, t
 from manufactured.tensors import dyad, full, identity, mandel, rotation
 from study.bound.problem import BoundError
@@ -188,11 +188,6 @@ def test_constants_are_the_largest_and_the_smallest_quotients() -> None:
     assert G.monotonicity <= quotients.min() <= G.monotonicity + 0.05
     assert G.lipschitz * 0.99 <= stretches.max() <= G.lipschitz
     assert not np.allclose(G.matrix, G.matrix.T)
-
-
-def test_the_skew_part_works_on_no_strain() -> None:
-    strain = RNG.standard_normal((3, 50))
-    assert np.sum(NonSymmetric(SKEW)(strain) * strain, axis=0) == pytest.approx(np.zeros(50), abs=1e-12)
 
 
 @pytest.mark.parametrize("matrix", [COUPLED, COUPLED.T], ids=["sn to nn", "nn to sn"])

@@ -153,23 +153,6 @@ def test_a_wrong_memory_of_a_swinging_front_is_refused_by_the_self_proof() -> No
 FRONT = sp.Rational(1, 2) + t * (1 - t) / 3 - s**2
 
 
-@pytest.mark.parametrize("exponent", [2, 3, 7, 12, -1, -5, "1/2", "3/2", "9/8", "-1/2", "-25/8"])
-def test_powers_and_their_derivatives_are_those_of_numpy(exponent: object) -> None:
-    """Of a base and of its positive part, with their derivatives, which are powers of the same base."""
-    a, places = sp.Rational(exponent), np.linspace(-1, 1, 101)[None]
-    base = 2 + places[0] / 3 + 0.5
-    plain = Jet((2 + s / 3 + t) ** a)(places, 0.5, 2)
-    rates = [np.prod([float(a) - i for i in range(k)]) / 3**k for k in range(3)]
-    for k, rate in enumerate(rates):
-        np.testing.assert_allclose(plain[k,], rate * base ** float(a - k), rtol=1e-14)
-    truncated = Jet(pos(s - t, a))(places, 0.25, 1)
-    beyond = places[0] > 0.25
-    for k in range(2):
-        expected = 3**k * rates[k] * (places[0, beyond] - 0.25) ** float(a - k)
-        np.testing.assert_allclose(truncated[k,][beyond], expected, rtol=1e-14)
-        assert not truncated[k,][~beyond].any()
-
-
 @pytest.mark.parametrize(
     "formula",
     [

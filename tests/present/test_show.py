@@ -136,14 +136,12 @@ wrong = replace(case, solution=solution)
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["hexagone"], "study: unknown case 'hexagone'; did you mean hexagon? All: full-contact"),
-        (["nothing.py:case"], "there is no file nothing.py"),
         (["hexagon", "--level", "1"], "--level must be 2 or more, got 1"),
         (["hexagon", "--mp4"], "--mp4: ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`"),
         (["{file}:wrong"], "violated"),
         (["full-contact", "--out", "{file}"], "cannot write {file}/full-contact/data/.lock: "),
     ],
-    ids=["misspelt", "no file", "level", "no ffmpeg", "no solution", "not a directory"],
+    ids=["level", "no ffmpeg", "no solution", "not a directory"],
 )
 def test_what_cannot_be_shown_is_refused(arguments, complaint: str, tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.setattr("study.cli.show.find_ffmpeg", lambda: None)
