@@ -87,6 +87,9 @@ def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(ru
 def test_every_consecutive_order_counts_and_the_finest_is_shown() -> None:
     found = judged(ORDERS[0], levels([2 / 8, 1 / 16, 1 / 32, 1 / 64]))
     assert (found.observed, found.low, found.high, found.verdict) == (1, 1, 2, UNDECIDED)
+    errors = levels([5.0, 1 / 16, 1 / 32, 1 / 64])
+    assert judged(order("key", "order", ABOUT_1, "e", last=3), errors).verdict == HOLDS, "of the last levels alone"
+    assert judged(order("key", "order", ABOUT_1, "e"), errors).verdict == FAILS
 
 
 @pytest.mark.parametrize("correction", [-0.5, 0.5, 2.0])
@@ -95,16 +98,8 @@ def test_the_extrapolated_order_is_free_of_corrections_of_first_order(correction
     errors = levels(FIRST * np.exp(correction * FIRST))
     for rule, verdict in ((extrapolated, HOLDS), (consecutive, FAILS)):
         assert judged(rule("key", "order", around(1, 1e-9), "e"), errors).verdict == verdict
-
-
-def test_a_limit_above_zero_is_not_extrapolated_to_the_expected_order() -> None:
-    assert judged(extrapolated("key", "order", ABOUT_1, "e"), levels(FIRST + 0.01)).verdict == FAILS
-
-
-def test_an_order_may_be_that_of_the_last_levels_alone() -> None:
-    errors = levels([5.0, 1 / 16, 1 / 32, 1 / 64])
-    assert judged(order("key", "order", ABOUT_1, "e", last=3), errors).verdict == HOLDS
-    assert judged(order("key", "order", ABOUT_1, "e"), errors).verdict == FAILS
+    limit_above_zero = levels(FIRST + 0.01)
+    assert judged(extrapolated("key", "order", ABOUT_1, "e"), limit_above_zero).verdict == FAILS
 
 
 @pytest.mark.parametrize(

@@ -175,9 +175,11 @@ COUPLED = np.array([[2.0, 0, 0], [0, 2, 1], [0, 0, 2]])
 """σ_22 depends on ε_12, and σ_12 not on ε_22."""
 
 
-def test_the_case_proves_itself_and_is_found_by_its_name() -> None:
+def test_the_case_without_a_potential_proves_itself_is_found_by_its_name_and_stores_no_energy() -> None:
     assert all(finding.passes for finding in prove(no_potential().solution, NAME))
     assert resolve(NAME).order == 1
+    with pytest.raises(LawError, match="has no stored energy"):
+        density(law_without_potential().G, np.zeros((3, 1)), np.zeros((3, 1)))
 
 
 def test_constants_are_the_largest_and_the_smallest_quotients() -> None:
@@ -195,8 +197,3 @@ def test_a_law_that_couples_nn_with_sn_needs_a_prescribed_strain(matrix: np.ndar
     law = KelvinVoigt(isotropic(1, 0), NonSymmetric(matrix), "coupled")
     with pytest.raises(LawError, match="prescribe the strain"):
         on_floor(law, t * pos(s - 0.5, 4), t * pos(0.5 - s, 2), 0.5 - s)
-
-
-def test_no_energy_is_stored_without_a_potential() -> None:
-    with pytest.raises(LawError, match="has no stored energy"):
-        density(law_without_potential().G, np.zeros((3, 1)), np.zeros((3, 1)))

@@ -191,14 +191,11 @@ def test_enclosures_in_the_table_enclose_those_of_the_data(full: FullRun) -> Non
         assert float(high) - float(low) <= 1.02 * (row["highest"] - row["lowest"]) + 0.01 * row["highest"]
 
 
-def test_the_table_of_verdicts_counts_every_row_once(claims: pd.DataFrame) -> None:
+def test_every_row_is_counted_once_in_the_table_and_belongs_to_one_class_of_the_accounting(claims) -> None:
+    """Rows that hold are in the first four classes, all others are reported or missed predictions."""
     *groups, total = np.array([cells[1:] for cells in cells_of("verdicts")[1:]], dtype=int)
     assert (np.sum(groups, axis=0) == total).all()
     assert total.sum() == len(claims)
-
-
-def test_every_row_belongs_to_one_class_of_the_accounting(claims: pd.DataFrame) -> None:
-    """Rows that hold are in the first four classes, all others are reported or missed predictions."""
     numbers = {name: int(NUMBERS[f"account{name.capitalize()}"]) for name in ACCOUNTS}
     assert sum(numbers.values()) == len(claims)
     judged = sum(numbers[name] for name in ("source", "own", "programs", "relations"))

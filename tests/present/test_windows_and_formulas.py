@@ -99,17 +99,15 @@ def test_none_is_missing(claims: pd.DataFrame) -> None:
     first = [numbers.partition("–")[0] for numbers in lines]
     assert first == sorted(first, key=NUMBERED.index)
     assert named(", ".join(lines).replace("Problem 3.1–Problem 3.2", "Problem 3.1, 3.2")) == set(NUMBERED)
+    without = claims[~claims["label"].str.contains(r"(5.11)", regex=False)]
+    with pytest.raises(DataError, match=r"neither rows nor a reason for \(5\.11\), \(5\.12\), \(5\.13\)"):
+        list(numbered_lines(without))
 
 
 def test_a_label_names_nothing_that_the_source_does_not_have(claims: pd.DataFrame) -> None:
     for label, rows in claims[claims["label"] != "slips"].groupby("label"):
         places = rows["case"] if label in (NO_ROW, NOT_TESTED) else [label]
         assert set().union(*map(named, places)) <= set(NUMBERED), label
-
-
-def test_a_formula_without_rows_or_reason_is_an_error(claims: pd.DataFrame) -> None:
-    with pytest.raises(DataError, match=r"neither rows nor a reason for \(5\.11\), \(5\.12\), \(5\.13\)"):
-        list(numbered_lines(claims[~claims["label"].str.contains(r"(5.11)", regex=False)]))
 
 
 def test_a_line_without_a_row_is_not_about_a_formula_that_has_one(claims: pd.DataFrame) -> None:

@@ -63,14 +63,11 @@ def test_the_list_of_misprints_has_every_one_of_the_ledger(full: FullRun) -> Non
     assert all(f"| {place} |" in table for place in listed)
 
 
-def test_the_badges_say_what_is_so(full: FullRun) -> None:
+def test_the_badges_say_what_is_so_and_are_red_where_a_row_fails_and_a_defect_goes_unseen(full: FullRun) -> None:
     found = badges(full, ROOT / "pyproject.toml")
     assert set(re.findall(r"\]\(results/badges/(\S+)\)\]", README.text)) == set(found)
     for name, svg in found.items():
         assert svg == (ROOT / "results" / "badges" / name).read_text(encoding="utf-8"), "run: make pages"
-
-
-def test_a_badge_is_red_where_a_row_fails_and_a_defect_goes_unseen(full: FullRun) -> None:
     failing = full.claims.assign(verdict=["fails", *full.claims["verdict"][1:]])
     unseen = full.controls.assign(caught=full.controls["caught"].replace("yes", "no"))
     found = badges(replace(full, claims=failing, controls=unseen), ROOT / "pyproject.toml")

@@ -159,10 +159,14 @@ def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tm
     pd.testing.assert_frame_equal(again, committed, rtol=1e-6)
 
 
-def test_the_committed_run_has_every_case_and_reaches_level_256() -> None:
+def test_the_committed_run_has_every_case_reaches_level_256_and_has_its_tables_and_figures_over_all_cases() -> None:
     assert set(RATES["case"]) == set(NAMES)
     finest = RATES.groupby(["dim", "case"])["level"].max()
     assert (finest.max() >= 256, finest.loc[2].min() >= 64, finest.loc[3].min() >= 18) == (True, True, True)
+    for name in ("rates", "ledger", "equivalence", "stresses", "bounds", "controls"):
+        assert (RESULTS / "tables" / f"{name}.md").is_file()
+    for name in ("collapsed", "convergence", "effectivity", "growth", "problem"):
+        assert {".pdf", ".txt"} <= {path.suffix for path in (RESULTS / "figures").glob(f"{name}.*")}
 
 
 def test_every_row_without_a_claim_says_why_there_is_none() -> None:
@@ -182,13 +186,6 @@ def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ()
     labels = ["data", *dict.fromkeys(statement.label for statement in listed)]
     assert sorted(claims["label"].unique(), key=labels.index) == list(claims["label"].unique())
     assert not claims.duplicated(["label", "key", "case", "family"]).any()
-
-
-def test_the_tables_of_the_committed_run_and_the_figures_over_all_cases_are_there() -> None:
-    for name in ("rates", "ledger", "equivalence", "stresses", "bounds", "controls"):
-        assert (RESULTS / "tables" / f"{name}.md").is_file()
-    for name in ("collapsed", "convergence", "effectivity", "growth", "problem"):
-        assert {".pdf", ".txt"} <= {path.suffix for path in (RESULTS / "figures").glob(f"{name}.*")}
 
 
 def test_what_is_printed_of_the_committed_seeds_and_small_defects_fits_80_columns() -> None:

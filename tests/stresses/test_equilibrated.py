@@ -69,11 +69,6 @@ def test_the_element_has_every_traction_and_divergence_in_equilibrium(degree: in
     assert np.linalg.matrix_rank(both, tol=1e-9) == len(both) - 3
 
 
-def test_there_is_no_element_of_degree_0() -> None:
-    with pytest.raises(ValueError, match="needs a degree of 1 or more, got 0"):
-        composite(0)
-
-
 def fitted(space: StressSpace, values: Array) -> Callable[[Array, Array], Array]:
     """Fit polynomials on every subtriangle to (components, cells, Q) values; (2, n, q) points ↦ (components, n, q)."""
     every, x = np.arange(3 * space.cells), space.points.reshape(2, 3 * space.cells, -1)
@@ -252,6 +247,8 @@ def test_problem_3_2_in_time_knows_no_displacement() -> None:
 
 
 def test_what_cannot_be_posed_is_refused() -> None:
+    with pytest.raises(ValueError, match="needs a degree of 1 or more, got 0"):
+        composite(0)
     data = pressed_square()
     space = StressSpace(OneDiagonal()(data.body, 2), data.body)
     with pytest.raises(StepsError, match="one step or more"):
