@@ -10,27 +10,25 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
 from measured_rows import verdicts
 
-from study.fem.independent import LeadingTerm
-from study.fem.naming import resolve
+from study.fem import independent
 from study.ledger.criterion import Criterion, among
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 from study.ledger.window import at_most
-from study.solve.evolution import ContactStep, SemiDiscrete, State
+from study.solve import evolution
+from study.solve.evolution import SemiDiscrete, State
 from study.solve.tableau import MIDPOINT
 from study.statements import contact_work, edge_work, superclose
 from study.statements.green import smallest_positive
 from study.statements.prop_5_4 import FirstOrder, measure
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import maximum, minimum
 
-STATEMENTS = Path(superclose.__file__).parent
+MEASURING = [*Path(superclose.__file__).parent.rglob("*.py"), *(Path(one.__file__) for one in (evolution, independent))]
 NAN = math.nan
 TOUCHING = Setting("full-contact", "one-diagonal", 8)
 
@@ -72,10 +70,10 @@ def is_constant(node: ast.expr) -> bool:
 
 def test_measured_values_pass_neither_through_the_extremes_of_python_nor_through_those_that_leave_nan_out() -> None:
     """max(x, c) with a constant c returns NaN if x is; any other call may hide it."""
-    assert not [path for path in STATEMENTS.rglob("*.py") if re.search(r"\bnan(max|min)\b|skipna", path.read_text())]
+    assert not [path for path in MEASURING if re.search(r"\bnan(max|min)\b|skipna", path.read_text())]
     found = {
         f"{path.name}: {ast.unparse(call)}"
-        for path in STATEMENTS.rglob("*.py")
+        for path in MEASURING
         if path.name not in NOT_MEASURED
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id in ("max", "min")
@@ -114,23 +112,6 @@ def test_a_nan_at_one_node_makes_a_row_of_the_propositions_fail(steps: int, wron
     assert math.isnan(row[column])
     rows = pd.DataFrame([row]).assign(claim="Prop. 5.4", expected_order=1.0)
     assert verdicts(FirstOrder(), rows)[key] == FAILS
-
-
-def test_the_residual_of_a_contact_step_is_nan_if_one_part_is() -> None:
-    """Complementarity comes last: 1e200 · 1e200 overflows, and ∞/∞ is NaN."""
-    setup = Experiment.at(TOUCHING, MIDPOINT, 2)
-    step = ContactStep(setup.problem, MIDPOINT, 0.5)
-    u, multipliers = np.zeros(len(setup.problem.u0)), np.zeros(setup.problem.N.shape[0])
-    row = setup.problem.N[[0]]
-    u[row.indices], multipliers[0] = -1e200 * row.data, 1e200
-    with np.errstate(all="ignore"):
-        assert math.isnan(step._residual(u, multipliers, step.S @ u + step.forces @ multipliers))
-
-
-def test_the_leading_term_is_nan_if_it_is_at_one_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(LeadingTerm, "__call__", lambda self, time: NAN if time > 0.5 else 1.0)
-    term = LeadingTerm(resolve("no-contact").solution, space_of(Setting("no-contact", "shaken", 2)))
-    assert math.isnan(term.largest())
 
 
 @pytest.mark.parametrize(("value", "verdict"), [(1.5, HOLDS), (NAN, UNDECIDED)])

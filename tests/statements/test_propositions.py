@@ -1,14 +1,18 @@
 """Verdicts on Propositions 5.3 and 5.4, cases with an initial gap and users' cases: each can come out otherwise."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from manufactured.case import INITIAL_GAP
+from study.ledger import criterion
+from study.ledger.datafiles import read_rates
+from study.ledger.orders import weighted_order
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.ledger.window import STEEPER
+from study.ledger.window import STEEPER, Window, around, at_most
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
 from study.statements.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
@@ -16,6 +20,7 @@ from study.statements.initial_gap import InitialGap
 from study.statements.own_cases import enough, finer, judge_own, least_levels
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder
+from study.statements.shared.meshes import CELLS, LEADING, in_leading_term, is_random
 from study.statements.thm_4_2 import SameMesh
 
 
@@ -355,3 +360,62 @@ def test_a_time_share_of_the_contact_force_says_nothing_about_the_errors() -> No
     share, *others = judge_own(rows, following([0.5, 0.5]))
     assert "raise `pace`" in reason(share)
     assert {row.key: row.verdict for row in others}["order"] == FAILS
+
+
+# Verdicts on random meshes depend little on chance, and still notice defects.
+
+
+RESULTS = Path(__file__).parents[2] / "results"
+H = 1 / np.array([8.0, 16.0, 32.0])
+
+
+def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_finest_level() -> None:
+    assert weighted_order(H, 3 * H**1.5, CELLS) == pytest.approx(1.5)
+    stagnating = np.array([1.0, 0.5, 0.4])
+    assert weighted_order(H, stagnating, CELLS) < weighted_order(H, stagnating, 0)
+
+
+def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_fail() -> None:
+    ratio = criterion.growth("growth", "growth", at_most(1.25), "e", CELLS, 2)
+    assert ratio.measure(pd.DataFrame({"h": H, "e": 1.7 * H**-0.25}))[0] == pytest.approx(4**0.25)
+    for rule in (ratio, criterion.weighted("key", "quantity", Window(0, 2), "e", CELLS)):
+        assert np.isnan(rule.measure(pd.DataFrame({"h": H, "e": [1.0, 0.0, 0.5]}))[0])
+
+
+@pytest.fixture
+def rates() -> pd.DataFrame:
+    """Committed rows on shaken meshes."""
+    found = read_rates(RESULTS).assign(expected_order=1.0)
+    return found[(found["claim"] == "Prop. 5.4") & (found["family"] == "shaken")].copy()
+
+
+def of_patch(rates: pd.DataFrame) -> dict[str, str]:
+    return verdicts(FirstOrder().judge(rates[rates["case"] == "travelling-patch"]))
+
+
+def test_orders_are_taken_in_the_leading_term_on_random_meshes_alone(rates: pd.DataFrame) -> None:
+    names = "shaken", "shaken-7", "unstructured", "one-diagonal"
+    assert [is_random(name) for name in names] == [True, True, False, False]
+    found = in_leading_term({"shaken-3": rates, "one-diagonal": rates})
+    assert (found["shaken-3"]["h"] == rates[LEADING]).all()
+    assert (found["one-diagonal"]["h"] == rates["h"]).all()
+
+
+def test_a_mesh_that_happens_to_be_bad_is_no_alarm(rates: pd.DataFrame) -> None:
+    """One on which interpolation, its leading term and the error are 12 % larger: in h the order would be 0.8."""
+    mine = rates["case"] == "travelling-patch"
+    for name in ("error", "interpolation_error", "discrete_error", "initial_error", LEADING):
+        rates.loc[mine & (rates["level"] == 16), name] *= 1.12
+    assert set(of_patch(rates).values()) == {HOLDS}
+    in_h = criterion.order("order", "in h", around(1, 0.15), "error").measure(rates[mine & (rates["level"] <= 16)])
+    assert in_h is not None
+    assert in_h[0] < 0.85
+
+
+def test_an_error_that_stagnates_and_a_leading_term_that_is_not_of_order_h_are_alarms(rates: pd.DataFrame) -> None:
+    """If both were of order 1/2, the order of the error in the leading term would be 1."""
+    stagnating = rates["error"].where(rates["level"] != 64, 1.3 * rates["error"])
+    assert of_patch(rates.assign(error=stagnating))["order"] == FAILS
+    rates[["error", LEADING]] **= 0.5
+    found = of_patch(rates)
+    assert (found["order"], found["leading-order"]) == (HOLDS, FAILS)
