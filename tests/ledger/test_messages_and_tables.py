@@ -16,7 +16,7 @@ from study.ledger.codes import _table
 from study.ledger.compare import Tolerance, as_text, compare, difference
 from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, read_table
 from study.ledger.files import StoreError, write_whole
-from study.ledger.numbered import NUMBERED, named
+from study.ledger.numbered import named
 from study.ledger.orders import RatesError, extrapolated_order, fit, limit, orders
 from study.ledger.text import cell, down, interval, power_of_ten, up
 
@@ -168,11 +168,6 @@ def test_a_power_of_ten_is_the_least_that_is_not_smaller(value: float) -> None:
 def test_a_power_of_ten_has_a_least_value(value: float, found: float) -> None:
     assert power_of_ten(value, 1e-9) == found
     assert math.isnan(power_of_ten(math.nan, 1e-9))
-
-
-def test_there_are_a_hundred_and_six_formulas_and_eleven_statements() -> None:
-    assert len(set(NUMBERED)) == len(NUMBERED) == 18 + 15 + 30 + 43 + 11
-    assert NUMBERED[0], NUMBERED[-1] == ("(2.1)", "Prop. 5.4")
 
 
 @pytest.mark.parametrize(

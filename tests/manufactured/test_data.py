@@ -46,24 +46,10 @@ from study.present.drawing import Drawing, draw_one
 SQUARE, LAW = unit_square(), not_proportional()
 RIGHT, LEFT = 1, 3
 X = np.array([[0.0, 0.0], [0.2, 0.8]])
-U = (t * x1 * (1 - x2), (1 + t) * x2 * (x2 - 1) * (2 + x1))
 
 
 def data(f0=(0, 0), **others) -> Data:
     return Data.formulas(SQUARE, LAW, f0=f0, **others)
-
-
-def by_hand(u) -> tuple[sp.Matrix, sp.Matrix]:
-    """Returns σ = Aε(u̇) + Gε(u) and −Div σ for ``LAW``, from 2μ ε + λ (tr ε) I alone."""
-
-    def stress_of(mu, lam, u) -> sp.Matrix:
-        gradient = sp.Matrix(2, 2, lambda i, j: sp.diff(u[i], (x1, x2)[j]))
-        strain = (gradient + gradient.T) / 2
-        return 2 * mu * strain + lam * strain.trace() * sp.eye(2)
-
-    stress = stress_of(1, sp.Rational(1, 2), [sp.diff(v, t) for v in u]) + stress_of(2, 3, u)
-    force = -sp.Matrix([sum(sp.diff(stress[i, j], (x1, x2)[j]) for j in range(2)) for i in range(2)])
-    return stress, force
 
 
 def test_the_data_of_an_exact_solution_are_those_of_its_formulas() -> None:
@@ -72,7 +58,15 @@ def test_the_data_of_an_exact_solution_are_those_of_its_formulas() -> None:
     a, g = sp.Rational(5, 2), sp.Integer(7)
     memory = -20 * (t / g - a / g**2 * (1 - sp.exp(-g * t / a)))
     u = (sp.Integer(0), x2 * (1 - x2**2) * memory * (1 + 4 * x1 * (1 - x1)))
-    stress, force = by_hand(u)
+
+    def stress_of(mu, lam, u) -> sp.Matrix:
+        """2μ ε + λ (tr ε) I."""
+        gradient = sp.Matrix(2, 2, lambda i, j: sp.diff(u[i], (x1, x2)[j]))
+        strain = (gradient + gradient.T) / 2
+        return 2 * mu * strain + lam * strain.trace() * sp.eye(2)
+
+    stress = stress_of(1, sp.Rational(1, 2), [sp.diff(v, t) for v in u]) + stress_of(2, 3, u)
+    force = -sp.Matrix([sum(sp.diff(stress[i, j], (x1, x2)[j]) for j in range(2)) for i in range(2)])
     second = data(tuple(force), f2={RIGHT: stress[:, 0], LEFT: -stress[:, 0]}, u0=[v.subs(t, 0) for v in u])
     first, rng = Data.of(case.solution), np.random.default_rng(1)
     x = rng.random((2, 30))

@@ -335,23 +335,6 @@ OFF = 1e-6
 """A relative defect that no condition may let pass."""
 LAYERS, PATCH = named("layered-unmet").solution, named("travelling-patch").solution
 
-SMALL_DEFECTS = [
-    (Fields, "body_force", r"(2.2) Div σ + f_0 = 0"),
-    (Fields, "surface_load", r"(2.4) σν = f_2"),
-    (Fields, "stress", r"(2.1) σ = Aε(u̇) + Gε(u)"),
-    (Fields, "strain", r"(2.10) ε(u) = sym ∇u"),
-    (Fields, "strain_rate", r"(2.10) ε(u̇) = sym ∇u̇"),
-    (Fields, "velocity", r"(2.6) u̇ = ∂u/∂t"),
-    (FaceFields, "gap", r"(2.5) w = g − u_ν"),
-    (FaceFields, "stated_pressure", r"(2.5) p = −σ_ν"),
-]
-
-
-def violated(solution: ExactSolution) -> str:
-    with pytest.raises(SelfProofError) as refusal:
-        prove(solution, "a case")
-    return "\n".join(finding.condition for finding in refusal.value.findings)
-
 
 @pytest.mark.parametrize(("name", "apart"), [("hexagon", 0.01), ("cube-disc", 0.03)])
 def test_the_conditions_on_gamma_3_are_looked_at_all_along_it(name: str, apart: float) -> None:
@@ -372,11 +355,25 @@ def no_number_at_one_point(values: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("damaged", [off_by_a_millionth, no_number_at_one_point])
-@pytest.mark.parametrize(("where", "name", "condition"), SMALL_DEFECTS, ids=lambda one: str(one).partition(") ")[0])
+@pytest.mark.parametrize(
+    ("where", "name", "condition"),
+    [
+        (Fields, "body_force", r"(2.2) Div σ + f_0 = 0"),
+        (Fields, "surface_load", r"(2.4) σν = f_2"),
+        (Fields, "stress", r"(2.1) σ = Aε(u̇) + Gε(u)"),
+        (Fields, "strain", r"(2.10) ε(u) = sym ∇u"),
+        (Fields, "strain_rate", r"(2.10) ε(u̇) = sym ∇u̇"),
+        (Fields, "velocity", r"(2.6) u̇ = ∂u/∂t"),
+        (FaceFields, "gap", r"(2.5) w = g − u_ν"),
+        (FaceFields, "stated_pressure", r"(2.5) p = −σ_ν"),
+    ],
+)
 def test_a_damaged_field_violates_its_condition(monkeypatch, where, name, condition: str, damaged) -> None:
     right = getattr(where, name)
     monkeypatch.setattr(where, name, lambda *given, **options: damaged(right(*given, **options)))
-    assert condition in violated(PATCH)
+    with pytest.raises(SelfProofError) as refusal:
+        prove(PATCH, "a case")
+    assert any(condition in finding.condition for finding in refusal.value.findings)
 
 
 def test_each_numbered_condition_is_examined_where_it_has_something_to_say() -> None:
@@ -407,14 +404,10 @@ def test_what_is_no_number_passes_nothing(defect: float) -> None:
     assert not worst("(2.2)", x, np.zeros(1), np.array([[0.0, 1e-8]]), np.array([[defect, 1.0]])).passes
 
 
-def ten_periods() -> ExactSolution:
-    """Contact that comes and goes ten times until T = 20."""
-    c = sp.Rational(1, 2) + sp.cos(sp.pi * t) / 4
-    return on_floor(proportional(0.2), 20 * pos(s - c, 4), 20 * pos(c - s, 2), c - s, T=20.0)
-
-
 def test_the_integral_of_the_velocity_is_fine_enough_for_a_long_time_and_hides_no_wrong_velocity(monkeypatch) -> None:
-    solution, right = ten_periods(), Fields.velocity
+    """Contact that comes and goes ten times until T = 20."""
+    c, right = sp.Rational(1, 2) + sp.cos(sp.pi * t) / 4, Fields.velocity
+    solution = on_floor(proportional(0.2), 20 * pos(s - c, 4), 20 * pos(c - s, 2), c - s, T=20.0)
     x = solution.body.sample(np.random.default_rng(0), 20)
     assert interior.history(solution, x).passes
     with monkeypatch.context() as patch:

@@ -149,10 +149,6 @@ FORMS: dict[str, Callable[[Cells], str]] = {
     "CSV": joined(","),
     "blanks": lambda cells: "\n".join("".join(f"{cell:>18}" for cell in row) for row in cells),
     "Markdown": markdown,
-    "lists": lambda cells: "\n".join(f"{name} = [{', '.join(column)}]" for name, *column in zip(*cells, strict=True)),
-    "name = value": lambda cells: "\n".join(
-        f"{name} = {cell}" for row in cells[1:] for name, cell in zip(cells[0], row, strict=True)
-    ),
     "transposed": lambda cells: joined("  ")([[*column] for column in zip(*cells, strict=True)]),
     "decimal commas": lambda cells: joined(";")([[cell.replace(".", ",") for cell in row] for row in cells]),
     "orders": with_orders,

@@ -121,10 +121,6 @@ def test_every_reference_is_cited_and_every_citation_has_one() -> None:
 
 
 STATEMENTS = r"(theorem|lemma|proposition|corollary)"
-TEXT_WIDTH = 464.0
-"""Width of a line in points."""
-LEGIBLE = 0.85
-"""Smallest scale of a figure: labels are drawn with 7 points or more."""
 
 
 def whole(name: str) -> str:
@@ -161,13 +157,14 @@ def test_every_figure_and_table_is_mentioned_before_its_place(name: str) -> None
 
 
 def test_labels_of_figures_are_legible_in_print() -> None:
+    """A line is 464 points wide. Labels are drawn with 7 points or more, and scaled by 0.85 at least."""
     source = "\n".join(text(path) for path in SOURCES)
     figures = re.findall(r"\\includegraphics\[width=(\.\d+)\\linewidth\]\{([^}]*)\}", source)
     assert len(figures) == source.count(r"\includegraphics") > 6
     for share, name in figures:
         drawn = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+)", (RESULTS / "figures" / f"{name}.pdf").read_bytes())
         assert drawn, name
-        assert float(share) * TEXT_WIDTH >= LEGIBLE * float(drawn[1]), name
+        assert float(share) * 464 >= 0.85 * float(drawn[1]), name
 
 
 def test_extremes_are_rounded_outwards_and_zero_is_zero(full: FullRun, claims: pd.DataFrame) -> None:

@@ -27,10 +27,6 @@ ROOT = Path(__file__).parents[2]
 NAMES = ("bounds", "equivalence", "ledger", "rates", "stresses")
 
 
-def print_ledger(directory: Path) -> str:
-    return ledger_text(read_claims(directory))
-
-
 def draw_some(directory: Path) -> list[Path]:
     return draw_figures(directory, lambda directory: drawings(directory)[::8])
 
@@ -218,7 +214,7 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
         *((overview, name) for name in ("rates.csv", "cases.csv")),
         (read_pictures, "pictures"),
         (rates_text, "rates.csv"),
-        (print_ledger, "claims.csv"),
+        (lambda directory: ledger_text(read_claims(directory)), "claims.csv"),
     ],
 )
 def test_a_missing_file_is_named_with_the_command_that_makes_it(

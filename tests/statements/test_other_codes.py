@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from measured_rows import measured
 
 from manufactured.body import Kind
 from manufactured.tensors import full
@@ -20,7 +21,8 @@ from study.statements.shared.base import LISTED, Setting, grid
 from study.statements.shared.tasks import Task
 
 RESULTS = Path(__file__).parents[2] / "results"
-SETTINGS = grid(("advance-recede", "corner"), ("one-diagonal", "shaken"), (8, 16))
+
+
 OTHERS = OtherCodes.joined_file
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 
@@ -28,8 +30,8 @@ Change = Callable[[pd.DataFrame], pd.DataFrame]
 @lru_cache
 def ours() -> pd.DataFrame:
     """The errors of this study on a part of the meshes."""
-    of = OtherCodes()
-    return pd.DataFrame([row for setting in SETTINGS for _, row in of.records(setting, of.measure(setting))])
+    settings = grid(("advance-recede", "corner"), ("one-diagonal", "shaken"), (8, 16))
+    return measured(OtherCodes(), settings)
 
 
 def judged(change: Change = lambda table: table) -> dict[str, Verdict]:

@@ -34,32 +34,20 @@ CASES = [name for name in NAMES if name not in ("closing-gap", "parabolic-gap", 
 
 @dataclass(frozen=True)
 class Constants:
-    """Factors by which the free constants of a case are multiplied.
-
-    Attributes:
-        gap, pressure: the amplitudes; a given strain at t = 0 changes with the pressure.
-        mode: the amplitude of a singular field.
-        A, G: the whole operators; β of the law (3.3).
-        ratio_A, ratio_G: Lamé's λ alone, or for other tensors the moduli of normal strains alone.
-        radius: of the set K of the law (3.3).
-        contrast: of a heterogeneous material, 1 + contrast · (α − 1).
-        interface: the depth at which a layer begins.
-        speed: of the contact zone, t → speed · t in all formulas; at most 1, so that times stay in [0, T].
-        place: of the contact zone, s → s/place in all formulas; at least 1 without a front, so that s stays on Γ3.
-    """
+    """Factors by which the free constants of a case are multiplied."""
 
     gap: float = 1.0
-    pressure: float = 1.0
-    mode: float = 1.0
+    pressure: float = 1.0  # also a given strain at t = 0
+    mode: float = 1.0  # amplitude of a singular field
     A: float = 1.0
-    G: float = 1.0
-    ratio_A: float = 1.0
+    G: float = 1.0  # β of the law (3.3)
+    ratio_A: float = 1.0  # Lamé's λ alone, or for other tensors the moduli of normal strains alone
     ratio_G: float = 1.0
-    radius: float = 1.0
-    contrast: float = 1.0
-    interface: float = 1.0
-    speed: float = 1.0
-    place: float = 1.0
+    radius: float = 1.0  # of the set K of the law (3.3)
+    contrast: float = 1.0  # of a heterogeneous material: 1 + contrast · (α − 1)
+    interface: float = 1.0  # depth at which a layer begins
+    speed: float = 1.0  # of the contact zone: t → speed · t in all formulas; at most 1, so that times stay in [0, T]
+    place: float = 1.0  # of the contact zone: s → s/place; at least 1 without a front, so that s stays on Γ3
 
 
 CONSTANTS = [field.name for field in fields(Constants)]
