@@ -1,7 +1,5 @@
 """Exact strains as sums of products, quadrature points that share coordinates, and the integrals made of both."""
 
-import math
-
 import numpy as np
 import pytest
 from costly_cases import BEYOND_THE_CATALOGUE, by_cost
@@ -10,9 +8,8 @@ from hypothesis import strategies as st
 
 from manufactured.catalogue import NAMES
 from manufactured.law import LawError, Linear
-from study.fem import moments
 from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
-from study.fem.mesh import FAMILIES, Shaken
+from study.fem.mesh import FAMILIES
 from study.fem.moments import QuadraturePoints, StressSums, amplitudes_of
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
@@ -84,16 +81,6 @@ def test_means_oscillation_and_load_are_integrals_over_the_points_of_the_rules(c
         nodal += space.scatter(space.mesh.facets[:, on.facets], np.multiply.outer(face.part.normal, local))
     expected = space.functional(integrals / space.volumes) + space.interpolate(nodal)
     assert abs(v_norm.load(time) - expected).max() <= 1e-12 * abs(expected).max()
-
-
-def test_both_ways_to_the_energy_agree(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The strain at the points, and a quadratic form of the amplitudes with products of different modes."""
-    solution = resolve("corner").solution
-    space, energies = Space(Shaken()(solution.body, 4), solution.body), []
-    for many in (0.0, math.inf):
-        monkeypatch.setattr(moments, "MANY", many)
-        energies.append(ErrorNorm(solution, space).sample(0.4).oscillation)
-    assert energies[0] == pytest.approx(energies[1], rel=1e-9)
 
 
 @given(seed=st.integers(0, 10**6), degree=st.sampled_from([4, 6]), angle=st.floats(0.2, 2.9), both=st.booleans())
