@@ -91,13 +91,6 @@ def expect(said: list[str], output: str) -> None:
     assert [text for text in said if text.rstrip() not in output] == [], output
 
 
-def test_a_page_that_says_that_something_else_is_printed_is_noticed() -> None:
-    (page,) = [page for page in SITE if page.name == "docs/tutorials/scikit-fem.md"]
-    assert len(page.printed("python")) > 1
-    with pytest.raises(AssertionError):
-        expect(page.printed("python"), page.printed("python")[0])
-
-
 def marked(pages: Iterable[Page], long: set[str]) -> pytest.MarkDecorator:
     items = [pytest.param(page, id=page.name, marks=pytest.mark.slow if page.name in long else ()) for page in pages]
     return pytest.mark.parametrize("page", items)

@@ -6,31 +6,22 @@ Python's ``max`` and ``min`` hide NaN unless it comes first; pandas leaves it ou
 import ast
 import math
 import re
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pandas as pd
 import pytest
-from measured_rows import verdicts
 
 from study.fem import independent
 from study.ledger.criterion import Criterion, among
-from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
+from study.ledger.verdict import HOLDS, UNDECIDED
 from study.ledger.window import at_most
 from study.solve import evolution
-from study.solve.evolution import SemiDiscrete, State
-from study.solve.tableau import MIDPOINT
 from study.statements import contact_work, edge_work, superclose
 from study.statements.green import smallest_positive
-from study.statements.prop_5_4 import FirstOrder, measure
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import maximum, minimum
 
 MEASURING = [*Path(superclose.__file__).parent.rglob("*.py"), *(Path(one.__file__) for one in (evolution, independent))]
 NAN = math.nan
-TOUCHING = Setting("full-contact", "one-diagonal", 8)
 
 
 @pytest.mark.parametrize("place", range(3))
@@ -80,38 +71,6 @@ def test_measured_values_pass_neither_through_the_extremes_of_python_nor_through
         if not (len(call.args) == 2 and is_constant(call.args[1]))
     }
     assert found == {name for name in NOT_MEASURED if ":" in name}
-
-
-@dataclass(frozen=True)
-class Damaged:
-    """The midpoint rule with one wrong state: that of a node of the trajectory with so many steps."""
-
-    steps: int
-    node: int
-    wrong: Callable[[State], State]
-    name: str = MIDPOINT.name
-    order: float = MIDPOINT.order
-
-    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
-        for n, state in enumerate(MIDPOINT.march(problem, steps)):
-            yield self.wrong(state) if (n, steps) == (self.node, self.steps) else state
-
-
-@pytest.mark.parametrize("node", [1, 2])
-@pytest.mark.parametrize(
-    ("steps", "wrong", "column", "key"),
-    [
-        (8, lambda state: replace(state, residual=lambda: NAN), "residual", "residual"),
-        (4, lambda state: replace(state, u=NAN * state.u), "time_share", "time-share"),
-    ],
-    ids=["residual", "difference of two trajectories"],
-)
-def test_a_nan_at_one_node_makes_a_row_of_the_propositions_fail(steps: int, wrong, column, key, node: int) -> None:
-    setup = replace(Experiment.at(TOUCHING, MIDPOINT, 4), scheme=Damaged(steps, node, wrong))
-    row = measure(setup).row(TOUCHING.case, TOUCHING.family, TOUCHING.level)
-    assert math.isnan(row[column])
-    rows = pd.DataFrame([row]).assign(claim="Prop. 5.4", expected_order=1.0)
-    assert verdicts(FirstOrder(), rows)[key] == FAILS
 
 
 @pytest.mark.parametrize(("value", "verdict"), [(1.5, HOLDS), (NAN, UNDECIDED)])
