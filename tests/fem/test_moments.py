@@ -84,9 +84,7 @@ def test_means_oscillation_and_load_are_integrals_over_the_points_of_the_rules(c
 
 
 @given(seed=st.integers(0, 10**6), degree=st.sampled_from([4, 6]), angle=st.floats(0.2, 2.9), both=st.booleans())
-def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(
-    seed: int, degree: int, angle: float, both: bool
-) -> None:
+def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(seed, degree, angle, both) -> None:
     rng = np.random.default_rng(seed)
     corners = rng.normal(size=(2, 3, 5))
     edges = corners[:, 1:] - corners[:, :1]

@@ -37,9 +37,7 @@ def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_p
         ("advance-recede", "(5.36)", "smoothness", ["(5.36)"]),
     ],
 )
-def test_a_docstring_that_leaves_something_out_is_noticed(
-    name: str, before: str, after: str, missing: list[str]
-) -> None:
+def test_a_docstring_that_leaves_something_out_is_noticed(name: str, before: str, after: str, missing) -> None:
     docstring = documentation(name)
     assert before in docstring
     assert missing_parts(docstring.replace(before, after), named(name)) == missing

@@ -268,9 +268,7 @@ def test_unusable_names_of_problems_and_cases_are_refused(name: str, tmp_path: P
 
 @pytest.mark.parametrize("name", ["../evil", "/evil", ".hidden", "CON", "x" * 101])
 @pytest.mark.parametrize("command", ["bound", "certify"])
-def test_a_name_of_data_that_cannot_be_part_of_a_file_name_writes_nothing(
-    command: str, name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_name_that_cannot_be_part_of_a_file_name_writes_nothing(command, name, tmp_path: Path, capsys) -> None:
     path = tmp_path / "own.py"
     text = f"from manufactured.problems import problems\nglobals()[{name!r}] = problems()[0].data"
     path.write_text(text, encoding="utf-8")

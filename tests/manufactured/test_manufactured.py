@@ -293,9 +293,7 @@ NONLINEAR = KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1)), "(3.3)")
         (lambda: with_gap(sp.sqrt(s)), CaseError, "not known to be smooth"),
     ],
 )
-def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(
-    make, error: type[Exception], message: str
-) -> None:
+def test_contact_data_and_initial_gaps_that_define_no_solution_are_refused(make, error, message: str) -> None:
     with pytest.raises(error, match=message):
         make()
 
@@ -385,9 +383,7 @@ def test_each_numbered_condition_is_examined_where_it_has_something_to_say() -> 
 
 
 @pytest.mark.parametrize(("share", "passes"), [(1e-16, True), (1e-12, False)], ids=["rounding", "more"])
-def test_where_nothing_is_pressed_a_pull_is_rounding_beside_the_stresses_on_the_face_or_a_violation(
-    monkeypatch, share, passes
-) -> None:
+def test_a_pull_where_nothing_is_pressed_is_rounding_of_the_stresses_or_a_violation(monkeypatch, share, passes) -> None:
     right = FaceFields.pressure
     monkeypatch.setattr(FaceFields, "pressure", lambda on, time: right(on, time) - share * on.stress_scale())
     signs_of_p = [

@@ -130,9 +130,7 @@ def test_a_disc_that_runs_on_a_circle_is_an_exact_solution_in_space() -> None:
         (pos(QUARTER - s, 2) * (1 + sp.sin(3000 * t)), "changes so fast in t"),
     ],
 )
-def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_to_follow_is_refused(
-    pressure: sp.Expr, message: str
-) -> None:
+def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_is_refused(pressure, message: str) -> None:
     with pytest.raises(FormulaError, match=message):
         Memory(pressure, 1.0, 1.0, 1.0).at(PLACES)(1.0, False, 0)
 

@@ -81,9 +81,7 @@ def test_figure_and_page_show_the_same_curves_ticks_and_legend(name: str, charts
     assert [text.get_text() != " " for text in legend.get_texts()].count(True) == entries == page.count("aria-hidden")
 
 
-def test_where_the_error_is_unknown_the_distance_to_a_more_accurate_displacement_takes_its_place(
-    charts: dict[str, Chart], enclosed: pd.DataFrame
-) -> None:
+def test_where_the_error_is_unknown_the_distance_to_a_better_displacement_takes_its_place(charts, enclosed) -> None:
     known, unknown = charts["enclosure"], charts["unknown error"]
     assert "lines are the error itself" in known.caption
     assert "lines are the distance to a more accurate displacement" in unknown.caption

@@ -152,9 +152,7 @@ def size_of(png: Path) -> tuple[int, int]:
         return image.size
 
 
-def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_that_are_not_cut_off(
-    figures: dict[str, Drawing], tmp_path: Path
-) -> None:
+def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_off(figures, tmp_path: Path) -> None:
     slides = Output("slides", ("png",))
     png, _ = draw_one(tmp_path, figures["orders"], slides)
     assert size_of(png) == (1920, 1080)
@@ -172,9 +170,7 @@ def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_f
     assert not sheets["orders"]
 
 
-def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(
-    measured: Path, figures: dict[str, Drawing]
-) -> None:
+def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured: Path, figures) -> None:
     smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
     found = [order for _, rows in smooth.groupby("case") for order in finest_orders(rows, refinements=2).values()]
     drawing = figures["collapsed"]
@@ -194,9 +190,7 @@ def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_l
     assert chart.headline.startswith("On these meshes the error is not O(h): observed orders 0.")
 
 
-def test_figures_are_drawn_by_name_from_one_directory_into_another(
-    alone: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, tmp_path: Path, capsys) -> None:
     shutil.copy(RESULTS / "data" / "provenance.json", alone / "data")
     command = ["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", "--only"]
     assert main([*command, "problem", "orders", "--format", "png"]) == 0
@@ -207,9 +201,7 @@ def test_figures_are_drawn_by_name_from_one_directory_into_another(
     assert re.search(rf"--only order: {alone} has no such figure, only .*orders", capsys.readouterr().err)
 
 
-def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(
-    figures: dict[str, Drawing], tmp_path: Path
-) -> None:
+def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures, tmp_path: Path) -> None:
     drawing = figures[f"energy-{CORNER}"]
     assert drawing.alternative.startswith(f"The balance of energy over time, and its defect: {CORNER}. ")
     png, svg, pdf, txt = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
@@ -220,9 +212,7 @@ def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(
     assert "Alternative text: The balance of energy" in txt.read_text(encoding="utf-8")
 
 
-def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_width_of_a_column(
-    alone: Path, tmp_path: Path
-) -> None:
+def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width(alone: Path, tmp_path: Path) -> None:
     style = tmp_path / "journal.mplstyle"
     style.write_text("figure.figsize: 5.0, 4.0\nfont.size: 10\n")
     png, _ = draw_one(tmp_path, named(alone, "orders"), Output(formats=("png",), dpi=100, style=style))
@@ -233,9 +223,7 @@ def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_width_of_a_c
         pass
 
 
-def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(
-    alone: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(alone: Path, capsys) -> None:
     assert {drawing.case for drawing in drawings_of(alone, [SMOOTH])} == {SMOOTH}
     with pytest.raises(UsageError, match=rf"--case nobody: {alone} has no such case, only {SMOOTH}"):
         drawings_of(alone, ["nobody"])
@@ -275,9 +263,7 @@ def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures: l
     assert magnification(shown.vertices, np.zeros_like(shown.displacement)) == 1
 
 
-def test_a_computed_zone_that_is_exact_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_three(
-    face: Segment,
-) -> None:
+def test_an_exact_zone_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_three(face: Segment) -> None:
     exact = misplaced_length(replace(face, pressure=face.pressure_exact))
     assert exact.max() <= 0.5 + 1e-6
     wide = replace(face, pressure=np.maximum(face.pressure_exact, np.roll(face.pressure_exact, 3, axis=1)))

@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -217,9 +216,7 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
         (lambda directory: ledger_text(read_claims(directory)), "claims.csv"),
     ],
 )
-def test_a_missing_file_is_named_with_the_command_that_makes_it(
-    data: Path, present: Callable[[Path], object], name: str
-) -> None:
+def test_a_missing_file_is_named_with_the_command_that_makes_it(data: Path, present, name: str) -> None:
     missing = data / "data" / name
     shutil.rmtree(missing) if missing.is_dir() else missing.unlink()
     with pytest.raises(DataError, match=rf"{name} is missing.*study run"):
@@ -238,9 +235,7 @@ def test_a_missing_file_is_named_with_the_command_that_makes_it(
         (overview, "bounds.csv", "upper", "something", "lacks the columns upper"),
     ],
 )
-def test_a_damaged_file_is_named(
-    data: Path, present: Callable[[Path], object], name: str, old: str, new: str, complaint: str
-) -> None:
+def test_a_damaged_file_is_named(data: Path, present, name: str, old: str, new: str, complaint: str) -> None:
     replace(data / "data" / name, old, new)
     with pytest.raises(DataError, match=complaint):
         present(data)

@@ -190,9 +190,7 @@ def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Pa
         assert max(shown["quarters"]) + 1 == len(face["nodes"]) + len(shown["edges"]) / 2 == np.shape(shown["level"])[1]
 
 
-def test_a_second_run_gives_the_same_page_which_says_how_to_measure_defects_that_are_not_measured(
-    data: Path, page: Page
-) -> None:
+def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_defects(data: Path, page: Page) -> None:
     (data / "data" / "controls.csv").unlink()
     again = report(data).read_text(encoding="utf-8")
     assert "study controls" in again
@@ -207,9 +205,7 @@ def test_missing_data_are_named_with_the_command_that_makes_them(data: Path, nam
     assert not (data / "report.html").exists()
 
 
-def test_a_picture_of_an_older_version_and_a_directory_without_a_run_are_refused(
-    data: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_picture_of_an_older_version_and_a_directory_without_a_run_are_refused(data: Path, capsys) -> None:
     path = picture_path(data, "corner")
     record = read_record(path)
     del record["displacement"]

@@ -83,9 +83,7 @@ def setup() -> Experiment:
 
 
 @pytest.mark.parametrize("factor", [1.0, 1.2])
-def test_forces_too_large_by_a_factor_are_wrong_by_this_factor_in_the_dual_norm_and_the_resultant(
-    setup: Experiment, factor: float
-) -> None:
+def test_forces_too_large_by_a_factor_are_wrong_by_it_in_the_dual_norm_and_the_resultant(setup, factor: float) -> None:
     """Right moments of the pressure leave an error in L² alone."""
     forces, times = Forces(setup), np.array([0.3, 0.7])
     pressures = [face.weights[:, None] * face.exact.pressure(times).reshape(-1, 2) for face in forces.faces]

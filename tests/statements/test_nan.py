@@ -89,9 +89,7 @@ def test_a_range_with_nan_in_one_family_does_not_hold(value: float, verdict: str
     ],
     ids=["work", "excess", "edges"],
 )
-def test_shares_of_the_work_of_contact_and_numbers_of_edges_are_nan_if_they_are_on_one_level(
-    criterion: Criterion, column: str, right: float
-) -> None:
+def test_shares_of_work_and_numbers_of_edges_are_nan_if_one_level_is(criterion, column: str, right: float) -> None:
     group = pd.DataFrame({name: [3.0, 4.0] for name in ("work", "excess", *edge_work.BRANCHES)}).assign(error=1.0)
     assert criterion.measure(group)[0] == right
     group.loc[0, column] = NAN

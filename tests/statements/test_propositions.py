@@ -96,9 +96,7 @@ def test_each_piece_of_evidence_fails_alone_if_it_is_wrong_or_missing_on_one_lev
     ("start", "interpolation", "verdict"),
     [(0.5, 1.03, HOLDS), (1.0, 1.03, REPORTED), (1.0, 1.24, REPORTED), (1.0, 1.27, FAILS), (1.0, 0.999, FAILS)],
 )
-def test_an_error_that_is_largest_at_the_start_must_be_the_predicted_interpolation_error(
-    start: float, interpolation: float, verdict: str
-) -> None:
+def test_an_error_largest_at_the_start_is_the_predicted_interpolation_error(start, interpolation, verdict: str) -> None:
     """Start and interpolation error are multiples of the largest error."""
     error = table()["error"]
     rows = table(initial_error=start * error, interpolation_error=interpolation * error)

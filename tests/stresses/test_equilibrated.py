@@ -277,9 +277,7 @@ def table(orders: dict[str, float], levels: int = 3, **changed: float | str) -> 
     return pd.DataFrame(row | changed)
 
 
-def judged(
-    orders: dict[str, float], regularity: Regularity, levels: int = 3, family: str = "one-diagonal", **changed: float
-) -> dict[str, str]:
+def judged(orders, regularity: Regularity, levels=3, family="one-diagonal", **changed) -> dict[str, str]:
     rows = table(orders, levels, family=family, **changed)
     groups = {family: rows.assign(ratio=rows["stress"] / rows["best"])}
     found = [rule.verdict(OwnSpace(), "a", groups, family) for rule in rules_of(regularity, family)]
@@ -379,9 +377,7 @@ def test_measured_quantities_vanish_for_what_is_exact() -> None:
     ],
     ids=["pull", "friction", "pressure", "clamped", "load"],
 )
-def test_a_traction_that_no_admissible_stress_has_is_measured(
-    kind: Kind, traction: tuple[float, float], violation: float
-) -> None:
+def test_a_traction_that_no_admissible_stress_has_is_measured(kind: Kind, traction, violation: float) -> None:
     """All other tractions are at most 1."""
     space, loads, _, stress = stress_at(resolve("full-contact").solution, OneDiagonal(), 1)
     scale = abs(stress.tractions).max()
@@ -399,9 +395,7 @@ coordinates = st.lists(st.floats(-1, 1), min_size=6, max_size=6).map(lambda x: n
 
 
 @given(coordinates, st.floats(0, 2 * np.pi), st.floats(-1, 1), st.floats(-1, 1))
-def test_cells_cut_along_two_parallel_lines_integrate_what_bends_at_both_exactly(
-    corners: Array, angle: float, one: float, other: float
-) -> None:
+def test_cells_cut_along_two_parallel_lines_integrate_what_bends_at_both_exactly(corners, angle, one, other) -> None:
     if abs(np.linalg.det(corners[:, 1:] - corners[:, :1])) < 1e-3:
         return
     mesh, cells = MeshTri(corners, np.array([[0], [1], [2]])), np.array([0])
@@ -438,9 +432,7 @@ def fluxes(solution: ExactSolution, corners: Array, fronts: list[float], time: f
     ("family", "time", "count"),
     [(OneDiagonal(), 0.1, 4), (Shaken(seed=3), 0.28, 2), (Shaken(seed=3), 0.1, 4), (OneDiagonal(), 0.5, 2)],
 )
-def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cross(
-    family: MeshFamily, time: float, count: int
-) -> None:
+def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cross(family, time, count) -> None:
     solution = resolve("merging-patches").solution
     space, data = StressSpace(family(solution.body, 6), solution.body), Data.of(solution)
     thirds, corners = alfeld_split(space.mesh)

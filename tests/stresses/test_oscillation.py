@@ -57,9 +57,7 @@ def test_constants_grow_like_the_size_or_its_root_and_fall_like_the_root_of_the_
 
 @settings(max_examples=2 * COSTLY.max_examples)
 @given(st.sampled_from(NUMBERINGS), shapes, tensors, st.floats(0, 2 * np.pi), degrees)
-def test_constants_know_no_numbers_of_vertices_and_turn_with_the_triangle_and_its_tensor(
-    numbering, F, C, angle, q
-) -> None:
+def test_constants_know_no_numbering_and_turn_with_the_triangle_and_its_tensor(numbering, F, C, angle, q) -> None:
     R = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     corners, turned = (R @ F @ CORNERS)[:, numbering], rotation(R) @ C @ rotation(R).T
     again = corners[:, 1:] - corners[:, :1]
