@@ -129,9 +129,7 @@ def test_the_largest_difference_beyond_the_tolerance_is_shown_and_whole_numbers_
 
 
 @pytest.mark.parametrize(("now", "differs"), [("1e-07", False), ("1e-09", False), ("1e-06", True), ("-1e-09", True)])
-def test_numbers_decided_by_the_tolerance_of_a_solver_are_compared_by_magnitude(
-    old, new, now: str, differs: bool
-) -> None:
+def test_numbers_decided_by_the_tolerance_of_a_solver_are_compared_by_magnitude(old, new, now, differs) -> None:
     for directory, value in ((old, "1e-09"), (new, now)):
         write(directory, "equivalence.csv", "displacement_gap", 0, value)
     assert compared(old, new).differs == differs

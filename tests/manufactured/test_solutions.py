@@ -224,14 +224,6 @@ def test_forces_and_their_rates_are_square_integrable_at_the_front() -> None:
     assert np.log10(np.divide(*sizes)) / 2 == pytest.approx([0.5, -0.5, -0.5], abs=0.03)
 
 
-def test_only_convergence_is_claimed_by_the_source_and_one_half_is_proved() -> None:
-    found = CASE.regularity
-    assert (found.smoothness, found.rate_smoothness, found.trace) == (1.5, 0.5, 2)
-    assert CASE.proposition == "Prop. 5.3"
-    assert proved_order(CASE) == 0.5
-    assert str(found) == "r^1.5 on Γ3, moving"
-
-
 def test_a_field_with_a_cut_off_of_the_distance_does_not_travel() -> None:
     field = FACE.field
     assert isinstance(field, TravellingField)

@@ -34,7 +34,6 @@ def table(path: Path, **columns: list[float]) -> str:
         ({"a": GOOD}, ["--expected", "2"], 0),
         ({"a": LOW}, ["--expected", "2"], 1),
         ({"a": GOOD}, ["--expected", "1"], 1),
-        ({"a": GOOD}, ["--at-least", "1"], 0),
         ({"a": BENT}, ["--expected", "2"], 3),
         ({"a": LOW, "b": BENT}, ["--expected", "2"], 1),
         ({"a": LOW, "b": BENT}, ["--expected", "a=1"], 0),

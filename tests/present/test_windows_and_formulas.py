@@ -29,15 +29,12 @@ def edited(**values: object) -> pd.DataFrame:
     return CLAIMS.assign(**{column: CLAIMS[column].mask(ORDERS, value) for column, value in values.items()})
 
 
-def test_all_rows_of_the_first_round_are_compared_each_once() -> None:
-    assert len(THEN) == 1435
-    assert not THEN.duplicated(["label", "key", "case", "family"]).any()
-    assert THEN["case"].isin(CLAIMS["case"]).all()
-
-
 @pytest.mark.parametrize("file", [FIRST, RELEASED])
 def test_every_change_of_the_committed_ledger_has_a_reason(file: str) -> None:
     """A window was changed? Say why in ``study.present.windows.WHY``; the page on windows lists it then."""
+    assert len(THEN) == 1435
+    assert not THEN.duplicated(["label", "key", "case", "family"]).any()
+    assert THEN["case"].isin(CLAIMS["case"]).all()
     then = earlier(RESULTS, file)
     assert all(change.why for change in [*changes(then, CLAIMS), *(added(then, CLAIMS) if file == FIRST else [])])
 

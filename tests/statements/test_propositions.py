@@ -61,6 +61,8 @@ def claimed(found) -> set[str]:
 def test_the_predicted_behaviour_holds_in_every_row_and_an_order_too_low_or_too_good_fails() -> None:
     assert set(verdicts(prop_5_4(table())).values()) == {HOLDS}
     assert {verdicts(prop_5_4(table(order)))["order"] for order in (0.0, 0.5, 0.8, 1.2, 1.5, 2.0)} == {FAILS}
+    solid = [verdicts(prop_5_4(table(order, dim=3)))["order-finest"] for order in (0.97, 0.88)]
+    assert solid == [HOLDS, FAILS], "in 3D the finest pair must be within a tenth of one"
 
 
 @pytest.mark.parametrize(
@@ -112,11 +114,6 @@ def test_two_levels_leave_the_order_undecided_and_one_bad_family_is_enough_to_fa
     found = verdicts(prop_5_4(table(levels=(8, 16))))
     assert found["order"] == found["order-extrapolated"] == UNDECIDED
     assert verdicts(prop_5_4(pd.concat([table(), table(0.7, family="one-diagonal")])))["order-extrapolated"] == FAILS
-
-
-def test_in_3d_the_finest_pair_must_be_within_a_tenth_of_one() -> None:
-    found = [verdicts(prop_5_4(table(order, dim=3)))["order-finest"] for order in (0.97, 0.88)]
-    assert found == [HOLDS, FAILS]
 
 
 def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit_and_no_rising_error() -> None:

@@ -1,7 +1,5 @@
 """Composite equilibrium stresses: their conditions checked from values at points, and their use in Problem 3.2."""
 
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
@@ -237,16 +235,6 @@ def test_several_stresses_are_found_as_each_of_them(name: str) -> None:
             assert found.tractions[i] == pytest.approx(one.tractions, abs=scale)
             assert found.moments[i] == pytest.approx(one.moments, abs=1e-10 * abs(one.moments).max())
             assert pressures[i] == pytest.approx(equilibrium.pressure(one), abs=scale)
-
-
-def test_problem_3_2_in_time_knows_no_displacement() -> None:
-    """A fresh interpreter that has loaded it holds no finite element space and no time scheme of displacements."""
-    code = "import study.stresses.hybrid, sys; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    loaded = set(done.stdout.split())
-    assert "study.stresses.hybrid" in loaded
-    solvers = {"study.fem.space", "study.fem.error_norm", "study.solve.evolution", "study.solve.stress_problem"}
-    assert not loaded & solvers
 
 
 def test_what_cannot_be_posed_is_refused() -> None:
