@@ -220,7 +220,6 @@ def test_names_stand_for_cases_problems_and_users_data(tmp_path) -> None:
 
 
 def test_a_factor_beyond_its_stated_bounds_is_refused() -> None:
-    """Constants rest on the bounds."""
     law = KelvinVoigt(isotropic(1, 1, factor=Factor(1 + 10 * x1, 11.0, 11.0)), isotropic(1, 1), "wrong bounds")
     with pytest.raises(LoadError, match=r"the factor of A takes values from .* stated bounds 11 and 11"):
         Data.formulas(unit_square(), law, f0=(0, 0)).check()

@@ -101,12 +101,15 @@ def test_fronts_that_swing_many_times_are_passed_as_often_as_they_do() -> None:
 
 
 @pytest.mark.slow
-def test_a_case_whose_front_swings_is_an_exact_solution() -> None:
+def test_a_case_whose_front_swings_is_an_exact_solution_and_with_a_wrong_memory_refused() -> None:
     level = RETURN - s
     solution = on_floor(not_proportional(), 20 * pos(-level, 4), 40 * pos(level, 2) * sp.exp(-t), level)
     prove(solution, "swinging")
     case = Case("swinging", "front swings", solution, Regularity(gap=4, pressure=2, moving=True), 1, "(5.36)")
     assert case.proposition == "Prop. 5.4"
+    late = Memory(40 * pos(level.subs(t, t - sp.Rational(1, 50)), 2) * sp.exp(-t), 3, 3, 1.0)
+    with pytest.raises(SelfProofError, match=r"p = −σ_ν|the stated zone"):
+        prove(replace(solution, faces=(replace(solution.faces[0], strain=late),)), "late")
 
 
 @pytest.mark.slow
@@ -133,16 +136,6 @@ def test_a_disc_that_runs_on_a_circle_is_an_exact_solution_in_space() -> None:
 def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_is_refused(pressure, message: str) -> None:
     with pytest.raises(FormulaError, match=message):
         Memory(pressure, 1.0, 1.0, 1.0).at(PLACES)(1.0, False, 0)
-
-
-@pytest.mark.slow
-def test_a_wrong_memory_of_a_swinging_front_is_refused_by_the_self_proof() -> None:
-    level = RETURN - s
-    right = on_floor(not_proportional(), 20 * pos(-level, 4), 40 * pos(level, 2), level)
-    (face,) = right.faces
-    late = Memory(40 * pos(level.subs(t, t - sp.Rational(1, 50)), 2), 3, 3, 1.0)
-    with pytest.raises(SelfProofError, match=r"p = −σ_ν|the stated zone"):
-        prove(replace(right, faces=(replace(face, strain=late),)), "late")
 
 
 # Formulas evaluated by NumPy.

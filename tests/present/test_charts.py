@@ -11,7 +11,6 @@ import pandas as pd
 import pytest
 from committed import RESULTS, SMOOTH
 from matplotlib.colors import to_rgb
-from numpy.typing import NDArray
 
 from study.fem.mesh import FAMILIES
 from study.ledger.datafiles import read_rates
@@ -29,8 +28,6 @@ from study.present.charts import (
 from study.present.drawing import in_style
 from study.present.palette import RAMPS, Style, family_styles
 from study.present.report import BETWEEN, HEIGHTS, LEFT, RIGHT, TOP, svg_chart
-
-Array = NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +88,7 @@ def test_where_the_error_is_unknown_the_distance_to_a_better_displacement_takes_
 
 @pytest.mark.parametrize("slope", [0.25, 1.0, 2.0])
 def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope: float) -> None:
-    h: Array = 2.0 ** -np.arange(8, 2, -1, dtype=float)
+    h = 2.0 ** -np.arange(8, 2, -1, dtype=float)
     points = [(h, 3 * h**0.5), (h / 1.4, h**1.5), (h[::-1], h[::-1] + 0.1)]
     curves = [Curve(x, y, Style("black")) for x, y in points]
     triangle = slope_triangle(curves, slope, decades=2.0)

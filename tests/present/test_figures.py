@@ -12,7 +12,6 @@ import pytest
 from committed import CORNER, RESULTS, SMOOTH, SOLID, copy_results
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from numpy.typing import NDArray
 from PIL import Image
 
 from study.cli.main import main
@@ -26,7 +25,6 @@ from study.present.figures import drawings, drawings_of, overview
 from study.present.palette import family_styles
 from study.present.picture import Picture, Segment, caps, misplaced_length, read_pictures, strands
 
-Array = NDArray[np.float64]
 SMALLEST = 7.0
 """Points, of all text but scripts."""
 
@@ -106,7 +104,7 @@ def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]
         assert "nan" not in drawing.caption, drawing.name
 
 
-def with_faces(picture: Picture, **change: Array | float) -> Picture:
+def with_faces(picture: Picture, **change) -> Picture:
     """A solid with other values on its contact faces."""
     values = {name: np.broadcast_to(value, getattr(picture.faces[0], name).shape) for name, value in change.items()}
     return replace(picture, faces=[replace(face, **values) for face in picture.faces])

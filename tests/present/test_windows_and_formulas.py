@@ -101,14 +101,11 @@ def test_none_is_missing(claims: pd.DataFrame) -> None:
         list(numbered_lines(without))
 
 
-def test_a_label_names_nothing_that_the_source_does_not_have(claims: pd.DataFrame) -> None:
+def test_labels_name_formulas_of_the_source_and_lines_without_a_row_those_that_have_none(claims: pd.DataFrame) -> None:
     for label, rows in claims[claims["label"] != "slips"].groupby("label"):
         places = rows["case"] if label in (NO_ROW, NOT_TESTED) else [label]
         assert set().union(*map(named, places)) <= set(NUMBERED), label
-
-
-def test_a_line_without_a_row_is_not_about_a_formula_that_has_one(claims: pd.DataFrame) -> None:
-    """A reason why there is no row would be wrong, then; what is not tested may be a part of what is."""
+    # What is not tested may be a part of what is; a reason why there is no row would be wrong.
     measured = set().union(*(named(label) for label in set(claims["label"]) - {NO_ROW, NOT_TESTED, "slips"}))
     reasons = {place for _, place, _, _ in WithoutRow.lines}
     assert {place: named(place) & measured for place in reasons if named(place) & measured} == {}

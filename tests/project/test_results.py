@@ -59,11 +59,10 @@ def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int
             assert again[column] == pytest.approx(row[column], rel=1e-5, abs=1e-9), (row["family"], column)
 
 
-AGREEING = ("advance-recede", "layered", "softening", "yield-on-a-part")
-"""Cases with several laws."""
+WITH_SEVERAL_LAWS = ("advance-recede", "layered", "softening", "yield-on-a-part")
 
 
-@pytest.mark.parametrize("case", slow_except(AGREEING, EQUIVALENCE["case"].unique()))
+@pytest.mark.parametrize("case", slow_except(WITH_SEVERAL_LAWS, EQUIVALENCE["case"].unique()))
 def test_both_formulations_agree_again(case: str) -> None:
     committed = EQUIVALENCE.query(f"case == '{case}'").iloc[0]
     row = SameMesh().measure(Setting(case, committed["family"], int(committed["level"])))

@@ -1,6 +1,5 @@
 """Rollers: the problem condensed to Γ3, and the verdicts with the changes that must turn them."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -103,10 +102,6 @@ def test_orders_of_the_excess_tell_equal_neighbourhoods_from_alternating_ones() 
         assert not other.contains(found)
 
 
-Number = Callable[[str, str, int], float]
-"""(kind, family, n) ↦ a value."""
-
-
 def predicted(kind: str, family: str, n: int) -> float:
     """The excess as it was predicted, with a scatter over shaken meshes that falls like n^{−1/2}."""
     if kind == own.STANDING or family in own.PLAIN:
@@ -115,7 +110,7 @@ def predicted(kind: str, family: str, n: int) -> float:
     return by_chance * 0.1 / n**0.5
 
 
-def data(excess: Number = predicted, right: float = 2.0, changed: float = 1.001, step: float = 2.0) -> pd.DataFrame:
+def data(excess=predicted, right: float = 2.0, changed: float = 1.001, step: float = 2.0) -> pd.DataFrame:
     found = []
     for setting in own.Rollers().places(full=True):
         family, n = setting.family, setting.level
@@ -159,8 +154,8 @@ def test_the_predicted_behaviour_holds_in_every_row() -> None:
     ],
     ids=["bound", "time", "step", "first order everywhere", "half the order everywhere"],
 )
-def test_every_row_about_rollers_can_fail(wrong: dict[str, Number | float], places: set[tuple[str, str]]) -> None:
-    found = verdicts(data(**wrong))  # type: ignore[arg-type]
+def test_every_row_about_rollers_can_fail(wrong, places: set[tuple[str, str]]) -> None:
+    found = verdicts(data(**wrong))
     assert {place for place, verdict in found.items() if verdict == FAILS} == places
 
 
