@@ -33,7 +33,7 @@ def test_all_rows_of_the_first_round_are_compared_each_once() -> None:
 
 @pytest.mark.parametrize("file", [FIRST, RELEASED])
 def test_every_change_of_the_committed_ledger_has_a_reason(file: str) -> None:
-    """A window was changed? Say why in ``study.present.windows.WHY``; the page on windows lists it then."""
+    """A window was changed? Say why in ``study/present/page/results.toml``; the page on windows lists it then."""
     then = earlier(RESULTS, file)
     assert all(change.why for change in [*changes(then, CLAIMS), *(added(then, CLAIMS) if file == FIRST else [])])
 
