@@ -14,7 +14,6 @@ from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
 
 import pandas as pd
 
@@ -49,6 +48,7 @@ from study.present.full_run import FullRun
 from study.present.notation import counted, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import Picture, picture_path, read_record
+from study.present.report import PAGES
 from study.present.show import write_gif
 from study.present.tables import texts
 from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, changes
@@ -483,20 +483,10 @@ def badge(name: str, says: str, colour: str) -> str:
 
     The width follows from the number of letters.
     """
-    margin, height = 6, 20
+    margin = 6
     left, right = (round(6.4 * len(text)) + 2 * margin for text in (name, says))
-    name, says = escape(name), escape(says)
-    return f"""\
-<svg xmlns="http://www.w3.org/2000/svg" width="{left + right}" height="{height}" role="img">
-<title>{name}: {says}</title>
-<rect width="{left + right}" height="{height}" rx="3" fill="{DARK}"/>
-<path d="M{left} 0h{right - 3}a3 3 0 0 1 3 3v{height - 6}a3 3 0 0 1 -3 3h-{right - 3}z" fill="{colour}"/>
-<g fill="#fff" text-anchor="middle" font-family="DejaVu Sans,Verdana,sans-serif" font-size="11">
-<text x="{left / 2:g}" y="14" textLength="{left - 2 * margin}">{name}</text>
-<text x="{left + right / 2:g}" y="14" textLength="{right - 2 * margin}">{says}</text>
-</g>
-</svg>
-"""
+    template, sizes = PAGES.get_template("badge.svg"), {"left": left, "right": right, "margin": margin}
+    return template.render(name=name, says=says, colour=colour, dark=DARK, **sizes) + "\n"
 
 
 def badges(data: FullRun, project: Path) -> dict[str, str]:

@@ -32,7 +32,7 @@ from study.present.notation import typeset, typeset_svg
 from study.present.outcome import conclusion, orders_text
 from study.present.palette import family_styles
 from study.present.picture import FaceHistory, Picture, Polygon, Segment, picture_path, read_record
-from study.present.tables import BOUNDS, CONTROLS, EQUIVALENCE, LEDGER, RATES, STRESSES, Table, names, numbers
+from study.present.tables import BOUNDS, CONTROLS, EQUIVALENCE, LEDGER, RATES, STRESSES, Table, columns
 
 CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]
 ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]
@@ -102,8 +102,7 @@ def _files(directory: Path) -> Table:
         {"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()}
         for name, content in contents.items()
     ]
-    columns = [*names(file="file"), *numbers(size="kB"), *names(sha="SHA-256")]
-    return Table("files", columns, pd.DataFrame(rows))
+    return Table("files", columns("files"), pd.DataFrame(rows))
 
 
 def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[dict[str, Any]]:
