@@ -7,7 +7,6 @@ outwards, a smallest value down and a largest value up, so that no sentence clai
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -45,7 +44,7 @@ from study.ledger.verdict import (
 )
 from study.ledger.window import STEEPER
 from study.present.full_run import FullRun
-from study.present.notation import encode, encode_letters, folding, prose, tabular
+from study.present.notation import encode, encode_letters, folding, prose, read_page, tabular
 
 DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
 """Suffixes of the keys of checks that test a prediction about the error of the fully discrete scheme. Other checks of
@@ -58,7 +57,7 @@ WIDE = 0.5
 """Tolerance windows of observed orders that are wider than this are counted separately."""
 SOFTENING = "softening", "double-well"
 """Cases whose elasticity operator G softens."""
-TEXTS: dict[str, Any] = tomllib.loads((Path(__file__).parent / "page" / "article.toml").read_text(encoding="utf-8"))
+TEXTS = read_page("article")
 """Titles, and the definitions of numbers that summarise checks."""
 GROUPS: dict[str, list[str]] = TEXTS["groups"]
 """Title of a group of statements ↦ the beginnings of the labels of these statements."""

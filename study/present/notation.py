@@ -15,10 +15,17 @@ from functools import cache
 from itertools import groupby
 from operator import itemgetter
 from pathlib import Path
+from typing import Any
 
 from markupsafe import Markup, escape
 
-_LATEX = tomllib.loads((Path(__file__).parent / "page" / "notation.toml").read_text(encoding="utf-8"))
+
+def read_page(name: str) -> dict[str, Any]:
+    """Return the texts in ``page/NAME.toml``."""
+    return tomllib.loads((Path(__file__).parent / "page" / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+_LATEX = read_page("notation")
 _COMMANDS: dict[str, str] = _LATEX["formulas"]
 _ACCENTS = {"\u0307": r"\dot", "\u0308": r"\ddot", "\u0303": r"\tilde", "\u0302": r"\hat", "\u0304": r"\bar"}
 _RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", "0123456789-+n", strict=True))

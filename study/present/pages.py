@@ -45,7 +45,7 @@ from study.present.article import numbers, of_checks, two_digits_up
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
 from study.present.full_run import FullRun
-from study.present.notation import counted, typeset
+from study.present.notation import counted, read_page, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import Picture, picture_path, read_record
 from study.present.report import PAGES
@@ -57,7 +57,7 @@ BY_TABLES, BY_FIGURES, BY_PAGES = "study tables --out {}", "study figures --out 
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
 FILM, FILM_DPI, FILM_COLOURS = "hexagon", 66, 32
 """The case that the animation at the top of the README shows, its dots per inch, and the number of its colours."""
-TEXTS: dict[str, Any] = tomllib.loads((Path(__file__).parent / "page" / "results.toml").read_text(encoding="utf-8"))
+TEXTS = read_page("results")
 """Texts about the results, with names of values in braces."""
 MISPRINTS = "slips"
 """The label of the checks that list misprints."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from base64 import b64encode
 from hashlib import sha256
 from pathlib import Path
@@ -28,7 +27,7 @@ from study.present.charts import (
     enclosure_charts,
     finest_orders,
 )
-from study.present.notation import typeset, typeset_svg
+from study.present.notation import read_page, typeset, typeset_svg
 from study.present.outcome import conclusion, orders_text
 from study.present.palette import family_styles
 from study.present.picture import FaceHistory, Picture, Polygon, Segment, picture_path, read_record
@@ -40,7 +39,7 @@ CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
 HIGHEST_ORDER, STRIP = 1.5, 150
 """The largest order on the strip that shows the orders of a case, and the width of the strip in SVG units."""
 
-TEXTS: dict[str, Any] = tomllib.loads((Path(__file__).parent / "page" / "texts.toml").read_text(encoding="utf-8"))
+TEXTS = read_page("texts")
 """Texts of the page: ``meanings``, verdict ↦ its meaning, and ``letters``, table or place ↦ symbol ↦ its meaning."""
 PAGES = Environment(
     loader=PackageLoader("study.present", "page"), autoescape=True, undefined=StrictUndefined, trim_blocks=True

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,7 +18,7 @@ from study.ledger.datafiles import read_claims, read_csv, read_rates, since_befo
 from study.ledger.files import write_text
 from study.ledger.text import cell
 from study.present.article import article
-from study.present.notation import encode, folding, longtable, prose
+from study.present.notation import encode, folding, longtable, prose, read_page
 
 
 def write_tables(directory: Path) -> list[Path]:
@@ -66,9 +65,7 @@ class Column:
         return prose(text) if self.names else encode(text)
 
 
-COLUMNS: dict[str, list[dict[str, Any]]] = tomllib.loads(
-    (Path(__file__).parent / "page" / "tables.toml").read_text(encoding="utf-8")
-)
+COLUMNS: dict[str, list[dict[str, Any]]] = read_page("tables")
 """Name of a table ↦ groups of columns: kind, a key of ``KINDS`` ↦ names and headings, and perhaps their width."""
 KINDS: dict[str, dict[str, Any]] = {
     "words": {"alignment": "l"},

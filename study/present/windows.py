@@ -9,7 +9,6 @@ no window is widened unnoticed.
 from __future__ import annotations
 
 import sys
-import tomllib
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,14 +19,16 @@ import pandas as pd
 from study.ledger.datafiles import DataError, read_claims, write_csv
 from study.ledger.verdict import ROW_KEY, UNCLAIMED
 from study.ledger.window import MIN_POSITIVE, Window
+from study.present.notation import read_page
 
 FIRST, RELEASED = "windows.csv", "released.csv"
 """Files in ``results/history`` with the windows at the end of the first round of measurements (commit 27a936c) and of
 the last release.
 """
 NOT_NOTHING = "a diagnostic must be positive: exactly 0 means that a quantity was compared with itself"
-CHANGED = tomllib.loads((Path(__file__).parent / "page" / "results.toml").read_text(encoding="utf-8"))["changed"]
-WHY: dict[tuple[str, str], str] = {(one["label"], key): one["reason"] for one in CHANGED for key in one["keys"]}
+WHY: dict[tuple[str, str], str] = {
+    (one["label"], key): one["reason"] for one in read_page("results")["changed"] for key in one["keys"]
+}
 """Label and key of checks ↦ why their window changed. If only the lower end changed, from 0 to the smallest positive
 value, the reason is ``NOT_NOTHING``."""
 
