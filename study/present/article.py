@@ -7,7 +7,7 @@ outwards, a smallest value down and a largest value up, so that no sentence clai
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -302,8 +302,7 @@ def verdicts(data: FullRun) -> str:
         failing = len(rows) - count[HOLDS] - count[MISSED] - count[REPORTED]
         numbers = *count_kinds(rows).values(), failing, count[MISSED], count[REPORTED]
         body.append([title, *map(str, numbers)])
-    headings = ["statements", "orders", "sizes", "one-sided", "proved", "identities", "not", "missed", "reported"]
-    return tabular(headings, folding(0.37) + "rrrrrrrr", body)
+    return _table("verdicts", body)
 
 
 def account(row: pd.Series) -> str:
@@ -332,7 +331,7 @@ def accounts(data: FullRun) -> str:
         judged = [str(count[HOLDS]), str(count[FAILS] + count[UNDECIDED])]
         unjudged = name in ("met", "undecided", "wrong", "numbers", "lines")
         body.append([title, str(len(rows)), *(["--", "--"] if unjudged else judged)])
-    return tabular(["rows", "number", "hold", "fail or undecided"], folding(0.66) + "rrr", body)
+    return _table("accounts", body)
 
 
 def ledger(data: FullRun) -> str:
@@ -353,11 +352,8 @@ def ledger(data: FullRun) -> str:
             nearest = [where, f"{_number(worst_value(row))}; {window_ends(row)}"]
         line = [encode_letters(label), encode_letters(claim), *map(str, counts), *nearest]
         bodies[group_of(label)].append(line)
-    alignment = folding(0.1) + folding(0.25) + "rrrr" + folding(0.27) + folding(0.14)
-    headings = ["no.", "statement", "hold", "not", "missed", "rep.", "row that uses most of its window", "seen; window"]
     return "".join(
-        f"\\par\\medskip\\noindent\\textbf{{{title}}}\\par\\nobreak\\smallskip\\noindent\n"
-        + tabular(headings, alignment, body)
+        f"\\par\\medskip\\noindent\\textbf{{{title}}}\\par\\nobreak\\smallskip\\noindent\n" + _table("ledger", body)
         for title, body in bodies.items()
     )
 
@@ -367,7 +363,7 @@ def catalogue(data: FullRun) -> str:
     laws = data.cases["law"].str.removeprefix("linear, ")
     facts = zip(data.cases["case"], data.cases["summary"], laws, strict=True)
     body = [[prose(case), encode_letters(summary), encode_letters(law)] for case, summary, law in facts]
-    return tabular(["case", "contact zone", "law (linear except (3.3))"], f"l{folding(0.5)}{folding(0.27)}", body)
+    return _table("catalogue", body)
 
 
 def smooth(data: FullRun) -> str:
@@ -383,8 +379,7 @@ def smooth(data: FullRun) -> str:
         cells.append(_cell(data, label, "discrete-share", case, lambda row: _decimals(row["observed"])))
         cells.append(_cell(data, label, "time-share", case, lambda row: f"{100 * row['observed']:.2f}"))
         body.append([prose(str(case)), _regularity(data, case), str(rows["level"].max()), *cells])
-    headings = ["case", "regularity", r"\(n\)", "orders", "extrapolated", "superclose", "other", "share", r"time, \%"]
-    return tabular(headings, "llrrrrrrr", body)
+    return _table("smooth", body)
 
 
 def rough(data: FullRun) -> str:
@@ -403,8 +398,7 @@ def rough(data: FullRun) -> str:
             _cell(data, label, "limit", case, lambda row: _decimals(row["high"])),
         ]
         body.append([prose(case), _regularity(data, case), *orders, *cells])
-    headings = ["case", "regularity", "predicted", "proved", "seen", "graded", "ratio", r"\(e_\infty/e\)"]
-    return tabular(headings, "llrrrrrr", body)
+    return _table("rough", body)
 
 
 def stresses(data: FullRun) -> str:
@@ -420,8 +414,7 @@ def stresses(data: FullRun) -> str:
             cells += [_number(by_key.loc[key, "observed"]), window_ends(by_key.loc[key])]
         cells += [_number(by_key.loc[key, "observed"]) for key in ("order-pressure", "order-primal_stress", "growth")]
         body.append([prose(str(case)), prose(str(family)), *cells])
-    headings = ["case", "meshes", r"\(\sigma^h\)", "window", "multipliers", "window", "pressure"]
-    return tabular([*headings, r"\(\sigma(u^h)\)", "growth"], "llrlrlrrr", body)
+    return _table("stresses", body)
 
 
 def enclosures(data: FullRun) -> str:
@@ -437,8 +430,7 @@ def enclosures(data: FullRun) -> str:
         + ["--" if pd.isna(row[name]) else _number(row[name], rounding, 4) for name, rounding in roundings.items()]
         for _, row in rows[rows["case"].isin(deep)].iterrows()
     ]
-    headings = ["problem", "meshes", *(rf"\({name}\)" for name in "nh"), "lower end", "error", "upper end"]
-    return tabular([*headings, "upper/error", "lower/error"], "llrrrrrrr", body)
+    return _table("enclosures", body)
 
 
 def discrete(data: FullRun) -> str:
@@ -459,8 +451,7 @@ def discrete(data: FullRun) -> str:
                 marked = interval + (rf"\rlap{{\(^{{{mark}}}\)}}" if mark else "")
                 cells.append("--" if pd.isna(row["observed"]) else marked)
             body.append([prose(str(case)), prose(scheme), *cells])
-    headings = ["case", "scheme", r"\(q\) of \(d\)", r"\(s\) of \(d\)", r"\(p\) of \(e\)", r"\(q\) of \(e\)", "misfit"]
-    return tabular(headings, "llrrrrr", body)
+    return _table("discrete", body)
 
 
 def slips(data: FullRun) -> str:
@@ -470,8 +461,7 @@ def slips(data: FullRun) -> str:
         [encode_letters(str(row[name]).removeprefix("read: ")) for name in ("case", "quantity", "expected")]
         for _, row in rows.iterrows()
     ]
-    headings = ["place", "printed", "how it is read here, and why"]
-    return tabular(headings, "".join(folding(width) for width in (0.14, 0.3, 0.5)), body)
+    return _table("slips", body)
 
 
 def codes(data: FullRun) -> str:
@@ -489,8 +479,7 @@ def codes(data: FullRun) -> str:
         ]
         for row in (data.codes.rows().to_dict("records") if data.codes else [])
     ]
-    headings = ["code", "parameters", "class (series)", "order", r"\(d/e\)", r"\(e_p\)"]
-    return tabular(headings, "".join(folding(width) for width in (0.17, 0.23, 0.21)) + "rrr", body)
+    return _table("codes", body)
 
 
 def sensitivity(data: FullRun) -> str:
@@ -504,6 +493,13 @@ def sensitivity(data: FullRun) -> str:
     largest = largest[[name for name in data.sensitivity["defect"].unique() if largest[name].min() > NEGLIGIBLE]]
     body = [[prose(str(case)), *(_number(100 * amount, up, 2) for amount in row)] for case, row in largest.iterrows()]
     return tabular(["case", *map(encode, largest.columns)], "l" + "r" * largest.shape[1], body)
+
+
+def _table(name: str, body: Sequence[Sequence[str]]) -> str:
+    """Return a LaTeX table with the headings and columns of ``page/article.toml`` and the given cells."""
+    layout = TEXTS["tables"][name]
+    columns = [folding(column) if isinstance(column, float) else column for column in layout["columns"]]
+    return tabular(layout["headings"], "".join(columns), body)
 
 
 def _cell(data: FullRun, label: str, key: str, case: object, write: Callable[[pd.Series], str]) -> str:
