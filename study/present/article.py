@@ -7,9 +7,8 @@ outwards, a smallest value down and a largest value up, so that no sentence clai
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -97,20 +96,19 @@ def numbers(data: FullRun) -> dict[str, object]:
 
     Extreme values are rounded outwards.
     """
-    found = _counts_of_checks(data) | _plan(data) | of_checks(data, TEXTS["numbers"])
+    found = _counts_of_checks(data) | _plan(data) | of_checks(data, "numbers")
     return found | _errors(data) | _enclosures(data) | _beyond(data) | _discrete(data)
 
 
-def of_checks(data: FullRun, wanted: Mapping[str, Mapping[str, Any]]) -> dict[str, object]:
-    """Return numbers that summarise checks.
+def of_checks(data: FullRun, section: str) -> dict[str, object]:
+    """Return the numbers that summarise checks, as a section of ``page/article.toml`` defines them.
 
     Parameters:
         data: the data of a full run.
-        wanted: form, a key of ``FORMS`` ↦ name of the number ↦ label and keys of the checks, and perhaps one case, one
-            verdict, or the number of decimals.
+        section: "numbers" for the numbers in the papers, "pages" for those that only the pages have.
     """
     found: dict[str, object] = {}
-    for form, chosen in wanted.items():
+    for form, chosen in TEXTS[section].items():
         for name, of in chosen.items():
             rows = pd.concat([data.rows(of["label"], key, of.get("case")) for key in of["keys"]])
             rows = rows[rows["verdict"] == of["verdict"]] if "verdict" in of else rows

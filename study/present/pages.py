@@ -40,7 +40,6 @@ from study.ledger.verdict import (
     is_of_the_paper,
     kind,
 )
-from study.present.article import TEXTS as DEFINITIONS
 from study.present.article import numbers, of_checks, two_digits_up
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
@@ -203,7 +202,7 @@ def _result_lines(data: FullRun, names: Iterable[str]) -> dict[str, list[str]]:
 
 def _values(data: FullRun) -> dict[str, Any]:
     """Return the values in the texts: the numbers in the papers, and further ones, which only the pages have."""
-    shared = numbers(data) | of_checks(data, DEFINITIONS["pages"])
+    shared = numbers(data) | of_checks(data, "pages")
     return shared | _counts(data) | _convergence(data) | _beyond(data) | _alarms(data)
 
 
