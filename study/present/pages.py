@@ -506,22 +506,13 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
     }
 
 
-TABLES: dict[str, Callable[[FullRun], str]] = {
-    "short": short,
-    "answer": answer,
-    "headline": headline,
-    "results": results,
-    "misprints": misprints,
-    "missed": missed,
-    "statements": statements,
-    "formulas": formulas,
+NAMED = short, answer, headline, results, misprints, missed, statements, formulas, mesh_families, new_windows
+TABLES: dict[str, Callable[[FullRun], str]] = {table.__name__: table for table in NAMED} | {
     "cases": lambda data: str(len(data.cases)),
-    "mesh_families": mesh_families,
     "codes": lambda data: codes_table(data.codes),
     "marches": lambda data: codes_table(data.marches),
     "windows": lambda data: changed_windows(data, FIRST),
     "released_windows": lambda data: changed_windows(data, RELEASED),
-    "new_windows": new_windows,
 }
 """Name of a place on a page ↦ the function that returns its table or text. ``marches`` are the runs in which other
 people's codes solve in time by the midpoint rule."""
