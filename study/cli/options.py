@@ -140,7 +140,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "run": ("run", "run the study: measure, judge, write tables and figures; continues if it was stopped", [
         [
             option("--quick", dest="plan", action="store_const", const="quick", default="quick",
-                   help="few levels, a minute, results in results/quick (default)"),
+                   help="few levels, one to three minutes, results in results/quick (default)"),
             option("--full", dest="plan", action="store_const", const="full",
                    help="all levels, an hour, results in results"),
         ],

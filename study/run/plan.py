@@ -171,7 +171,10 @@ FINEST = ("fixed-front-off-vertex", "advance-recede")
 
 
 def quick() -> Scope:
-    """Return the scope of the quick study, which takes a minute: all statements, one mesh family for each case."""
+    """Return the scope of the quick study: all statements, one mesh family for each case.
+
+    The quick study takes one to three minutes.
+    """
     return Scope(
         name="quick",
         cases=tuple(case.name for case in catalogue() if case.name not in SLOW),
