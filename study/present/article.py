@@ -120,6 +120,10 @@ FORMS: dict[str, Callable[[pd.DataFrame, int], dict[str, object]]] = {
     "range": lambda rows, digits: {"Min": below(rows["low"].min(), digits), "Max": above(rows["high"].max(), digits)},
     "least": lambda rows, digits: {"": below(rows["low"].min(), digits)},
     "most": lambda rows, digits: {"": above(rows["high"].max(), digits)},
+    "percents": lambda rows, digits: {
+        "Min": below(100 * rows["low"].min(), digits),
+        "Max": above(100 * rows["high"].max(), digits),
+    },
     "percent": lambda rows, digits: {"": _percent(rows["high"].max())},
     "power": lambda rows, digits: {"": _power(rows["high"].max())},
     "deviation": lambda rows, digits: {"": _power((rows[["low", "high"]] - 1).abs().max(axis=None))},
@@ -129,9 +133,9 @@ FORMS: dict[str, Callable[[pd.DataFrame, int], dict[str, object]]] = {
 }
 """Name of a form ↦ function of checks and a number of decimals that returns endings of a name ↦ numbers.
 
-*range* is the smallest low end and the largest high end; *least* and *most* are one of them. *percent* and *power* are
-the largest high end as well, rounded up to two digits. *deviation* is the largest distance from 1, *observed* the only
-observed value, *cases* the number of cases and *count* the number of checks.
+*range* is the smallest low end and the largest high end, *percents* both in per cent; *least* and *most* are one of
+them. *percent* and *power* are the largest high end as well, rounded up to two digits. *deviation* is the largest
+distance from 1, *observed* the only observed value, *cases* the number of cases and *count* the number of checks.
 """
 
 

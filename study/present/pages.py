@@ -228,7 +228,6 @@ def _counts(data: FullRun) -> dict[str, Any]:
 def _convergence(data: FullRun) -> dict[str, Any]:
     """Return further values in the texts on Proposition 5.3, and on Theorem 4.2 without and with its own space."""
     rough, measured = data.rows("Prop. 5.3", "order"), data.rows("Thm 4.2, own space", "order-stress")
-    limits, steeper = data.rows("Prop. 5.3", "limit"), data.rows("Prop. 5.3", "limit-steeper")
     predicted = data.cases.loc[rough["case"], "expected_order"].to_numpy()
     steps = data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna()
     meets = measured["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
@@ -237,10 +236,7 @@ def _convergence(data: FullRun) -> dict[str, Any]:
         "predicted": f"{predicted.min():.3g} to {predicted.max():.3g}",
         "difference": above((rough["observed"] - predicted).abs().max(), 2),
         "steps": f"{below(steps.min(), 2)} to {above(steps.max(), 2)}",
-        "limit_low": below(100 * limits["low"].min(), 0),
-        "limit_high": above(100 * limits["high"].max(), 0),
-        "limit_window": 100 * limits["window_high"].max(),
-        "limit_steeper": above(100 * steeper["high"].max(), 0),
+        "limit_window": 100 * data.rows("Prop. 5.3", "limit")["window_high"].max(),
         **{name: two_digits_up(data.equivalence[name].max()) for name in ("stress_bound", "stress_gap")},
         "own_smooth_cases": counted(measured.loc[meets, "case"].nunique(), "smooth case"),
         "own_smooth": _range(measured[meets]),
@@ -256,7 +252,6 @@ def _beyond(data: FullRun) -> dict[str, Any]:
     return {
         "bounds_known": len(known),
         "bound_median": above(known["upper"].median(), 2),
-        "bound_most": above(known["upper"].max(), 1),
         "trace_proved": data.cases.loc[missing, "proved_order"].min(),
     }
 
