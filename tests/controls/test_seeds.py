@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+<<<<<<< HEAD
 import gzip
 import re
 import shutil
+=======
+>>>>>>> s2
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache
@@ -436,15 +439,18 @@ def stopped_after(monkeypatch: pytest.MonkeyPatch, finished: int, jobs: int = 10
         clock[0] = 1e9 if ended[0] >= finished else 0.0
         return found
 
-    class Counting(seeds.Watch):
-        def __call__(self, cost: float) -> None:
+    def counting(notify: Callable[[float], None]) -> Callable[[float], None]:
+        def counted(cost: float) -> None:
             calls[0] += 1
             # The first call is about jobs that were done before.
             clock[0] = 1e9 if calls[0] > jobs else 0.0
-            super().__call__(cost)
+            notify(cost)
 
+        return counted
+
+    real_watch = seeds.watch
     monkeypatch.setattr(seeds, "judged", judged)
-    monkeypatch.setattr(seeds, "Watch", Counting)
+    monkeypatch.setattr(seeds, "watch", lambda *given: counting(real_watch(*given)))
     monkeypatch.setattr(seeds, "time", SimpleNamespace(monotonic=lambda: clock[0]))
 
 

@@ -31,7 +31,7 @@ def edited(**values: object) -> pd.DataFrame:
 
 @pytest.mark.parametrize("file", [FIRST, RELEASED])
 def test_every_change_of_the_committed_ledger_has_a_reason(file: str) -> None:
-    """A window was changed? Say why in ``study.present.windows.WHY``; the page on windows lists it then."""
+    """A window was changed? Say why in ``study/present/page/results.toml``; the page on windows lists it then."""
     assert len(THEN) == 1435
     assert not THEN.duplicated(["label", "key", "case", "family"]).any()
     assert THEN["case"].isin(CLAIMS["case"]).all()
