@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-<<<<<<< HEAD
 import gzip
 import re
 import shutil
-=======
->>>>>>> s2
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache
