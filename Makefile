@@ -63,7 +63,7 @@ wheel-debian:  ## the same with NumPy and SymPy of Debian 12, from the wheel of 
 	cd build/wheel && debian/bin/python alone.py README.md
 
 tutorials: $(DEVELOPMENT) $(DOCUMENTATION)  ## run the notebooks, and the commands of the documentation pages that take minutes; prints only
-	$(BIN)/pytest -m slow tests/project/test_pages.py tests/project/test_notebooks.py
+	$(BIN)/pytest -m slow tests/project/test_pages.py
 
 pages: $(RUNTIME)  ## write the tables of README.md and docs/ from results/, and results/badges
 	$(BIN)/python -m study.present.pages results $(PAGES)

@@ -1,7 +1,5 @@
 """Checks the docstring of the module of a case: formulas first, then the predicted order with its reason."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 
@@ -11,8 +9,6 @@ from manufactured.case import INITIAL_GAP
 FORMULAS = ("w =", "p =", "ψ =")
 PREDICTION = re.compile(r"^Predicted order ([\d./]+)[^:]*: (.+?)(?=\n\n|\Z)", re.MULTILINE | re.DOTALL)
 REASON = {"Prop. 5.4": "(5.36)", "Prop. 5.3": "H^{1+s}", INITIAL_GAP: "(5.36)"}
-DIGITS = 5e-5
-"""Half a unit of the fourth digit: an order that is no simple fraction is stated with four digits."""
 
 
 def missing_parts(docstring: str | None, case: Case) -> list[str]:
@@ -21,6 +17,7 @@ def missing_parts(docstring: str | None, case: Case) -> list[str]:
     found = PREDICTION.search(text)
     formulas = text[: found.start()] if found else text
     missing = [part for part in FORMULAS if not re.search(rf"^    .*{re.escape(part)}", formulas, re.MULTILINE)]
-    if found is None or abs(float(Fraction(found[1])) - case.order) > DIGITS:
+    # An order that is no simple fraction is stated with four digits.
+    if found is None or abs(float(Fraction(found[1])) - case.order) > 5e-5:
         return [*missing, f"Predicted order {case.order:.4g}: …"]
     return missing if REASON[case.proposition] in found[2] else [*missing, REASON[case.proposition]]

@@ -4,9 +4,10 @@ from collections.abc import Iterable
 
 import pytest
 
+BEYOND_THE_CATALOGUE = ("trains", "breathing-trains", "natural-motion", "roller-8", "standing-8")
 DEAR = (
     *("cube-two-faces", "cube-bowl", "cube-disc", "hexagon", "long-time", "merging-patches", "corner"),
-    *("parabolic-gap", "travelling-patch", "trains", "breathing-trains", "roller"),
+    *("parabolic-gap", "travelling-patch", "trains", "breathing-trains", "roller-8", "standing-8"),
 )
 
 

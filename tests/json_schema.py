@@ -1,7 +1,5 @@
 """Values that are not as a JSON Schema says, for the keywords that the schemas of the project use."""
 
-from __future__ import annotations
-
 from typing import Any
 
 

@@ -23,7 +23,7 @@ from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import write_text
 from study.ledger.text import up
 from study.present.drawing import draw_one
-from study.present.figures import AdaptedMesh, adapted_mesh
+from study.present.figures import adapted_mesh
 from study.run.executor import GIB, available
 from study.run.fingerprint import of_problem
 from study.run.store import Store
@@ -78,11 +78,10 @@ def do_adapt(options: argparse.Namespace) -> int:
         # If ``study bound`` has written the bounds on uniform meshes for this problem, the figure shows them, too.
         levels = store.directory / "levels.csv"
         uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
-        shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, uniform)
         written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(results)))]
         norm = bounded.norm_of(data)
         error = norm if isinstance(data, Static) else f"max {norm}"
-        written += draw_one(store.directory, adapted_mesh(name, shown, error))
+        written += draw_one(store.directory, adapted_mesh(name, error, stage.mesh, edges, closed, rows, uniform))
     tell_written(written)
     sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
     print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, norm)) + "\n")

@@ -10,7 +10,7 @@ import argparse
 import secrets
 import shutil
 import time
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
 
 from tqdm import tqdm
@@ -37,27 +37,22 @@ class TimeIsUpError(Exception):
     """Raised when the time of ``--minutes`` is over; finished measurements are stored."""
 
 
-@dataclass(frozen=True)
-class Watch:
-    """A function, called after each measurement, that shows the progress and stops the run when the time is over.
+def watch(bar: tqdm, end: float) -> Callable[[float], None]:
+    """Return a function, called after each measurement, that shows the progress and stops the run when time is over.
 
-    Attributes:
+    Its argument is the expected computing time of the measurement in µs. It raises TimeIsUpError if the time is over.
+
+    Parameters:
         bar: the progress bar.
         end: when the run must stop, on the clock ``time.monotonic()``.
     """
 
-    bar: tqdm
-    end: float
-
-    def __call__(self, cost: float) -> None:
-        """Show that a measurement is finished; ``cost`` is its expected computing time in µs.
-
-        Raises:
-            TimeIsUpError: the time is over.
-        """
-        self.bar.update(round(cost))
-        if time.monotonic() >= self.end:
+    def notify(cost: float) -> None:
+        bar.update(round(cost))
+        if time.monotonic() >= end:
             raise TimeIsUpError
+
+    return notify
 
 
 def do_seeds(options: argparse.Namespace) -> int:
@@ -134,7 +129,7 @@ def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[
     """
     with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
         bar.set_description(name)
-        execute(plan.jobs, store, pool, Watch(bar, end))
+        execute(plan.jobs, store, pool, watch(bar, end))
         collect(plan, store)
     return [verdict for verdict in judge(store.directory) if verdict.verdict not in UNCLAIMED]
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 from typing import Any, ClassVar, Protocol, TypeVar
 
@@ -58,6 +59,10 @@ class Baseline(Protocol[S]):
 Defect = Callable[[Experiment], Experiment]
 OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation(), InitialGap()
 """The statements that are judged by rows of ``rates.csv``, which has the errors of displacements."""
+
+
+Measure = Callable[[Any], Mapping[str, Any]]
+"""Function that returns measured numbers by their names, given what is measured: an experiment, or a setting."""
 
 
 class Titled:
@@ -122,22 +127,44 @@ class ContactSweep:
         levels: numbers of cells along a unit length, coarse to fine.
     """
 
+    TITLE: ClassVar[str] = "contact force"
     case: str
     family: str = "one-diagonal"
     levels: tuple[int, ...] = (8, 16, 32)
 
     def __str__(self) -> str:
         meshes = "" if self.family == ContactSweep.family else f" on {self.family} meshes"
-        return f"contact force of {self.case}{meshes}, n = {' '.join(map(str, self.levels))}"
+        return f"{self.TITLE} of {self.case}{meshes}, n = {' '.join(map(str, self.levels))}"
 
-    def verdicts(self, defect: Defect) -> list[Verdict]:
-        case, family = resolve(self.case), family_named(self.family)
-        rows = []
+    def measured(self, make: Callable[..., S], measure: Measure, defect: Callable[[S], S]) -> pd.DataFrame:
+        """Return what is measured on all levels.
+
+        Parameters:
+            make: function that returns the experiment, given the solution, mesh family, level and number of time steps.
+            measure: function that returns the measured numbers by their names, given the experiment.
+            defect: as in ``Baseline.verdicts``.
+        """
+        case, family, rows = resolve(self.case), family_named(self.family), []
         for level in self.levels:
             steps = stress_steps(case.solution.body.T, level, case.pace)
-            setup = defect(Experiment.of(case.solution, family, level, MIDPOINT, steps))
-            rows.append({"case": case.name, "family": family.name, "level": level, **measure_contact(setup)})
-        return ContactForce().judge(pd.DataFrame(rows))
+            found = measure(defect(make(case.solution, family, level, steps=steps)))
+            rows.append({"case": case.name, "family": family.name, "level": level, **found})
+        return pd.DataFrame(rows)
+
+    def verdicts(self, defect: Defect) -> list[Verdict]:
+        make = partial(Experiment.of, scheme=MIDPOINT)
+        return ContactForce().judge(self.measured(make, measure_contact, defect))
+
+
+@dataclass(frozen=True)
+class StressSweep(ContactSweep):
+    """The convergence of the stress formulation, solved without displacements, for one case (Theorem 4.2)."""
+
+    TITLE: ClassVar[str] = "stresses"
+    levels: tuple[int, ...] = (8, 16)
+
+    def verdicts(self, defect: Callable[[Any], Any]) -> list[Verdict]:
+        return claimed(OwnSpace().judge(self.measured(own.StressExperiment.of, own.measure, defect)))
 
 
 @dataclass(frozen=True)
@@ -164,35 +191,6 @@ class Equivalence(Titled):
             *SameMesh().judge(pd.DataFrame([{**place, **agreement._asdict()}])),
             *StandsAlone().judge(shown.assign(**place)),
         ]
-
-
-@dataclass(frozen=True)
-class StressSweep(Titled):
-    """The convergence of the stress formulation, solved without displacements, for one case (Theorem 4.2).
-
-    Attributes:
-        case: name of the case.
-        family: name of the mesh family.
-        levels: numbers of cells along a unit length, coarse to fine.
-    """
-
-    TITLE = "stresses of {0.case}"
-    case: str
-    family: str = "one-diagonal"
-    levels: tuple[int, ...] = (8, 16)
-
-    def verdicts(self, defect: Callable[[own.StressExperiment], own.StressExperiment]) -> list[Verdict]:
-        case, family = resolve(self.case), family_named(self.family)
-        rows = []
-        for level in self.levels:
-            steps = stress_steps(case.solution.body.T, level, case.pace)
-            setup = defect(own.StressExperiment.of(case.solution, family, level, steps))
-            rows.append({"case": case.name, "family": family.name, "level": level, **own.measure(setup)})
-        return claimed(OwnSpace().judge(pd.DataFrame(rows)))
-
-
-Measure = Callable[[Setting], Mapping[str, Any]]
-"""Function that returns measured numbers by their names, given the case, mesh family and level."""
 
 
 @dataclass(frozen=True)

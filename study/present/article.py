@@ -7,7 +7,7 @@ outwards, a smallest value down and a largest value up, so that no sentence clai
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -43,7 +43,7 @@ from study.ledger.verdict import (
 )
 from study.ledger.window import STEEPER
 from study.present.full_run import FullRun
-from study.present.notation import encode, encode_letters, folding, prose, tabular
+from study.present.notation import encode, encode_letters, folding, prose, read_page, tabular
 
 DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
 """Suffixes of the keys of checks that test a prediction about the error of the fully discrete scheme. Other checks of
@@ -54,38 +54,15 @@ NEGLIGIBLE = 1e-6
 it is then noticed at any size. For example, the initial displacement must be exactly Π^h u_0."""
 WIDE = 0.5
 """Tolerance windows of observed orders that are wider than this are counted separately."""
-PROGRAMS = "the same numbers from our second implementation, a few from other people's codes"
-"""Title of the group of checks that compare the results of two programs."""
-GROUPS = {
-    "material, spaces and operators: (2.14)--(4.5)": ("(2", "(3", "(4", "Thm 2.2"),
-    "well-posedness and the stress problem: Theorems 4.1--4.3, 5.2": ("Thm 4", "Prager"),
-    "steps of the error estimate: (5.9)--(5.42)": ("(5", "K^h", "Π^h"),
-    "Proposition 5.3": ("Prop. 5.3",),
-    "Proposition 5.4, with regularity, supercloseness and pressure": (
-        "Prop. 5.4",
-        "(5.36)",
-        "superclose",
-        "contact force",
-    ),
-    PROGRAMS: ("computed again", "other codes", "axes"),
-    "error bounds and enclosures": ("bound", "enclosure"),
-    "missing data, misprints, statements without a test": ("data", "slips", "not tested", "no row"),
-}
+SOFTENING = "softening", "double-well"
+"""Cases whose elasticity operator G softens."""
+TEXTS = read_page("article")
+"""Titles, and the definitions of numbers that summarise checks."""
+GROUPS: dict[str, list[str]] = TEXTS["groups"]
 """Title of a group of statements ↦ the beginnings of the labels of these statements."""
 BEYOND = "beyond the source"
-ACCOUNTS = {
-    "source": "statements of the source, compared with windows",
-    "own": "predictions of ours, compared with windows and judged like statements",
-    "programs": PROGRAMS,
-    "relations": "proved relations and identities, which fail only if the program is wrong",
-    "met": "predictions of ours that no statement covers: met",
-    "undecided": "\\quad undecided",
-    "wrong": "\\quad wrong (called missed)",
-    "numbers": "numbers without a claim and without a prediction",
-    "lines": "lines without a number: misprints, and formulas that have no test",
-}
+ACCOUNTS: dict[str, str] = TEXTS["accounts"]
 """Name ↦ title of each kind of evidence (account). Every row of the ledger belongs to exactly one of them."""
-Named = Iterator[tuple[str, object]]
 
 
 def article(directory: Path) -> dict[Path, str]:
@@ -105,76 +82,77 @@ def article(directory: Path) -> dict[Path, str]:
     return {directory / "article" / f"{name}.tex": text for name, text in texts.items()}
 
 
-# Macros
-
-RANGES = {
-    "Prop. 5.4": {
-        "orderLevel": "order", "orderExtrapolated": "order-extrapolated", "orderDiagonal": "discrete-order-superclose",
-        "orderOther": "discrete-order-others", "pythagoras": "size",
-    },
-    "Prop. 5.3": {"graded": "order-graded"},
-    "Thm 4.2, own space": {"ownBest": "ratio"},
-    "beyond: work of contact": {
-        "workOrder": "order", "workMean": "order-mean", "workSpread": "spread", "workIrregular": "order-irregular",
-        "workError": "error", "workExcess": "excess",
-    },
-    "beyond: rollers": {
-        "rollersEqual": "order-equal", "rollersAlternating": "order-alternating", "rollersStanding": "order-standing",
-        "rollersBest": "best",
-    },
-    "beyond: O(h + k)": {"timeOrder": "order"},
-    "beyond: landings": {
-        "rollingMid": "midpoint-rolling", "rollingBdf": "bdf2-rolling", "ownMid": "midpoint-own",
-    },
-    "beyond: O(h + k), no potential": {"noPotentialBoth": "order-both"},
-    "beyond: advancing front": {"frontOrder": "order", "frontRate": "rate", "frontExcess": "excess"},
-}  # fmt: skip
-"""Label ↦ macro ↦ key of checks: the macros NAMEMin and NAMEMax have the smallest low and the largest high end of the
-checks, with two decimals. ``MOST`` and ``SHARES`` have the same form."""
-MOST = {
-    "Prop. 5.3": {"ratioMost": "falling"},
-    "enclosure": {"encloseUpperMax": "upper"},
-    "beyond: work on edges": {"edgeSolution": "solution", "edgeAll": "all"},
-    "beyond: work of contact": {"workExcessMost": "excess-share"},
-    "beyond: rollers": {"rollersBound": "bound", "rollersShareMost": "share"},
-    "beyond: O(h + k)": {"timeByData": "data", "timeBySolution": "solution"},
-}
-"""Macros with the largest high end of checks, with two decimals."""
-SHARES = {
-    "Prop. 5.4": {
-        "shareDiscrete": "discrete-share", "shareTimeDiscrete": "discrete-time-share", "shareTime": "time-share",
-        "shareQuadrature": "quadrature",
-    },
-    "Prop. 5.3": {"limitMost": "limit", "limitSteeper": "limit-steeper", "roughQuadrature": "quadrature"},
-    "beyond: rollers": {"rollersTime": "time"},
-}  # fmt: skip
-"""Macros with the largest high end of checks in per cent."""
+# Numbers in the papers and on the pages
 
 
 def macros(data: FullRun) -> str:
     r"""Return one \\newcommand line for each measured number in the papers."""
-    groups = _counts_of_checks, _plan, _from_checks, _paper, _bounds, _beyond, _discrete
-    lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
+    lines = [rf"\newcommand{{\{name}}}{{{value}}}" for name, value in numbers(data).items()]
     return "\n".join(["% Written by `study tables` from the data files; \\input before use.", *lines, ""])
 
 
-def _counts_of_checks(data: FullRun) -> Named:
-    """Yield the numbers of verdicts, of noticed deliberate defects, and of false alarms on random meshes."""
-    yield "ledgerRows", len(data.claims)
-    yield "ledgerStatements", len(list(by_claim(data.claims)))
-    for verdict, count in count_verdicts(data.claims).items():
-        yield f"ledger{verdict.capitalize()}", count
-    kinds = count_kinds(data.claims)
-    for name, one in (("Orders", ORDER), ("Theorems", THEOREM), ("Identities", IDENTITY)):
-        yield f"kind{name}", kinds[one]
-    names = data.claims.apply(account, axis=1)
-    for name in ACCOUNTS:
-        yield f"account{name.capitalize()}", (names == name).sum()
+def numbers(data: FullRun) -> dict[str, object]:
+    """Return the numbers in the papers, name ↦ number; powers of ten, percentages and versions are LaTeX.
+
+    Extreme values are rounded outwards.
+    """
+    found = _counts_of_checks(data) | _plan(data) | of_checks(data, "numbers")
+    return found | _errors(data) | _enclosures(data) | _beyond(data) | _discrete(data)
+
+
+def of_checks(data: FullRun, section: str) -> dict[str, object]:
+    """Return the numbers that summarise checks, as a section of ``page/article.toml`` defines them.
+
+    Parameters:
+        data: the data of a full run.
+        section: "numbers" for the numbers in the papers, "pages" for those that only the pages have.
+    """
+    found: dict[str, object] = {}
+    for form, chosen in TEXTS[section].items():
+        for name, of in chosen.items():
+            rows = pd.concat([data.rows(of["label"], key, of.get("case")) for key in of["keys"]])
+            rows = rows[rows["verdict"] == of["verdict"]] if "verdict" in of else rows
+            found |= {name + end: text for end, text in FORMS[form](rows, of.get("digits", 2)).items()}
+    return found
+
+
+FORMS: dict[str, Callable[[pd.DataFrame, int], dict[str, object]]] = {
+    "range": lambda rows, digits: {"Min": below(rows["low"].min(), digits), "Max": above(rows["high"].max(), digits)},
+    "least": lambda rows, digits: {"": below(rows["low"].min(), digits)},
+    "most": lambda rows, digits: {"": above(rows["high"].max(), digits)},
+    "percents": lambda rows, digits: {
+        "Min": below(100 * rows["low"].min(), digits),
+        "Max": above(100 * rows["high"].max(), digits),
+    },
+    "percent": lambda rows, digits: {"": _percent(rows["high"].max())},
+    "power": lambda rows, digits: {"": _power(rows["high"].max())},
+    "deviation": lambda rows, digits: {"": _power((rows[["low", "high"]] - 1).abs().max(axis=None))},
+    "observed": lambda rows, digits: {"": f"{rows['observed'].item():.{digits}f}"},
+    "cases": lambda rows, digits: {"": rows["case"].nunique()},
+    "count": lambda rows, digits: {"": len(rows)},
+}
+"""Name of a form ↦ function of checks and a number of decimals that returns endings of a name ↦ numbers.
+
+*range* is the smallest low end and the largest high end, *percents* both in per cent; *least* and *most* are one of
+them. *percent* and *power* are the largest high end as well, rounded up to two digits. *deviation* is the largest
+distance from 1, *observed* the only observed value, *cases* the number of cases and *count* the number of checks.
+"""
+
+
+def _counts_of_checks(data: FullRun) -> dict[str, object]:
+    """Return the numbers of verdicts, of noticed deliberate defects, and of false alarms on random meshes."""
+    kinds, names = count_kinds(data.claims), data.claims.apply(account, axis=1)
     orders = data.claims[(data.claims["verdict"] == HOLDS) & (data.claims.apply(kind, axis=1) == ORDER)]
-    yield "ordersWide", (orders["window_high"] - orders["window_low"] > WIDE).sum()
-    found, injected = count_caught(data.controls)
-    alarms = alarm_summary(data.seeds)
-    yield from {
+    (found, injected), alarms = count_caught(data.controls), alarm_summary(data.seeds)
+    return {
+        "ledgerRows": len(data.claims),
+        "ledgerStatements": len(list(by_claim(data.claims))),
+        **{f"ledger{verdict.capitalize()}": count for verdict, count in count_verdicts(data.claims).items()},
+        "kindOrders": kinds[ORDER],
+        "kindTheorems": kinds[THEOREM],
+        "kindIdentities": kinds[IDENTITY],
+        **{f"account{name.capitalize()}": (names == name).sum() for name in ACCOUNTS},
+        "ordersWide": (orders["window_high"] - orders["window_low"] > WIDE).sum(),
         "controls": injected,
         "controlsCaught": found,
         "seedRows": alarms.rows,
@@ -185,16 +163,16 @@ def _counts_of_checks(data: FullRun) -> Named:
         "seedRateMost": _percent(alarms.high),
         "seedRateTail": "not known yet" if math.isnan(alarms.by_tail) else f"at most {_percent(alarms.by_tail)}",
         "seedPromise": _percent(PROMISE),
-    }.items()
+    }
 
 
-def _plan(data: FullRun) -> Named:
-    """Yield the numbers of cases, meshes, unknowns and planned measurements, and the versions of the libraries."""
+def _plan(data: FullRun) -> dict[str, object]:
+    """Return the numbers of cases, meshes, unknowns and planned measurements, and the versions of the libraries."""
     plane, solid = (data.rates[data.rates["dim"] == dim] for dim in (2, 3))
-    for name, claim in (("casesSmooth", "Prop. 5.4"), ("casesRough", "Prop. 5.3")):
-        yield name, data.rates.loc[data.rates["claim"] == claim, "case"].nunique()
-    packages = data.provenance["packages"]
-    yield from {
+    cases = data.rates.groupby("claim")["case"].nunique()
+    return {
+        "casesSmooth": cases["Prop. 5.4"],
+        "casesRough": cases["Prop. 5.3"],
         "caseCount": len(data.cases),
         "casesSolid": (data.cases["dimension"] == 3).sum(),
         "sweepRows": len(data.rates),
@@ -206,142 +184,87 @@ def _plan(data: FullRun) -> Named:
         "familyCount": plane.loc[plane["family"] != "graded", "family"].nunique(),
         "dataMissing": f"{data.rows('data', 'missing')['observed'].max():.0f}",
         "withPython": prose(data.provenance["python"]),
-        "withPackages": ", ".join(f"{prose(name)} {prose(packages[name])}" for name in packages),
-    }.items()
+        "withPackages": prose(", ".join(f"{name} {number}" for name, number in data.provenance["packages"].items())),
+    }
 
 
-def _from_checks(data: FullRun) -> Named:
-    """Yield the numbers in ``RANGES``, ``MOST`` and ``SHARES``."""
-    for label, keys in RANGES.items():
-        for name, key in keys.items():
-            yield from _extremes(name, data.rows(label, key))
-    for table, write in ((MOST, lambda value: above(value, 2)), (SHARES, _percent)):
-        for label, keys in table.items():
-            for name, key in keys.items():
-                yield name, write(data.rows(label, key)["high"].max())
-
-
-def _paper(data: FullRun) -> Named:
-    """Yield further numbers for Propositions 5.3 and 5.4, the assumption (5.36), the contact force and Theorem 4.2."""
-    yield from _extremes("leadingTerm", data.rows("(5.23)", "leading-term"), 3)
-    sweeps = data.rates[data.rates["claim"] == "Prop. 5.4"]
+def _errors(data: FullRun) -> dict[str, object]:
+    """Return further numbers for Propositions 5.3 and 5.4, the assumption (5.36) and Theorem 4.2."""
+    sweeps, largest = data.rates[data.rates["claim"] == "Prop. 5.4"], data.equivalence.max(numeric_only=True)
     # Nonlinear laws need a fixed-point iteration in every step, which leaves a larger residual.
     yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
-    plane = sweeps["dim"] == 2
-    for name, chosen in (("Linear", ~yielding & plane), ("Solid", ~plane), ("Yield", yielding)):
-        yield f"residual{name}", _power(sweeps.loc[chosen, "residual"].max())
-    yield "supremumLater", (data.rows("Prop. 5.4", "start-share")["verdict"] == HOLDS).sum()
-    for name, key in {"Dual": "dual-superclose", "Other": "dual-other", "Mean": "pressure"}.items():
-        rows = data.rows("contact force", f"order-{key}")
-        yield from _extremes(f"pressure{name}", rows[rows["verdict"] == HOLDS])
-    rows = data.rows("contact force", "order-resultant")
-    yield "pressureResultantMin", below(rows.loc[rows["verdict"] == HOLDS, "low"].min(), 2)
-    yield "steeper", f"{STEEPER:g}"
-    seen = data.rows("(5.36)", "order")
+    plane, seen = sweeps["dim"] == 2, data.rows("(5.36)", "order")
     missing = seen[seen["case"].map(data.cases["expected_order"]) == 1]
-    yield "missing", len(missing)
-    yield from _extremes("missingSeen", missing)
-    for name, case in (("natural", "natural-front"), ("trace", "rough-trace"), ("moving", "moving-rough")):
-        yield from _extremes(f"{name}Seen", seen[seen["case"] == case])
-    yield "movingProved", f"{data.cases.loc['moving-rough', 'proved_order']:g}"
-    for name, column in {"Displacement": "displacement", "Stress": "stress"}.items():
-        yield f"agree{name}", _power(data.equivalence[f"{column}_gap"].max())
-        yield f"allowed{name}", _power(data.equivalence[f"{column}_bound"].max())
-    yield "agreeMembership", _power(data.equivalence["membership"].max())
-    shares = (data.rows("Thm 4.2", what)["high"].max() for what in ("displacement", "stress"))
-    yield "allowedShare", above(max(shares), 2)
-    yield "agreeCases", data.equivalence["case"].nunique()
-    yield "agreeProblems", len(data.equivalence)
-    label = "Thm 4.2, own space"
-    yield "ownCases", data.claims.loc[data.claims["label"] == label, "case"].nunique()
-    yield "ownAdmissible", _power(data.rows(label, "admissible")["high"].max())
+    return {
+        "residualLinear": _power(sweeps.loc[~yielding & plane, "residual"].max()),
+        "residualSolid": _power(sweeps.loc[~plane, "residual"].max()),
+        "residualYield": _power(sweeps.loc[yielding, "residual"].max()),
+        "steeper": f"{STEEPER:g}",
+        "missing": len(missing),
+        **{f"missingSeen{end}": text for end, text in FORMS["range"](missing, 2).items()},
+        "movingProved": f"{data.cases.loc['moving-rough', 'proved_order']:g}",
+        "agreeDisplacement": _power(largest["displacement_gap"]),
+        "allowedDisplacement": _power(largest["displacement_bound"]),
+        "agreeStress": _power(largest["stress_gap"]),
+        "allowedStress": _power(largest["stress_bound"]),
+        "agreeMembership": _power(largest["membership"]),
+        "agreeCases": data.equivalence["case"].nunique(),
+        "agreeProblems": len(data.equivalence),
+    }
 
 
-def _bounds(data: FullRun) -> Named:
-    """Yield the numbers for the bounds of the error from u_h alone, and for two-sided bounds (enclosures)."""
-    yield "frozenMost", above(data.rows("Prager–Synge", "guaranteed")["high"].max(), 3)
-    yield from _extremes("boundUpper", data.rows("bound", "upper"), 1)
-    yield "boundCases", data.rows("bound", "above")["case"].nunique()
+def _enclosures(data: FullRun) -> dict[str, object]:
+    """Return the numbers for two-sided bounds of the error (enclosures)."""
     computed = data.bounds[data.bounds["trajectory"] == "enclosure"]
-    yield "encloseLeast", below(computed["lower"].min(), 2)
-    yield "encloseRows", computed["error"].count()
-    yield "encloseHalf", (computed["lower"] >= 0.5).sum()
-    for name, case in (("ramp", "ramp"), ("bracket", "bracket"), ("check", "advance-recede")):
-        yield from _extremes(f"{name}Order", data.rows("enclosure", "order", case))
     finest = computed[computed["case"] == "advance-recede"].sort_values("level").iloc[-1]
-    yield "checkLevel", finest["level"]
-    yield "checkUpper", above(finest["upper"], 2)
-    yield "checkLower", below(finest["lower"], 2)
-    yield "checkLowEnd", below(finest["lowest"], 4)
-    yield "checkError", f"{finest['error']:.4f}"
-    yield "checkHighEnd", above(finest["highest"], 4)
+    return {
+        "encloseLeast": below(computed["lower"].min(), 2),
+        "encloseRows": computed["error"].count(),
+        "encloseHalf": (computed["lower"] >= 0.5).sum(),
+        "checkLevel": finest["level"],
+        "checkUpper": above(finest["upper"], 2),
+        "checkLower": below(finest["lower"], 2),
+        "checkLowEnd": below(finest["lowest"], 4),
+        "checkError": f"{finest['error']:.4f}",
+        "checkHighEnd": above(finest["highest"], 4),
+    }
 
 
-def _beyond(data: FullRun) -> Named:
-    """Yield further numbers for theorems of this study: contact terms, time discretisation, fronts, softening laws.
+def _beyond(data: FullRun) -> dict[str, object]:
+    """Return further numbers for theorems of this study: time discretisation, nodal interpolants, softening laws.
 
-    The macros ``laws...`` are growth rates of differences of solutions for an elasticity operator G that softens, with
-    the bound of Theorem 2.2 and the constants of (4.3) and (5.21). The macros ``start...`` are about nodal interpolants
-    of a continuous initial displacement.
+    The numbers ``laws...`` are about an elasticity operator G that softens, with the constants of (4.3) and (5.21).
     """
-    yield "workShareLeast", below(data.rows("beyond: work of contact", "share")["observed"].min(), 2)
-    values = {"Shaken": "order-shaken", "Unstructured": "order-unstructured", "Scatter": "scatter"}
-    for name, key in (values | {"StandingShaken": "order-standing-shaken"}).items():
-        (observed,) = data.rows("beyond: rollers", key)["observed"]
-        yield f"rollers{name}", f"{observed:.2f}"
-    uniform = data.rows("beyond: O(h + k)", "uniform")
-    yield "timeGrowth", above(100 * (uniform[["low", "high"]] - 1).abs().max(axis=None), 0)
-    label = "beyond: O(h + k), no potential"
-    by_data, by_solution, order = (
-        pd.concat([data.rows(label, f"{key}-{step}") for step in ("equal", "unequal")])
-        for key in ("data", "solution", "order")
-    )
-    yield "noPotentialByData", above(by_data["high"].max(), 2)
-    yield "noPotentialBySolution", above(by_solution["high"].max(), 2)
-    yield from _extremes("noPotentialOrder", order)
-    yield "noPotentialRotation", below(data.rows(label, "rotation")["low"].min(), 2)
-    label = "beyond: nodal start"
-    yield from _extremes("startSize", data.rows(label, "size"), 3)
-    yield "startGrowth", below(-data.rows(label, "growth")["high"].max(), 2)
-    yield "startWorse", below(data.rows(label, "worse")["low"].min(), 1)
-    label = "Thm 2.2, (4.4)"
-    rates = pd.concat([data.rows(label, key) for key in ("rate", "rate-even")])
-    yield "lawsRate", _power((rates[["low", "high"]] - 1).abs().max(axis=None))
-    yield "lawsEven", _power((data.rows(label, "bound-even")[["low", "high"]] - 1).abs().max(axis=None))
-    yield "lawsBound", above(data.rows(label, "bound")["high"].max(), 3)
-    constants = []
-    for name, case in (("Soft", "softening"), ("Wells", "double-well")):
-        (row,) = data.rows("(4.3), (5.5)", "monotonicity", case)["high"]
-        yield f"lawsMonotone{name}", below(row, 3)
-        constants.append(data.rows("(5.20)–(5.21), (5.42)", "constant-5.21", case)["high"].max())
-    yield "lawsConstant", above(max(constants), 3)
+    uniform, growth = data.rows("beyond: O(h + k)", "uniform"), data.rows("beyond: nodal start", "growth")
+    soft, wells = (data.rows("(4.3), (5.5)", "monotonicity", case)["high"] for case in SOFTENING)
+    constants = [data.rows("(5.20)–(5.21), (5.42)", "constant-5.21", case)["high"].max() for case in SOFTENING]
+    return {
+        "timeGrowth": above(100 * (uniform[["low", "high"]] - 1).abs().max(axis=None), 0),
+        "startGrowth": below(-growth["high"].max(), 2),
+        "lawsMonotoneSoft": below(soft.item(), 3),
+        "lawsMonotoneWells": below(wells.item(), 3),
+        "lawsConstant": above(max(constants), 3),
+    }
 
 
-def _discrete(data: FullRun) -> Named:
-    """Yield how many predictions about the error of the fully discrete scheme were met.
+def _discrete(data: FullRun) -> dict[str, object]:
+    """Return how many predictions about the error of the fully discrete scheme were met.
 
-    The last two macros say by which factors the constants of (5.21) and (5.42) are larger than necessary.
+    The last two numbers say by which factors the constants of (5.21) and (5.42) are larger than necessary.
     """
-    claims = data.claims[data.claims["label"] == "beyond: fully discrete"]
+    claims, found = data.claims[data.claims["label"] == "beyond: fully discrete"], dict[str, object]()
     predicted = claims["key"].str.endswith(DISCRETE)
     for name, total, rows in (
         ("discrete", "discretePredictions", claims[predicted]),
         ("discreteSums", "discreteSums", claims[~predicted]),
     ):
         outcomes = rows.apply(agreement, axis=1)
-        yield total, len(outcomes)
-        for outcome, macro in (("met", "Agrees"), ("undecided", "Undecided"), ("wrong", "Differs")):
-            yield f"{name}{macro}", outcomes.eq(outcome).sum()
+        found[total] = len(outcomes)
+        for outcome, end in (("met", "Agrees"), ("undecided", "Undecided"), ("wrong", "Differs")):
+            found[f"{name}{end}"] = outcomes.eq(outcome).sum()
     label = "(5.20)–(5.21), (5.42)"
     constant = pd.concat([data.rows(label, key) for key in ("constant-5.21", "constant-5.42")])
-    yield "roomLeast", below(1 / constant["high"].max(), 0)
-    yield "roomMost", above(1 / constant["low"].min(), 0)
-
-
-def _extremes(name: str, rows: pd.DataFrame, digits: int = 2) -> Named:
-    """Yield the macros NAMEMin and NAMEMax with the smallest low end and the largest high end of checks."""
-    yield f"{name}Min", below(rows["low"].min(), digits)
-    yield f"{name}Max", above(rows["high"].max(), digits)
+    return found | {"roomLeast": below(1 / constant["high"].max(), 0), "roomMost": above(1 / constant["low"].min(), 0)}
 
 
 def two_digits_up(value: float) -> float:
@@ -381,8 +304,7 @@ def verdicts(data: FullRun) -> str:
         failing = len(rows) - count[HOLDS] - count[MISSED] - count[REPORTED]
         numbers = *count_kinds(rows).values(), failing, count[MISSED], count[REPORTED]
         body.append([title, *map(str, numbers)])
-    headings = ["statements", "orders", "sizes", "one-sided", "proved", "identities", "not", "missed", "reported"]
-    return tabular(headings, folding(0.37) + "rrrrrrrr", body)
+    return _table("verdicts", body)
 
 
 def account(row: pd.Series) -> str:
@@ -394,7 +316,7 @@ def account(row: pd.Series) -> str:
         return agreement(row) if predicted else "numbers"
     if kind(row) not in CAN_FAIL:
         return "relations"
-    if group_of(label) == PROGRAMS:
+    if group_of(label) == ACCOUNTS["programs"]:
         return "programs"
     return "source" if is_of_the_paper(label) and "predicted" not in str(row["expected"]) else "own"
 
@@ -411,7 +333,7 @@ def accounts(data: FullRun) -> str:
         judged = [str(count[HOLDS]), str(count[FAILS] + count[UNDECIDED])]
         unjudged = name in ("met", "undecided", "wrong", "numbers", "lines")
         body.append([title, str(len(rows)), *(["--", "--"] if unjudged else judged)])
-    return tabular(["rows", "number", "hold", "fail or undecided"], folding(0.66) + "rrr", body)
+    return _table("accounts", body)
 
 
 def ledger(data: FullRun) -> str:
@@ -432,11 +354,8 @@ def ledger(data: FullRun) -> str:
             nearest = [where, f"{_number(worst_value(row))}; {window_ends(row)}"]
         line = [encode_letters(label), encode_letters(claim), *map(str, counts), *nearest]
         bodies[group_of(label)].append(line)
-    alignment = folding(0.1) + folding(0.25) + "rrrr" + folding(0.27) + folding(0.14)
-    headings = ["no.", "statement", "hold", "not", "missed", "rep.", "row that uses most of its window", "seen; window"]
     return "".join(
-        f"\\par\\medskip\\noindent\\textbf{{{title}}}\\par\\nobreak\\smallskip\\noindent\n"
-        + tabular(headings, alignment, body)
+        f"\\par\\medskip\\noindent\\textbf{{{title}}}\\par\\nobreak\\smallskip\\noindent\n" + _table("ledger", body)
         for title, body in bodies.items()
     )
 
@@ -446,7 +365,7 @@ def catalogue(data: FullRun) -> str:
     laws = data.cases["law"].str.removeprefix("linear, ")
     facts = zip(data.cases["case"], data.cases["summary"], laws, strict=True)
     body = [[prose(case), encode_letters(summary), encode_letters(law)] for case, summary, law in facts]
-    return tabular(["case", "contact zone", "law (linear except (3.3))"], f"l{folding(0.5)}{folding(0.27)}", body)
+    return _table("catalogue", body)
 
 
 def smooth(data: FullRun) -> str:
@@ -462,8 +381,7 @@ def smooth(data: FullRun) -> str:
         cells.append(_cell(data, label, "discrete-share", case, lambda row: _decimals(row["observed"])))
         cells.append(_cell(data, label, "time-share", case, lambda row: f"{100 * row['observed']:.2f}"))
         body.append([prose(str(case)), _regularity(data, case), str(rows["level"].max()), *cells])
-    headings = ["case", "regularity", r"\(n\)", "orders", "extrapolated", "superclose", "other", "share", r"time, \%"]
-    return tabular(headings, "llrrrrrrr", body)
+    return _table("smooth", body)
 
 
 def rough(data: FullRun) -> str:
@@ -482,8 +400,7 @@ def rough(data: FullRun) -> str:
             _cell(data, label, "limit", case, lambda row: _decimals(row["high"])),
         ]
         body.append([prose(case), _regularity(data, case), *orders, *cells])
-    headings = ["case", "regularity", "predicted", "proved", "seen", "graded", "ratio", r"\(e_\infty/e\)"]
-    return tabular(headings, "llrrrrrr", body)
+    return _table("rough", body)
 
 
 def stresses(data: FullRun) -> str:
@@ -499,8 +416,7 @@ def stresses(data: FullRun) -> str:
             cells += [_number(by_key.loc[key, "observed"]), window_ends(by_key.loc[key])]
         cells += [_number(by_key.loc[key, "observed"]) for key in ("order-pressure", "order-primal_stress", "growth")]
         body.append([prose(str(case)), prose(str(family)), *cells])
-    headings = ["case", "meshes", r"\(\sigma^h\)", "window", "multipliers", "window", "pressure"]
-    return tabular([*headings, r"\(\sigma(u^h)\)", "growth"], "llrlrlrrr", body)
+    return _table("stresses", body)
 
 
 def enclosures(data: FullRun) -> str:
@@ -516,8 +432,7 @@ def enclosures(data: FullRun) -> str:
         + ["--" if pd.isna(row[name]) else _number(row[name], rounding, 4) for name, rounding in roundings.items()]
         for _, row in rows[rows["case"].isin(deep)].iterrows()
     ]
-    headings = ["problem", "meshes", *(rf"\({name}\)" for name in "nh"), "lower end", "error", "upper end"]
-    return tabular([*headings, "upper/error", "lower/error"], "llrrrrrrr", body)
+    return _table("enclosures", body)
 
 
 def discrete(data: FullRun) -> str:
@@ -538,8 +453,7 @@ def discrete(data: FullRun) -> str:
                 marked = interval + (rf"\rlap{{\(^{{{mark}}}\)}}" if mark else "")
                 cells.append("--" if pd.isna(row["observed"]) else marked)
             body.append([prose(str(case)), prose(scheme), *cells])
-    headings = ["case", "scheme", r"\(q\) of \(d\)", r"\(s\) of \(d\)", r"\(p\) of \(e\)", r"\(q\) of \(e\)", "misfit"]
-    return tabular(headings, "llrrrrr", body)
+    return _table("discrete", body)
 
 
 def slips(data: FullRun) -> str:
@@ -549,8 +463,7 @@ def slips(data: FullRun) -> str:
         [encode_letters(str(row[name]).removeprefix("read: ")) for name in ("case", "quantity", "expected")]
         for _, row in rows.iterrows()
     ]
-    headings = ["place", "printed", "how it is read here, and why"]
-    return tabular(headings, "".join(folding(width) for width in (0.14, 0.3, 0.5)), body)
+    return _table("slips", body)
 
 
 def codes(data: FullRun) -> str:
@@ -568,8 +481,7 @@ def codes(data: FullRun) -> str:
         ]
         for row in (data.codes.rows().to_dict("records") if data.codes else [])
     ]
-    headings = ["code", "parameters", "class (series)", "order", r"\(d/e\)", r"\(e_p\)"]
-    return tabular(headings, "".join(folding(width) for width in (0.17, 0.23, 0.21)) + "rrr", body)
+    return _table("codes", body)
 
 
 def sensitivity(data: FullRun) -> str:
@@ -583,6 +495,13 @@ def sensitivity(data: FullRun) -> str:
     largest = largest[[name for name in data.sensitivity["defect"].unique() if largest[name].min() > NEGLIGIBLE]]
     body = [[prose(str(case)), *(_number(100 * amount, up, 2) for amount in row)] for case, row in largest.iterrows()]
     return tabular(["case", *map(encode, largest.columns)], "l" + "r" * largest.shape[1], body)
+
+
+def _table(name: str, body: Sequence[Sequence[str]]) -> str:
+    """Return a LaTeX table with the headings and columns of ``page/article.toml`` and the given cells."""
+    layout = TEXTS["tables"][name]
+    columns = [folding(column) if isinstance(column, float) else column for column in layout["columns"]]
+    return tabular(layout["headings"], "".join(columns), body)
 
 
 def _cell(data: FullRun, label: str, key: str, case: object, write: Callable[[pd.Series], str]) -> str:

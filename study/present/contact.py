@@ -21,15 +21,7 @@ from numpy.typing import NDArray
 from study.present.body import ROUND_OFF, ramp
 from study.present.drawing import caption, column_width, dots, entry, is_slide, legend
 from study.present.palette import BLACK, BLUE, GREEN, GREY, PURPLE, RIM, SKY, SURFACE, VERMILLION
-from study.present.picture import (
-    Array,
-    Picture,
-    Polygon,
-    Segment,
-    caps,
-    misplaced_length,
-    strands,
-)
+from study.present.picture import Array, Picture, Polygon, Segment, caps, misplaced_length, strands
 
 MOST_TIMES, MOST_MARKERS = 40, 24
 """The approximate largest number of times for which nodes are shown as dots, and of markers on a line."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import textwrap
-import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -22,14 +21,14 @@ from matplotlib.lines import Line2D
 
 from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError, write_text, write_whole
-from study.present.notation import encode
+from study.present.notation import encode, read_page
 from study.present.palette import BLACK, COLOURS
 
 STYLES = Path(__file__).parent
 """The folder of the Matplotlib style files.
 
 ``style.mplstyle`` is for all figures; a file ``USE.mplstyle`` has entries that replace some of them for one use."""
-CAPTIONS: dict[str, str] = tomllib.loads((STYLES / "page" / "captions.toml").read_text(encoding="utf-8"))
+CAPTIONS: dict[str, str] = read_page("captions")
 """Name of a caption ↦ its text, with names of values in braces."""
 SEEN = "What to see: "
 """The words in a caption that are followed by the main point of the figure."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
+from skfem import Mesh
 
 from study.ledger.codes import Codes
 from study.ledger.datafiles import expected_orders, read_csv, read_rates, read_table
@@ -28,17 +28,7 @@ from study.ledger.files import UsageError
 from study.present import body, charts, contact
 from study.present.body import GAP
 from study.present.charts import Array, Chart, draw_chart
-from study.present.drawing import (
-    SHEET,
-    Drawing,
-    caption,
-    column_width,
-    dots,
-    entry,
-    is_slide,
-    legend,
-    page_width,
-)
+from study.present.drawing import SHEET, Drawing, caption, column_width, dots, entry, is_slide, legend, page_width
 from study.present.notation import counted
 from study.present.palette import BLACK, BLUE, DARK, FOUNDATION, FOUNDATION_EDGE, GREEN, GREY, RAMPS, VERMILLION, Style
 from study.present.picture import Picture, read_pictures
@@ -288,47 +278,35 @@ def caption_energy(picture: Picture) -> str:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class AdaptedMesh:
-    """The last mesh of an adaptive refinement with its contact zone, and the bounds of the error on all meshes.
+def adapted_mesh(
+    name: str, norm: str, mesh: Mesh, edges: Array, closed: NDArray[np.bool_], rows: pd.DataFrame, uniform: pd.DataFrame
+) -> Drawing:
+    """Return the figure ``adaptive``: the last adapted mesh, and the bounds of the error over the number of unknowns.
 
-    Attributes:
-        p, t: vertices, (2, vertices), and cells, (3, cells).
+    Parameters:
+        name: the name of the problem.
+        norm: the error that is bounded, as text.
+        mesh: the last mesh of an adaptive refinement.
         edges: coordinates of the ends of the edges on Γ3, (2, 2, edges).
         closed: whether an edge is in contact at the last time, (edges,).
         rows: the content of ``adaptive.csv``, a row for each mesh of the refinement.
         uniform: the content of ``levels.csv``, a row for each uniform mesh; empty if there are none.
     """
-
-    p: Array
-    t: NDArray[np.int64]
-    edges: Array
-    closed: NDArray[np.bool_]
-    rows: pd.DataFrame
-    uniform: pd.DataFrame
-
-
-def adapted_mesh(name: str, found: AdaptedMesh, norm: str) -> Drawing:
-    """Return the figure ``adaptive``: the last adapted mesh, and the bounds of the error over the number of unknowns.
-
-    Parameters:
-        name: the name of the problem.
-        found: the mesh and the bounds.
-        norm: the error that is bounded, as text.
-    """
-    against = ", for meshes refined everywhere as well" if len(found.uniform) else ""
-    contact = "with what of Γ3 is in contact at the last time in colour, " if found.closed.size else ""
+    against = ", for meshes refined everywhere as well" if len(uniform) else ""
+    contact = "with what of Γ3 is in contact at the last time in colour, " if closed.size else ""
     text = caption("adaptive", name=name, contact=contact, norm=norm, against=against)
     summary = f"An adapted mesh, and the bound of the error over the unknowns: {name}"
-    return Drawing("adaptive", partial(_draw_adapted, found), text, summary)
+    return Drawing("adaptive", partial(_draw_adapted, mesh, edges, closed, rows, uniform), text, summary)
 
 
-def _draw_adapted(found: AdaptedMesh) -> Figure:
-    figure, rows, thick = Figure(figsize=(page_width(), 0.5 * page_width()), layout="constrained"), found.rows, 2.5
+def _draw_adapted(
+    adapted: Mesh, edges: Array, closed: NDArray[np.bool_], rows: pd.DataFrame, uniform: pd.DataFrame
+) -> Figure:
+    figure, thick = Figure(figsize=(page_width(), 0.5 * page_width()), layout="constrained"), 2.5
     mesh, bounds = figure.subplots(1, 2)
-    mesh.triplot(Triangulation(*found.p, found.t.T), color=DARK, lw=0.25)
-    for which, colour in ((found.closed, VERMILLION), (~found.closed, BLUE)):
-        lines = np.moveaxis(found.edges[:, :, which], 2, 0).transpose(0, 2, 1)
+    mesh.triplot(Triangulation(*adapted.p, adapted.t.T), color=DARK, lw=0.25)
+    for which, colour in ((closed, VERMILLION), (~closed, BLUE)):
+        lines = np.moveaxis(edges[:, :, which], 2, 0).transpose(0, 2, 1)
         mesh.add_collection(LineCollection(list(lines), colors=colour, linewidths=thick, zorder=3))
     mesh.set_aspect("equal")
     mesh.set_axis_off()
@@ -338,10 +316,10 @@ def _draw_adapted(found: AdaptedMesh) -> Figure:
         entry(r"$\Gamma_3$ in contact", color=VERMILLION, lw=thick),
         entry(r"$\Gamma_3$ open", color=BLUE, lw=thick),
     ]
-    handles = [*(contact if found.closed.size else []), entry("adaptive", color=BLUE, marker="o")]
+    handles = [*(contact if closed.size else []), entry("adaptive", color=BLUE, marker="o")]
     bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o")
-    if len(found.uniform):
-        bounds.loglog(found.uniform["dofs"], found.uniform["plain"], color=GREY, marker="s")
+    if len(uniform):
+        bounds.loglog(uniform["dofs"], uniform["plain"], color=GREY, marker="s")
         handles.append(entry("refined everywhere", color=GREY, marker="s"))
     if rows["error"].notna().all():
         bounds.loglog(rows["dofs"], rows["error"], color=BLUE, ls=":")

@@ -8,38 +8,29 @@ in which special characters are escaped.
 from __future__ import annotations
 
 import re
+import tomllib
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import groupby
 from operator import itemgetter
+from pathlib import Path
+from typing import Any
 
 from markupsafe import Markup, escape
 
-_GREEK = {
-    "Α": "A", "Γ": r"\Gamma", "Δ": r"\Delta", "Θ": r"\Theta", "Λ": r"\Lambda", "Π": r"\Pi", "Σ": r"\Sigma",
-    "Φ": r"\Phi", "Ψ": r"\Psi", "Ω": r"\Omega", "α": r"\alpha", "β": r"\beta", "γ": r"\gamma", "δ": r"\delta",
-    "ε": r"\varepsilon", "ϵ": r"\varepsilon", "ζ": r"\zeta", "η": r"\eta", "θ": r"\theta", "κ": r"\kappa",
-    "λ": r"\lambda", "μ": r"\mu", "ν": r"\nu", "ξ": r"\xi", "π": r"\pi", "ρ": r"\rho", "σ": r"\sigma",
-    "τ": r"\tau", "φ": r"\varphi", "χ": r"\chi", "ψ": r"\psi", "ω": r"\omega",
-}  # fmt: skip
-_SIGNS = {
-    "‖": r"\|", "·": r"\cdot", "×": r"\times", "−": "-", "±": r"\pm", "∞": r"\infty", "≤": r"\leq", "≥": r"\geq",
-    "≠": r"\neq", "≈": r"\approx", "∼": r"\sim", "∈": r"\in", "∉": r"\notin", "⊂": r"\subset", "∪": r"\cup",
-    "∩": r"\cap", "→": r"\to", "↦": r"\mapsto", "⇒": r"\Rightarrow", "⇔": r"\Leftrightarrow", "∀": r"\forall",
-    "∃": r"\exists", "∫": r"\int", "∂": r"\partial", "∇": r"\nabla", "√": r"\surd", "∑": r"\sum", "∏": r"\prod",
-    "⟨": r"\langle", "⟩": r"\rangle", "∋": r"\ni", "⊗": r"\otimes", "≡": r"\equiv", "′": "'", "ℝ": r"\mathbb{R}",
-    "ℓ": r"\ell",
-}  # fmt: skip
-_COMMANDS = _GREEK | _SIGNS
+
+def read_page(name: str) -> dict[str, Any]:
+    """Return the texts in ``page/NAME.toml``."""
+    return tomllib.loads((Path(__file__).parent / "page" / f"{name}.toml").read_text(encoding="utf-8"))
+
+
+_LATEX = read_page("notation")
+_COMMANDS: dict[str, str] = _LATEX["formulas"]
 _ACCENTS = {"\u0307": r"\dot", "\u0308": r"\ddot", "\u0303": r"\tilde", "\u0302": r"\hat", "\u0304": r"\bar"}
 _RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", "0123456789-+n", strict=True))
 _LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉₋₊ₙ", "0123456789-+n", strict=True))
-_PROSE = {
-    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%",
-    "_": r"\_", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\(<\)", ">": r"\(>\)",
-    "–": "--", "—": "---", "’": "'", "‘": "`", "“": "``", "”": "''", "…": r"\dots{}", "\u00a0": "~",
-}  # fmt: skip
+_PROSE: dict[str, str] = _LATEX["prose"]
 
 # Γ3,i, L∞ and e∞ have no script marks in plain text but scripts in a formula.
 _LITERAL = re.compile(r"Γ\d(?:,\w)?|L∞|\be∞")

@@ -14,7 +14,6 @@ from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any
-from xml.sax.saxutils import escape
 
 import pandas as pd
 
@@ -38,18 +37,17 @@ from study.ledger.verdict import (
     THEOREM,
     UNCLAIMED,
     UNDECIDED,
-    agreement,
     is_of_the_paper,
     kind,
 )
-from study.ledger.window import STEEPER
-from study.present.article import two_digits_up
+from study.present.article import numbers, of_checks, two_digits_up
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
 from study.present.full_run import FullRun
-from study.present.notation import counted, typeset
+from study.present.notation import counted, read_page, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import Picture, picture_path, read_record
+from study.present.report import PAGES
 from study.present.show import write_gif
 from study.present.tables import texts
 from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, changes
@@ -58,7 +56,7 @@ BY_TABLES, BY_FIGURES, BY_PAGES = "study tables --out {}", "study figures --out 
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
 FILM, FILM_DPI, FILM_COLOURS = "hexagon", 66, 32
 """The case that the animation at the top of the README shows, its dots per inch, and the number of its colours."""
-TEXTS: dict[str, Any] = tomllib.loads((Path(__file__).parent / "page" / "results.toml").read_text(encoding="utf-8"))
+TEXTS = read_page("results")
 """Texts about the results, with names of values in braces."""
 MISPRINTS = "slips"
 """The label of the checks that list misprints."""
@@ -165,38 +163,15 @@ def answer(data: FullRun) -> str:
     The page that shows the sentences defines the targets of the links [problem], [ledger], [results], [misprints] and
     [bounds].
     """
-    unclaimed = data.claims[data.claims["verdict"].isin(UNCLAIMED)]
-    predictions = unclaimed[unclaimed["expected"].str.startswith("predicted ")].apply(agreement, axis=1)
-    met = {name: int((predictions == name).sum()) for name in ("met", "undecided", "wrong")}
-    claimed = data.claims[data.claims["verdict"].isin(CLAIMED)]
-    of_paper = claimed[claimed["label"].map(is_of_the_paper)]
-    counts = count_kinds(of_paper)
-    values = (
-        _paper_values(data)
-        | met
-        | {
-            "exact_solutions": counted(len(data.cases), "exact solution"),
-            "decisive": counts[ORDER] + counts[SIZE] + counts[ONE_SIDED],
-            "orders": counts[ORDER],
-            "sizes": counts[SIZE],
-            "one_sided": counts[ONE_SIDED],
-            "relations": counts[THEOREM] + counts[IDENTITY],
-            "others": len(claimed) - len(of_paper),
-            "holding": verdicts_in_words(data.claims, "checks").partition("; ")[0].capitalize(),
-            "predictions": len(predictions),
-            "misprints": (data.claims["label"] == MISPRINTS).sum(),
-        }
-    )
-    sentences = {lead: text.format_map(values) for lead, text in TEXTS["answer"].items()}
-    return "".join(f"- **{lead}.** {_literal(text)}\n" for lead, text in sentences.items())
+    values = _values(data)
+    return "".join(f"- **{lead}.** {_literal(text.format_map(values))}\n" for lead, text in TEXTS["answer"].items())
 
 
 def short(data: FullRun) -> str:
     """Return the main result in one sentence, in Markdown."""
     failing = count_verdicts(data.claims[data.claims["label"].map(is_of_the_paper)])[FAILS]
     contradict = f"{failing} of its checks contradict" if failing else "none of its checks contradicts"
-    smooth = _range(data.rows("Prop. 5.4", "order-extrapolated"))
-    return str(TEXTS["short"]).format(contradict=contradict, smooth=smooth) + "\n"
+    return str(TEXTS["short"]).format_map({"contradict": contradict} | numbers(data)) + "\n"
 
 
 def headline(data: FullRun) -> str:
@@ -216,7 +191,7 @@ def results(data: FullRun) -> str:
 
 def _result_lines(data: FullRun, names: Iterable[str]) -> dict[str, list[str]]:
     """Return name ↦ claim, prediction, observation and verdict for lines of the tables of results."""
-    values, found = _paper_values(data) | _beyond_values(data) | _program_values(data), {}
+    values, found = _values(data), {}
     for name in names:
         line = TEXTS["lines"][name]
         texts = [line[part].format_map(values) for part in ("claim", "predicted", "observed")]
@@ -225,62 +200,64 @@ def _result_lines(data: FullRun, names: Iterable[str]) -> dict[str, list[str]]:
     return found
 
 
-def _paper_values(data: FullRun) -> dict[str, Any]:
-    """Return the values in the texts on Propositions 5.4 and 5.3, and on Theorem 4.2 without and with own space."""
-    smooth, rough = data.rows("Prop. 5.4", "order-extrapolated"), data.rows("Prop. 5.3", "order")
-    limits, steeper = data.rows("Prop. 5.3", "limit"), data.rows("Prop. 5.3", "limit-steeper")
+def _values(data: FullRun) -> dict[str, Any]:
+    """Return the values in the texts: the numbers in the papers, and further ones, which only the pages have."""
+    shared = numbers(data) | of_checks(data, "pages")
+    return shared | _counts(data) | _convergence(data) | _beyond(data) | _alarms(data)
+
+
+def _counts(data: FullRun) -> dict[str, Any]:
+    """Return the numbers of checks and predictions in the texts that say what was tested."""
+    claimed = data.claims[data.claims["verdict"].isin(CLAIMED)]
+    of_paper = claimed[claimed["label"].map(is_of_the_paper)]
+    counts = count_kinds(of_paper)
+    unclaimed = data.claims.loc[data.claims["verdict"].isin(UNCLAIMED), "expected"]
+    return {
+        "decisive": counts[ORDER] + counts[SIZE] + counts[ONE_SIDED],
+        "orders": counts[ORDER],
+        "sizes": counts[SIZE],
+        "one_sided": counts[ONE_SIDED],
+        "relations": counts[THEOREM] + counts[IDENTITY],
+        "others": len(claimed) - len(of_paper),
+        "holding": verdicts_in_words(data.claims, "checks").partition("; ")[0].capitalize(),
+        "predictions": unclaimed.str.startswith("predicted ").sum(),
+        "misprints": (data.claims["label"] == MISPRINTS).sum(),
+    }
+
+
+def _convergence(data: FullRun) -> dict[str, Any]:
+    """Return further values in the texts on Proposition 5.3, and on Theorem 4.2 without and with its own space."""
+    rough, measured = data.rows("Prop. 5.3", "order"), data.rows("Thm 4.2, own space", "order-stress")
     predicted = data.cases.loc[rough["case"], "expected_order"].to_numpy()
     steps = data.rates.loc[data.rates["claim"] == "Prop. 5.3", "order"].dropna()
-    measured = data.rows("Thm 4.2, own space", "order-stress")
     meets = measured["case"].isin(data.rates.loc[data.rates["claim"] == "Prop. 5.4", "case"])
     others = measured[~meets]
     return {
-        "smooth_cases": _cases(smooth),
-        "smooth": _range(smooth),
-        "levels": _range(data.rows("Prop. 5.4", "order")),
-        "rough_cases": _cases(rough),
-        "rough": _range(rough),
         "predicted": f"{predicted.min():.3g} to {predicted.max():.3g}",
         "difference": above((rough["observed"] - predicted).abs().max(), 2),
         "steps": f"{below(steps.min(), 2)} to {above(steps.max(), 2)}",
-        "limit_low": below(100 * limits["low"].min(), 0),
-        "limit_high": above(100 * limits["high"].max(), 0),
-        "limit_window": 100 * limits["window_high"].max(),
-        "limit_steeper": above(100 * steeper["high"].max(), 0),
-        "steeper": STEEPER,
+        "limit_window": 100 * data.rows("Prop. 5.3", "limit")["window_high"].max(),
         **{name: two_digits_up(data.equivalence[name].max()) for name in ("stress_bound", "stress_gap")},
-        "own_smooth_cases": _cases(measured[meets], "smooth case"),
+        "own_smooth_cases": counted(measured.loc[meets, "case"].nunique(), "smooth case"),
         "own_smooth": _range(measured[meets]),
-        "own_other_cases": _cases(others, "other case"),
+        "own_other_cases": counted(others["case"].nunique(), "other case"),
         "own_others": "; ".join(f"{case}: {_range(rows)}" for case, rows in others.groupby("case", sort=False)),
     }
 
 
-def _beyond_values(data: FullRun) -> dict[str, Any]:
-    """Return the values in the texts on bounds, regularity, contact terms, and the error of time discretisation."""
-    bounds, known = data.rows("bound", "above"), data.bounds[data.bounds["trajectory"] == "bound"]
-    trace, work, time = data.rows("(5.36)", "order"), data.rows("beyond: work of contact", "order"), "beyond: O(h + k)"
-    missing = trace[trace["case"].map(data.cases["expected_order"]) == 1]
-    families = ("equal", "alternating", "shaken")
+def _beyond(data: FullRun) -> dict[str, Any]:
+    """Return further values in the texts on error bounds and on the assumption (5.36)."""
+    known, trace = data.bounds[data.bounds["trajectory"] == "bound"], data.rows("(5.36)", "order")["case"]
+    missing = trace[trace.map(data.cases["expected_order"]) == 1]
     return {
-        "bound_cases": counted(len(bounds), "case"),
-        "bound_share": above(bounds["high"].max(), 3),
         "bounds_known": len(known),
         "bound_median": above(known["upper"].median(), 2),
-        "bound_most": above(known["upper"].max(), 1),
-        "trace_cases": counted(len(missing), "case"),
-        "trace_proved": data.cases.loc[missing["case"], "proved_order"].min(),
-        "trace": _range(missing),
-        "work_cases": _cases(work),
-        "work": _range(work),
-        **{family: _range(data.rows("beyond: rollers", f"order-{family}", "roller")) for family in families},
-        "time_share": above(data.rows(time, "data")["high"].max(), 2),
-        "time": _range(data.rows(time, "order")),
+        "trace_proved": data.cases.loc[missing, "proved_order"].min(),
     }
 
 
-def _program_values(data: FullRun) -> dict[str, Any]:
-    """Return the values in the texts on the program: noticed deliberate defects, and false alarms on random meshes."""
+def _alarms(data: FullRun) -> dict[str, Any]:
+    """Return the values in the texts on noticed deliberate defects, and on false alarms on random meshes."""
     (caught, injected), alarms = count_caught(data.controls), alarm_summary(data.seeds)
     by_tail = (
         f"a model of the distributions of all checks, which judges nothing, gives at most {100 * alarms.by_tail:.2f} %"
@@ -288,8 +265,6 @@ def _program_values(data: FullRun) -> dict[str, Any]:
     if math.isnan(alarms.by_tail):
         by_tail = "too few seeds for an estimate from distributions"
     return {
-        "caught": caught,
-        "injected": injected,
         "defects": HOLDS if caught == injected else FAILS,
         "alarms": alarms,
         "alarm_low": 100 * alarms.low,
@@ -342,11 +317,6 @@ def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
 def _range(rows: pd.DataFrame) -> str:
     """Return the smallest low end and the largest high end of checks as text, rounded outwards."""
     return f"{below(rows['low'].min(), 2)} to {above(rows['high'].max(), 2)}"
-
-
-def _cases(rows: pd.DataFrame, noun: str = "case") -> str:
-    """Return the number of cases in a table, with a noun."""
-    return counted(rows["case"].nunique(), noun)
 
 
 def misprints(data: FullRun) -> str:
@@ -507,20 +477,10 @@ def badge(name: str, says: str, colour: str) -> str:
 
     The width follows from the number of letters.
     """
-    margin, height = 6, 20
+    margin = 6
     left, right = (round(6.4 * len(text)) + 2 * margin for text in (name, says))
-    name, says = escape(name), escape(says)
-    return f"""\
-<svg xmlns="http://www.w3.org/2000/svg" width="{left + right}" height="{height}" role="img">
-<title>{name}: {says}</title>
-<rect width="{left + right}" height="{height}" rx="3" fill="{DARK}"/>
-<path d="M{left} 0h{right - 3}a3 3 0 0 1 3 3v{height - 6}a3 3 0 0 1 -3 3h-{right - 3}z" fill="{colour}"/>
-<g fill="#fff" text-anchor="middle" font-family="DejaVu Sans,Verdana,sans-serif" font-size="11">
-<text x="{left / 2:g}" y="14" textLength="{left - 2 * margin}">{name}</text>
-<text x="{left + right / 2:g}" y="14" textLength="{right - 2 * margin}">{says}</text>
-</g>
-</svg>
-"""
+    template, sizes = PAGES.get_template("badge.svg"), {"left": left, "right": right, "margin": margin}
+    return template.render(name=name, says=says, colour=colour, dark=DARK, **sizes) + "\n"
 
 
 def badges(data: FullRun, project: Path) -> dict[str, str]:
@@ -541,22 +501,13 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
     }
 
 
-TABLES: dict[str, Callable[[FullRun], str]] = {
-    "short": short,
-    "answer": answer,
-    "headline": headline,
-    "results": results,
-    "misprints": misprints,
-    "missed": missed,
-    "statements": statements,
-    "formulas": formulas,
+NAMED = short, answer, headline, results, misprints, missed, statements, formulas, mesh_families, new_windows
+TABLES: dict[str, Callable[[FullRun], str]] = {table.__name__: table for table in NAMED} | {
     "cases": lambda data: str(len(data.cases)),
-    "mesh_families": mesh_families,
     "codes": lambda data: codes_table(data.codes),
     "marches": lambda data: codes_table(data.marches),
     "windows": lambda data: changed_windows(data, FIRST),
     "released_windows": lambda data: changed_windows(data, RELEASED),
-    "new_windows": new_windows,
 }
 """Name of a place on a page ↦ the function that returns its table or text. ``marches`` are the runs in which other
 people's codes solve in time by the midpoint rule."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from base64 import b64encode
 from hashlib import sha256
 from pathlib import Path
@@ -28,11 +27,11 @@ from study.present.charts import (
     enclosure_charts,
     finest_orders,
 )
-from study.present.notation import typeset, typeset_svg
+from study.present.notation import read_page, typeset, typeset_svg
 from study.present.outcome import conclusion, orders_text
 from study.present.palette import family_styles
 from study.present.picture import FaceHistory, Picture, Polygon, Segment, picture_path, read_record
-from study.present.tables import BOUNDS, CONTROLS, EQUIVALENCE, LEDGER, RATES, STRESSES, Table, names, numbers
+from study.present.tables import BOUNDS, CONTROLS, EQUIVALENCE, LEDGER, RATES, STRESSES, Table, columns
 
 CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]
 ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]
@@ -40,7 +39,7 @@ CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
 HIGHEST_ORDER, STRIP = 1.5, 150
 """The largest order on the strip that shows the orders of a case, and the width of the strip in SVG units."""
 
-TEXTS: dict[str, Any] = tomllib.loads((Path(__file__).parent / "page" / "texts.toml").read_text(encoding="utf-8"))
+TEXTS = read_page("texts")
 """Texts of the page: ``meanings``, verdict ↦ its meaning, and ``letters``, table or place ↦ symbol ↦ its meaning."""
 PAGES = Environment(
     loader=PackageLoader("study.present", "page"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
@@ -102,8 +101,7 @@ def _files(directory: Path) -> Table:
         {"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()}
         for name, content in contents.items()
     ]
-    columns = [*names(file="file"), *numbers(size="kB"), *names(sha="SHA-256")]
-    return Table("files", columns, pd.DataFrame(rows))
+    return Table("files", columns("files"), pd.DataFrame(rows))
 
 
 def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[dict[str, Any]]:
@@ -132,7 +130,9 @@ def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> li
         (BOUNDS.table(directory), "Bounds of the error", ["case"]),
     ]
     pages = []
-    for fact in read_csv(directory, "cases.csv", CASES).to_dict("records"):
+    cases = read_csv(directory, "cases.csv", CASES)
+    # No order is proved for some cases, which the template writes as an empty text.
+    for fact in cases.replace({"proved_order": {np.nan: None}}).to_dict("records"):
         name, expected = fact["case"], float(fact["expected_order"])
         verdicts, errors, bounds = (frame[frame["case"] == name] for frame in (claims, rates, enclosures))
         found, styles = finest_orders(errors, refinements=2), family_styles(errors["family"])
@@ -140,19 +140,9 @@ def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> li
         charts = [convergence_chart(errors, expected)] if len(errors) else []
         charts += [chart for _, chart in enclosure_charts(bounds)]
         mine = [(caption, table.of_case(name, without)) for table, caption, without in tables]
-        facts = {
-            "summary": fact["summary"],
-            "law": fact["law"],
-            "contact zone": fact["zone"],
-            "regularity": fact["regularity"],
-            "dimension": str(fact["dimension"]),
-            "predicted order": f"{expected:.4g}",
-            "proved order": "" if pd.isna(fact["proved_order"]) else f"{float(fact['proved_order']):.4g}",
-            "why": fact["reason"],
-        }
         page = {
             "name": name,
-            "facts": facts,
+            "facts": fact,
             "counts": count_verdicts(verdicts),
             "observed": " – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
             "strip": (_strip(expected), [(_strip(order), styles[family].colour) for family, order in found.items()]),

@@ -10,6 +10,7 @@ import re
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -17,9 +18,7 @@ from study.ledger.datafiles import read_claims, read_csv, read_rates, since_befo
 from study.ledger.files import write_text
 from study.ledger.text import cell
 from study.present.article import article
-from study.present.notation import encode, folding, longtable, prose
-
-ORDER = "{:.3f}"
+from study.present.notation import encode, folding, longtable, prose, read_page
 
 
 def write_tables(directory: Path) -> list[Path]:
@@ -66,19 +65,26 @@ class Column:
         return prose(text) if self.names else encode(text)
 
 
-def words(**headings: str) -> list[Column]:
-    """Return columns of prose, which may contain formulas, from their names and headings."""
-    return [Column(name, heading, "l") for name, heading in headings.items()]
+COLUMNS: dict[str, list[dict[str, Any]]] = read_page("tables")
+"""Name of a table ↦ groups of columns: kind, a key of ``KINDS`` ↦ names and headings, and perhaps their width."""
+KINDS: dict[str, dict[str, Any]] = {
+    "words": {"alignment": "l"},
+    "names": {"alignment": "l", "names": True},
+    "numbers": {},
+    "orders": {"form": "{:.3f}"},
+    "percent": {"form": "{:.2g}"},
+}
+"""Kind of columns ↦ their attributes."""
 
 
-def names(**headings: str) -> list[Column]:
-    """Return columns of identifiers, which contain no formulas, from their names and headings."""
-    return [Column(name, heading, "l", names=True) for name, heading in headings.items()]
-
-
-def numbers(form: str = "", **headings: str) -> list[Column]:
-    """Return columns of numbers with a format, as in ``Column``, from their names and headings."""
-    return [Column(name, heading, form=form) for name, heading in headings.items()]
+def columns(name: str) -> list[Column]:
+    """Return the columns of a table, given its name in ``COLUMNS``."""
+    found = []
+    for group in COLUMNS[name]:
+        width = {"alignment": folding(group["width"])} if "width" in group else {}
+        for kind in KINDS.keys() & group.keys():
+            found += [Column(column, heading, **KINDS[kind] | width) for column, heading in group[kind].items()]
+    return found
 
 
 @dataclass(frozen=True)
@@ -212,77 +218,19 @@ def _stresses(directory: Path) -> pd.DataFrame:
     return pd.concat(series) if series else shown
 
 
-RATES = Layout("rates", [
-    *words(claim="claim"),
-    *names(case="case", family="meshes", scheme="scheme"),
-    *numbers(level="level", h="h", dofs="dofs", steps="steps", error="‖u − u^h‖_V"),
-    *numbers(ORDER, order="order"),
-    *numbers(at="at t =", interpolation_error="‖u − Π^h u‖_V", discrete_error="‖Π^h u − u^h‖_V"),
-    *numbers(ORDER, discrete_order="order"),
-    *numbers(time_share_percent="time, %"),
-], 4, _rates)  # fmt: skip
+RATES = Layout("rates", columns("rates"), 4, _rates)
 """Errors and orders on all levels."""
-_STATEMENT = words(label="statement", statement="what it says")
-_EXPECTED = Column("expected", "expected", folding(0.14))
-LEDGER = Layout("ledger", [
-    *_STATEMENT,
-    Column("case", "case", folding(0.17), names=True),
-    Column("quantity", "quantity", folding(0.26)),
-    _EXPECTED,
-    *numbers(observed="observed", low="low", high="high"),
-    *words(verdict="verdict"),
-], 2, _checks)  # fmt: skip
+LEDGER = Layout("ledger", columns("ledger"), 2, _checks)
 """All checks with windows, observations and verdicts."""
-SHORT_LEDGER = Layout("ledger", [
-    *_STATEMENT,
-    Column("case", "case", folding(0.17), names=True),
-    Column("quantity", "quantity", folding(0.22)),
-    _EXPECTED,
-    *numbers(least="observed, least", most="observed, most", low="low", high="high"),
-    *words(verdict="verdict"),
-], 2, _merged_checks)  # fmt: skip
+SHORT_LEDGER = Layout("ledger", columns("short_ledger"), 2, _merged_checks)
 """All checks, with one row for cases that agree."""
-EQUIVALENCE = Layout("equivalence", [
-    *names(case="case"),
-    *words(form="form of Problem 3.2"),
-    *numbers(level="level", h="h", steps="steps", displacement_gap="displacements", stress_gap="stresses"),
-    *numbers(admissibility="admissibility", energy_gap="energy", membership="membership"),
-    *numbers(displacement_bound="allowed displ.", stress_bound="allowed stress"),
-], 2)  # fmt: skip
+EQUIVALENCE = Layout("equivalence", columns("equivalence"), 2)
 """Differences between the solutions of Problems 3.1 and 3.2."""
-STRESSES = Layout("stresses", [
-    *names(case="case", family="meshes"),
-    *numbers(level="level", steps="steps", unknowns="unknowns", stress="‖σ − σ^h‖_Q"),
-    *numbers(ORDER, order="order"),
-    *numbers(stress_sup="largest in t", best="best possible", strain="strains", pressure="pressure"),
-    *numbers(displacement="multipliers", primal_stress="to σ(u^h)", primal_displacement="to u^h"),
-    *numbers(time_share_percent="time, %"),
-], 2, _stresses)  # fmt: skip
+STRESSES = Layout("stresses", columns("stresses"), 2, _stresses)
 """Errors of Problem 3.2 with a separate space for stresses."""
-BOUNDS = Layout("bounds", [
-    *words(trajectory="kind"),
-    *names(case="case", family="meshes", scheme="scheme"),
-    *numbers(level="level", lowest="max error ≥", error="max error", highest="max error ≤"),
-    *numbers(ORDER, upper="upper / error", lower="lower / error"),
-    *numbers(residual="∫ r", oscillation="∫ η", contact="∫ c"),
-], 2)  # fmt: skip
+BOUNDS = Layout("bounds", columns("bounds"), 2)
 """Error bounds, and their ratios to the error."""
-CONTROLS = Layout("controls", [
-    *words(label="statement"),
-    *names(defect="defect"),
-    Column("what", "what is wrong", folding(0.17)),
-    Column("setting", "measured on", folding(0.14), names=True),
-    Column("quantity", "row that has to fail", folding(0.17)),
-    _EXPECTED,
-    *numbers(observed="observed"),
-    *words(verdict="verdict", caught="caught"),
-], 1, optional=True)  # fmt: skip
+CONTROLS = Layout("controls", columns("controls"), 1, optional=True)
 """Deliberate defects with the checks that must fail."""
-SENSITIVITY = Layout("sensitivity", [
-    *names(case="case", family="meshes"),
-    *words(defect="what is wrong"),
-    *numbers(level="level"),
-    *numbers("{:.2g}", percent="by %"),
-    *names(seen_by="row that fails"),
-], 2, _sensitivity, optional=True)  # fmt: skip
+SENSITIVITY = Layout("sensitivity", columns("sensitivity"), 2, _sensitivity, optional=True)
 """The smallest defects that checks notice."""

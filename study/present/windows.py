@@ -2,8 +2,8 @@
 
 ``results/history/windows.csv`` has the windows at the end of the first round of measurements, ``released.csv`` the
 windows of the last release. ``python -m study.present.windows results`` writes the second file when a version is
-released. An error is raised if a window changed or a check was removed and ``WHY`` has no reason, so that no window is
-widened unnoticed.
+released. An error is raised if a window changed or a check was removed and ``page/results.toml`` has no reason, so that
+no window is widened unnoticed.
 """
 
 from __future__ import annotations
@@ -19,39 +19,16 @@ import pandas as pd
 from study.ledger.datafiles import DataError, read_claims, write_csv
 from study.ledger.verdict import ROW_KEY, UNCLAIMED
 from study.ledger.window import MIN_POSITIVE, Window
+from study.present.notation import read_page
 
 FIRST, RELEASED = "windows.csv", "released.csv"
 """Files in ``results/history`` with the windows at the end of the first round of measurements (commit 27a936c) and of
 the last release.
 """
 NOT_NOTHING = "a diagnostic must be positive: exactly 0 means that a quantity was compared with itself"
-OWN_SPACE = "Thm 4.2, own space"
-NOT_RANDOM = "merging-patches and layered are now measured on meshes that are not random"
-BY_CHANCE = (
-    "some standard deviations of a pilot run are added for chance on random meshes; a new row for each case keeps the "
-    f"old window on one-diagonal meshes; {NOT_RANDOM}"
-)
-OF_CELLS, OF_EDGES = ("stress", "strain", "primal_stress"), ("pressure", "displacement", "primal_displacement")
 WHY: dict[tuple[str, str], str] = {
-    ("Prop. 5.4", "start-share"): "before, the row held whenever the largest error was at t = 0, where nothing has "
-    "been solved yet; now it fails, or is reported if ‖u − Π^h u‖_V is as large there",
-    ("Prop. 5.4", "order-fitted"): "before, the 95 % interval of the fit only had to lie between 0 and 2, a rule that "
-    "no other row has; the order extrapolated to h → 0 replaces it, with the same window and the general rule",
-    **{(OWN_SPACE, f"order-{name}"): NOT_RANDOM for name in OF_CELLS},
-    **{(OWN_SPACE, f"order-{name}"): BY_CHANCE for name in OF_EDGES},
-    (OWN_SPACE, "growth"): BY_CHANCE,
-    (OWN_SPACE, "admissible"): NOT_RANDOM,
-    ("Prop. 5.4", "after-start"): "a number of cases is no criterion: the row start-share of every case "
-    "judges the same",
-    ("(4.3), (5.5)", "constant"): "before, the row held where the quotient reached 99 % of the constant, and was "
-    "reported elsewhere; the claim is an upper bound, which is now judged for every law",
-    ("enclosure", "order"): "before, the interval had to contain 1 and to be at most 0.2 wide; now it must lie in the "
-    "window of every other order. The interval was known when the rule was changed",
-    ("contact force", "order-resultant"): "two contact faces of hexagon meet Γ1, where the dual norm does not bound "
-    "the error of the resultant; before, only contact-at-clamp was not judged for this reason, by its name",
-    (OWN_SPACE, "time-share"): "narrower, and quadrature counts as well: the second computation integrates f_0 with a "
-    "finer rule",
-}  # fmt: skip
+    (one["label"], key): one["reason"] for one in read_page("results")["changed"] for key in one["keys"]
+}
 """Label and key of checks ↦ why their window changed. If only the lower end changed, from 0 to the smallest positive
 value, the reason is ``NOT_NOTHING``."""
 
@@ -129,7 +106,8 @@ def changes(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
         if why is None:
             raise DataError(
                 f"the window of {row['label']}, {row['key']} for {row['case']} was {before.text} before and is "
-                f"{'gone' if gone else now.text}: say why in {__name__}.WHY, or take it back"
+                f"{'gone' if gone else now.text}: say why in study/present/page/results.toml, "
+                "[[changed]], or take it back"
             )
         today = "no longer there" if gone else now.text if claimed else "no claim"
         found[row["label"], row["key"], before.text, today, why] += 1

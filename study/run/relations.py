@@ -39,8 +39,8 @@ CODE_RTOL = 2e-3
 CODE_ORDER_ROOM = 0.02
 """Tolerance for an observed order between mesh sizes h and h/2 if the errors are written with three digits."""
 
-
 Relation = Callable[[Tables, Expectation], Iterator[str]]
+CodeRelation = Callable[[Codes, str], Iterator[str]]
 
 
 def breaches(file: str, table: pd.DataFrame, column: str, holds: Any, expected: Iterable[str]) -> Iterator[str]:
@@ -288,10 +288,5 @@ def every_series(codes: Codes, folder: str) -> Iterator[str]:
     yield from breaches(f"{folder}/errors.csv", codes.errors, "series", there, "a series of classes.csv")
 
 
-CODE_RELATIONS: tuple[Callable[[Codes, str], Iterator[str]], ...] = (
-    same_best,
-    code_triangle,
-    code_orders,
-    every_series,
-)
+CODE_RELATIONS: tuple[CodeRelation, ...] = (same_best, code_triangle, code_orders, every_series)
 FOLDERS = FOLDER, MARCHES

@@ -284,12 +284,8 @@ def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_
         assert np.allclose(computed.at(0.3), 0.8 * computed.nodes[1] + 0.2 * computed.nodes[2])
 
 
-@pytest.mark.parametrize(
-    "name",
-    ["yield-and-release", *(pytest.param(name, marks=pytest.mark.slow) for name in ("rotated", "heterogeneous"))],
-)
-def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(name: str, monkeypatch) -> None:
-    case, found = named(name), []
+def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(monkeypatch) -> None:
+    case, found = named("yield-and-release"), []
     for most in (1, 4):
         monkeypatch.setattr(terms, "LEAST", 1)
         monkeypatch.setattr(terms, "MOST", most)
@@ -324,6 +320,8 @@ def test_what_cannot_be_bounded_is_refused() -> None:
     for refined in (Refined(-1, 2), Refined(1, 0)):
         with pytest.raises(BoundError, match="ũ needs 0 or more refinements"):
             check_problem(Data.of(named("no-contact").solution), None, refined)
+    with pytest.raises(BoundError, match="initial gap; give a problem"):
+        check_problem(Data.of(named("closing-gap").solution), None, Refined(0, 1))
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
         measure(resolve_problem("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
     with pytest.raises(BoundError, match="runs through cells of the mesh; list it as an interface"):
@@ -347,9 +345,7 @@ def test_orders_are_enclosed_since_the_first_level_and_since_the_previous_one() 
         assert table.loc[4, [f"{name}_low", f"{name}_high"]].tolist() == pytest.approx([low, high])
     assert table.loc[1, ["order_low", "pair_low"]].isna().all()
     lines = _intervals(table.reset_index(), known=False)
-    assert lines[0].split() == ["level", "max", "error", "in", "%", "of", "u", "from", "u_h", "alone"]
     assert [line.count("[") for line in lines] == [0, 2, 2, 2, 0, 0, 2, 2, 0, 0]
-    assert lines[5].split() == ["level", "order", "since", "1", "since", "the", "mesh", "before"]
     assert max(map(len, lines)) <= 80
     assert lines[-1].endswith("with steps that follow the mesh")
     assert _intervals(table.reset_index().head(2).assign(steps=4), known=False)[-1].endswith("same steps on every mesh")

@@ -168,7 +168,6 @@ BALLISTIC = [{"pos": lambda x, a: np.where(x > 0, np.maximum(x, 1e-300) ** a, 0.
 FORMULAS = [
     t * exp(-4 * (x1 - 0.3) ** 2 - 4 * (x2 - 0.4) ** 2),
     sin(3 * x1 * t) * cos(x2) / (1 + x1**2),
-    pos(x1 - t, 3) * x2,
     pos(x1 - x2, Rational(5, 2)) - pos(t - x2, 0),
     sqrt(1 + x1 * x2) + (1 + x2) ** Rational(-3, 2),
     tanh(x1 - 2 * t) + x1 ** (1 + x2),
@@ -190,12 +189,6 @@ def test_taylor_coefficients_lie_in_their_ranges(formula: Expr, variables: tuple
         for _ in range(10):
             with np.errstate(over="ignore"):
                 assert_between(low, values(*random_points()) * np.ones(40), high, str(key))
-
-
-def test_ranges_of_small_boxes_are_tight() -> None:
-    low, high = np.array([0.4]), np.array([0.4 + 1e-6])
-    found = Boxes({x1: (low, high), t: (low, high)}, (x1,), 4)(sin(3 * x1 * t) * exp(x1) / (1 + x1**2))
-    assert (found.high - found.low).max() < 1e-3
 
 
 def test_a_negative_power_has_no_bound_on_a_box_that_begins_at_its_kink() -> None:

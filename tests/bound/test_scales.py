@@ -65,7 +65,6 @@ HOSTILE = [
     *(NONE | {name: 1e-170} for name in NONE),
     {name: 1e-170 for name in NONE},
     NONE | {"f0": 1e-310},
-    {"f0": 1e155, "f2": 1e-155},
     {"A": 1e-90, "G": 1e-90, "f0": 1e-90, "f2": 1e-90},
 ]
 

@@ -29,14 +29,4 @@ def certificate(made: Any) -> Any:
 
 @pytest.fixture(scope="session")
 def plain(made: Any) -> checker.Enclosure:
-    """What it proves."""
     return checker.verified(made)
-
-
-@pytest.fixture(scope="session")
-def computed_bounds() -> dict[str, float]:
-    """What ``study bound`` computes for the problem, mesh and steps of the small certificate, to six digits.
-
-    A test of ``study certify`` computes these numbers again; tests of the checker compare with them in no time.
-    """
-    return {"low": 0.003926112, "high": 0.275508060, "last": 0.138330852}

@@ -63,9 +63,7 @@ POLYGONS: list[list[list[int]]] = [
     [[0, 0], [2, 0], [1, 0], [1, 1]],
     [[0, 0], [2, 0], [-1, 0], [-1, 1]],
     [[0, 0], [2, 0], [2, 0], [0, 1]],
-    [[0, 2], [0, 1], [2, 0], [0, 0], [0, 0]],
     [[0, 0], [2, 0], [2, 2], [1, 0]],
-    [[0, 0], [2, 0], [2, 2], [0, 2], [0, 0]],
     [[0, 0], [3, 0], [3, 3], [1, -1], [0, 3]],
     [[0, 0], [2, 0], [1, 0]],
 ]
@@ -76,28 +74,6 @@ def test_polygons_that_touch_themselves_or_have_no_area_are_refused(corners: lis
     for n in range(len(corners)):
         with pytest.raises(RefusedError, match=r"two sides of the polygon meet|counter-clockwise"):
             posed([*corners[n:], *corners[:n]], " ".join(["clamped"] * len(corners)), loads={})
-
-
-def test_a_cell_without_area_is_refused() -> None:
-    mesh = mesh_of(TRIANGLE, 2)
-    mesh["points"].append([1, 1])
-    mesh["cells"].append([2, 1, 3])
-    mesh["sides"][1] = [1, 3, 2]
-    with pytest.raises(RefusedError, match="a cell is not counter-clockwise"):
-        Mesh.of(mesh, posed(TRIANGLE, "clamped loaded clamped")[0])
-
-
-def test_a_refined_mesh_is_the_same_body() -> None:
-    _, mesh = posed(QUADRANGLE, MIXED, 2)
-    fine = mesh.refined()
-    assert [fine.place(v) for v in range(4)] == [mesh.place(v) for v in range(4)]
-    for (a, b), node in mesh.node.items():
-        p, q = mesh.place(a), mesh.place(b)
-        assert fine.place(node) == ((p[0] + q[0]) / 2, (p[1] + q[1]) / 2)
-    assert (len(fine.cells), len(fine.boundary)) == (8, 8)
-    assert [mesh.nodes_of(e) for e in ((0, 1), (3, 0))] == [(0, mesh.node[0, 1], 1), (3, mesh.node[0, 3], 0)]
-    assert sum(Q(cell.det, fine.h**2) for cell in fine.cells) == sum(Q(cell.det, mesh.h**2) for cell in mesh.cells)
-    assert all(cell.det > 0 for cell in fine.cells)
 
 
 def test_the_start_does_not_enter_a_slanted_foundation() -> None:
@@ -228,9 +204,7 @@ K = Q(1, 2**12)
 BEGIN, END = Q(1, 4), Q(1, 4) + K
 REST: dict[str, tuple[Any, Q]] = {
     "cubic in time": (load([["1", 0, 0, 3]], [["2", 0, 0, 3]]), 5 * K**6 / 840 / 2),
-    "cubic in time and linear in space": (load([], [["1", 0, 1, 3]]), K**6 / 840 / 12),
     "cubic in space": (load([["1/4096", 3, 0, 0]], []), Q(1, 4096) ** 2 / 56),
-    "cubic and of degree 2 in space": (load([["1", 2, 0, 0], ["1/4096", 3, 0, 0]], []), Q(1, 4096) ** 2 / 56),
     "mixed in space": (load([], [["1", 0, 2, 0], ["1", 1, 1, 0], ["1/4096", 1, 2, 0]]), Q(1, 4096) ** 2 * Q(48, 40320)),
     # ∫ x⁴ y² = 4! 2!/8!, times the mean of t⁴.
     "cubic in space, quadratic in time": (load([["1", 2, 1, 2]], []), Q(48, 40320) * (END**5 - BEGIN**5) / (5 * K)),
@@ -257,19 +231,6 @@ def test_a_load_that_is_not_taken_up_is_missed(value: Q) -> None:
     force = load([[str(value), 0, 0, 0]], [[str(value), 0, 0, 0]])
     missed = left(loads_on(SLANTED, 1, 10, loads={"1": force}))
     assert 10 * value**2 <= missed**2 <= 10 * value**2 * (1 + Q(1, 2**14)) + 4 * GRID
-
-
-def test_the_length_of_a_side_is_not_rounded_away() -> None:
-    """A traction that fits the length √2 to 2^−100 misses the load by as much, times the load.
-
-    The load is so large that this is more than the roundings to the grid.
-    """
-    length, value = checker.root(Q(2), above=False), 10**24
-    loads = loads_on(TRIANGLE, 1, 100, loads={"1": load([[str(value), 0, 0, 0]], [])})
-    root = checker.root(Q(2 << 200), above=False) / (1 << 100)  # √2 to 2^−200
-    least = value * (root - length)
-    assert least > 2**20 * checker.root(GRID)
-    assert left(loads, (int(value * length / GRID), 0)) ** 4 * 2 >= least**4
 
 
 def test_lengths_are_rounded_down() -> None:
@@ -331,15 +292,6 @@ def test_a_force_that_no_traction_balances_is_left(element: checker.Element) -> 
     assert no_stress(stresses, []) == no_stress(stresses, [[0] * 12] * 2)
 
 
-@pytest.mark.parametrize("grid", [100, 0])
-def test_what_is_not_balanced_is_rounded_up(element: checker.Element, grid: int) -> None:
-    """With points over 2^20 the square of it is far below the grid before it is scaled."""
-    stresses = stresses_on(TRIANGLE, "clamped loaded clamped", element, 1 << 20)
-    found = on_grid(grid, lambda: no_stress(stresses, [[1, *[0] * 11]])[1])
-    assert Q(1, 8) <= found**2  # the force is 1/2 on the area 1/2
-    assert grid == 0 or found**2 <= Q(1, 8) * 10**9
-
-
 def test_the_losses_of_all_cells_are_made_up_for(element: checker.Element, monkeypatch: pytest.MonkeyPatch) -> None:
     """Squares of 0.9 and 0.6 units of the grid, which are rounded down to 0 in both cells."""
     stresses = stresses_on(QUADRANGLE, MIXED, element, 1 << 20)
@@ -352,15 +304,6 @@ def test_the_losses_of_all_cells_are_made_up_for(element: checker.Element, monke
 
 
 # Displacements
-
-
-def test_splines_have_their_knots_and_values() -> None:
-    found = list(checker.pieces([[0], [12], [36], [20]], Q(3)))
-    assert [(p.a, p.b) for p in found] == [(Q(0), Q(1, 2)), (Q(1, 2), Q(3, 2)), (Q(3, 2), Q(5, 2)), (Q(5, 2), Q(3))]
-    # Four times: the ends, the means of nodes, and nodes as control points; the outer pieces are straight.
-    assert [[v[0] for v in p.values] for p in found] == [[0, 12, 24], [24, 48, 96], [96, 144, 112], [112, 96, 80]]
-    assert [p.steps for p in found[:2]] == [[[24], [24], [24]], [[48], [72], [96]]]
-    assert [[v[0] for v in p.values] for p in checker.pieces([[0], [8]], Q(1))] == [[0, 8, 16], [16, 24, 32]]
 
 
 def test_u_h_is_piecewise_linear_in_time_and_vanishes_on_the_wall() -> None:
@@ -400,10 +343,8 @@ def test_displacements_that_are_not_admissible_are_refused(time: int) -> None:
 
 # The growth of the bound
 
-ZERO = [[Q(0)] * 3 for _ in range(3)]
 
-
-def growth(m: Q = Q(2)) -> checker.Growth:
+def growth(m: Q) -> checker.Growth:
     A = [["5/2", "1/2", "0"], ["1/2", "5/2", "0"], ["0", "0", "1"]]
     problem, _ = posed(TRIANGLE, "clamped loaded clamped", A=A)
     problem.G = [[x * 3 for x in row] for row in problem.A]
@@ -412,21 +353,12 @@ def growth(m: Q = Q(2)) -> checker.Growth:
 
 @pytest.mark.parametrize("y", [Q(1, 3), Q(1, 3 * 2**48), Q(1, 7 * 2**49)], ids=["third", "tiny", "tinier"])
 def test_an_error_decays_no_faster_than_it_does(y: Q) -> None:
-    k = Q(1, 8)
-    at_b, inside = growth()(y, k, ZERO, Q(0), Q(0))
+    k, zero = Q(1, 8), [[Q(0)] * 3 for _ in range(3)]
+    at_b, inside = growth(Q(2))(y, k, zero, Q(0), Q(0))
     # e^{−1/4} is 0.77880078…
     assert y * Q(77880078, 10**8) < at_b < y * Q(7789, 10**4) + 8 * GRID + Q(1, 2**99) / y
     assert y < inside < y + 8 * GRID + Q(1, 2**99) / y
-    assert growth(Q(0))(y, k, ZERO, Q(0), Q(0))[0] > y
-
-
-def test_the_work_of_contact_counts_twice_and_what_is_not_balanced_is_added() -> None:
-    for contact in (Q(1, 3), Q(1, 3 * 2**97)):
-        for found in growth()(Q(0), Q(1, 8), ZERO, contact, Q(0)):
-            assert 2 * contact < found**2 < 2 * contact * (1 + Q(1, 2**50)) + 4 * GRID
-    for loads in (Q(1, 3), Q(1, 3 * 2**60)):
-        for found in growth()(Q(0), Q(1, 8), ZERO, Q(0), loads):
-            assert loads < found < loads + 4 * GRID
+    assert growth(Q(0))(y, k, zero, Q(0), Q(0))[0] > y
 
 
 def exact_growth(A: Any, G: Any, m: float, y: float, k: float, M: Any, contact: float, loads: float) -> list[float]:
@@ -672,29 +604,16 @@ def test_loads_that_are_missed_are_added_with_their_constant(name: str, certific
     assert found[1] - found[0] == pytest.approx(wanted, rel=1e-3)
 
 
-DISTANCES = [
-    # The largest inside a piece decides from above, the one at its end from below; the start counts, too.
-    ([(4, 9), (16, 49), (16, 25)], (0, 1), 4 - 1, 7 + 2),
-    ([(4, 9), (16, 49), (16, 25)], (0, 144), 4 - 1, 12),
-    ([(49, 50), (1, 4), (0, 1)], (0, 1), 0, 2 + 50**0.5),
-]
-
-
-@pytest.mark.parametrize(("pairs", "first", "low", "high"), DISTANCES, ids=str)
-def test_an_interval_is_a_distance_more_or_less_a_bound(
-    pairs: Any, first: Any, low: int, high: float, made: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_interval_is_a_distance_more_or_less_a_bound(made: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The largest bound inside a piece decides from above, the one at its end from below; the start counts, too."""
     certificate = checker.Certificate(made)
-    monkeypatch.setattr(certificate, "growth", lambda *_: (Q(1), Q(2)))
-    monkeypatch.setattr(certificate, "_residual", lambda *_: None)
-    monkeypatch.setattr(certificate, "_contact", lambda *_: None)
-    monkeypatch.setattr(certificate, "_distances", lambda _: [(Q(a), Q(b)) for a, b in pairs])
-    monkeypatch.setattr(certificate, "_distance", lambda v, more, time: (Q(first[0]), Q(first[1])))
-    found = certificate.check()
-    start = float(certificate._start()) if first[1] == 144 else 0
-    assert (found.low, float(found.high)) == (low, pytest.approx(high + start, rel=1e-14))
-    assert (found.cells, found.last) == (8, 1)
-    assert float(found.h) == pytest.approx(0.5, abs=1e-15)
+    for name, value in (("growth", (Q(1), Q(2))), ("_residual", None), ("_contact", None)):
+        monkeypatch.setattr(certificate, name, lambda *_, value=value: value)
+    monkeypatch.setattr(certificate, "_distances", lambda _: [(Q(4), Q(9)), (Q(16), Q(49)), (Q(16), Q(25))])
+    for start, high in ((1, 7 + 2), (144, 12 + float(certificate._start()))):
+        monkeypatch.setattr(certificate, "_distance", lambda *_, start=start: (Q(0), Q(start)))
+        found = certificate.check()
+        assert (found.low, found.last, float(found.high)) == (4 - 1, 1, pytest.approx(high, rel=1e-14))
 
 
 def test_a_bound_without_end_is_refused(made: Any) -> None:
@@ -702,17 +621,6 @@ def test_a_bound_without_end_is_refused(made: Any) -> None:
     certificate.growth = lambda *_: (Q(0), Q(10**100))  # type: ignore[assignment,method-assign]
     with pytest.raises(RefusedError, match="too large to be printed"):
         certificate.check()
-
-
-def test_u_h_has_no_node_inside_half_a_piece(bracket: checker.Certificate, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Eight steps of u_h on [0, 1] and the ends of a piece: at nodes, in their middle, and elsewhere."""
-    monkeypatch.setattr(bracket, "_distance", lambda *_: None)
-    values = piece_of(bracket).values
-    for a, b in ((Q(0), Q(1, 8)), (Q(1, 16), Q(3, 16)), (Q(3, 32), Q(5, 32)), (Q(7, 8), Q(1)), (Q(1, 8), Q(3, 8))):
-        assert len(list(bracket._distances(Piece(a, b, values)))) == 5
-    for a, b in ((Q(1, 16), Q(1, 4)), (Q(0), Q(3, 8)), (Q(1, 8) - GRID, Q(1, 8) + 2 * GRID)):
-        with pytest.raises(RefusedError, match="u_h has a node inside"):
-            list(bracket._distances(Piece(a, b, values)))
 
 
 # Orders
@@ -739,12 +647,6 @@ def test_orders_are_enclosed(coarse: Enclosure, fine: Enclosure, low: int, high:
     assert span is not None
     assert low - Q(1, 2**55) < span[0] <= low
     assert high <= span[1] < high + Q(1, 2**55)
-
-
-def test_decimals_are_rounded_outward() -> None:
-    shown = [[checker.decimal(x, above) for above in (False, True)] for x in (Q(1, 3), Q(-1, 3), Q(5, 4), Q(-1, 10**9))]
-    assert shown[:2] == [["0.33333333", "0.33333334"], ["-0.33333334", "-0.33333333"]]
-    assert shown[2:] == [["1.25000000", "1.25000000"], ["-0.00000001", "0.00000000"]]
 
 
 def test_results_are_printed_outward_and_orders_from_coarse_to_fine_whatever_comes_first(capsys, monkeypatch) -> None:

@@ -21,7 +21,6 @@ GRID = Q(1, 1 << checker.GRID)
 
 
 def exact(value: mpmath.mpf) -> Q:
-    """The fraction of a number of mpmath."""
     sign, man, exponent, _ = value._mpf_
     return (-1) ** sign * int(man) * Q(2) ** exponent
 
@@ -60,15 +59,6 @@ def test_a_logarithm_lies_in_a_narrow_interval(x: Q) -> None:
     assert high - low < Q(1, 2**60)
 
 
-def test_the_tail_of_a_logarithm_counts() -> None:
-    """For 2 and 1/2 the series converges most slowly: half the tail would not do, and twice the tail would be wide."""
-    two, tail = exact(mpmath.log(2)), Q(2, 41 * 3**41) * Q(9, 8)
-    low, high = checker.logarithm_near_1(Q(2))
-    assert 0 <= high - two < Q(1, 100) * tail
-    assert Q(199, 100) * tail < high - low <= 2 * tail + 2 * GRID
-    assert checker.logarithm_near_1(Q(1, 2)) == (-high, -low)
-
-
 @pytest.mark.parametrize("x", [Q(0), Q(1, 10**6), Q(3, 10), Q(2), Q(11), Q(20)], ids=str)
 def test_decay_is_rounded_up(x: Q) -> None:
     wanted = exact(mpmath.exp(-mpmath.mpf(x.numerator) / x.denominator))
@@ -92,14 +82,12 @@ def test_the_mean_of_a_decay_is_rounded_up_and_at_most_1_and_1_over_x(x: Q) -> N
 SEMIDEFINITE: list[list[list[Any]]] = [
     [[0, 0], [0, 0]],
     [[1, 1], [1, 1]],
-    [[0, 0], [0, 1]],
     [[2, -1, -1], [-1, 2, -1], [-1, -1, 2]],
     [[4, 1, 2], [1, 3, 0], [2, 0, 5]],
 ]
 INDEFINITE: list[list[list[Any]]] = [
     [[0, 0], [0, -1]],
     [[-1, 0], [0, 0]],
-    [[-1, 0], [0, -1]],
     [[0, 1], [1, 0]],
     [[1, 1 + GRID], [1 + GRID, 1]],
     [[2, 1], [0, 2]],
@@ -160,24 +148,15 @@ def test_bernstein_polynomials_are_those_of_textbooks() -> None:
     assert [checker.mean(p * X) != 0 for p in modes] == [False, True, False, False]
 
 
-def test_the_clock_and_segments_run_from_one_end_to_the_other() -> None:
-    clock = checker.clock(Q(1, 4), Q(2))
-    assert [value(clock, Q(0), Q(0), Q(s)) for s in (-1, 0, 1)] == [Q(1, 4), Q(9, 8), Q(2)]
-    line = checker.between((Q(1), Q(2)), (Q(5), Q(-1)))
-    assert [value(p, Q(1, 2), Q(0), Q(0)) for p in line] == [3, Q(1, 2)]
-
-
 HALF = Q(1, 2)
 KINKS: list[tuple[Poly, int, Poly | None]] = [
     (ONE + X, 2, (ONE + X) * (ONE + X)),
     ((ONE + X) * -1, 2, Poly()),
     (X, 1, None),
     (X + ONE * (1 - GRID), 1, None),
-    (X - ONE * (1 - GRID), 1, None),
     (ONE * 2 + X - S, 1, ONE * 2 + X - S),
     (ONE * -2 + X - S, 1, Poly()),
     (ONE + X - S, 1, None),
-    (ONE * -1 + X - S, 1, None),
     (X, 0, ONE),
     (Poly(), 3, Poly()),
 ]
@@ -195,11 +174,6 @@ def test_the_size_of_a_term_is_its_supremum_for_these_and_its_degree_counts_the_
         assert Term(X * 3 + ONE, g, q).size() == size
     terms = Term(X * Y, S * S + X, 3), Term(X * Y, Poly(), 0), Term(Poly(), Poly(), 0)
     assert [term.degree() for term in terms] == [8, 2, 0]
-
-
-def test_a_mean_square_without_kinks_is_exact() -> None:
-    tiny = Q(1, 3 * 2**60)
-    assert checker.missed([Term(X * tiny, ONE, 1), Term(S * 2, Poly(), 0)], 0) == (tiny**2 + 4) / 3
 
 
 @pytest.mark.parametrize("scale", [Q(1), Q(1, 3 * 2**45)], ids=str)
@@ -228,13 +202,11 @@ APART = [
     ((0, 0, 1, 0), (2, 0, 3, 0)),
     ((0, 0, 1, 0), (HALF, GRID, 1, 1)),
     ((0, 0, 2, 0), (3, -1, 3, 1)),
-    ((0, 0, 2, 0), (-1, 1, -1, -1)),
     ((0, 0, 4, 4), (0, 3, 1, 2)),
 ]
 TOUCHING = [
     ((0, 0, 1, 0), (1, 0, 2, 0)),
     ((0, 0, 2, 0), (1, 0, 3, 0)),
-    ((0, 0, 1, 1), (0, 1, 1, 0)),
     ((0, 0, 1, 0), (1, 0, 1, 1)),
     ((0, 0, 1, 0), (HALF, 0, 1, 1)),
 ]
@@ -245,8 +217,3 @@ def test_segments_that_touch_are_not_apart(segments: Any) -> None:
     one, other = (Side((Q(a), Q(b)), (Q(c), Q(d)), "loaded", []) for a, b, c, d in segments)
     assert one.is_apart(other) is other.is_apart(one) is (segments in APART)
     assert one.normal == (one.end[1] - one.start[1], one.start[0] - one.end[0])
-
-
-def test_the_square_of_a_linear_polynomial_is_its_integral() -> None:
-    p = X * -2 + Y * 5 + ONE * 3
-    assert checker.linear_square((3, -2, 5)) == 24 * checker.on_triangle(p * p)

@@ -34,7 +34,6 @@ def safe(sentence: str) -> str:
 
 
 def refusal(data: Any) -> str:
-    """The sentence with which a certificate is refused."""
     with pytest.raises(checker.RefusedError) as caught:
         checker.verified(data)
     return safe(str(caught.value))
@@ -49,7 +48,6 @@ def checked(path: Path, capsys: pytest.CaptureFixture[str]) -> tuple[int, str, s
 
 
 def refused(content: bytes, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
-    """The sentence with which the program refuses a file."""
     path = tmp_path / "hostile.json.gz"
     path.write_bytes(content)
     code, out, error = checked(path, capsys)
@@ -91,6 +89,21 @@ def test_values_of_another_type_are_refused_wherever_they_stand(part: str, certi
         around[key] = right
 
 
+FREE = {"force", "loads", "start"}
+
+
+@pytest.mark.parametrize("part", [part for part in json.loads(TEXT) if part not in ("format", "level", "m")])
+def test_lists_with_a_value_more_or_less_are_refused_with_a_reason(part: str, certificate: Any) -> None:
+    """Formulas of loads may have any number of terms, and u_h any number of times."""
+    for *path, key in places(certificate[part], (part,)):
+        around = at(certificate, tuple(path))
+        right = around[key]
+        if isinstance(right, list) and right and key != "computed" and not FREE & {*path, key}:
+            for around[key] in (right[:-1], [*right, right[-1]], []):
+                assert "the check ended with" not in refusal(certificate), (path, key)
+        around[key] = right
+
+
 def test_every_key_has_to_be_there_and_no_other(certificate: Any) -> None:
     objects = [path for path in places(certificate) if isinstance(at(certificate, path), dict)]
     assert len(objects) == 9
@@ -128,8 +141,6 @@ def test_only_fractions_of_at_most_100_digits_are_numbers() -> None:
 
 
 def edit(*keys: Any, to: Any = None, by: Callable[[Any], Any] | None = None) -> Callable[[Any], None]:
-    """Change one entry."""
-
     def change(data: Any) -> None:
         place = at(data, keys[:-1])
         place[keys[-1]] = by(place[keys[-1]]) if by else to
@@ -139,10 +150,6 @@ def edit(*keys: Any, to: Any = None, by: Callable[[Any], Any] | None = None) -> 
 
 def last(rows: Any) -> Any:
     return rows[:-1]
-
-
-def shorter(rows: list[list[int]]) -> list[list[int]]:
-    return [row[:-1] for row in rows]
 
 
 def twice(number: str) -> str:
@@ -157,25 +164,13 @@ def stated(data: Any) -> checker.Mesh:
     return checker.Mesh.of(data["mesh"], checker.Problem(data["problem"]))
 
 
-def on_part(kind: str) -> int:
-    """The place of the second component of a vertex on a part, away from its ends."""
-    edges = [edge for edge, side in stated(json.loads(TEXT)).boundary.items() if side.kind == kind]
+def entered(rows: list[list[int]]) -> list[list[int]]:
+    """Move ũ at the last time into the foundation, at a vertex away from its ends; rows are second differences."""
+    edges = [edge for edge, side in stated(json.loads(TEXT)).boundary.items() if side.kind == "contact"]
     inner = [v for edge in edges for v in edge if sum(v in other for other in edges) == 2]
-    return 2 * inner[0] + 1
-
-
-WALL, FOUNDATION = on_part("clamped"), on_part("contact")
-
-
-def moved(time: int, place: int, to: int) -> Callable[[list[list[int]]], list[list[int]]]:
-    """Replace one number in rows that are given by their second differences."""
-
-    def change(rows: list[list[int]]) -> list[list[int]]:
-        plain = checker.summed(rows)
-        plain[time][place] = to
-        return differences(plain)
-
-    return change
+    plain = checker.summed(rows)
+    plain[-1][2 * inner[0] + 1] = -1
+    return differences(plain)
 
 
 def hang_a_node(data: Any) -> None:
@@ -198,38 +193,20 @@ def squeezed(column: list[int]) -> list[int]:
 
 
 TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
-    "ũ enters the foundation": (edit("displacement", "nodes", by=moved(-1, FOUNDATION, -1)), "ũ_ν > 0 on Γ3"),
-    "ũ leaves the wall": (edit("displacement", "nodes", by=moved(0, WALL, 1)), "ũ does not vanish on Γ1"),
-    "u_h leaves the wall": (edit("computed", 1, WALL, to=2.0**-60), "u_h does not vanish on Γ1"),
-    "the foundation pulls": (edit("stress", "tractions", by=moved(2, 0, 1)), "σ̃_ν > 0 on Γ3"),
+    "ũ enters the foundation": (edit("displacement", "nodes", by=entered), "ũ_ν > 0 on Γ3"),
     "a cell is missing": (edit("mesh", "cells", by=last), "a boundary inside or outside|does not fit side"),
     "a cell is there twice": (edit("mesh", "cells", by=lambda x: [*x, x[0]]), "two cells lie on the same side"),
     "a cell is clockwise": (edit("mesh", "cells", 0, by=lambda x: x[::-1]), "not counter-clockwise"),
     "a hanging node": (hang_a_node, "a boundary inside or outside the polygon|does not fit side"),
     "a vertex off the boundary": (edit("mesh", "points", 1, 1, by=lambda y: y - 1), "does not fit|boundary inside"),
-    "a side is short": (edit("mesh", "sides", 0, by=last), "does not fit side 0"),
-    "a clockwise polygon": (edit("problem", "vertices", by=lambda v: v[::-1]), "the polygon is not counter-clockwise"),
-    "a polygon that meets itself": (edit("problem", "vertices", 2, to=["-1", "1/2"]), "meet|not counter-clockwise"),
     "no wall": (edit("problem", "kinds", 2, to="loaded"), "no part is clamped"),
-    "A is not elliptic": (edit("problem", "A", to=[["0"] * 3] * 3), "A is not symmetric and positive definite"),
-    "A is not monotone": (edit("problem", "A", 0, 0, to="0"), "A is not symmetric and positive definite"),
     "A is not symmetric": (edit("problem", "A", 0, 1, to="1/3"), "A is not symmetric and positive definite"),
     "G is not monotone": (edit("problem", "G", 2, 2, to="-1"), "G is not symmetric and positive semidefinite"),
-    "too much damping": (edit("m", to="2001/1000"), "G − mA is not positive semidefinite"),
-    "negative damping": (edit("m", to="-1"), "m is negative"),
     "a smaller constant in Ω": (edit("constants", "volume", by=twice), "constant of forces"),
     "a smaller constant on Γ2": (edit("constants", "surface", by=twice), "constant of loads"),
     "a constant in Ω that is 0": (edit("constants", "volume", to="0"), "a constant of the body is not positive"),
-    "a constant on Γ2 that is 0": (edit("constants", "surface", to="0"), "a constant of the body is not positive"),
     "another tensor field": (edit("constants", "field", 3, 0, by=lambda x: x + 2**28), "the tensor field does not"),
-    "a short field": (edit("constants", "field", to=[]), "one value for every vertex"),
-    "a stress is missing": (edit("stress", "tractions", by=last), "one stress for every"),
-    "a traction is missing": (edit("stress", "tractions", by=shorter), "tractions have another size"),
-    "a traction too many": (edit("stress", "tractions", by=lambda x: [[*t, 0] for t in x]), "tractions have another"),
-    "a traction of one time is missing": (edit("stress", "tractions", 0, by=last), "equal lengths"),
-    "an inner number is missing": (edit("stress", "inner", by=shorter), "the inner numbers have another size"),
     "a traction is not finite": (edit("stress", "tractions", 3, 20, to=math.nan), "is nan, but must be an integer"),
-    "ũ has too few numbers": (edit("displacement", "nodes", by=shorter), "ũ has another size"),
     "tractions of the element differ": (edit("element", "columns", 7, by=plus({31: 1})), "tractions of the ref"),
     # A constant stress t ⊗ t on one third, t along its outer side: no traction outside, no divergence.
     "tractions in the element jump": (edit("element", "columns", 40, by=plus({0: 1, 30: 1, 60: -1})), "ent jump"),
@@ -245,45 +222,21 @@ TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
     "f_2 on a part that is not there": (edit("problem", "loads", "7", to=[[], []]), "a side that does not exist"),
     "time runs backwards": (edit("problem", "T", to="-1"), "T is not positive"),
     "time does not run": (edit("problem", "T", to="0"), "T is not positive"),
-    "u_0 off the wall": (edit("problem", "start", 0, to=[["1", 0, 0]]), "u_0 does not vanish on Γ1"),
-    "u_0 in the foundation": (edit("problem", "start", 1, to=[["-1", 0, 0], ["1", 0, 1]]), "u_0ν ≤ 0 on Γ3"),
     # Sizes.
-    "u_h at one time": (edit("computed", to=[[0.0] * 50]), "1 values, but must have 2"),
-    "ũ at one time": (edit("displacement", "nodes", to=[[0] * 162]), "1 values"),
-    "a huge unit of σ̃": (edit("stress", "bits", to=513), "integer from 1 to 512"),
     "no unit of σ̃": (edit("stress", "bits", to=0), "integer from 1 to 512"),
-    "a huge coarse unit": (edit("stress", "coarse", to=513), "integer from 0 to 512"),
     "many refinements": (edit("refinements", to=9), "integer from 0 to 8"),
     "more refinements than ũ has": (edit("refinements", to=8), "ũ has another size"),
     "a high degree": (edit("problem", "force", 1, 0, 0, 0, 1, to=11), "integer from 0 to 10"),
     "a high total degree": (edit("problem", "force", 1, 0, 0, 0, 2, to=10), "degree above 10"),
-    "a high power": (edit("problem", "loads", "1", 0, 0, 2, to=11), "integer from 0 to 10"),
     "a high degree of a power": (edit("problem", "loads", "1", 0, 0, to=[[], [["1", 6, 0, 0]], 2]), "degree above 10"),
     "a high degree of u_0": (edit("problem", "start", 0, to=[["1", 7, 4]]), "u_0 has a degree above 10"),
     "a negative exponent": (edit("problem", "force", 1, 0, 0, 0, 1, to=-1), "integer from 0 to 10"),
     "many monomials": (edit("problem", "start", 0, to=[["0", 0, 0]] * 301), "301 values, but must have 0 to 300"),
-    "many summands": (edit("problem", "force", 0, to=[[[], [], 0]] * 301), "301 values"),
     "many vertices": (edit("problem", "vertices", to=[["0", "0"]] * 101), "101 values, but must have 3 to 100"),
-    "two vertices": (edit("problem", "vertices", to=[["0", "0"]] * 2), "2 values"),
-    "a vertex in space": (edit("problem", "vertices", 0, to=["0", "0", "0"]), "list of 2 values"),
-    "fewer kinds than sides": (edit("problem", "kinds", to=["clamped"] * 3), "one kind for every side"),
-    "more kinds than sides": (edit("problem", "kinds", to=["clamped"] * 5), "one kind for every side"),
-    "a load with one component": (edit("problem", "loads", "1", to=[[]]), "list of 2 values"),
-    "a law in space": (edit("problem", "A", to=[["1"] * 6] * 6), "list of 3 values"),
-    "a point in space": (edit("mesh", "points", 0, to=[0, 0, 0]), "3 values, but must have 2 to 2"),
-    "a quadrangle": (edit("mesh", "cells", 0, to=[0, 1, 2, 3]), "4 values"),
-    "no cells": (edit("mesh", "cells", to=[]), "0 values"),
     "a vertex that is not there": (edit("mesh", "cells", 0, 0, to=9), "a vertex does not exist"),
-    "a vertex of a side that is not there": (edit("mesh", "sides", 0, 0, to=9), "a vertex does not exist"),
     "a negative vertex": (edit("mesh", "cells", 0, 0, to=-1), "a vertex does not exist"),
-    "a side without vertices": (edit("mesh", "sides", 0, to=[]), "0 values, but must have 2"),
-    "a side too few": (edit("mesh", "sides", to=[[0, 1]] * 3), "one line of vertices for every side"),
     "no denominator": (edit("mesh", "denominator", to=0), "a positive integer"),
-    "a field of vectors": (edit("constants", "field", 0, to=[0, 0]), "2 values, but must have 4"),
-    "an element without columns": (edit("element", "columns", to=[]), "0 values, but must have 45"),
-    "an element with short columns": (edit("element", "columns", 44, to=[0] * 89), "89 values"),
     "an element over 0": (edit("element", "over", to=0), "a positive integer"),
-    "stresses of no time": (edit("stress", "tractions", to=[]), "must be one stress for every"),
 }
 
 
@@ -327,27 +280,18 @@ TEXTS: dict[str, tuple[Callable[[], bytes], str]] = {
     "a gzip file with a wrong sum": (lambda: packed(TEXT)[:-8] + b"\0" * 8, "not a gzip file"),
     "two gzip members": (lambda: packed(TEXT) + packed(TEXT), "data after its certificate"),
     "bytes behind a gzip file": (lambda: packed(TEXT) + b"\0", "data after its certificate"),
-    "a bomb of spaces": (lambda: packed(TEXT + " " * BIG), "unpacks to more than"),
     "a bomb of members": (lambda: packed(TEXT) * 1000, "data after its certificate"),
     "no JSON": (lambda: packed("certificate"), "not a gzip file with JSON"),
-    "two values": (lambda: packed(TEXT + "{}"), "not a gzip file with JSON"),
-    "a comma too many": (lambda: packed(TEXT[:-1] + ",}"), "not a gzip file with JSON"),
     "text that is not ASCII": (lambda: packed(TEXT.replace("contact", "kontakt\u202e")), "not a gzip file with JSON"),
-    "UTF-16": (lambda: gzip.compress(TEXT.encode("utf-16")), "not a gzip file with JSON"),
     "a list": (lambda: packed("[]"), "certificate is a list, but must be an object"),
-    "a number": (lambda: packed("1"), "certificate is 1"),
-    "null": (lambda: packed("null"), "certificate is None"),
     "NaN": (lambda: packed(TEXT.replace('"m":', '"m":NaN,"n":')), "a number is 'NaN'"),
     "Infinity": (lambda: packed(TEXT.replace('"m":', '"m":-Infinity,"n":')), "a number is '-Infinity'"),
     "a double that overflows": (lambda: packed(re.sub(r'"computed":\[\[0.0', '"computed":[[1e999', TEXT)), "is inf"),
     "a key twice": (lambda: packed(TEXT.replace('"m":', '"level":2,"m":')), "a key twice"),
-    "a key twice deep inside": (lambda: packed(TEXT.replace('"T":', '"T":"2","T":')), "a key twice"),
     "an integer of many digits": (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 10**6}')), "4300 digits"),
     "an integer of some digits": (lambda: packed(TEXT.replace('"level":2', f'"level":{"9" * 4000}')), "is 9999"),
     "deep lists": (lambda: packed("[" * 10**5 + "]" * 10**5), "too deeply"),
-    "deep objects": (lambda: packed('{"a":' * 10**5), "too deeply"),
     "many empty lists": (lambda: packed(f"[{','.join(['[]'] * 1_100_000)}]"), "more than 1048576 lists"),
-    "many empty objects": (lambda: packed(f"[{','.join(['{}'] * 1_100_000)}]"), "more than 1048576 lists"),
 }
 
 

@@ -7,12 +7,13 @@ import os
 import re
 import shutil
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from manufactured.case import Case
-from study.cli import run
+from study.cli import check, present, run
 from study.cli.main import main
 from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve
@@ -29,9 +30,20 @@ def two_families(scope: Scope, case: Case) -> list[MeshFamily]:
     return [family for family in families if family.name in ("one-diagonal", "shaken")] or families
 
 
+class InThisProcess(ThreadPoolExecutor):
+    """Takes the place of worker processes, which would import and compile all again; ``tests/run`` tests those."""
+
+    workers = 1
+
+    def __init__(self, workers: int) -> None:
+        super().__init__(1)
+
+
 def shorten(patch: pytest.MonkeyPatch) -> None:
     """Leave out of runs two mesh families, and the measurements with defects, which ``tests/controls`` makes."""
     patch.setattr(run, "contact_tests", lambda plan: [])
+    for module in (run, check, present):
+        patch.setattr(module, "Processes", InThisProcess)
     patch.setattr(Scope, "families_of", two_families)
 
 
@@ -50,7 +62,7 @@ def run_tutorial(directory: Path) -> None:
     with pytest.MonkeyPatch.context() as patch:
         shorten(patch)
         # Drawing all figures takes most of the time, and tests/present draws them.
-        patch.setattr(run, "drawings", lambda directory: drawings(directory)[:2])
+        patch.setattr(run, "drawings", lambda directory: drawings(directory)[:1])
         assert main([*command, "--out", str(directory / "results")]) == 0
 
 

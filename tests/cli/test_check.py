@@ -1,4 +1,4 @@
-"""``study check`` trusts nothing: every edit is noticed, and named by file, line and column."""
+"""``study check`` trusts nothing: every edit is noticed and named, and --again measures a sample of the rows again."""
 
 from __future__ import annotations
 
@@ -7,21 +7,23 @@ import re
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
 from study.cli import check
 from study.cli.main import main
 from study.controls.alarms import compare_record
-from study.fem.mesh import FAMILIES, MeshFamily, size, size_of
-from study.fem.naming import resolve
 from study.ledger.datafiles import DataError, nested_keys, planned_keys, read_uncompressed, write_csv
 from study.ledger.files import write_packed, write_text
 from study.present import tables
 from study.present.pages import expected_texts
-from study.run.check import verify
+from study.run.check import LEAST_COST, draw_jobs, expected_seconds, planned_jobs, verify
 from study.run.judgement import verdicts
 from study.run.provenance import Expectation, compare_sums, read_provenance
 
@@ -169,23 +171,19 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "the claim of another proposition": cell(RATES, "claim", to("Prop. 5.3"), "found Prop. 5.3, expected Prop. 5.4"),
     "an order that does not follow": cell(RATES, "order", times(1.01), r"found .*, expected 0?1?\.", "order != ''", 1),
     "mesh sizes times 3": cell(RATES, "h", times(3), "found 0.375, expected 0.125"),
-    "one mesh size": cell(RATES, "h", times(1.0001), "found", "family == 'shaken'", 1),
     "a mesh size of the other formulation": cell(EQUIVALENCE, "h", times(3), "found", rows=1),
     **{
         f"{column} exactly 0": cell(RATES, column, to("0"), "found 0, expected a positive number")
         for column in ("residual", "quadrature_change", "parallelogram", "time_share")
     },
     "an error above the triangle": cell(RATES, "error", times(3), "found .* at most", rows=1),
-    "a step": cell(RATES, "k", times(2), "found", rows=1),
     "steps": cell(RATES, "steps", to("7"), "found 7.*, expected 32", rows=1),
-    "a dimension": cell(RATES, "dim", to("3"), "found 3.*, expected 2", rows=1),
     "a time off the grid": cell(RATES, "at", to("0.7771"), "found 0.7771", rows=1),
     "half of a time share": (edit(RATES, "time_share", times(0.5), rows=1), r"line 2, column discrete_time_share"),
     "an error at the start": (edit(RATES, "initial_error", times(50), rows=1), r"column initial_error.*largest error"),
     "a level that is a word": cell(RATES, "level", to("x"), "found 'x'", rows=1),
     "a row twice": (twice(RATES), r"rates.csv, line \d+: the row case pocket, .* is also in line 3"),
     "meshes that are not shaken": (rewritten(unshaken, RATES), "column error: found .*, expected another number than"),
-    "a row of the other formulation twice": (twice(EQUIVALENCE), r"equivalence.csv, line \d+: .* is also in line 3"),
     "a line of the catalogue twice": (twice(CASES, 0), r"cases.csv, line 3, .*: found 'pocket', expected nothing"),
     "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
     "tables and plan emptied": (emptied, r"provenance.json has an empty plan"),
@@ -230,7 +228,6 @@ ERRORS, CLASSES = "../codes/errors.csv", "../codes/classes.csv"
 CODES: dict[str, tuple[Edit, str]] = {
     "the error of a code": cell(ERRORS, "error", times(0.5), r"found .* up to the distance from the sol", rows=1),
     "the error of the solution in K^h": cell(ERRORS, "best", times(1.1), "found .*, as in the rows of most", rows=1),
-    "the mesh size of a code": cell(ERRORS, "h", times(2), "found", rows=1),
     "errors of a code that fall faster": (
         edit(ERRORS, "pressure", times(0.5), "level == '64'", 1),
         r"codes/classes.csv, line \d+, column order_of_pressure: found",
@@ -241,7 +238,6 @@ CODES: dict[str, tuple[Edit, str]] = {
     "a series of no code": cell(ERRORS, "series", to("9999"), "found 9999, expected a series of classes.csv", rows=1),
     "a word for an error of a code": cell(ERRORS, "error", to("small"), "found 'small'", rows=1),
     "a row of a code twice": (twice(ERRORS), r"errors.csv, line \d+: the row series 1, level .* is also in line 3"),
-    "a march by a code": cell("../codes/march/errors.csv", "error", times(0.5), "found", rows=1),
 }
 
 
@@ -271,18 +267,13 @@ COMMITTED: dict[str, tuple[Edit, str]] = {
     "errors of enclosures times 100": (edit("enclosures.csv", "error", times(100)), "the largest over its times in"),
     "a bound that its course does not reach": cell(BOUNDS, "above", times(0.9), "found", rows=1),
     "an error where none is known": cell(BOUNDS, "error", to("1"), "found 1.*, expected nothing", "case == 'ramp'", 1),
-    "the order of a problem": cell(BOUNDS, "expected_order", to("9"), "found 9, exp", "case == 'advance-recede'", 1),
     "a row of statements twice": (twice("statements.csv"), r"statements.csv, line \d+: .* is also in line 3"),
     "a word in a statement": cell("statements.csv", "value", to("x"), "found", rows=1),
-    "a mesh size of a statement": cell("statements.csv", "h", times(3), "found", rows=1),
     "a table": (shortened("tables/rates.md", 0), r"rates.md, line 1: found .*, expected .*: `study tables --out"),
-    "a number of the papers": (shortened("article/numbers.tex", 0), "numbers.tex, line 1: found"),
     "a line of a course in time deleted": (shortened("data/enclosures.csv", 9), "restore it, or make it again with"),
     "a number of a picture": (shortened("data/pictures/hexagon.json.gz", 0), r"hexagon.json.gz was changed after the"),
     "a line of the defects deleted": (shortened("data/controls.csv", 40), r"tables/controls.\w+, line \d+"),
     "a line of the seeds deleted": (shortened("data/seeds.csv", 40), r"seeds.csv, line 41, .*: `study seeds"),
-    "a badge": (shortened("badges/ledger.svg", 1), r"ledger.svg, line 2: found .*: `make pages` writes it again"),
-    "a caption": (shortened("figures/growth.txt", 0), r"growth.txt, line 1: found .*: `study figures"),
     "a number of the README": (misreported, r"README.md, line \d+: found .*: `make pages` writes it again"),
 }
 OTHER_PARTS: dict[str, Part] = {
@@ -292,7 +283,7 @@ OTHER_PARTS: dict[str, Part] = {
     "a line of the seeds deleted": compare_record,
 }
 """Parts of ``study check`` that refuse an edit, other than ``verify`` and the comparison of texts for readers."""
-TEXTS = ("a table", "a number of the papers", "a badge", "a caption", "a number of the README")
+TEXTS = ("a table", "a number of the README")
 
 
 @pytest.fixture(scope="module")
@@ -382,33 +373,79 @@ def test_a_case_whose_file_predicts_something_else_now_is_refused(own: Path, ref
     assert re.search(r"cases.csv, line 2, column reason: found .*, expected 'now ", refusal(own))
 
 
-def test_tables_writes_what_check_asks_for(own: Path, refusal) -> None:
+def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own: Path, refusal) -> None:
     edit("claims.csv", "observed", to("0.5"), rows=1)(own)
     assert "`study tables" in refusal(own)
     assert main(["tables", "--out", str(own)]) == 0
+    written = {path: path.stat().st_mtime_ns for path in own.rglob("*.*") if path.name != ".lock"}
     refusal(own, code=0)
+    assert {path: path.stat().st_mtime_ns for path in own.rglob("*.*") if path.name != ".lock"} == written
     (own / "data" / "claims.csv").unlink()
     assert "claims.csv is missing: `study tables" in refusal(own)
 
 
-def test_check_writes_nothing(own: Path, refusal) -> None:
-    def times() -> dict[Path, int]:
-        return {path: path.stat().st_mtime_ns for path in own.rglob("*") if path.is_file() and path.name != ".lock"}
-
-    before = times()
-    refusal(own, code=0)
-    assert times() == before
+ALL = "1000"
 
 
-CHOSEN = ("full-contact", "layered", "hexagon", "re-entrant", "cube-disc")
+@pytest.fixture
+def checked(told) -> Callable[..., str]:
+    """``study check`` in one process, with further options."""
+    return partial(told, "check", "--jobs", "1")
 
 
-@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
-@pytest.mark.parametrize("case", CHOSEN)
-def test_the_size_of_a_mesh_is_known_without_making_it(case: str, family: MeshFamily) -> None:
-    body = resolve(case).solution.body
-    for n in (6, 12) if body.dim == 3 else (8, 16, 32):
-        if family.serves(body):
-            mesh = family(body, n)
-            assert family.cells(body, n) == mesh.t.shape[1]
-            assert size_of(family, body, n) == pytest.approx(size(mesh), rel=1e-12)
+@pytest.mark.slow
+def test_rows_measured_again_agree_and_the_seed_is_printed(own: Path, checked) -> None:
+    before = {path: path.read_bytes() for path in own.rglob("*.csv")}
+    said = checked("--again", "2", "--out", str(own), code=0)
+    seed = re.search(r"measured again: 2 of (\d+) measurements, drawn with --seed (\d+)", " ".join(said.split()))
+    assert seed
+    assert "all numbers agree within 1e-05 relative + 1e-09" in said
+    assert f"drawn with --seed {seed[2]}," in checked("--again", "2", "--seed", seed[2], "--out", str(own), code=0)
+    assert {path: path.read_bytes() for path in own.rglob("*.csv")} == before
+
+
+def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> None:
+    """No relation between columns shows these changes, in the first rows. Only their measurements are repeated."""
+    changes = {"rates.csv": ("quadrature_change", 1.001), "equivalence.csv": ("steps", 2.0)}
+    jobs = planned_jobs(own)
+    first = [next(job for job in jobs if job.statement.file.name == file) for file in changes]
+    monkeypatch.setattr("study.cli.check.draw_jobs", lambda jobs, count, seed: first)
+    for file, (column, factor) in changes.items():
+        path = own / "data" / file
+        table = pd.read_csv(path, dtype=str, keep_default_na=False)
+        table.loc[0, column] = f"{factor * float(table.loc[0, column]):.12g}"
+        write_csv(path, table)
+    said = checked("--again", ALL, "--out", str(own), code=1)
+    for file, (column, _) in changes.items():
+        assert f"{file}: differs" in said
+        assert re.search(rf"{column}: 1 of \d+ differ, 1 beyond tolerance", said)
+    assert "was changed after the run that wrote it" in checked("--out", str(own), code=2)
+
+
+def test_a_case_whose_file_is_gone_cannot_be_measured_again(own: Path, checked) -> None:
+    (own.parent / "pocket.py").unlink()
+    said = checked("--again", "1", "--out", str(own), code=2)
+    assert "--again needs the files of all cases; the files of pocket no longer exist" in said
+
+
+def test_a_seed_without_rows_to_draw_is_refused(checked) -> None:
+    assert "--seed chooses the rows of --again: give --again N with it" in checked("--seed", "1")
+
+
+def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded() -> None:
+    jobs: list[Any] = [SimpleNamespace(cost=1e6 * second) for second in np.geomspace(0.01, 300, 500)]
+    drawn = [draw_jobs(jobs, 5, seed) for seed in range(400)]
+    assert drawn[3] == draw_jobs(jobs, 5, 3)
+    assert drawn[3] != drawn[4]
+    assert all(len({job.cost for job in sample}) == 5 for sample in drawn)
+    costs = np.maximum([job.cost for job in jobs], LEAST_COST)
+    bound = 5 * len(jobs) / (1 / costs).sum() / 1e6
+    mean = np.mean([expected_seconds(sample) for sample in drawn])
+    assert 0.6 * bound < mean < 1.6 * bound < 0.16 * 5 * costs.mean() / 1e6
+    assert len(draw_jobs(jobs, 10**6, 0)) == len(jobs)
+
+
+def test_every_measurement_with_rows_in_a_table_can_be_drawn(own: Path) -> None:
+    jobs = planned_jobs(own)
+    assert {job.statement.file.name for job in jobs} == {"rates.csv", "equivalence.csv", "contact.csv"}
+    assert {job.key for job in draw_jobs(jobs, len(jobs), 1)} == {job.key for job in jobs}

@@ -1,19 +1,23 @@
-"""Commands: what they print, what they refuse, what they leave on disk."""
+"""Commands: what they print, what they refuse, what they leave on disk, and their exit codes."""
 
 from __future__ import annotations
 
 import json
+import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import pytest
 
+from study.cli.common import ProgressBar, code_of, progress_bar
 from study.cli.main import main
 from study.fem.naming import resolve
-from study.ledger.files import StoreError, write_text
+from study.ledger.files import StoreError, UsageError, write_text
+from study.ledger.verdict import FAILS, HOLDS, MISSED, UNDECIDED, Verdict
 from study.present.outcome import ledger_text
 from study.run.judgement import claims, verdicts
 from study.run.store import FORMAT, Store
@@ -46,7 +50,6 @@ def case_file(tmp_path: Path):
         ("mine = replace(case, order=2)", r"CaseError.*gives min"),
         ("mine = isotropic(1, -5)", r"LawError.*not elliptic"),
         ("mine = 3", r"is a int, expected"),
-        ("mine = undefined_name", r"NameError"),
         ("raise SystemExit(0)", r"SystemExit"),
         ("mine = replace(case, order=float('nan'))", r"needs an order predicted before it is measured"),
         ("mine = changed(gap=t * sympy.Symbol('x'))", r"FormulaError.*has x"),
@@ -183,3 +186,80 @@ def test_a_job_file_of_another_format_is_refused(tmp_path: Path) -> None:
     store.path("a").write_text(text)
     with pytest.raises(StoreError, match="format 99"):
         store.load("a", "x")
+
+
+COLUMNS = "label,key,case,family,reason\n"
+ROW = Verdict("(0.0)", "a claim", "pocket", "an order", "1 ± 0.1", 1, 0.5, 1.5, HOLDS, "order", "shaken", 0.9, 1.1)
+LINE = "(0.0),order,pocket,shaken,three levels leave the order open\n"
+
+
+def listed(directory: Path, text: str) -> Path:
+    file = directory / "undecided.csv"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
+@pytest.mark.parametrize(
+    ("verdict", "lines", "code"),
+    [(HOLDS, "", 0), (MISSED, "", 0), (UNDECIDED, "", 3), (UNDECIDED, LINE, 0), (HOLDS, LINE, 3), (FAILS, LINE, 1)],
+)
+def test_undecided_rows_are_accepted_if_exactly_these_are_listed(tmp_path, verdict, lines, code, capsys) -> None:
+    file = listed(tmp_path, COLUMNS + lines)
+    assert code_of([replace(ROW, verdict=verdict)], file) == code
+    differs = {(UNDECIDED, ""): "undecided but not listed", (HOLDS, LINE): "not undecided but listed"}
+    row = f"this check is {differs.get((verdict, lines))} in {file}: (0.0), order, pocket, shaken\n"
+    assert capsys.readouterr().err == (row if code == 3 else "")
+
+
+def test_without_a_list_an_undecided_row_and_no_row_at_all_are_undecided() -> None:
+    assert code_of([replace(ROW, verdict=UNDECIDED, observed=math.nan)], None) == 3
+    assert code_of([], None) == 3
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (COLUMNS + "(0.0),order,pocket,shaken, \n", "line 2: the reason why the row is undecided is missing"),
+        ("label,key\n", "has the columns label, key, expected label, key, case, family, reason"),
+        ("", "cannot be read as CSV"),
+        (None, "cannot be read as CSV"),
+    ],
+)
+def test_a_list_without_reasons_or_columns_or_without_a_file_is_refused(tmp_path, text: str, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        code_of([ROW], tmp_path / "none.csv" if text is None else listed(tmp_path, text))
+
+
+COST = 100
+
+
+@pytest.fixture
+def bar(monkeypatch: pytest.MonkeyPatch) -> Iterator[ProgressBar]:
+    """A progress bar whose clock stands still until a test sets it."""
+    monkeypatch.setattr("tqdm.std.time", lambda: 0.0)
+    with progress_bar(COST) as shown:
+        yield shown
+
+
+def left_after(bar: ProgressBar, seconds: float) -> str:
+    bar._time = lambda: seconds
+    return str(bar.format_dict["left"])
+
+
+def test_no_time_is_shown_before_a_tenth_is_done(bar: ProgressBar) -> None:
+    bar.update(9)
+    assert left_after(bar, 30) == "?"
+
+
+def test_the_remaining_time_follows_from_the_mean_speed_although_the_last_job_was_slow(bar: ProgressBar) -> None:
+    bar.update(40)
+    bar._time = lambda: 10.0
+    bar.update(10)
+    assert left_after(bar, 42) == "00:42"
+
+
+def test_stored_results_do_not_count_for_the_speed(bar: ProgressBar) -> None:
+    notify = bar.notify_after_stored()
+    notify(80)
+    notify(10)
+    assert left_after(bar, 20) == "00:20"

@@ -41,7 +41,6 @@ def exported(
 
 
 def judged(make: Make, *tasks: judge.Task) -> judge.Judgement:
-    """What the judge finds for a code on one case."""
     (found,) = judge.assess(list(tasks), {one.name: judge.answer(one, make) for one in tasks})
     return found
 

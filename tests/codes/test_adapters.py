@@ -1,26 +1,35 @@
-"""Adapters are driven as they are stated, and what ``make codes`` keeps is what the judge says."""
+"""Adapters are driven as they are stated, ``make codes`` keeps what the judge says, and the command of the judge."""
 
 from __future__ import annotations
 
 import json
+import lzma
+import shutil
 import sys
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from xml.etree import ElementTree
 
 import common
 import contact_judge
+import contact_judge as judge
 import drive
+import faults
+import numpy as np
 import pytest
 import run_codes
 import this_study
-from judged_codes import task
+from json_schema import faults_of
+from judged_codes import exported, read, task
 
+from study.cli.main import main
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
 from study.present.charts import codes_chart
-from study.run.tasks import frozen, write_task
+from study.run.tasks import frozen, march, with_foundation, write_task
 
 RESULTS = Path(__file__).parents[2] / "results"
 KEY = ["code", "variant", "case", "family"]
@@ -123,3 +132,217 @@ def test_results_without_other_codes_have_none_and_half_a_table_is_refused(tmp_p
     (tmp_path / "codes" / "errors.csv").write_text("code,version\na,1\n")
     with pytest.raises(DataError, match="make codes"):
         Codes.read(tmp_path)
+
+
+SCHEMAS = Path(__file__).parents[2] / "docs" / "reference"
+
+
+@pytest.fixture(scope="module")
+def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A directory with one task and SHA256SUMS."""
+    place = tmp_path_factory.mktemp("packed")
+    write_task(place, frozen(task("full-contact", 4), (0.55,)))
+    return place
+
+
+@pytest.fixture
+def place(packed: Path, tmp_path: Path) -> Path:
+    """A copy with the directory ``tasks``, and ``answers`` with the right answer."""
+    shutil.copytree(packed, tmp_path / "tasks")
+    (one,) = judge.read_tasks(tmp_path / "tasks")
+    judge.write_answer(tmp_path / "answers", one, judge.answer(one, this_study.make))
+    return tmp_path
+
+
+def run(place: Path, *options: str) -> int:
+    return judge.main([str(place / "tasks"), str(place / "answers"), *options])
+
+
+def change_answer(place: Path, change: Callable[[np.ndarray], np.ndarray]) -> None:
+    (path,) = place.glob("answers/*/u.txt")
+    np.savetxt(path, change(np.loadtxt(path, ndmin=2)))
+
+
+def change_task(place: Path, change: Callable[[dict[str, Any]], Any]) -> None:
+    """Replace the task by changed data, packed as JSON."""
+    (path,) = place.glob("tasks/*.json.xz")
+    data = json.loads(lzma.decompress(path.read_bytes()))
+    result = change(data)
+    (place / "tasks" / "SHA256SUMS").unlink()
+    path.unlink()
+    path.with_suffix("").write_text(json.dumps(data if result is None else result))
+
+
+def append(text: str) -> Callable[[Path], Any]:
+    def damage(place: Path) -> None:
+        with (place / "tasks" / "SHA256SUMS").open("a") as sums:
+            sums.write(text)
+
+    return damage
+
+
+def task_with(**changes: Any) -> Callable[[Path], None]:
+    return lambda place: change_task(place, lambda data: data | changes)
+
+
+def put(name: str, text: str) -> Callable[[Path], Any]:
+    """Write another file of the tasks, or of the answer."""
+    return lambda place: ((place if "/" in name else place / "tasks") / name).write_text(text)
+
+
+def unpacked_as_well(place: Path) -> None:
+    (path,) = place.glob("tasks/*.xz")
+    path.with_suffix("").write_bytes(lzma.decompress(path.read_bytes()))
+
+
+ANSWER = "answers/full-contact-one-diagonal-frozen-4"
+DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
+    "word in the sums": (append("mine\n"), "SHA256SUMS, line 2: stands 'mine'"),
+    "deleted task": (lambda place: next(place.glob("tasks/*.xz")).unlink(), "which is missing"),
+    "no tasks": (lambda place: [path.unlink() for path in place.glob("tasks/*")], "holds no *.json.xz"),
+    "JSON list": (put("a.json", "[1, 2]"), "a holds a JSON list"),
+    "no JSON": (put("a.json", "{"), "a.json is no JSON"),
+    "directory for a file": (lambda place: (place / "tasks" / "a.json").mkdir(), "a.json is no JSON"),
+    "two files of one task": (unpacked_as_well, "same name"),
+    "key missing": (lambda place: change_task(place, lambda data: data.pop("clamped") and None), "lacks the key 'clam"),
+    "other version": (task_with(version=3), "contact-task 3, expected contact-task 1 or 2"),
+    "vertex that is not there": (task_with(cells=[[0, 1, 999]]), "is no task"),
+    "no steps": (task_with(steps=[], judge=[]), "0 steps"),
+    "scale of zero": (task_with(scale=0), "the scale 0.0"),
+    "no contact": (task_with(contact=[]), "is no task"),
+    "law of another shape": (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
+    "no answer": (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "no answer"),
+    "words in an answer": (put(f"{ANSWER}/u.txt", "a b"), "no answer"),
+    "decimal comma": (
+        put(f"{ANSWER}/u.txt", "0,5 1,25"),
+        "'0,5' has a comma; write decimal points, and blanks between the numbers",
+    ),
+    "short answer": (put(f"{ANSWER}/u.txt", "1 2 3"), "3 numbers, expected 1"),
+    "short report": (put(f"{ANSWER}/forces.txt", "1"), "forces.txt has 1 numbers"),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_what_cannot_be_read_is_named_and_the_exit_code_is_2(name: str, place: Path, capsys: Any) -> None:
+    damage, message = DAMAGE[name]
+    damage(place)
+    assert run(place) == 2
+    told = capsys.readouterr()
+    assert message in told.err
+    assert told.err.startswith("contact_judge: ")
+    assert told.out == ""
+
+
+@pytest.mark.parametrize(
+    "options", [["--tolerance", "-1"], ["--tolerance", "nan"], ["--junit", "/no/such/place/x.xml"]]
+)
+def test_options_that_cannot_be_used_are_refused(options: list[str], place: Path, capsys: Any) -> None:
+    assert run(place, *options) == 2
+    assert capsys.readouterr().err.startswith("contact_judge: ")
+
+
+def test_exit_codes_and_tolerance(place: Path, capsys: Any) -> None:
+    assert run(place) == 0
+    change_answer(place, lambda u: 1.0001 * u)
+    assert run(place) == 3
+    assert run(place, "--tolerance", "1e-9") == 3
+    assert run(place, "--tolerance", "0.5") == 0
+    assert "passes: at most 0.5 of the error" in capsys.readouterr().out
+    change_answer(place, lambda u: u + 1000)
+    assert run(place, "--tolerance", "1e9") == 1
+    change_answer(place, lambda u: np.nan * u)
+    assert run(place, "--tolerance", "1e9") == 1
+
+
+def test_a_series_that_fails_counts_more_than_one_that_is_undecided(place: Path) -> None:
+    write_task(place / "tasks", frozen(task("full-contact", 4, "criss-cross"), (0.55,)))
+    for one in judge.read_tasks(place / "tasks"):
+        u = judge.answer(one, this_study.make)
+        judge.write_answer(place / "answers", one, 1.001 * u if one.data["family"] == "criss-cross" else u + 1)
+    assert run(place) == 1
+
+
+def test_junit_has_a_case_for_each_series(place: Path, tmp_path: Path) -> None:
+    assert run(place, "--junit", str(tmp_path / "a.xml")) == 0
+    suite = ElementTree.parse(tmp_path / "a.xml").getroot()
+    assert (suite.get("tests"), suite.get("failures")) == ("1", "0")
+    change_answer(place, lambda u: 1.001 * u)
+    assert run(place, "--junit", str(tmp_path / "a.xml")) == 3
+    (failure,) = ElementTree.parse(tmp_path / "a.xml").getroot().iter("failure")
+    assert "undecided" in str(failure.get("message"))
+    assert "times the right ones" in str(failure.text)
+
+
+def fits(value: Any, name: str) -> list[str]:
+    schema = json.loads((SCHEMAS / name).read_text(encoding="utf-8"))
+    return faults_of(value, schema, schema)
+
+
+def test_the_json_is_valid_and_fits_its_schema_even_without_numbers(place: Path, capsys: Any) -> None:
+    for change in (lambda u: u, lambda u: np.nan * u):
+        change_answer(place, change)
+        run(place, "--json")
+
+        def refuse(text: str) -> None:
+            raise AssertionError(text)
+
+        rows = json.loads(capsys.readouterr().out, parse_constant=refuse)
+        assert fits(rows, "contact-verdict.schema.json") == []
+    assert fits([rows[0] | {"verdict": "good"}], "contact-verdict.schema.json")
+
+
+@pytest.mark.parametrize("kind", ["frozen", "march", "foundation"])
+def test_tasks_fit_their_schema(kind: str) -> None:
+    data = march(task("corner", 4), 2) if kind == "march" else frozen(task("corner", 4), (0.55,))
+    data = read(with_foundation(data, 3) if kind == "foundation" else data).data
+    assert data["version"] == 2
+    assert fits(data, "contact-task.schema.json") == []
+    del data["contact"][0]["facets"]
+    assert fits(data, "contact-task.schema.json")
+
+
+def test_version_1_is_read_and_is_the_same_task() -> None:
+    task = judge.Task("old", exported("corner", 4, times=(0.55,)).data | {"version": 1})
+    (found,) = judge.assess([task], {"old": judge.answer(task, this_study.make)})
+    assert found.verdict == "exact for P1"
+
+
+def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tmp_path: Path, capsys: Any) -> None:
+    command = ["export", "full-contact", "layered", "--levels", "4", "--instants", "0.5", "--out", str(tmp_path)]
+    assert main(command) == 0
+    names = {path.name for path in tmp_path.glob("*.xz")}
+    assert names == {"full-contact-one-diagonal-frozen-4.json.xz", "layered-criss-cross-frozen-4.json.xz"}
+    assert main(["export", "full-contact", "full-contact", "--out", str(tmp_path)]) == 2
+    assert "give each case once" in capsys.readouterr().err
+
+
+WRONG_ARRAYS: dict[str, tuple[Any, str]] = {
+    "transposed": (lambda u: np.swapaxes(u, 1, 2), "(1, 2, 25), expected (1, 25, 2): steps, vertices, components; it"),
+    "without the steps": (lambda u: u[0], "has the shape (25, 2), expected (1, 25, 2)"),
+    "words": (lambda u: "many", "is no array of numbers"),
+    "lists of other lengths": (lambda u: [[1.0], [1.0, 2.0]], "is no array of numbers"),
+    "nothing": (lambda u: None, "expected (1, 25, 2)"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_ARRAYS)
+def test_arrays_of_another_shape_are_refused_in_words(name: str, packed: Path) -> None:
+    (task,), (change, words) = judge.read_tasks(packed), WRONG_ARRAYS[name]
+    u = judge.answer(task, this_study.make)
+    with pytest.raises(judge.TaskError) as refused:
+        judge.assess([task], {task.name: change(u)})
+    assert words in str(refused.value)
+    assert str(refused.value).startswith(f"the answer to {task.name} ")
+    with pytest.raises(judge.TaskError, match=r"the result of step 1 of .* expected"):
+        judge.answer(task, lambda task: lambda load, stress: [change(u)])
+    with pytest.raises(judge.TaskError, match=r"reported pressure of .*: steps, contact vertices"):
+        judge.assess([task], {task.name: u}, {task.name: {"pressure": change(u)}})
+
+
+def test_loads_of_another_size_scale_the_gap_too(packed: Path) -> None:
+    (task,) = judge.read_tasks(packed)
+    gap = [0.5] * len(task.data["contact"][0]["vertices"])
+    pieces = [piece | {"gap": gap} for piece in task.data["contact"]]
+    scaled = judge.Task("gap", task.data | {"contact": pieces}).scaled(10)
+    assert np.array_equal(np.concatenate(scaled.gaps()), 10 * np.array(gap * len(pieces)))
+    assert faults.right(np.eye(1), np.array([2.0]), {}) == pytest.approx([2.0])

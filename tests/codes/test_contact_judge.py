@@ -45,19 +45,15 @@ def test_tasks_read_back_give_our_own_errors(tasks: list[Any]) -> None:
             assert np.linalg.norm(mine.v_norm.sample(t).interpolant - interpolant) < 1e-11
 
 
-def test_our_own_solver_on_the_exported_data_is_exact_for_p1(tasks: list[Any]) -> None:
-    found = judged(ours.make, *tasks)
-    assert found.verdict == "exact for P1"
-    assert max(one.distance / one.best for one in found.errors) < 1e-10
-    assert max(max(one.tangential, one.penetration) for one in found.errors) < 1e-12
-
-
-@pytest.mark.parametrize("case", ["corner", "rotated", "anisotropic", "layered", "lift-and-land", "cube-disc"])
-def test_our_own_solver_is_exact_with_two_faces_other_laws_layers_and_in_space(case: str) -> None:
+@pytest.mark.parametrize("case", ["corner", "rotated", "anisotropic", "layered", "parabolic-gap", "cube-disc"])
+def test_our_own_solver_is_exact_with_two_faces_other_laws_layers_an_initial_gap_and_in_space(case: str) -> None:
     level, family = (3, "one-diagonal") if case == "cube-disc" else (4, "shaken")
     found = judged(ours.make, exported(case, level, family, times=(0.15, 0.9)))
     assert found.verdict == "exact for P1"
-    assert found.errors[0].tangential < 1e-11
+    (one,) = found.errors
+    assert one.distance / one.best < 1e-10
+    assert one.tangential < 1e-11
+    assert one.penetration < 1e-12
 
 
 def test_a_march_is_the_midpoint_rule() -> None:
@@ -70,12 +66,6 @@ def test_a_march_is_the_midpoint_rule() -> None:
     assert found.errors[0].pressure < 0.2
 
 
-def test_springs_as_stiff_as_cells_are_consistent_of_order_one(tasks: list[Any]) -> None:
-    found = judged(faults.springs(lambda task: 30 / task.data["h"]), *tasks)
-    assert found.verdict == "consistent"
-    assert found.order_of_distance == pytest.approx(1, abs=0.3)
-
-
 def test_springs_that_no_mesh_makes_stiffer_stagnate_and_their_order_in_v_does_not_see_it(tasks: list[Any]) -> None:
     found = judged(faults.springs(lambda task: 30.0), *tasks)
     assert found.verdict == "stagnates"
@@ -86,8 +76,8 @@ def test_springs_that_no_mesh_makes_stiffer_stagnate_and_their_order_in_v_does_n
 
 @pytest.mark.parametrize(
     "change",
-    [lambda task, u: u * np.nan, lambda task, u: 3 * u, lambda task, u: u * (1 + 0.01 / task.data["h"])],
-    ids=["no number", "three times as large", "worse on every mesh"],
+    [lambda task, u: 3 * u, lambda task, u: u * (1 + 0.01 / task.data["h"])],
+    ids=["three times as large", "worse on every mesh"],
 )
 def test_what_is_far_or_grows_is_wrong(tasks: list[Any], change: Any) -> None:
     assert judged(doctored(change), *tasks).verdict == "wrong"
@@ -210,6 +200,15 @@ def test_the_foundation_lies_under_the_face_and_covers_it(case: str) -> None:
         assert np.ptp(points[np.unique(slab["facets"])], axis=0).max() > np.ptp(face, axis=0).max()
 
 
+@pytest.mark.parametrize("scale", [1.0, 10.0])
+def test_a_task_has_the_gap_in_the_units_of_its_loads(scale: float) -> None:
+    mine = task("parabolic-gap", 4)
+    (piece,) = frozen(mine, (0.5,), scale)["contact"]
+    x = mine.space.mesh.p[0, piece["vertices"]]
+    assert piece["gap"] == pytest.approx(scale * 2 * (x - 0.5) ** 2)
+    assert "gap" not in frozen(task("full-contact", 4), (0.5,))["contact"][0]
+
+
 # Files and commands
 
 EXPORT = ["export", "full-contact", "--levels", "4", "--instants", "0.5"]
@@ -226,7 +225,7 @@ def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line
     before = files()
     assert main(command) == 0
     assert files() == before
-    (name,) = {name for name in before if name.endswith(".xz")}
+    (name,) = before.keys() - {"SHA256SUMS"}
     judge.read_tasks(tmp_path)
     (tmp_path / name).write_bytes(before[name][:-1] + bytes([before[name][-1] ^ 1]))
     with pytest.raises(judge.TaskError, match="SHA256SUMS"):

@@ -109,7 +109,6 @@ def not_in_the_first_step(W: np.ndarray, free: np.ndarray, memory: dict) -> np.n
 
 
 FIRST_STEP = {
-    "contact acts in the first step only": faults._first_step_only,
     "contact is missing in the first step": not_in_the_first_step,
     "the contact forces of the first step are kept in all steps": kept(judge.active_set),
     "the vertices in contact are found in the first step only and kept": vertices_kept,
@@ -127,17 +126,9 @@ def test_contact_that_differs_in_the_first_step_is_named(cause: str, steps: int)
 # Bodies that are moved or not held, and answers in another format
 
 
-@pytest.mark.parametrize("shift", [1000.0, 0.3, 1e-3])
-def test_a_body_that_is_moved_is_never_exact(shift: float) -> None:
-    found = judged(faults.changed(lambda task, u, _: u + shift), exported("layered", 4))
-    assert found.verdict != "exact for P1"
-
-
-SECOND, NONE = (faults.misread(lambda task, by=by: {"clamped": task.clamped[by]}) for by in (np.s_[::2], np.s_[:1]))
 CLAMPS = {
     "component 1 is zero and component 2 is not, at all 5 vertices": faults.first_component_held,
-    "u is not zero at 2 of 5 vertices": SECOND,
-    "u is not zero at 4 of 5 vertices": NONE,
+    "u is not zero at 2 of 5 vertices": faults.misread(lambda task: {"clamped": task.clamped[::2]}),
 }
 
 
@@ -204,13 +195,6 @@ def test_a_solver_that_stops_early_is_named_and_an_undecided_code_is_told_to_men
     found = judged(faults.in_contact(projected_gauss_seidel), exported("layered"))
     assert found.verdict == "undecided"
     assert "Perhaps: the iterations for contact stop too early" in found.cause
-
-
-@pytest.mark.parametrize(("by", "steps"), [(2**0.5, 0), (0.5**0.5, 3), (2.0, 3), (0.5, 0)])
-def test_a_wrong_shear_strain_in_stiffness_and_initial_stress_is_named(by: float, steps: int) -> None:
-    found = judged(faults.wrong_shear_strain(by), exported("anisotropic", 4, steps=steps))
-    assert found.verdict == "wrong"
-    assert f"the shear strain is multiplied by {by:.4g}" in found.cause
 
 
 def test_a_certain_cause_is_wrong_on_two_meshes_and_a_consistent_method_is_not() -> None:

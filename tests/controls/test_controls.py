@@ -10,7 +10,8 @@ import copy
 import re
 import subprocess
 import sys
-from functools import cache
+from dataclasses import replace
+from functools import cache, lru_cache
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -20,19 +21,28 @@ import pytest
 from manufactured import examine
 from study.cli.main import main
 from study.controls.baselines import Equivalence, Sweep, turned
+from study.controls.contact_test import DEFECTS, OF_THE_PROGRAM, contact_tests, write_contact_test
 from study.controls.control import Control, patched
 from study.controls.replacements import no_contact
 from study.controls.run_controls import NO_DEFECT, Outcome, _key, alike, controls_text, outcomes, settings, work
+from study.controls.sensitivity import CLOSE, LEAST, Place, lines
+from study.controls.small_defects import DEFECTS as SMALL_DEFECTS
+from study.controls.small_defects import START
 from study.controls.table import CONTROLS, ELASTICITY, MEMBERS
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.ledger.datafiles import read_claims
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict, row
 from study.ledger.window import around
+from study.present.outcome import contact_test_text
+from study.run.plan import Plan, quick
+from study.run.store import Store
 from study.solve.tableau import MIDPOINT
+from study.statements import contact_force, prop_5_4
 from study.statements.prop_5_4 import FirstOrder, Measurement
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
+from study.statements.shared.scope import Levels
 from study.statements.thm_4_2 import Derived, SameMesh, Sides, StandsAlone, gaps, independence, magnitudes
 
 HARMLESS = Control(
@@ -231,7 +241,7 @@ def modules_after(code: str) -> set[str]:
     return set(found.stdout.split())
 
 
-SPACE = """
+MARCH = """
 from manufactured import named
 from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import OneDiagonal
@@ -240,28 +250,18 @@ solution = named("advance-recede").solution
 space = Space(OneDiagonal()(solution.body, 4), solution.body)
 v_norm = ErrorNorm(solution, space)
 data = space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant
-"""
-STRESSES = "from study.solve.stress_problem import StressProblem; *_, last = StressProblem.of(*data).march(8)"
-DISPLACEMENTS = """
-from study.solve.evolution import SemiDiscrete
-from study.solve.tableau import BACKWARD_EULER
-*_, last = BACKWARD_EULER.march(SemiDiscrete.of(*data), 8)
+from study.solve.stress_problem import StressProblem
+*_, last = StressProblem.of(*data).march(8)
+assert last.time == space.body.T
 """
 
 
-@pytest.mark.parametrize(
-    ("march", "solver", "others"),
-    [
-        (STRESSES, "clarabel", "signorini multigrid solver_choice evolution tableau fixed_point factorisation"),
-        pytest.param(DISPLACEMENTS, "study.solve.signorini", "interior_point stress_problem", marks=pytest.mark.slow),
-    ],
-    ids=["stresses", "displacements"],
-)
-def test_neither_problem_loads_a_solver_of_the_other_while_it_marches(march: str, solver: str, others: str) -> None:
+def test_the_stress_problem_loads_no_solver_of_displacements_while_it_marches() -> None:
     """So it cannot call one, not even on a copy of the other problem, which no change of that one would show."""
-    loaded = modules_after(f"{SPACE}\n{march}\nassert last.time == space.body.T")
-    assert solver in loaded
-    solvers = {f"study.solve.{name}" for name in others.split()}
+    loaded = modules_after(MARCH)
+    assert "clarabel" in loaded
+    names = "signorini multigrid solver_choice evolution tableau fixed_point factorisation"
+    solvers = {f"study.solve.{name}" for name in names.split()}
     assert all(map(find_spec, solvers))
     assert not loaded & solvers
 
@@ -313,3 +313,113 @@ def test_derived_stresses_agree_with_their_displacements_perfectly() -> None:
 def test_a_turned_body_carries_an_exact_solution() -> None:
     for finding in examine(turned(resolve("full-contact").solution, 0.3)):
         assert finding.passes, finding
+
+
+@lru_cache
+def place() -> Place:
+    return Place.of(Setting("advance-recede", "one-diagonal", 8))
+
+
+LOADS = "load f", "surface load f_2", "body force f_0", "contact load", "time t"
+"""Seen only by the load that is integrated a second time, with a quadrature error between the two."""
+
+
+@pytest.mark.parametrize("name", SMALL_DEFECTS)
+def test_a_millionth_is_seen_except_of_loads_of_which_two_per_cent_are(name: str) -> None:
+    assert bool(place().failing(SMALL_DEFECTS[name](place().setup, 1e-6))) is (name not in LOADS)
+    if name in LOADS:
+        assert place().failing(SMALL_DEFECTS[name](place().setup, 0.02))
+
+
+def test_the_smallest_defect_fails_and_one_a_little_smaller_or_none_does_not() -> None:
+    assert place().failing(place().setup) == []
+    load = SMALL_DEFECTS["load f"]
+    amount, row = place().smallest(load)
+    assert row in place().failing(load(place().setup, amount))
+    assert not place().failing(load(place().setup, amount / CLOSE**2))
+    assert LEAST < amount < 0.01
+
+
+def test_of_a_start_that_is_zero_nothing_can_be_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("study.controls.sensitivity.DEFECTS", {START: SMALL_DEFECTS[START]})
+    assert lines(Setting("full-contact", "one-diagonal", 8)) == []
+
+
+CASES = """
+from dataclasses import replace
+from sympy import Rational
+from manufactured import Case, ContactFace, ExactSolution, KelvinVoigt, Kind, Regularity
+from manufactured import isotropic, named, polygon, pos, s, t
+
+good = replace(named("advance-recede"), name="good")
+apart = replace(named("no-contact"), name="apart")
+solid = replace(named("cube-disc"), name="solid")
+
+kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+body = polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds)
+law = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+(floor,) = body.of(Kind.CONTACT)
+zone = Rational(1, 64) - (s - Rational(1, 2) - t / 5) ** 2
+face = ContactFace.linear(floor, law, body.T, pos(-zone, 4), 40 * pos(zone, 2), level=zone)
+weak = Case(
+    name="weak",
+    summary="a small pressure on a narrow patch, and a large gap beyond",
+    solution=ExactSolution(body, law, (face,)),
+    regularity=Regularity(gap=4, pressure=2, moving=True),
+    order=1,
+    reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36)",
+)
+"""
+
+
+@pytest.fixture(scope="module")
+def cases(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path: Path = tmp_path_factory.mktemp("cases") / "cases.py"
+    path.write_text(CASES, encoding="utf-8")
+    return path
+
+
+def plan_of(reference: str) -> Plan:
+    scope = replace(quick(), cases=(reference,), plane=Levels((4, 8, 16)), every_family=False, statements=False)
+    return Plan.of(scope)
+
+
+def outcome(reference: str, directory: Path) -> tuple[pd.DataFrame, str]:
+    """The rows of ``contact-test.csv``, and what a run prints about them."""
+    plan, store = plan_of(reference), Store(directory)
+    (test,) = contact_tests(plan)
+    for job in (*test.jobs, *(job for defect in DEFECTS for job in test.defective(defect))):
+        store.save(job.key, job.fingerprint(), dict(job.run()))
+    (path,) = write_contact_test([test], store)
+    return pd.read_csv(path, keep_default_na=False), " ".join(contact_test_text(directory).split())
+
+
+@pytest.mark.slow
+def test_a_front_under_a_large_pressure_notices_both_defects(cases: Path, tmp_path: Path) -> None:
+    rows, text = outcome(f"{cases}:good", tmp_path)
+    assert (rows["noticed"] > 0).all()
+    assert "contact force, order-pressure" in rows.set_index("defect").loc["contact in places", "noticed_by"]
+    assert "weak" not in text
+    assert "contact forces times 1.1: by contact force" in text
+
+
+@pytest.mark.slow
+def test_a_small_pressure_on_a_narrow_patch_is_a_weak_test_with_advice(cases: Path, tmp_path: Path) -> None:
+    rows, text = outcome(f"{cases}:weak", tmp_path)
+    assert (rows["noticed"] == 0).all()
+    assert (rows["holding"] > 0).all()
+    assert text.startswith("weak test of contact: weak, unstructured meshes, n = 4 8 16")
+    assert "larger pressure relative to moduli and gap, a contact zone that is wider in cells, or finer levels" in text
+
+
+def test_only_cases_of_users_that_touch_are_tested(cases: Path) -> None:
+    assert contact_tests(plan_of("advance-recede")) == contact_tests(plan_of(f"{cases}:apart")) == []
+    assert resolve(contact_tests(plan_of(f"{cases}:solid"))[0].reference).solution.body.dim == 3
+
+
+def test_rows_about_the_program_do_not_count_and_the_defect_ends_with_the_job(cases: Path) -> None:
+    assert {"penetration", "pulling", "residual"} <= OF_THE_PROGRAM
+    job = contact_tests(plan_of(f"{cases}:good"))[0].defective("contact in places")[0]
+    assert job.run() != super(type(job), job).run()
+    assert vars(prop_5_4)["Experiment"] is vars(contact_force)["Experiment"] is Experiment
+    assert len({job.key, super(type(job), job).key}) == 2

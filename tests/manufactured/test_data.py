@@ -1,13 +1,16 @@
-"""Data without a solution: what formulas become, what an exact solution gives, what is refused."""
+"""Data without a solution: what formulas become, what an exact solution gives, what is refused, and their names."""
 
-from __future__ import annotations
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import sympy as sp
 from costly_cases import by_cost
+from matplotlib.figure import Figure
 
 from manufactured import (
+    CaseError,
     Factor,
     FormulaError,
     FrobeniusBall,
@@ -27,58 +30,26 @@ from manufactured import (
 from manufactured.cases.laws import not_proportional
 from manufactured.catalogue import NAMES
 from manufactured.data import Data, LoadError
+from manufactured.file_names import file_name_fault
 from manufactured.problems import problems
-from manufactured.tensors import mandel
 from study.bound.bounded import check_bound
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
+from study.cli.main import main
 from study.fem.mesh import OneDiagonal, Unstructured
-from study.fem.naming import resolve_data
+from study.fem.naming import family_named, resolve_data
+from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError
+from study.present.drawing import Drawing, draw_one
 
 SQUARE, LAW = unit_square(), not_proportional()
 RIGHT, LEFT = 1, 3
 X = np.array([[0.0, 0.0], [0.2, 0.8]])
-U = (t * x1 * (1 - x2), (1 + t) * x2 * (x2 - 1) * (2 + x1))
 
 
 def data(f0=(0, 0), **others) -> Data:
     return Data.formulas(SQUARE, LAW, f0=f0, **others)
-
-
-def by_hand(u) -> tuple[sp.Matrix, sp.Matrix]:
-    """Returns σ = Aε(u̇) + Gε(u) and −Div σ for ``LAW``, from 2μ ε + λ (tr ε) I alone."""
-
-    def stress_of(mu, lam, u) -> sp.Matrix:
-        gradient = sp.Matrix(2, 2, lambda i, j: sp.diff(u[i], (x1, x2)[j]))
-        strain = (gradient + gradient.T) / 2
-        return 2 * mu * strain + lam * strain.trace() * sp.eye(2)
-
-    stress = stress_of(1, sp.Rational(1, 2), [sp.diff(v, t) for v in u]) + stress_of(2, 3, u)
-    force = -sp.Matrix([sum(sp.diff(stress[i, j], (x1, x2)[j]) for j in range(2)) for i in range(2)])
-    return stress, force
-
-
-def test_formulas_have_their_values_at_every_place_and_time() -> None:
-    stress, force = by_hand(U)
-    loads = {RIGHT: tuple(stress[:, 0]), LEFT: tuple(-stress[:, 0])}
-    found = data(tuple(force), f2=loads, u0=tuple(u.subs(t, 0) for u in U))
-    found.check()
-    expected_force, expected_stress = (sp.lambdify((x1, x2, t), formula) for formula in (force, stress))
-    rng = np.random.default_rng(0)
-    x, time = rng.random((2, 4, 3)), 0.3
-    for place in np.ndindex(4, 3):
-        a, b = x[(slice(None), *place)]
-        assert np.allclose(found.body_force(x)(time)[(slice(None), *place)], expected_force(a, b, time)[:, 0])
-    for number, sign in ((RIGHT, 1), (LEFT, -1)):
-        y = SQUARE.parts[number].sample(rng, 5)
-        expected = np.transpose([sign * expected_stress(a, b, time)[:, 0] for a, b in y.T])
-        assert np.allclose(found.surface_load(SQUARE.parts[number], y)(time), expected)
-    a, b = x
-    assert np.allclose(found.start(x), [0 * a, b * (b - 1) * (2 + a)])
-    gradient = np.array([[0 * a, 0 * a], [b * (b - 1), (2 * b - 1) * (2 + a)]])
-    assert np.allclose(found.initial(x), mandel(gradient))
 
 
 def test_the_data_of_an_exact_solution_are_those_of_its_formulas() -> None:
@@ -87,7 +58,15 @@ def test_the_data_of_an_exact_solution_are_those_of_its_formulas() -> None:
     a, g = sp.Rational(5, 2), sp.Integer(7)
     memory = -20 * (t / g - a / g**2 * (1 - sp.exp(-g * t / a)))
     u = (sp.Integer(0), x2 * (1 - x2**2) * memory * (1 + 4 * x1 * (1 - x1)))
-    stress, force = by_hand(u)
+
+    def stress_of(mu, lam, u) -> sp.Matrix:
+        """2μ ε + λ (tr ε) I."""
+        gradient = sp.Matrix(2, 2, lambda i, j: sp.diff(u[i], (x1, x2)[j]))
+        strain = (gradient + gradient.T) / 2
+        return 2 * mu * strain + lam * strain.trace() * sp.eye(2)
+
+    stress = stress_of(1, sp.Rational(1, 2), [sp.diff(v, t) for v in u]) + stress_of(2, 3, u)
+    force = -sp.Matrix([sum(sp.diff(stress[i, j], (x1, x2)[j]) for j in range(2)) for i in range(2)])
     second = data(tuple(force), f2={RIGHT: stress[:, 0], LEFT: -stress[:, 0]}, u0=[v.subs(t, 0) for v in u])
     first, rng = Data.of(case.solution), np.random.default_rng(1)
     x = rng.random((2, 30))
@@ -142,7 +121,6 @@ LOG = sp.log(x1 - sp.Rational(1, 2))
         ({"gap": 0.05}, FormulaError, "got gap; there is no initial gap in data"),
         ({"f0": (LOG, 0)}, LoadError, r"f_0 is not finite at x = \[0\.[0-4].*at t = 0"),
         ({"f0": (0, 1 / t)}, LoadError, r"f_0 is not finite at x = .* at t = 0, so no stress can balance it"),
-        ({"f0": (0, 1 / (1 - t))}, LoadError, "f_0 is not finite at x = .* at t = 1"),
         ({"f2": {LEFT: (1 / x1, 0)}}, LoadError, r"f_2 is not finite at x = \[0\.0,"),
         ({"u0": (0, sp.sqrt(x1 - sp.Rational(1, 2)) * (1 - x2))}, LoadError, r"ε\(u_0\) is not finite"),
         ({"u0": (0, x2)}, LoadError, r"u_0 is 1 on Γ1, where it has to vanish, \(2\.3\)"),
@@ -230,24 +208,74 @@ def test_names_stand_for_cases_problems_and_users_data(tmp_path) -> None:
         "corner = named('corner')\n"
         "other = 3\n"
     )
-    for name, path, of_case in (
-        ("advance-recede", "", True),
-        ("ramp", "", False),
-        ("press", f"{mine}:", False),
-        ("made", f"{mine}:", False),
-        ("corner", f"{mine}:", True),
+    for path, name, known in (
+        *(("", "advance-recede", True), ("", "ramp", False)),
+        *((f"{mine}:", name, name == "corner") for name in ("press", "made", "corner")),
     ):
         found_name, found, case = resolve_data(path + name)
-        assert found_name == name
-        assert isinstance(found, Data)
-        assert (case is not None and found.formulas_of is case.solution and case.name == name) == of_case
-    assert resolve_data("ramp")[1].formulas_of == problems()[0].data.formulas_of
+        assert (found_name, type(found)) == (name, Data)
+        assert (case is not None and found.formulas_of is case.solution and case.name == name) == known
     with pytest.raises(UsageError, match=r"is a int, expected manufactured\.Data or"):
         resolve_data(f"{mine}:other")
 
 
 def test_a_factor_beyond_its_stated_bounds_is_refused() -> None:
-    """Constants rest on the bounds."""
     law = KelvinVoigt(isotropic(1, 1, factor=Factor(1 + 10 * x1, 11.0, 11.0)), isotropic(1, 1), "wrong bounds")
     with pytest.raises(LoadError, match=r"the factor of A takes values from .* stated bounds 11 and 11"):
         Data.formulas(unit_square(), law, f0=(0, 0)).check()
+
+
+# Names that cannot be part of a file name are refused wherever a user can give one.
+
+
+UNUSABLE = {
+    "../evil": r"it contains '/'",
+    "a\\b": r"it contains '\\\\'",
+    "C:evil": r"it contains ':'",
+    "a\x00b": r"it contains '\\x00'",
+    "a\x1b[2Jb": r"it contains '\\x1b'",
+    "a\ud800b": r"it contains '\\ud800'",
+    ".hidden": "it begins with a dot",
+    "ends.": "ends with a dot",
+    "x" * 101: "it takes 101 bytes, at most 100 are allowed",
+    "ü" * 51: "it takes 102 bytes, at most 100 are allowed",
+    "nul.txt": "Windows reserves it",
+    "": "it is empty",
+}
+
+
+def test_usable_names_and_an_endless_name_of_a_mesh_family() -> None:
+    names = ["front", "rough-1.75", "a b", "würfel", "_own", "console", "com10", "x" * 100]
+    assert {name: fault for name in names if (fault := file_name_fault(name))} == {}
+    assert family_named("shaken-7").name == "shaken-7"
+    with pytest.raises(UsageError, match="has 1000 digits, at most 20 are allowed"):
+        family_named("shaken-" + "9" * 1000)
+
+
+@pytest.mark.parametrize("name", UNUSABLE, ids=ascii)
+def test_unusable_names_of_problems_and_cases_are_refused(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "own.py"
+    head = "from dataclasses import replace\nfrom manufactured.problems import problems\n"
+    path.write_text(head + f"mine = replace(problems()[0], name={name!a})", encoding="utf-8")
+    with pytest.raises(UsageError, match=UNUSABLE[name]) as refused:
+        resolve_data(f"{path}:mine")
+    assert str(refused.value).isprintable()
+    with pytest.raises(CaseError, match="case name"):
+        replace(named("corner"), name=name)
+
+
+@pytest.mark.parametrize("name", ["../evil", "/evil", ".hidden", "CON", "x" * 101])
+@pytest.mark.parametrize("command", ["bound", "certify"])
+def test_a_name_that_cannot_be_part_of_a_file_name_writes_nothing(command, name, tmp_path: Path, capsys) -> None:
+    path = tmp_path / "own.py"
+    text = f"from manufactured.problems import problems\nglobals()[{name!r}] = problems()[0].data"
+    path.write_text(text, encoding="utf-8")
+    assert main([command, f"{path}:{name}", "--levels", "2", "--out", str(tmp_path / "out")]) == 2
+    assert "cannot be part of a file name" in capsys.readouterr().err
+    assert {*tmp_path.iterdir()} - {tmp_path / "__pycache__"} == {path}
+
+
+def test_a_figure_is_not_drawn_under_a_name_from_damaged_data(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="contains a path separator or NUL: the data were edited"):
+        draw_one(tmp_path, Drawing("zone-../../evil", Figure, "no figure", "none"))
+    assert [*tmp_path.iterdir()] == []

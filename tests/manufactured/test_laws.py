@@ -1,7 +1,5 @@
 """Laws of materials: constants, also of an elasticity that is not monotone or has no potential, and their cases."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np
@@ -10,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from on_floor import on_floor
 
-from manufactured import Case, Data, named, prove, unit_square
+from manufactured import Case, Data, ExactSolution, named, prove, unit_square
 from manufactured.catalogue import catalogue
 from manufactured.factor import Factor, x1
 from manufactured.law import (
@@ -26,7 +24,7 @@ from manufactured.law import (
     isotropic,
     isotropic_matrix,
 )
-from manufactured.no_potential import NAME, SKEW, law_without_potential, no_potential
+from manufactured.no_potential import NAME, law_without_potential, no_potential
 from manufactured.symbols import pos, s, t
 from manufactured.tensors import dyad, full, identity, mandel, rotation
 from study.bound.problem import BoundError
@@ -107,6 +105,15 @@ def test_an_operator_is_the_derivative_of_its_energy_and_has_its_own_derivative(
     assert np.imag(G(a + step)) / 1e-30 == pytest.approx(G.derivative(a, direction), rel=1e-9, abs=1e-9)
 
 
+COUPLED = np.array([[2.0, 0, 0], [0, 2, 1], [0, 0, 2]])
+"""σ_22 depends on ε_12, and σ_12 not on ε_22."""
+
+
+def on_coupled(matrix: np.ndarray) -> ExactSolution:
+    law = KelvinVoigt(isotropic(1, 0), NonSymmetric(matrix), "coupled")
+    return on_floor(law, t * pos(s - 0.5, 4), t * pos(0.5 - s, 2), 0.5 - s)
+
+
 def test_the_stress_at_rest_is_the_one_that_is_stated() -> None:
     for case in catalogue():
         G = case.solution.law.G
@@ -142,9 +149,10 @@ def test_the_normal_response_is_the_nn_component_under_compression(G, q) -> None
             lambda: Combined(S, Indefinite(SOFT.matrix, Factor(2 + x1, 2.0, 3.0)), Yield(1.0, FrobeniusBall(1.0))),
             "varies in space",
         ),
+        *((partial(on_coupled, matrix), "prescribe the strain") for matrix in (COUPLED, COUPLED.T)),
     ],
 )
-def test_what_is_no_law_is_refused(make, message: str) -> None:
+def test_what_is_no_law_or_needs_a_prescribed_strain_is_refused(make, message: str) -> None:
     with pytest.raises(LawError, match=message):
         make()
 
@@ -173,13 +181,13 @@ def test_a_moving_case_satisfies_3_4_literally() -> None:
 
 
 RNG = np.random.default_rng(7)
-COUPLED = np.array([[2.0, 0, 0], [0, 2, 1], [0, 0, 2]])
-"""σ_22 depends on ε_12, and σ_12 not on ε_22."""
 
 
-def test_the_case_proves_itself_and_is_found_by_its_name() -> None:
+def test_the_case_without_a_potential_proves_itself_is_found_by_its_name_and_stores_no_energy() -> None:
     assert all(finding.passes for finding in prove(no_potential().solution, NAME))
     assert resolve(NAME).order == 1
+    with pytest.raises(LawError, match="has no stored energy"):
+        density(law_without_potential().G, np.zeros((3, 1)), np.zeros((3, 1)))
 
 
 def test_constants_are_the_largest_and_the_smallest_quotients() -> None:
@@ -190,20 +198,3 @@ def test_constants_are_the_largest_and_the_smallest_quotients() -> None:
     assert G.monotonicity <= quotients.min() <= G.monotonicity + 0.05
     assert G.lipschitz * 0.99 <= stretches.max() <= G.lipschitz
     assert not np.allclose(G.matrix, G.matrix.T)
-
-
-def test_the_skew_part_works_on_no_strain() -> None:
-    strain = RNG.standard_normal((3, 50))
-    assert np.sum(NonSymmetric(SKEW)(strain) * strain, axis=0) == pytest.approx(np.zeros(50), abs=1e-12)
-
-
-@pytest.mark.parametrize("matrix", [COUPLED, COUPLED.T], ids=["sn to nn", "nn to sn"])
-def test_a_law_that_couples_nn_with_sn_needs_a_prescribed_strain(matrix: np.ndarray) -> None:
-    law = KelvinVoigt(isotropic(1, 0), NonSymmetric(matrix), "coupled")
-    with pytest.raises(LawError, match="prescribe the strain"):
-        on_floor(law, t * pos(s - 0.5, 4), t * pos(0.5 - s, 2), 0.5 - s)
-
-
-def test_no_energy_is_stored_without_a_potential() -> None:
-    with pytest.raises(LawError, match="has no stored energy"):
-        density(law_without_potential().G, np.zeros((3, 1)), np.zeros((3, 1)))

@@ -101,12 +101,15 @@ def test_fronts_that_swing_many_times_are_passed_as_often_as_they_do() -> None:
 
 
 @pytest.mark.slow
-def test_a_case_whose_front_swings_is_an_exact_solution() -> None:
+def test_a_case_whose_front_swings_is_an_exact_solution_and_with_a_wrong_memory_refused() -> None:
     level = RETURN - s
     solution = on_floor(not_proportional(), 20 * pos(-level, 4), 40 * pos(level, 2) * sp.exp(-t), level)
     prove(solution, "swinging")
     case = Case("swinging", "front swings", solution, Regularity(gap=4, pressure=2, moving=True), 1, "(5.36)")
     assert case.proposition == "Prop. 5.4"
+    late = Memory(40 * pos(level.subs(t, t - sp.Rational(1, 50)), 2) * sp.exp(-t), 3, 3, 1.0)
+    with pytest.raises(SelfProofError, match=r"p = −σ_ν|the stated zone"):
+        prove(replace(solution, faces=(replace(solution.faces[0], strain=late),)), "late")
 
 
 @pytest.mark.slow
@@ -130,18 +133,32 @@ def test_a_disc_that_runs_on_a_circle_is_an_exact_solution_in_space() -> None:
         (pos(QUARTER - s, 2) * (1 + sp.sin(3000 * t)), "changes so fast in t"),
     ],
 )
-def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_to_follow_is_refused(
-    pressure: sp.Expr, message: str
-) -> None:
+def test_a_pressure_whose_memory_is_not_known_or_that_is_too_fast_is_refused(pressure, message: str) -> None:
     with pytest.raises(FormulaError, match=message):
         Memory(pressure, 1.0, 1.0, 1.0).at(PLACES)(1.0, False, 0)
 
 
-@pytest.mark.slow
-def test_a_wrong_memory_of_a_swinging_front_is_refused_by_the_self_proof() -> None:
-    level = RETURN - s
-    right = on_floor(not_proportional(), 20 * pos(-level, 4), 40 * pos(level, 2), level)
-    (face,) = right.faces
-    late = Memory(40 * pos(level.subs(t, t - sp.Rational(1, 50)), 2), 3, 3, 1.0)
-    with pytest.raises(SelfProofError, match=r"p = −σ_ν|the stated zone"):
-        prove(replace(right, faces=(replace(face, strain=late),)), "late")
+# Formulas evaluated by NumPy.
+
+
+FRONT = sp.Rational(1, 2) + t * (1 - t) / 3 - s**2
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        (1 + t) * pos(FRONT, 4) / (2 - FRONT) ** 2 + t * pos(-FRONT, 3),
+        pos(FRONT - sp.Rational(1, 8), 5) * sp.exp(-FRONT) + pos(1 - pos(FRONT, 2), 3) * s,
+        pos(sp.sin(3 * s) - t, 4) * (sp.sin(3 * s) - t),
+        pos(2 * s - t, 3) / (1 + (2 * s - t) ** 2) ** sp.Rational(9, 8),
+        sp.atan(3 * s) * 2 ** (s * t) + sp.sqrt(2) * sp.tan(s) - sp.tanh(s + t) ** 3,
+    ],
+    ids=["and its negative", "inside a front", "of one term", "linear", "without a front"],
+)
+def test_derivatives_of_functions_of_a_front_are_those_of_the_formula_in_place_and_time(formula: sp.Expr) -> None:
+    places, time = np.linspace(0, 1, 41), 0.37
+    found = Jet(formula).rate()(places[None], time, 2)
+    plain = {"pos": lambda x, a: np.where(x > 0, abs(x) ** float(a), 0.0)}
+    for k in range(3):
+        exact = sp.lambdify((s, t), formula.diff(t, s, k), [plain, "numpy"])(places, time)
+        np.testing.assert_allclose(found[k,], exact, rtol=1e-11, atol=1e-11 * abs(exact).max())

@@ -1,7 +1,5 @@
 """The project of the tutorial on CI: its tests and the steps of the action turn red when its solver is broken."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess
@@ -112,6 +110,7 @@ def test_without_scipy_the_fixture_says_what_to_install(tmp_path: Path) -> None:
         "def test_it(convergence_orders):\n    convergence_orders('L2', [2, 1], [2, 1])\n"
     )
     (tmp_path / "scipy.py").write_text("raise ModuleNotFoundError(name='scipy')\n")
-    done = run(tmp_path, sys.executable, "-m", "pytest", "-q")
+    plugin = "-p", "pytest_convergence_orders"
+    done = run(tmp_path, sys.executable, "-m", "pytest", "-q", *plugin, PYTEST_DISABLE_PLUGIN_AUTOLOAD="1")
     assert done.returncode == 1
     assert "the fixture convergence_orders needs scipy: python -m pip install 'signorini-study[orders]'" in done.stdout

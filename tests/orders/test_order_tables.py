@@ -1,7 +1,5 @@
 """``study rates`` on tables from public issue threads, regression files and documentation, as people pasted them."""
 
-from __future__ import annotations
-
 import json
 import shlex
 import time
@@ -42,7 +40,6 @@ VERDICTS = {
     "14-matlab-no-h.txt --ratio 2 --expected '||u-u_h||=3,||Du-Du_h||=2'": ["holds", "holds", None, None],
     "15-castro-transposed.txt --expected 4": ["holds", "holds", "undecided", "holds"],
     "17-pygbe-elements-3d-surface.txt --dim 2 --expected 2": ["holds"],
-    "17-pygbe-elements-3d-surface.txt --dim 1 --expected 1": ["holds"],
     "18-fd-points-not-cells.txt --in n --expected '2nd order=2,6th order=6'": ["undecided", None, "fails"],
     "21-semicolon-decimal-comma.csv --expected 1": ["holds"],
     "23-rates-not-errors.txt --ratio 2 --expected 2": ["undecided"] * 3,
@@ -55,7 +52,6 @@ VERDICTS = {
     "30-latex-body.tex --expected 2": ["holds"],
     "31-h-dt-error-three-columns.csv --expected 2": ["holds"],
     "34-one-sided.csv --expected 2": ["holds"],
-    "34-one-sided.csv --at-least 1.8": ["holds"],
     "37-drifts-down.csv --expected 4": ["holds"],
     "37-floor.csv --expected 1": ["holds"],
     # Further public tables; where each one comes from stands in cases/README.md.
@@ -129,7 +125,6 @@ def test_the_diagnosis_names_what_an_analyst_sees(command: str, sentence: str, c
 
 SMALL = "{}\n0.25,1.78\n0.125,0.697\n0.0625,0.317\n"
 READ = {
-    "carriage returns": SMALL.format("h,error").replace("\n", "\r\n"),
     "capital H": SMALL.format("H,error"),
     "another order of the rows": "h,error\n0.0625,0.317\n0.25,1.78\n0.125,0.697\n",
     "quotes": '"h","error"\n"0.25","1.78"\n"0.125","0.697"\n"0.0625","0.317"\n',
@@ -137,8 +132,6 @@ READ = {
     "a trailing separator": "h, error,\n0.25, 1.78,\n0.125, 0.697,\n0.0625, 0.317,\n",
     "h and n": "h,n,error\n0.25,4,1.78\n0.125,8,0.697\n0.0625,16,0.317\n",
     "levels": "level,h,error\n0,0.25,1.78\n1,0.125,0.697\n2,0.0625,0.317\n",
-    "orders, first a dash": "h,Error,EOC\n0.25,1.78,-\n0.125,0.697,1.36\n0.0625,0.317,1.14\n",
-    "orders, first empty": "h,Error,EOC\n0.25,1.78,\n0.125,0.697,1.36\n0.0625,0.317,1.14\n",
     "underscores in numbers": "n,error\n1_0,1.78\n2_0,0.697\n4_0,0.317\n",
     "cells along the sides": "resolution,error\n4x4,1.78\n8x8,0.697\n16x16,0.317\n",
     "a row of units": "h,error\nm,-\n0.25,1.78\n0.125,0.697\n0.0625,0.317\n",
@@ -146,9 +139,6 @@ READ = {
     "   1 | 0.25     1.78\n   2 | 0.125    0.697\n   3 | 0.0625   0.317\n",
     "pairs in one line": "h: 0.25 Error: 1.78\nh: 0.125 Error: 0.697\nh: 0.0625 Error: 0.317\nRates [1.35 1.14]\n",
     "JSON": '[{"h": 0.25, "error": 1.78}, {"h": 0.125, "error": 0.697}, {"h": 0.0625, "error": 0.317}]',
-    "lists in Julia": "hs = Float64[0.25, 0.125, 0.0625]\nel2s = [1.78, 0.697, 0.317]\n",
-    "a table in reStructuredText": "=====  =====\nh      error\n=====  =====\n"
-    "1/4    1.78\n1/8    0.697\n1/16   0.317\n=====  =====\n",
     "LaTeX of deal.II": "\\begin{tabular}{|c|c|} \\hline\n"
     "\\multicolumn{1}{|c|}{h} &\n\\multicolumn{2}{|c|}{error} \\\\ \\hline\n"
     "0.25 & 1.78 & - \\\\ \\hline\n0.125 & 0.697 & 1.36 \\\\ \\hline\n0.0625 & 0.317 & 1.14 \\\\ \\hline\n",
@@ -158,7 +148,6 @@ READ = {
     "uncertainties": "h       error\n0.25    1.78 ± 0.01\n0.125   0.697 +/- 2e-3\n0.0625  0.317 ± 1e-3\n",
     "a grid with blanks": "Grid     L1 error\n4 x 4    1.78\n8 x 8    0.697\n16 x 16  0.317\n",
     "a name with letter and unit": SMALL.format("Mesh size h [m],error"),
-    "a line for each quantity": "| h | 0.25 | 0.125 | 0.0625 |\n|---|---|---|---|\n| error | 1.78 | 0.697 | 0.317 |\n",
 }  # fmt: skip
 
 
@@ -174,12 +163,6 @@ TWO_ROWS = {
         "  h     L2      H1     Linf     L2      H1     Linf",
         "1/8  1.00e-2 1.00e-1 2.00e-1 1.00e-1 2.00e-1 3.00e-1",
         "1/16 2.50e-3 5.00e-2 1.00e-1 5.00e-2 1.00e-1 1.50e-1",
-    ],
-    "velocity L2, velocity H1, pressure L2": [
-        "      velocity         pressure",
-        "h     L2      H1       L2",
-        "1/8   1.00e-2 1.00e-1  1.00e-1",
-        "1/16  2.50e-3 5.00e-2  5.00e-2",
     ],
     "velocity L2, pressure H1, pressure L2": [
         "     velocity    pressure",
@@ -238,10 +221,13 @@ def test_names_in_two_rows_belong_together(names: str) -> None:
         ('h,"L2(0,T;H1)","e, max"\n.4,.4,.4\n.2,.1,.2\n.1,.025,.1\n', ["--columns", "L2(0,T;H1),e, max"], "e, max: c"),
         ('h,"L2(0,T;H1)","e, max"\n.4,.4,.4\n.2,.1,.2\n.1,.025,.1\n', ["--columns", "e, max"], "ignored: L2(0,T;H1)"),
         ("steps error\n10 1e-2\n20 2.5e-3\n40 6.25e-4\n", ["--in", "steps"], "size: h = 1/steps"),
+        ("h,Größe,error\n.4,32,.16\n.2,128,.04\n.1,512,.01\n", ["--columns=Größe", "--expected=2"], "Größe: fails"),
+        ("h,Größe,error\n.4,32,.16\n.2,128,.04\n.1,512,.01\n", [], "ignored: Größe (the whole numbers of Größe do not "
+         "fall as h falls, so they are taken as numbers of cells, iterations or seconds; --columns 'Größe' judges"),
     ],
 )  # fmt: skip
 def test_what_is_said_of_small_tables(table: str, options: list[str], said: str, rates) -> None:
-    assert said in rates(table, *options, code=3 if said == "undecided" else 0)
+    assert said in rates(table, *options, code={"undecided": 3, "Größe: fails": 1}.get(said, 0))
 
 
 ERRORS = {1: {8: "4e-2", 16: "1e-2", 32: "2.5e-3"}, 2: {8: "8e-3", 16: "1e-3", 32: "1.25e-4"}}
@@ -285,14 +271,11 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
         (b"", "is empty"),
         (b"h,error\n", "no line with numbers"),
         (b"\0\0", "binary"),
-        (bytes(range(256)) * 400, "binary"),
         (b"\x89PNG\r\n\x1a\n" + bytes(range(256)), "binary"),
         (b"h,error\n0.25,1.78\0\n", "line 2"),
         (b"n,error\n0,1\n8,.5\n", "sizes must be positive"),
-        (b"n,error\n-4,1\n8,.5\n", "sizes must be positive"),
         ("h,error\n.25,1\n.125,−0.5\n".encode(), "must not be negative"),
         (b"h,error\n1," + b"1" * 131_072 + b"\n.5,1\n", "131072 characters"),
-        (b"h,error\n1," + b"x" * 131_072 + b"\n.5,1\n", "131072 characters"),
         (b"h,error\n" + b"1,1\n" * 110_000, "100000 lines"),
         (b"h,error\n" + b"0.123456789,0.123456789\n" * 1_000_000, "more than 8 MB"),
         (b"h,error\n1,abc\n.5,1\n", "line 2: the entry of error is 'abc'"),
@@ -301,12 +284,14 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
             b"0.25 0.0131\n0.125 0.00661\n",
             "has 2 columns, but no line above names them: add a header such as 'h error'",
         ),
-        (b"word " * 100_000 + b": 1", "no table was recognised"),
-        ((b"x" * 1_990 + b" ") * 300, "no line with numbers"),
-        ((b"1" * 1_990 + b" ") * 300, "300 columns, but no line above names them"),
+        (b"word " * 20_000 + b": 1", "no table was recognised"),
+        ((b"x" * 1_990 + b" ") * 100, "no line with numbers"),
+        ((b"1" * 1_990 + b" ") * 100, "100 columns, but no line above names them"),
         (b"|1" * 20_000, "20000 columns, but no line above names them"),
-        (b"h: 1 " * 30_000, "no table was recognised"),
+        (b"h: 1 " * 10_000, "no table was recognised"),
         (b"cells,error\n8,.1\n16,.05\n", "give --dim"),
+        (b"Zellen,error\n32,.16\n128,.04\n512,.01\n", "column Zellen is a count"),
+        ("h,Größe\n.4,32\n.2,128\n.1,512\n".encode(), "among h (size), Größe (growing): name one with --columns"),
         (b"level,error\n1,.1\n2,.05\n", "give --ratio 2"),
         (b"h,order\n1,-\n.5,2\n", "no column of errors among h (size), order (order)"),
         (
@@ -319,14 +304,13 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
         (b"log10(h) log10(err)\n-1 -2\n-1.3 -2.6\n-1.6 -3.2\n", "column log10(h) holds logarithms"),
         (b"h,log_err\n1,5.1\n.5,4.5\n", "column log_err holds logarithms"),
         (b"[0.4, 0.2, 0.1]\n[1.6, 0.4, 0.1]\n", "the list in line 1 has no name: write 'h = '"),
-        (b"array([0.4, 0.2])\narray([1.6, 0.4])\n", "the list in line 1 has no name: write 'h = '"),
         (b"[0.4 0.2 0.1 0.05]\n[1.6 0.4 0.1 0.025]\n", "the list in line 1 has no name: write 'h = '"),
     ],
 )
 def test_damaged_and_hostile_files_are_refused_in_words(data: bytes, words: str, rates) -> None:
     start = time.process_time()
     assert words in rates(data, code=2)
-    assert time.process_time() - start < 5
+    assert time.process_time() - start < 2
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
@@ -351,9 +335,8 @@ def test_many_rows_and_many_columns_are_read_within_seconds(rates) -> None:
 @pytest.mark.parametrize("finest_first", [False, True])
 @pytest.mark.parametrize(
     "name",
-    ["Zellen", "Anzahl Elemente", "cells", "N", "nombre d'inconnues", "nœuds", "número de nodos", "nodi", "ddl",
-     "Iterationen", "Rechenzeit", "temps", "Größe", "taille", "size", "количество ячеек", "セル数", "#T", "nel", "ne"],
-)  # fmt: skip
+    ["Anzahl Elemente", "N", "nombre d'inconnues", "número de nodos", "Rechenzeit", "Größe", "size", "セル数", "#T"],
+)
 def test_whole_numbers_that_grow_as_the_errors_fall_are_no_errors(name: str, finest_first: bool) -> None:
     for counts in ("32 128 512 2048", "32.0 128.0 512.0 2048.0", "9 9 10 12"):
         rows = sorted(zip(SIZES, counts.split(), ORDER_2, strict=True), reverse=finest_first)
@@ -379,18 +362,3 @@ def test_whole_numbers_that_fall_and_other_numbers_that_grow_are_judged(name, nu
     rows = zip(SIZES, numbers.split(), ORDER_2, strict=True)
     table = "\n".join(";".join(row) for row in [("h", name, "error"), *rows])
     assert f"errors: {name}, error" in rates(table, "--expected", "2", code=code)
-
-
-@pytest.mark.parametrize(
-    ("table", "options", "code", "said"),
-    [
-        ("h,Größe,error\n.4,32,.16\n.2,128,.04\n.1,512,.01\n", "", 0, "ignored: Größe (the whole numbers of Größe do "
-         "not fall as h falls, so they are taken as numbers of cells, iterations or seconds; --columns 'Größe' judges "
-         "them as errors)"),
-        ("h,Größe,error\n.4,32,.16\n.2,128,.04\n.1,512,.01\n", "--columns Größe", 1, "Größe: fails"),
-        ("h,Größe\n.4,32\n.2,128\n.1,512\n", "", 2, "among h (size), Größe (growing): name one with --columns"),
-        ("Zellen,error\n32,.16\n128,.04\n512,.01\n", "", 2, "column Zellen is a count"),
-    ],
-)  # fmt: skip
-def test_a_column_that_is_ignored_because_of_its_numbers_is_explained(table, options, code, said, rates) -> None:
-    assert said in rates(table, "--expected", "2", *options.split(), code=code)

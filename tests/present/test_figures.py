@@ -1,7 +1,5 @@
 """Every figure says what it shows, from its data alone, in a size and in colours that can be read."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from dataclasses import replace
@@ -11,24 +9,22 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from committed import CORNER, RESULTS, SMOOTH, copy_results
+from committed import CORNER, RESULTS, SMOOTH, SOLID, copy_results
 from matplotlib.figure import Figure
 from matplotlib.text import Text
-from numpy.typing import NDArray
 from PIL import Image
 
 from study.cli.main import main
 from study.ledger.datafiles import DataError, read_rates
 from study.ledger.files import UsageError
-from study.present.body import caption_body, draw_body
+from study.present.body import DISPLACEMENT, caption_body, draw_body, magnification
 from study.present.charts import collapsed_chart, finest_orders
 from study.present.contact import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.present.drawing import Drawing, Output, column_width, draw_one, in_style, page_width
 from study.present.figures import drawings, drawings_of, overview
 from study.present.palette import family_styles
-from study.present.picture import Picture, read_pictures
+from study.present.picture import Picture, Segment, caps, misplaced_length, read_pictures, strands
 
-Array = NDArray[np.float64]
 SMALLEST = 7.0
 """Points, of all text but scripts."""
 
@@ -51,7 +47,6 @@ def write_growth(directory: Path, table: pd.DataFrame) -> None:
 
 @pytest.fixture(scope="module")
 def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """All data that there can be; tests only read it."""
     directory = copy_results(tmp_path_factory.mktemp("results"))
     write_growth(directory, growth())
     return directory
@@ -59,7 +54,6 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def figures(measured: Path) -> dict[str, Drawing]:
-    """All figures of these data by their names, not yet drawn."""
     return {drawing.name: drawing for drawing in drawings(measured)}
 
 
@@ -94,17 +88,11 @@ def cut_off_or_tiny(figure: Figure) -> list[str]:
     return beyond + [text.get_text() for text in shown if text.get_fontsize() < SMALLEST]
 
 
-KINDS = {"effectivity", "growth", "orders", f"energy-{CORNER}"}
-"""Figures of several kinds; the nightly job draws all."""
-
-
 @pytest.mark.parametrize("every", [False, pytest.param(True, marks=pytest.mark.slow)], ids=["some", "all"])
-def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(
-    figures: dict[str, Drawing], every: bool
-) -> None:
+def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(figures, every: bool) -> None:
     with in_style():
         narrowest, widest = column_width(), page_width()
-    for name in figures if every else KINDS:
+    for name in figures if every else ("effectivity", "growth", f"energy-{CORNER}"):
         figure = drawn(figures[name])
         assert narrowest <= figure.get_figwidth() <= widest, name
         assert cut_off_or_tiny(figure) == [], name
@@ -116,7 +104,7 @@ def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]
         assert "nan" not in drawing.caption, drawing.name
 
 
-def with_faces(picture: Picture, **change: Array | float) -> Picture:
+def with_faces(picture: Picture, **change) -> Picture:
     """A solid with other values on its contact faces."""
     values = {name: np.broadcast_to(value, getattr(picture.faces[0], name).shape) for name, value in change.items()}
     return replace(picture, faces=[replace(face, **values) for face in picture.faces])
@@ -126,14 +114,8 @@ def with_faces(picture: Picture, **change: Array | float) -> Picture:
 @pytest.mark.parametrize("level", [-1.0, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: Path, level: float) -> None:
     solid, pressure = read_pictures(measured)[-1], max(level, 0.0)
-    shown = with_faces(
-        replace(solid, shown=solid.shown[:1]),
-        level=level,
-        pressure=pressure,
-        pressure_exact=pressure,
-        gap=0.0,
-        gap_exact=0.0,
-    )
+    pressures = {"pressure": pressure, "pressure_exact": pressure}
+    shown = with_faces(replace(solid, shown=solid.shown[:1]), level=level, **pressures, gap=0.0, gap_exact=0.0)
     for draw, caption in ((draw_fronts, caption_fronts), (draw_maps, caption_maps), (draw_body, caption_body)):
         drawn(Drawing("extreme", partial(draw, shown), caption(shown), "An extreme case"))
         assert "nan" not in caption(shown)
@@ -168,13 +150,11 @@ def size_of(png: Path) -> tuple[int, int]:
         return image.size
 
 
-def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_that_are_not_cut_off(
-    figures: dict[str, Drawing], tmp_path: Path
-) -> None:
+def test_every_figure_of_a_slide_is_sixteen_to_nine_with_large_letters_not_cut_off(figures, tmp_path: Path) -> None:
     slides = Output("slides", ("png",))
     png, _ = draw_one(tmp_path, figures["orders"], slides)
     assert size_of(png) == (1920, 1080)
-    for name in ("orders", f"profiles-{CORNER}", f"body-{CORNER}"):
+    for name in ("orders", f"profiles-{CORNER}"):
         with in_style(slides):
             figure = figures[name].draw()
             figure.set_size_inches(4.8, 2.7)
@@ -188,9 +168,7 @@ def test_the_sheet_of_all_cases_is_for_articles_and_one_figure_with_all_orders_f
     assert not sheets["orders"]
 
 
-def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(
-    measured: Path, figures: dict[str, Drawing]
-) -> None:
+def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_line(measured: Path, figures) -> None:
     smooth = read_rates(measured).query("claim == 'Prop. 5.4'")
     found = [order for _, rows in smooth.groupby("case") for order in finest_orders(rows, refinements=2).values()]
     drawing = figures["collapsed"]
@@ -210,9 +188,7 @@ def test_the_slide_of_the_main_result_says_the_observed_orders_and_names_every_l
     assert chart.headline.startswith("On these meshes the error is not O(h): observed orders 0.")
 
 
-def test_figures_are_drawn_by_name_from_one_directory_into_another(
-    alone: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_figures_are_drawn_by_name_from_one_directory_into_another(alone: Path, tmp_path: Path, capsys) -> None:
     shutil.copy(RESULTS / "data" / "provenance.json", alone / "data")
     command = ["figures", "--data", str(alone), "--out", str(tmp_path / "talk"), "--jobs", "1", "--only"]
     assert main([*command, "problem", "orders", "--format", "png"]) == 0
@@ -223,9 +199,7 @@ def test_figures_are_drawn_by_name_from_one_directory_into_another(
     assert re.search(rf"--only order: {alone} has no such figure, only .*orders", capsys.readouterr().err)
 
 
-def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(
-    figures: dict[str, Drawing], tmp_path: Path
-) -> None:
+def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(figures, tmp_path: Path) -> None:
     drawing = figures[f"energy-{CORNER}"]
     assert drawing.alternative.startswith(f"The balance of energy over time, and its defect: {CORNER}. ")
     png, svg, pdf, txt = draw_one(tmp_path, drawing, Output(formats=("png", "svg", "pdf")))
@@ -236,9 +210,7 @@ def test_each_picture_has_an_alternative_text_which_begins_with_its_kind(
     assert "Alternative text: The balance of energy" in txt.read_text(encoding="utf-8")
 
 
-def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_width_of_a_column(
-    alone: Path, tmp_path: Path
-) -> None:
+def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width(alone: Path, tmp_path: Path) -> None:
     style = tmp_path / "journal.mplstyle"
     style.write_text("figure.figsize: 5.0, 4.0\nfont.size: 10\n")
     png, _ = draw_one(tmp_path, named(alone, "orders"), Output(formats=("png",), dpi=100, style=style))
@@ -249,11 +221,67 @@ def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_width_of_a_c
         pass
 
 
-def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(
-    alone: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(alone: Path, capsys) -> None:
     assert {drawing.case for drawing in drawings_of(alone, [SMOOTH])} == {SMOOTH}
     with pytest.raises(UsageError, match=rf"--case nobody: {alone} has no such case, only {SMOOTH}"):
         drawings_of(alone, ["nobody"])
     assert main(["figures", "--dpi", "1", "--out", str(alone)]) == 2
     assert "--dpi must be 10 to 2400, got 1" in capsys.readouterr().err
+
+
+# What is computed from a picture before anything is drawn.
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> list[Picture]:
+    return read_pictures(copy_results(tmp_path_factory.mktemp("results"), (SMOOTH, SOLID), (SMOOTH, SOLID)))
+
+
+@pytest.fixture
+def face(pictures: list[Picture]) -> Segment:
+    """The contact face of a body in the plane, with vertices at equal distances, which the file rounds."""
+    (face,) = pictures[0].segments
+    return replace(face, s=np.linspace(0, 1, len(face.s)))
+
+
+def test_two_patches_that_meet_are_three_strands() -> None:
+    zone = [[], [(0.25, 0.25), (0.5, 0.75)], [(0.1, 0.4), (0.5, 0.8)], [(0.0, 0.9)], [(0.0, 0.9)], []]
+    pieces = strands(np.arange(6.0), zone)
+    births, merger, end = [(0.5, 0.25, 0.25), (0.5, 0.625, 0.625)], 2.5, (4.5, 0.0, 0.9)
+    assert [piece[0] for piece in pieces] == [*births, (merger, 0.0, 0.9)]
+    assert [piece[-1] for piece in pieces] == [(merger, 0.1, 0.4), (merger, 0.5, 0.8), end]
+    assert caps(pieces) == [(merger, 0.0, 0.1), (merger, 0.4, 0.5), (merger, 0.8, 0.9), end]
+
+
+def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures: list[Picture]) -> None:
+    for shown in pictures:
+        largest = np.linalg.norm(shown.displacement, axis=1).max()
+        drawn = magnification(shown.vertices, shown.displacement) * largest
+        assert 0.9 * DISPLACEMENT * shown.size < drawn <= DISPLACEMENT * shown.size
+    assert magnification(shown.vertices, np.zeros_like(shown.displacement)) == 1
+
+
+def test_an_exact_zone_is_off_by_half_a_cell_and_fronts_three_cells_too_far_by_three(face: Segment) -> None:
+    exact = misplaced_length(replace(face, pressure=face.pressure_exact))
+    assert exact.max() <= 0.5 + 1e-6
+    wide = replace(face, pressure=np.maximum(face.pressure_exact, np.roll(face.pressure_exact, 3, axis=1)))
+    off = misplaced_length(wide) - exact
+    assert off[:-1].max() <= 3 + 1e-6
+    assert np.median(off) > 1.9
+
+
+def test_a_zone_that_should_not_be_there_counts_with_its_length(face: Segment) -> None:
+    pressure = np.zeros_like(face.pressure)
+    empty = replace(face, zone=[[] for _ in face.zone_times], pressure=pressure)
+    assert not misplaced_length(empty).any()
+    assert not empty.outside.any()
+    pressure[:, 2:5] = 1.0
+    np.testing.assert_allclose(misplaced_length(empty), 3.0)
+    # At the first time nothing has been solved.
+    np.testing.assert_array_equal(empty.outside.sum(axis=1), [0, *[3] * (len(face.times) - 1)])
+
+
+def test_the_exact_zone_between_known_times_lies_between(face: Segment) -> None:
+    early, late = (face.zone[n][0][1] for n in (10, 11))
+    ((_, front),) = face.exact_zone(float(face.zone_times[10:12].mean()))
+    assert front == pytest.approx((early + late) / 2)

@@ -1,7 +1,5 @@
 """The pages that people read, and the blocks of code on them."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from dataclasses import dataclass
@@ -36,7 +34,6 @@ class Page:
 
     @cached_property
     def prose(self) -> str:
-        """The text without blocks and tables."""
         return re.sub(r"^\|.*?$", "", BLOCK.sub("", self.text), flags=re.MULTILINE)
 
     @property
@@ -48,12 +45,10 @@ class Page:
 
     @property
     def downloads(self) -> list[Path]:
-        """The files beside the page that it tells to download."""
         return [self.path.with_name(name) for name in re.findall(r"{download}`([^`]+)`", self.text)]
 
     @property
     def session(self) -> str:
-        """The Python that the page runs."""
         return "\n".join(self._blocks(self.text, "python"))
 
     def printed(self, by: str) -> list[str]:
@@ -75,7 +70,6 @@ class Page:
 
     @property
     def typed(self) -> list[str]:
-        """The lines for the shell."""
         return self._lines(self.text)
 
     @classmethod

@@ -1,7 +1,5 @@
 """Smoke test of the programs in `benchmarks/` on tiny problems; no timing is tested."""
 
-from __future__ import annotations
-
 import json
 import platform
 import sys

@@ -1,7 +1,5 @@
 """What the project says about itself is so: workflows, examples, recipes, documentation."""
 
-from __future__ import annotations
-
 import inspect
 import re
 import runpy

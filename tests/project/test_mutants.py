@@ -4,7 +4,6 @@ import re
 from pathlib import Path
 
 import pandas as pd
-import pytest
 
 ROOT = Path(__file__).parents[2]
 MUTANTS, PAGE = ROOT / "results" / "mutants", ROOT / "docs" / "explanation" / "mutants.md"
@@ -33,9 +32,9 @@ def test_every_survivor_has_a_reason_and_every_missing_test_has_been_written() -
         assert f"def {found[1]}(" in (ROOT / found[2]).read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("area", AREAS)
-def test_the_page_counts_the_results(area: str) -> None:
-    counts = results(area)["result"].value_counts()
-    numbers = [counts.sum(), *(counts.get(result, 0) for result in ("killed", "timeout", "survived"))]
-    row = " | ".join([area, *(str(int(number)) for number in numbers)])
-    assert f"| {row} |" in PAGE.read_text(encoding="utf-8"), f"docs/explanation/mutants.md should say: | {row} |"
+def test_the_page_counts_the_results() -> None:
+    for area in AREAS:
+        counts = results(area)["result"].value_counts()
+        numbers = [counts.sum(), *(counts.get(result, 0) for result in ("killed", "timeout", "survived"))]
+        row = " | ".join([area, *(str(int(number)) for number in numbers)])
+        assert f"| {row} |" in PAGE.read_text(encoding="utf-8"), f"docs/explanation/mutants.md should say: | {row} |"

@@ -1,7 +1,5 @@
 """What is installed: the exact solutions with NumPy and SymPy, the study as an extra, and what says who made it."""
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import json
@@ -86,9 +84,7 @@ def test_the_wheel_works_with_numpy_and_sympy_alone() -> None:
 
 
 @pytest.mark.parametrize(("command", "extra"), [(["cases"], "study"), (["rates", "errors.csv"], "orders")])
-def test_a_command_without_its_extra_says_how_to_install_it(
-    command: list[str], extra: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_command_without_its_extra_says_how_to_install_it(command, extra: str, capsys, monkeypatch) -> None:
     def without(name: str) -> None:
         raise ModuleNotFoundError(f"No module named 'scipy', for {name}", name="scipy.sparse")
 

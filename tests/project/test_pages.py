@@ -1,6 +1,4 @@
-"""What the README and the documentation tell people to type works."""
-
-from __future__ import annotations
+"""What the README and the documentation tell people to type works; notebooks and formulas of the gallery."""
 
 import importlib.util
 import io
@@ -12,18 +10,23 @@ import warnings
 from collections.abc import Callable, Iterable
 from contextlib import redirect_stdout
 from functools import cache
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
+from docutils.utils.math.latex2mathml import tex2mathml
 from pages import BLOCK, PAGES, README, ROOT, SITE, Page, words
 
+from manufactured import catalogue
 from study.cli.main import main, parser
 from study.fem.naming import resolve, resolve_data
 from study.statements.enclosure import resolve_problem
 
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
 LONG = {"README.md", *(f"docs/how-to/{name}.md" for name in ("adapt", "certify", "figures", "verify-a-contact-code"))}
-LONG |= {f"docs/tutorials/{name}.md" for name in ("own-case", "own-case-3d", "bound", "static", "yielding")}
+LONG |= {f"docs/tutorials/{name}.md" for name in ("own-case", "own-case-3d", "bound", "static", "yielding", "calculix")}
 """Pages whose commands take longer than three seconds, for the slow tests, which `make tutorials` runs. The case of
 ``own-case.md`` is what the tests of most commands start from (``cli/conftest.py``)."""
 LONG_PYTHON = {"docs/how-to/verify-a-contact-code.md", "docs/tutorials/your-displacement.md"}
@@ -85,15 +88,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Page, str], str]:
 
 
 def expect(said: list[str], output: str) -> None:
-    """What a page says is printed."""
     assert [text for text in said if text.rstrip() not in output] == [], output
-
-
-def test_a_page_that_says_that_something_else_is_printed_is_noticed() -> None:
-    (page,) = [page for page in SITE if page.name == "docs/tutorials/scikit-fem.md"]
-    assert len(page.printed("python")) > 1
-    with pytest.raises(AssertionError):
-        expect(page.printed("python"), page.printed("python")[0])
 
 
 def marked(pages: Iterable[Page], long: set[str]) -> pytest.MarkDecorator:
@@ -146,3 +141,98 @@ def test_files_that_a_page_links_to_or_names_are_there(part: str, pattern: str) 
 def test_the_readme_can_be_read_in_a_few_minutes() -> None:
     assert len(README.text.splitlines()) <= 200
     assert len(BLOCK.sub("", README.text).splitlines()) <= 150
+
+
+# Notebooks are committed with the outputs of a run from top to bottom.
+
+
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+
+
+def code_cells(notebook: Any) -> list[Any]:
+    return [cell for cell in notebook.cells if cell.cell_type == "code"]
+
+
+def printed(notebook: Any) -> list[str]:
+    return [output.text for cell in code_cells(notebook) for output in cell.outputs if output.output_type == "stream"]
+
+
+def has_figure(notebook: Any) -> bool:
+    return any("image/png" in output.get("data", {}) for cell in code_cells(notebook) for output in cell.outputs)
+
+
+def test_three_notebooks_are_stored_with_outputs_and_figures_in_less_than_300_kB() -> None:
+    nbformat = pytest.importorskip("nbformat")
+    assert len(NOTEBOOKS) == 3
+    for path in NOTEBOOKS:
+        notebook = nbformat.read(path, as_version=4)
+        nbformat.validate(notebook)
+        counts = [cell.execution_count for cell in code_cells(notebook)]
+        assert counts == list(range(1, len(counts) + 1)), f"{path.name}: run all cells, from top to bottom"
+        assert printed(notebook), path.name
+        assert has_figure(notebook), path.name
+    assert sum(path.stat().st_size for path in NOTEBOOKS) < 300_000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_a_notebook_prints_what_is_stored_and_draws_a_figure(path: Path) -> None:
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    stored = nbformat.read(path, as_version=4)
+    run = nbclient.NotebookClient(nbformat.read(path, as_version=4), timeout=300).execute()
+    assert printed(run) == printed(stored), "run: .venv/bin/jupyter execute --inplace docs/notebooks/*.ipynb"
+    assert has_figure(run)
+
+
+# The formulas of the gallery are those that the cases state, in the form that browsers draw.
+
+
+def extension(name: str) -> ModuleType:
+    """A module of the site."""
+    sys.path.insert(0, str(ROOT / "docs" / "extensions"))
+    try:
+        return import_module(name)
+    finally:
+        sys.path.pop(0)
+
+
+@pytest.fixture(scope="module")
+def gallery() -> ModuleType:
+    return extension("gallery")
+
+
+@pytest.mark.parametrize(
+    ("formula", "drawn"),
+    [
+        (r"(1, \tfrac12)", "<mn>1</mn><mn>2</mn></mfrac><mostretchy"),
+        (r"\tilde\sigma_\nu", '<msub><mover><mi>σ</mi><mostretchy="false">~</mo></mover><mi>ν</mi></msub>'),
+        (r"\lVert u\rVert_V", '<mi>u</mi><msub><mostretchy="false">‖</mo><mi>V</mi></msub>'),
+        (r"\sum_{i=1}^{n} a_i", "<munderover><mo"),
+    ],
+)
+def test_a_formula_is_drawn_as_it_is_written(formula: str, drawn: str) -> None:
+    mathml = extension("mathml").mathml
+    assert drawn in re.sub(r"\s", "", mathml(formula, as_block=True))
+
+
+def test_the_formulas_of_a_case_can_be_drawn_and_none_is_left_in_letters_of_a_keyboard(gallery: ModuleType) -> None:
+    for case in catalogue():
+        _, _, text = gallery.formulas(case)
+        found = re.findall(r"\$(.+?)\$", text)
+        assert len(found) > 2, case.name
+        for formula in found:
+            assert tex2mathml(formula), case.name
+        assert re.findall(r"^    |[\^]|_\{", re.sub(r"\$.+?\$|``.*?``", "", text), re.MULTILINE) == [], case.name
+
+
+@pytest.mark.parametrize(
+    ("written", "latex"),
+    [
+        ("w = 8 (−ψ)_+^4/(1/5 − ψ)³", "w = 8 (-ψ)_+^4/(1/5 - ψ)^3"),
+        ("p = a Q̇ + A_nnnn θ̇", r"p = a \dot{Q} + A_{nnnn} \dot{θ}"),
+        ("|Γ3,2| − x^{−1/2}", "|Γ_{3,2}| - x^{-1/2}"),
+        ("Re(a z^α) cos λω", r"\operatorname{Re}(a z^α) \operatorname{cos} λω"),
+    ],
+)
+def test_a_formula_becomes_latex(written: str, latex: str, gallery: ModuleType) -> None:
+    assert sys.modules["formulas"].latex(written) == latex

@@ -1,7 +1,5 @@
 """What README and documentation show is what the data say."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -65,14 +63,11 @@ def test_the_list_of_misprints_has_every_one_of_the_ledger(full: FullRun) -> Non
     assert all(f"| {place} |" in table for place in listed)
 
 
-def test_the_badges_say_what_is_so(full: FullRun) -> None:
+def test_the_badges_say_what_is_so_and_are_red_where_a_row_fails_and_a_defect_goes_unseen(full: FullRun) -> None:
     found = badges(full, ROOT / "pyproject.toml")
     assert set(re.findall(r"\]\(results/badges/(\S+)\)\]", README.text)) == set(found)
     for name, svg in found.items():
         assert svg == (ROOT / "results" / "badges" / name).read_text(encoding="utf-8"), "run: make pages"
-
-
-def test_a_badge_is_red_where_a_row_fails_and_a_defect_goes_unseen(full: FullRun) -> None:
     failing = full.claims.assign(verdict=["fails", *full.claims["verdict"][1:]])
     unseen = full.controls.assign(caught=full.controls["caught"].replace("yes", "no"))
     found = badges(replace(full, claims=failing, controls=unseen), ROOT / "pyproject.toml")
@@ -107,6 +102,9 @@ def test_the_orders_at_their_head_are_those_of_the_errors_measured() -> None:
     assert shown == pytest.approx([min(limits), max(limits), min(orders), max(orders)], abs=0.01)
     assert shown[0] <= min(limits) <= max(limits) <= shown[1]
     assert shown[2] <= min(orders) <= max(orders) <= shown[3]
+    numbers = (ROOT / "results" / "article" / "numbers.tex").read_text(encoding="utf-8")
+    for name, value in zip(("orderLevelMin", "orderLevelMax"), row[2:], strict=True):
+        assert rf"\newcommand{{\{name}}}{{{value}}}" in numbers, "the papers say the same"
 
 
 def test_what_its_head_says_is_at_most_so_large_is_not_larger_and_hardly_smaller() -> None:

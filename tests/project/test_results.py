@@ -1,7 +1,5 @@
 """The committed results are what the code gives: measured again at small levels, judged again, drawn."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -16,7 +14,6 @@ from study.controls import alarms
 from study.controls.sensitivity import SENSITIVITY, sensitivity_text
 from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import SEEDS, read_claims, read_csv
-from study.ledger.orders import orders
 from study.ledger.verdict import HOLDS, REPORTED, UNCLAIMED
 from study.run.judgement import judge
 from study.run.plan import full
@@ -62,19 +59,16 @@ def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int
             assert again[column] == pytest.approx(row[column], rel=1e-5, abs=1e-9), (row["family"], column)
 
 
-AGREEING = ("advance-recede", "layered", "softening", "yield-on-a-part")
-"""Cases with several laws."""
+WITH_SEVERAL_LAWS = ("advance-recede", "layered", "softening", "yield-on-a-part")
 
 
-@pytest.mark.parametrize("case", slow_except(AGREEING, EQUIVALENCE["case"].unique()))
+@pytest.mark.parametrize("case", slow_except(WITH_SEVERAL_LAWS, EQUIVALENCE["case"].unique()))
 def test_both_formulations_agree_again(case: str) -> None:
     committed = EQUIVALENCE.query(f"case == '{case}'").iloc[0]
     row = SameMesh().measure(Setting(case, committed["family"], int(committed["level"])))
     assert row["steps"] == committed["steps"]
     assert row["h"] == pytest.approx(committed["h"])
-    assert max(row["admissibility"], row["energy_gap"], row["membership"]) <= 1e-7
-    assert row["displacement_gap"] <= row["displacement_bound"] <= 1e-5
-    assert row["stress_gap"] <= row["stress_bound"] <= 1e-5
+    assert {verdict.verdict for verdict in SameMesh().judge(pd.DataFrame([row]))} == {HOLDS}
 
 
 def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
@@ -164,10 +158,14 @@ def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tm
     pd.testing.assert_frame_equal(again, committed, rtol=1e-6)
 
 
-def test_the_committed_run_has_every_case_and_reaches_level_256() -> None:
+def test_the_committed_run_has_every_case_reaches_level_256_and_has_its_tables_and_figures_over_all_cases() -> None:
     assert set(RATES["case"]) == set(NAMES)
     finest = RATES.groupby(["dim", "case"])["level"].max()
     assert (finest.max() >= 256, finest.loc[2].min() >= 64, finest.loc[3].min() >= 18) == (True, True, True)
+    for name in ("rates", "ledger", "equivalence", "stresses", "bounds", "controls"):
+        assert (RESULTS / "tables" / f"{name}.md").is_file()
+    for name in ("collapsed", "convergence", "effectivity", "growth", "problem"):
+        assert {".pdf", ".txt"} <= {path.suffix for path in (RESULTS / "figures").glob(f"{name}.*")}
 
 
 def test_every_row_without_a_claim_says_why_there_is_none() -> None:
@@ -187,34 +185,6 @@ def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ()
     labels = ["data", *dict.fromkeys(statement.label for statement in listed)]
     assert sorted(claims["label"].unique(), key=labels.index) == list(claims["label"].unique())
     assert not claims.duplicated(["label", "key", "case", "family"]).any()
-
-
-def test_a_row_that_holds_lies_in_its_window() -> None:
-    """With its range, or where that has a window of its own with its value; orders are contained in their range."""
-    claims = read_claims(RESULTS)
-    held = claims[claims["verdict"] == HOLDS]
-    inside = held["observed"].between(held["window_low"], held["window_high"])
-    enclosed = (held["low"] <= held["window_low"]) & (held["window_high"] <= held["high"])
-    assert (inside | enclosed).all()
-
-
-def test_orders_in_3d_lie_within_a_tenth_of_one_on_the_finest_pair() -> None:
-    """Of the interpolation error and of the error, on every family."""
-    for _, rows in RATES.query("dim == 3").groupby(["case", "family"]):
-        finest = rows.tail(2)
-        for column in ("error", "interpolation_error"):
-            assert abs(orders(finest["h"].to_numpy(), finest[column].to_numpy())[0] - 1) <= 0.1
-
-
-def test_steps_in_time_hardly_add_to_the_errors_of_smooth_solutions() -> None:
-    assert RATES.loc[RATES["claim"] == "Prop. 5.4", "time_share"].max() <= 0.02
-
-
-def test_the_tables_of_the_committed_run_and_the_figures_over_all_cases_are_there() -> None:
-    for name in ("rates", "ledger", "equivalence", "stresses", "bounds", "controls"):
-        assert (RESULTS / "tables" / f"{name}.md").is_file()
-    for name in ("collapsed", "convergence", "effectivity", "growth", "problem"):
-        assert {".pdf", ".txt"} <= {path.suffix for path in (RESULTS / "figures").glob(f"{name}.*")}
 
 
 def test_what_is_printed_of_the_committed_seeds_and_small_defects_fits_80_columns() -> None:

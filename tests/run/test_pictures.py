@@ -16,12 +16,10 @@ from study.fem.mesh import MeshError, Skin, Unstructured, boundary_parts
 from study.fem.naming import resolve
 from study.ledger.pictures import FINE, STEPS
 from study.present.picture import Picture
-from study.run.plan import Plan, full, quick
 from study.solve.motion import Motion
 from study.statements import pictures
 from study.statements.pictures import Pictures, mesh_for, record
 from study.statements.shared.base import Setting
-from study.statements.shared.scope import SLOW
 
 Array = NDArray[np.float64]
 SOLIDS = [
@@ -43,13 +41,6 @@ def vectors(x: Array, triangles: NDArray[np.int64]) -> Array:
     """Area times normal of triangles, (k, 3)."""
     a, b, c = (x[:, corner].T for corner in triangles)
     return np.cross(b - a, c - a) / 2
-
-
-@pytest.mark.parametrize("scope", [quick, full])
-def test_every_case_has_a_picture(scope) -> None:
-    jobs = [job for job in Plan.of(scope()).jobs if isinstance(job.statement, Pictures)]
-    measured = [name for name in NAMES if scope is full or name not in SLOW]
-    assert [job.setting.case for job in jobs] == measured
 
 
 @pytest.mark.parametrize("case", SOLIDS)

@@ -1,13 +1,13 @@
-"""What the quick and the full study measure: nothing that the ledger promises is left out."""
+"""What the quick and the full study measure, and the cache keys of the results: nothing is left out or confused."""
 
 from __future__ import annotations
 
-import re
-import subprocess
+import shutil
 import sys
 from collections.abc import Callable, Hashable
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -18,12 +18,15 @@ from manufactured.catalogue import NAMES
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
 from study.fem.naming import resolve
 from study.ledger.files import UsageError
+from study.run import fingerprint as keys
+from study.run.fingerprint import COMPUTING, ROOT, fingerprint, of_everything, problem
 from study.run.plan import Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.contact_work import WorkOfContact
 from study.statements.enclosure import resolve_problem
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
+from study.statements.initial_gap import InitialGap
 from study.statements.landings import Landings
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
@@ -38,7 +41,6 @@ SCOPES = ("quick", "full")
 
 @cache
 def scope(name: str) -> Scope:
-    """The quick or the full study."""
     return quick() if name == "quick" else full()
 
 
@@ -48,7 +50,6 @@ def plan(name: str) -> Plan:
 
 
 def rates(name: str) -> list[RateSetting]:
-    """Where a study measures errors."""
     return [job.setting for job in plan(name).jobs if isinstance(job.statement, Rates)]
 
 
@@ -80,14 +81,13 @@ def test_the_quick_study_measures_a_case_on_the_families_it_names_and_a_twin_on_
 
 
 @pytest.mark.parametrize("name", SCOPES)
-@pytest.mark.parametrize("position", [4, *(pytest.param(end, marks=pytest.mark.slow) for end in (0, len(NAMES)))])
 def test_a_case_inserted_into_the_catalogue_changes_no_measurement_of_another_case(
-    name: str, position: int, monkeypatch: pytest.MonkeyPatch
+    name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = {job.identity for job in plan(name).jobs}
     inserted = ModuleType("inserted")
     inserted.case = lambda: replace(named("advance-recede"), name="inserted")  # type: ignore[attr-defined]
-    more = (*NAMES[:position], "inserted", *NAMES[position:])
+    more = (*NAMES[:4], "inserted", *NAMES[4:])
     monkeypatch.setitem(sys.modules, "manufactured.cases.inserted", inserted)
     for module in ("manufactured.catalogue", "study.fem.naming"):
         monkeypatch.setattr(sys.modules[module], "NAMES", more)
@@ -98,9 +98,8 @@ def test_a_case_inserted_into_the_catalogue_changes_no_measurement_of_another_ca
     assert len(jobs) > len(others)
 
 
-@pytest.mark.parametrize("position", [0, pytest.param(len(FAMILIES), marks=pytest.mark.slow)])
-def test_another_mesh_family_adds_measurements_and_changes_none(position: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    more = (*FAMILIES[:position], OneDiagonal(name="another"), *FAMILIES[position:])
+def test_another_mesh_family_adds_measurements_and_changes_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    more = (OneDiagonal(name="another"), *FAMILIES)
     before = {name: {job.identity for job in plan(name).jobs} for name in SCOPES}
     for module in ("study.statements.shared.scope", "study.fem.naming"):
         monkeypatch.setattr(f"{module}.FAMILIES", more)
@@ -151,14 +150,6 @@ def test_a_case_that_represents_an_unknown_property_is_refused() -> None:
         replace(named("full-contact"), represents=("body", "colour"))
 
 
-def test_a_case_is_made_without_making_any_other_case() -> None:
-    program = "import sys; from study.fem.naming import resolve; resolve('hexagon'); print(*sys.modules)"
-    loaded = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout.split()
-    assert "manufactured.cases.hexagon" in loaded
-    others = {f"manufactured.cases.{re.sub('[-.]', '_', name)}" for name in NAMES} - {"manufactured.cases.hexagon"}
-    assert not others.intersection(loaded)
-
-
 def test_both_formulations_are_compared_on_one_family_of_a_case_in_the_quick_study_and_on_all_in_the_full_one() -> None:
     for name in SCOPES:
         mine = [job.setting for job in plan(name).jobs if isinstance(job.statement, SameMesh)]
@@ -188,6 +179,13 @@ def test_every_statement_is_measured_on_cases_and_problems_that_exist(name: str)
     assert missing == (FULL_ONLY if name == "quick" else set())
     for job in jobs:
         assert resolve_problem(job.setting.case).name == job.setting.case
+
+
+@pytest.mark.parametrize("name", SCOPES)
+def test_no_statement_but_its_own_is_measured_on_a_gap(name: str) -> None:
+    gaps = {case.name for case in catalogue() if case.solution.has_initial_gap}
+    about = {type(job.statement) for job in plan(name).jobs if job.setting.case in gaps}
+    assert about == {InitialGap, Pictures}
 
 
 @pytest.mark.parametrize("name", SCOPES)
@@ -253,3 +251,108 @@ def test_rough_places_that_no_cell_rule_serves_are_refused_before_the_run(tmp_pa
     small = replace(mine, equivalence=(), solid_equivalence=(), every_family=False, statements=False)
     with pytest.raises(MeshError, match=message):
         Plan.of(small).check()
+
+
+SETTING = RateSetting("full-contact", "shaken", 4, "midpoint", 8)
+
+
+COMPUTE = (
+    *("study/fem/space.py", "study/solve/steps.py", "manufactured/case.py", "study/statements/prop_5_4.py"),
+    *("manufactured/cases/full_contact.py", "manufactured/cases/laws.py", "study/statements/shared/norms.py"),
+)
+"""Modules on which the order of convergence for the case *full-contact* depends."""
+REST = (
+    *("study/ledger/text.py", "study/run/executor.py", "study/cli/run.py", "manufactured/catalogue.py"),
+    *("manufactured/cases/corner.py", "study/statements/korn.py", "study/statements/__init__.py"),
+)
+"""Other modules, among them another case, another statement and the lists of cases and statements."""
+CACHED = ("code_hash", "measuring_code", "_modules", "_imported", "_code")
+
+
+@pytest.fixture
+def copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Some modules of the project below another root, of which the hash is computed."""
+    for module in (*COMPUTE, *REST):
+        (tmp_path / module).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(ROOT / module, tmp_path / module)
+    monkeypatch.setattr(keys, "ROOT", tmp_path)
+    for name in CACHED:
+        monkeypatch.setattr(keys, name, cache(getattr(keys, name).__wrapped__))
+    return tmp_path
+
+
+def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_not(copied: Path) -> None:
+    def keys_after(old: str, new: str, *modules: str) -> tuple[str, str]:
+        """The cache keys of a measurement, and of all that depends on any code, after a change of modules."""
+        texts = {copied / module: (copied / module).read_text(encoding="utf-8") for module in modules}
+        for path, text in texts.items():
+            assert old in text, (path, old)
+            path.write_text(text.replace(old, new, 1), encoding="utf-8")
+        for name in CACHED:
+            getattr(keys, name).cache_clear()
+        found = fingerprint(FirstOrder(), SETTING), of_everything()
+        for path, text in texts.items():
+            path.write_text(text, encoding="utf-8")
+        return found
+
+    every = (*COMPUTE, *REST)
+    before = keys_after("", "")
+    assert keys_after('"""', '"""In other words: ', *every) == before
+    assert keys_after("\n\n", "\n# A comment.\n\n", *every) == before
+    for module in every:
+        measured, everything = keys_after("\nfrom ", "\nCHANGED = 1\nfrom ", module)
+        assert (measured != before[0]) == (module in COMPUTE)
+        assert everything != before[1]
+    measured, everything = keys_after("positive_at_most(0.02", "positive_at_most(0.03", "study/statements/prop_5_4.py")
+    assert measured == before[0], "a changed window measures nothing anew"
+    assert everything != before[1]
+
+
+def test_all_packages_below_the_statements_are_part_of_the_key() -> None:
+    hashed = {path.relative_to(ROOT).parts[:2] for pattern in COMPUTING for path in ROOT.glob(pattern)}
+    packages = "fem solve stresses bound statements ledger"
+    assert {package for top, package in hashed if top == "study"} == set(packages.split())
+    assert "manufactured" in {top for top, _ in hashed}
+
+
+def test_other_versions_of_libraries_change_the_key(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = fingerprint(FirstOrder(), SETTING)
+    assert fingerprint(FirstOrder(), SETTING) == before
+    monkeypatch.setattr(keys, "versions", lambda: {"numpy": "another"})
+    assert fingerprint(FirstOrder(), SETTING) != before
+
+
+def test_measurements_that_differ_in_one_respect_have_different_keys() -> None:
+    changes = {"case": "no-contact", "family": "one-diagonal", "level": 5, "scheme": "bdf2", "steps": 9}
+    others = [replace(SETTING, **{name: value}) for name, value in changes.items()]
+    keys = {fingerprint(FirstOrder(), setting) for setting in (SETTING, *others)}
+    keys.add(fingerprint(SameMesh(), Setting("full-contact", "shaken", 4)))
+    assert len(keys) == len(changes) + 2
+
+
+MINE = """
+from dataclasses import replace
+from functools import cache
+from manufactured import named
+
+FACTOR = 1
+mine = replace(named("advance-recede"), name="mine", pace=PACE)
+"""
+
+
+def test_a_users_case_is_known_by_its_value_and_its_file_wherever_it_lies(tmp_path: Path) -> None:
+    def key_of(folder: str, text: str) -> str:
+        (tmp_path / folder).mkdir(exist_ok=True)
+        file = tmp_path / folder / "mine.py"
+        file.write_text(text, encoding="utf-8")
+        for cached in (resolve, resolve_problem, problem):
+            cached.cache_clear()
+        return fingerprint(FirstOrder(), RateSetting(f"{file}:mine", "shaken", 4, "midpoint", 8))
+
+    text = MINE.replace("PACE", "3")
+    before = key_of("here", text)
+    assert key_of("there", text) == before
+    assert key_of("here", "# A comment." + text) == before
+    for other in (text.replace("FACTOR = 1", "FACTOR = 2"), text.replace("pace=3", "pace=2")):
+        assert key_of("here", other) != before
+    assert key_of("here", text.replace("advance-recede", "travelling-patch")) != before

@@ -1,7 +1,5 @@
 """Rows as a study hands them to ``judge``, measured or invented, and verdicts by their keys."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Every verdict on the contact force can come out otherwise, and its norms are the ones that they are called."""
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -9,7 +7,7 @@ from measured_rows import verdicts
 
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNCLAIMED, UNDECIDED
 from study.solve.tableau import MIDPOINT
-from study.statements.contact_force import LANDS, ContactForce, Forces, errors_in_time, measure_contact
+from study.statements.contact_force import LANDS, ContactForce, Forces, errors_in_time
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 
@@ -35,6 +33,9 @@ def test_on_random_meshes_a_low_order_of_the_pressure_is_a_missed_prediction_and
     found = verdicts(STATEMENT, pd.concat([table(), table(family="shaken", pressure=0.2)]))
     assert found.pop("order-pressure-random") == MISSED
     assert set(found.values()) == {HOLDS}
+    # Of the dual norm order one is enough there, and less is not.
+    found = [verdicts(STATEMENT, table(family="shaken", dual=LEVELS**-order)) for order in (1.0, 0.8)]
+    assert [verdict["order-dual-other"] for verdict in found] == [HOLDS, FAILS]
 
 
 def test_a_pressure_that_jumps_in_time_has_the_predicted_order_one_half_on_every_mesh_and_none_is_claimed() -> None:
@@ -63,11 +64,6 @@ def test_a_wrong_force_fails(column: str, value, key: str) -> None:
     assert verdicts(STATEMENT, table(**{column: value}))[key] == FAILS
 
 
-@pytest.mark.parametrize(("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS)])
-def test_on_other_meshes_order_one_is_enough_and_less_is_not(order: float, verdict: str) -> None:
-    assert verdicts(STATEMENT, table(family="shaken", dual=LEVELS**-order))["order-dual-other"] == verdict
-
-
 def test_no_order_of_the_resultant_is_claimed_if_a_face_meets_the_clamped_side() -> None:
     found = verdicts(STATEMENT, table(clamped=1, resultant=1 / LEVELS**0.5))
     assert found["order-resultant"] == MISSED
@@ -85,9 +81,7 @@ def setup() -> Experiment:
 
 
 @pytest.mark.parametrize("factor", [1.0, 1.2])
-def test_forces_too_large_by_a_factor_are_wrong_by_this_factor_in_the_dual_norm_and_the_resultant(
-    setup: Experiment, factor: float
-) -> None:
+def test_forces_too_large_by_a_factor_are_wrong_by_it_in_the_dual_norm_and_the_resultant(setup, factor: float) -> None:
     """Right moments of the pressure leave an error in L² alone."""
     forces, times = Forces(setup), np.array([0.3, 0.7])
     pressures = [face.weights[:, None] * face.exact.pressure(times).reshape(-1, 2) for face in forces.faces]
@@ -104,12 +98,6 @@ def test_the_dual_norm_is_a_supremum(setup: Experiment) -> None:
     fields = [best, *rng.standard_normal((50, setup.space.dofs))]
     attained, *others = [abs(y @ (N @ v)) / np.sqrt(v @ M @ v) for v in fields]
     assert max(others) < attained == pytest.approx(np.sqrt(y @ forces.W @ y))
-
-
-def test_time_steps_hardly_change_the_contact_force(setup: Experiment) -> None:
-    found = measure_contact(setup)
-    assert found["pressure_time_share"] < 0.1
-    assert found["penetration"] < 1e-14
 
 
 @pytest.mark.parametrize("peak", range(5))

@@ -1,7 +1,5 @@
 """The work of contact: the lemma on one edge, its rows, and what must break them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -79,10 +77,10 @@ def verdict_of(verdicts: list[Verdict], key: str) -> set[str]:
 
 def test_the_work_on_every_edge_is_within_its_bound_unless_there_is_pressure_off_the_contact_zone(monkeypatch) -> None:
     """A constant is added to the pressure: the seminorm does not see it."""
-    settings, stated = grid(("trains", "merging-patches"), (GRID,), (16, 32)), FaceFields.stated_pressure
+    settings, stated = grid(("merging-patches",), (GRID,), (16, 32)), FaceFields.stated_pressure
     assert {verdict.verdict for verdict in EdgeWork().judge(measured(EdgeWork(), settings))} == {HOLDS}
     monkeypatch.setattr(FaceFields, "stated_pressure", lambda self, time: np.asarray(stated(self, time) + 1e4))
-    verdicts = EdgeWork().judge(measured(EdgeWork(), settings[1::2]))
+    verdicts = EdgeWork().judge(measured(EdgeWork(), settings[1:]))
     assert FAILS in verdict_of(verdicts, "solution") & verdict_of(verdicts, "constant")
 
 
@@ -119,13 +117,10 @@ def test_work_of_order_one_holds_and_is_reported_on_irregular_meshes_and_too_few
     assert verdict_of(WorkOfContact().judge(rows[rows["level"] <= 32]), "order") == {UNDECIDED}
 
 
-@pytest.mark.parametrize("order", [0.8, 1.5])
-def test_work_of_another_order_fails(order: float) -> None:
-    verdicts = WorkOfContact().judge(work_rows(lambda n: float(n) ** -order))
-    assert verdict_of(verdicts, "order") == verdict_of(verdicts, "order-mean") == {FAILS}
-
-
-def test_a_spread_that_stays_and_work_that_cannot_be_seen_fail() -> None:
+def test_work_of_another_order_a_spread_that_stays_and_work_that_cannot_be_seen_fail() -> None:
+    for order in (0.8, 1.5):
+        verdicts = WorkOfContact().judge(work_rows(lambda n, order=order: float(n) ** -order))
+        assert verdict_of(verdicts, "order") == verdict_of(verdicts, "order-mean") == {FAILS}
     verdicts = WorkOfContact().judge(work_rows(lambda n: 0.01 / n, spread=0.0))
     assert verdict_of(verdicts, "spread") == verdict_of(verdicts, "share") == {FAILS}
 
@@ -145,13 +140,6 @@ def test_functions_of_the_space_are_the_same_on_the_refined_mesh(coarse: Resolve
         np.sum(each.volumes * each.strain(v) ** 2) for each, v in ((space, some), (fine, coarse.inclusion @ some))
     )
     assert one == pytest.approx(other)
-
-
-def test_cells_are_small_where_details_are_and_large_elsewhere(coarse: Resolved) -> None:
-    mesh = coarse.v_norm.space.mesh
-    sides = np.linalg.norm(mesh.p[:, mesh.t] - np.roll(mesh.p[:, mesh.t], 1, axis=1), axis=0).max(axis=0)
-    assert sides.min() < 2.0**-9 / 4 / 3 * 1.5
-    assert sides[mesh.p[1, mesh.t].min(axis=0) > 0.5].min() > 0.05
 
 
 def test_the_work_is_the_same_through_the_load_and_on_the_face(coarse: Resolved) -> None:
@@ -175,10 +163,3 @@ def test_the_work_for_many_sets_of_vertices_is_that_of_interpolants_for_each(coa
             expected += [pressure @ np.interp(place, v[j], w) for v, w in zip(sets, nodal, strict=True)]
     np.testing.assert_allclose(total([np.array(each) for each in zip(*sets, strict=True)]), expected, rtol=1e-12)
     np.testing.assert_allclose([total(vertices) for vertices in sets], expected, rtol=1e-12)
-
-
-def test_random_vertices_keep_the_ends_and_their_order() -> None:
-    (moved,) = shaken([np.linspace(0, 1, 9)], np.random.default_rng(3))
-    assert moved[[0, -1]].tolist() == [0, 1]
-    assert np.all(np.diff(moved) > 0)
-    assert not np.allclose(moved, np.linspace(0, 1, 9))

@@ -1,15 +1,16 @@
 """Every statement that lists its numbers: quick settings hold, each row can fail, and any part can be judged."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 import pytest
 from measured_rows import quick_rows, verdicts
 
 from study.fem.naming import resolve
+from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED
+from study.run.plan import quick
 from study.statements.admissibility import Admissibility
 from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
@@ -23,6 +24,7 @@ from study.statements.lipschitz import Lipschitz
 from study.statements.residual import Residual
 from study.statements.shared.base import ListedNumbers
 from study.statements.shared.meshes import EVERY, families, place, representing, space_of
+from study.statements.shared.scope import Levels, Scope
 from study.statements.uniqueness import OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
 
@@ -31,15 +33,8 @@ STATEMENTS: tuple[ListedNumbers, ...] = (
     *(Green(), Korn(), Viscosity(), ElasticityOperator(), Projection(), Norms(), Lipschitz(), VertexConstraint()),
     *(Interpolant(), InterpolationInV(), InterpolationOnContact(), Residual(), *EVOLUTION),
 )
-ONE_LEVEL_UNDECIDED = {
-    Korn(): {"limit"},
-    Norms(): {"settled-smallest", "settled-largest"},
-    InterpolationInV(): {"smooth", "u-0.23", "u-0.61"},
-    InterpolationOnContact(): {"smooth-face-1"},
-    NaturalConditions(): {"loaded", "contact", "loaded-weakly", "tangential-weakly"},
-    ErrorBounds(): {"steady-5.21", "steady-5.42"},
-}
-"""Rows that one level cannot decide: orders, and changes under refinement."""
+ORDERS_AND_CHANGES = Korn(), Norms(), InterpolationInV(), InterpolationOnContact(), NaturalConditions(), ErrorBounds()
+"""Statements about orders, and changes under refinement."""
 DEAR = {
     *(Green(), Residual(), Lipschitz(), InterpolationInV(), InterpolationOnContact()),
     *(BoundedVelocity(), Dependence(), ErrorBounds(), NaturalConditions()),
@@ -67,12 +62,12 @@ def test_two_cases_of_the_quick_settings_hold_and_each_case_is_judged_by_its_own
     assert statement.judge(rows.iloc[:0]) == []
 
 
-@each(ONE_LEVEL_UNDECIDED)
+@each(ORDERS_AND_CHANGES)
 def test_one_level_decides_neither_orders_nor_changes(statement: ListedNumbers) -> None:
     rows = quick_rows(statement)
-    found = verdicts(statement, rows[rows["level"] == rows["level"].min()])
-    assert {key for key, verdict in found.items() if verdict == UNDECIDED} >= ONE_LEVEL_UNDECIDED[statement]
-    assert FAILS not in found.values()
+    found = verdicts(statement, rows[rows["level"] == rows["level"].min()]).values()
+    assert UNDECIDED in found
+    assert FAILS not in found
 
 
 @each(EVOLUTION)
@@ -94,3 +89,38 @@ def test_settings_are_different_and_name_families_that_mesh_their_bodies(stateme
 
 def test_levels_are_moved_to_where_the_ends_of_parts_are_vertices() -> None:
     assert all(space_of(setting).dofs for setting in place(representing("body"), EVERY, (5,), (2,)))
+
+
+# Studies that cannot be measured are refused before anything is solved.
+
+
+ONE = replace(quick(), cases=("full-contact",))
+SOFT = replace(quick(), cases=("full-contact", "softening"), scheme="backward-euler")
+
+
+@pytest.mark.parametrize("scope", [ONE, SOFT, replace(ONE, k=1.0), replace(SOFT, k=0.25)], ids=["1", "2", "3", "4"])
+def test_steps_up_to_the_final_time_and_short_enough_for_a_softening_law_are_accepted(scope: Scope) -> None:
+    scope.check()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        *(({"k": k}, f"^the time step must be positive and at most T, got k = {k:g}") for k in (-0.1, 0.0, 1.01)),
+        ({"k": 1.0}, r"^softening: .*backward-euler"),  # The problem of a step may have several solutions.
+        *(
+            ({kind: Levels(levels)}, message)
+            for kind in ("plane", "rough", "solid")
+            for levels, message in (
+                ((), "got none"),
+                ((1, 2), "got 1 2"),
+                ((4, 4), "must increase"),
+                ((8, 4), "increase"),
+            )
+        ),
+    ],
+    ids=str,
+)
+def test_impossible_time_steps_and_levels_are_refused(changes: dict[str, object], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        replace(SOFT, **changes).check()

@@ -1,21 +1,18 @@
 """The evidence for the error of a row: u^h on Γ1, the parallelogram law, the leading term, and a second solver."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 import pandas as pd
 import pytest
-from sympy import Integer, cos, sin
+from on_floor import on_floor
+from sympy import cos, sin
 
-from manufactured import ContactFace, s, t
-from manufactured.body import Kind, unit_square
+from manufactured import s, t
 from manufactured.cases.laws import not_proportional
 from manufactured.exact import ExactSolution
 from manufactured.factor import Factor, x1, x2
-from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import OneDiagonal
@@ -34,11 +31,6 @@ from study.statements.shared.experiment import Experiment
 
 def measured(solution: ExactSolution, n: int = 8) -> Measurement:
     return measure(Experiment.of(solution, OneDiagonal(), n, MIDPOINT, 8))
-
-
-def work_of_contact(v_norm: ErrorNorm) -> Array:
-    """∫_{Γ3} p v_ν for v ∈ V^h at t = 1/2, (n_dofs,)."""
-    return v_norm._contact_work(*(v_norm._amplitudes(0.5, rate) for rate in (False, True)))
 
 
 def test_u_h_on_the_clamped_part_is_relative_to_its_largest_value(monkeypatch) -> None:
@@ -64,17 +56,19 @@ def test_the_parallelogram_law_fails_if_u_minus_its_interpolant_is_recorded_as_t
 def test_the_parallelogram_law_tolerates_a_viscosity_that_no_quadrature_integrates_exactly() -> None:
     """Four cells are a whole wave of A's factor; polynomials, as in the catalogue, leave rounding."""
     wave = Factor(2 + sin(6 * x1) * cos(6 * x2), 1.0, 3.0)
-    body, law = unit_square(), not_proportional(2, wave, wave)
-    face = ContactFace.linear(body.of(Kind.CONTACT)[0], law, body.T, Integer(0), t * (2 + s), Integer(1))
-    assert 1e-5 <= measured(ExactSolution(body, law, (face,)), 4).parallelogram() <= PARALLELOGRAM.high
+    solution = on_floor(not_proportional(2, wave, wave), 0, t * (2 + s))
+    assert 1e-5 <= measured(solution, 4).parallelogram() <= PARALLELOGRAM.high
 
 
 def test_a_raised_rule_integrates_a_steep_pressure_better() -> None:
-    body, law = unit_square(), not_proportional(2)
-    face = ContactFace.linear(body.of(Kind.CONTACT)[0], law, body.T, Integer(0), t * (1 + cos(50 * s)), Integer(1))
-    solution = ExactSolution(body, law, (face,))
-    space = Space(OneDiagonal()(body, 2), body)
-    plain, raised, reference = (work_of_contact(ErrorNorm(solution, space, raised, along=())) for raised in (0, 2, 12))
+    solution = on_floor(not_proportional(2), 0, t * (1 + cos(50 * s)))
+    space = Space(OneDiagonal()(solution.body, 2), solution.body)
+
+    def work_of_contact(raised: int) -> np.ndarray:
+        v_norm = ErrorNorm(solution, space, raised, along=())
+        return v_norm._contact_work(*(v_norm._amplitudes(0.5, rate) for rate in (False, True)))
+
+    plain, raised, reference = map(work_of_contact, (0, 2, 12))
     assert 0 < abs(raised - reference).max() < abs(plain - reference).max() / 3
 
 
@@ -112,16 +106,12 @@ def recomputed(tables: dict[CsvFile, pd.DataFrame]) -> dict[str, str]:
     return {verdict.key: verdict.verdict for verdict in Recomputed().judge(joined(Recomputed(), tables))}
 
 
-@pytest.mark.parametrize("case", ["yield-and-release", "corner", "natural-front"])
-def test_both_ways_agree_and_a_reported_size_that_is_wrong_by_a_factor_is_caught(case: str) -> None:
+@pytest.mark.parametrize("case", ["yield-and-release", "natural-front", pytest.param("corner", marks=pytest.mark.slow)])
+def test_both_ways_agree_and_a_reported_size_that_is_missing_or_wrong_by_a_factor_is_caught(case: str) -> None:
     tables = small_run(case)
     assert set(recomputed(tables).values()) == {HOLDS}
     for column, change in (("error", 0.01), ("interpolation_error", 0.01), ("discrete_error", 0.05)):
         for factor in (1 - change, 1 + change):
             found = recomputed({**tables, RATES: tables[RATES].assign(**{column: factor * tables[RATES][column]})})
             assert {key for key, verdict in found.items() if verdict == FAILS} == {column.replace("_", "-")}
-
-
-def test_a_row_that_was_not_reported_fails() -> None:
-    tables = small_run("corner")
     assert recomputed({**tables, RATES: tables[RATES].iloc[:0]})["error"] == FAILS

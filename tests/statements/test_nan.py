@@ -3,40 +3,25 @@
 Python's ``max`` and ``min`` hide NaN unless it comes first; pandas leaves it out.
 """
 
-from __future__ import annotations
-
 import ast
 import math
-import sys
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from itertools import count
+import re
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pandas as pd
 import pytest
-from measured_rows import measured, verdicts
 
-from study.fem.independent import LeadingTerm
-from study.fem.naming import resolve
+from study.fem import independent
 from study.ledger.criterion import Criterion, among
-from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
+from study.ledger.verdict import HOLDS, UNDECIDED
 from study.ledger.window import at_most
-from study.solve.evolution import ContactStep, SemiDiscrete, State
-from study.solve.tableau import MIDPOINT
-from study.statements import contact_work, edge_work, lipschitz, solution_divergence, superclose, wellposed
+from study.solve import evolution
+from study.statements import contact_work, edge_work, superclose
 from study.statements.green import smallest_positive
-from study.statements.prop_5_4 import FirstOrder, measure
-from study.statements.shared.base import Setting
-from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import maximum, minimum
 
-STATEMENTS = Path(superclose.__file__).parent
+MEASURING = [*Path(superclose.__file__).parent.rglob("*.py"), *(Path(one.__file__) for one in (evolution, independent))]
 NAN = math.nan
-TOUCHING = Setting("full-contact", "one-diagonal", 8)
 
 
 @pytest.mark.parametrize("place", range(3))
@@ -74,97 +59,18 @@ def is_constant(node: ast.expr) -> bool:
     return named or isinstance(node, ast.Constant) or ast.unparse(node) == "np.finfo(float).tiny"
 
 
-def test_measured_values_do_not_pass_through_the_extremes_of_python() -> None:
+def test_measured_values_pass_neither_through_the_extremes_of_python_nor_through_those_that_leave_nan_out() -> None:
     """max(x, c) with a constant c returns NaN if x is; any other call may hide it."""
+    assert not [path for path in MEASURING if re.search(r"\bnan(max|min)\b|skipna", path.read_text())]
     found = {
         f"{path.name}: {ast.unparse(call)}"
-        for path in STATEMENTS.rglob("*.py")
+        for path in MEASURING
         if path.name not in NOT_MEASURED
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id in ("max", "min")
         if not (len(call.args) == 2 and is_constant(call.args[1]))
     }
     assert found == {name for name in NOT_MEASURED if ":" in name}
-
-
-def nan_at(call: int, function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function, whose result of one call is NaN."""
-    calls = count()
-    return lambda *args: NAN * function(*args) if next(calls) == call else function(*args)
-
-
-@pytest.mark.parametrize(
-    ("statement", "name", "call", "quantity", "key"),
-    [
-        (superclose.Superclose(), "norm", 5, "discrete error", "order"),
-        (superclose.Superclose(), "norm", 4, "time share", "time-share"),
-        (lipschitz.Lipschitz(), "largest", 0, "over the constant", "pointwise"),
-        (wellposed.BoundedVelocity(), "norm", 3, next(iter(wellposed.STEPS)), "bounded"),
-    ],
-    ids=lambda value: value if isinstance(value, str) else "",
-)
-def test_one_value_that_is_nan_makes_the_row_fail(monkeypatch, statement, name: str, call: int, quantity, key) -> None:
-    module = sys.modules[type(statement).__module__]
-    monkeypatch.setattr(module, name, nan_at(call, getattr(module, name)))
-    rows = measured(statement, [TOUCHING])
-    assert quantity in set(rows["quantity"][rows["value"].isna()])
-    levels = [rows.assign(level=TOUCHING.level * 2**n, h=rows["h"] / 2**n) for n in range(3)]
-    assert verdicts(statement, pd.concat(levels))[key] == FAILS
-
-
-def test_the_growth_of_differences_is_nan_if_it_is_for_one_other_start(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(solution_divergence, "quotients", nan_at(2, solution_divergence.quotients))
-    setup = Experiment.at(Setting("softening", "shaken", 2), MIDPOINT, 1)
-    assert math.isnan(solution_divergence.over_bound(setup, setup.solution.law, 0.1))
-
-
-@dataclass(frozen=True)
-class Damaged:
-    """The midpoint rule with one wrong state: that of a node of the trajectory with so many steps."""
-
-    steps: int
-    node: int
-    wrong: Callable[[State], State]
-    name: str = MIDPOINT.name
-    order: float = MIDPOINT.order
-
-    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
-        for n, state in enumerate(MIDPOINT.march(problem, steps)):
-            yield self.wrong(state) if (n, steps) == (self.node, self.steps) else state
-
-
-@pytest.mark.parametrize("node", [1, 2])
-@pytest.mark.parametrize(
-    ("steps", "wrong", "column", "key"),
-    [
-        (8, lambda state: replace(state, residual=lambda: NAN), "residual", "residual"),
-        (4, lambda state: replace(state, u=NAN * state.u), "time_share", "time-share"),
-    ],
-    ids=["residual", "difference of two trajectories"],
-)
-def test_a_nan_at_one_node_makes_a_row_of_the_propositions_fail(steps: int, wrong, column, key, node: int) -> None:
-    setup = replace(Experiment.at(TOUCHING, MIDPOINT, 4), scheme=Damaged(steps, node, wrong))
-    row = measure(setup).row(TOUCHING.case, TOUCHING.family, TOUCHING.level)
-    assert math.isnan(row[column])
-    rows = pd.DataFrame([row]).assign(claim="Prop. 5.4", expected_order=1.0)
-    assert verdicts(FirstOrder(), rows)[key] == FAILS
-
-
-def test_the_residual_of_a_contact_step_is_nan_if_one_part_is() -> None:
-    """Complementarity comes last: 1e200 · 1e200 overflows, and ∞/∞ is NaN."""
-    setup = Experiment.at(TOUCHING, MIDPOINT, 2)
-    step = ContactStep(setup.problem, MIDPOINT, 0.5)
-    u, multipliers = np.zeros(len(setup.problem.u0)), np.zeros(setup.problem.N.shape[0])
-    row = setup.problem.N[[0]]
-    u[row.indices], multipliers[0] = -1e200 * row.data, 1e200
-    with np.errstate(all="ignore"):
-        assert math.isnan(step._residual(u, multipliers, step.S @ u + step.forces @ multipliers))
-
-
-def test_the_leading_term_is_nan_if_it_is_at_one_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(LeadingTerm, "__call__", lambda self, time: NAN if time > 0.5 else 1.0)
-    term = LeadingTerm(resolve("no-contact").solution, space_of(Setting("no-contact", "shaken", 2)))
-    assert math.isnan(term.largest())
 
 
 @pytest.mark.parametrize(("value", "verdict"), [(1.5, HOLDS), (NAN, UNDECIDED)])
@@ -183,9 +89,7 @@ def test_a_range_with_nan_in_one_family_does_not_hold(value: float, verdict: str
     ],
     ids=["work", "excess", "edges"],
 )
-def test_shares_of_the_work_of_contact_and_numbers_of_edges_are_nan_if_they_are_on_one_level(
-    criterion: Criterion, column: str, right: float
-) -> None:
+def test_shares_of_work_and_numbers_of_edges_are_nan_if_one_level_is(criterion, column: str, right: float) -> None:
     group = pd.DataFrame({name: [3.0, 4.0] for name in ("work", "excess", *edge_work.BRANCHES)}).assign(error=1.0)
     assert criterion.measure(group)[0] == right
     group.loc[0, column] = NAN

@@ -1,7 +1,5 @@
 """Other people's codes have our errors; one that has others, that was copied or left out is noticed."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -9,8 +7,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from measured_rows import measured
 
 from manufactured.body import Kind
+from manufactured.tensors import full
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve
 from study.ledger.codes import FROZEN, MARCH, MARCHES, MESH, NOT_EXPRESSED, Codes
@@ -21,7 +21,8 @@ from study.statements.shared.base import LISTED, Setting, grid
 from study.statements.shared.tasks import Task
 
 RESULTS = Path(__file__).parents[2] / "results"
-SETTINGS = grid(("advance-recede", "corner"), ("one-diagonal", "shaken"), (8, 16))
+
+
 OTHERS = OtherCodes.joined_file
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 
@@ -29,8 +30,8 @@ Change = Callable[[pd.DataFrame], pd.DataFrame]
 @lru_cache
 def ours() -> pd.DataFrame:
     """The errors of this study on a part of the meshes."""
-    of = OtherCodes()
-    return pd.DataFrame([row for setting in SETTINGS for _, row in of.records(setting, of.measure(setting))])
+    settings = grid(("advance-recede", "corner"), ("one-diagonal", "shaken"), (8, 16))
+    return measured(OtherCodes(), settings)
 
 
 def judged(change: Change = lambda table: table) -> dict[str, Verdict]:
@@ -87,18 +88,8 @@ def test_tractions_of_a_task_are_stresses_at_the_vertices_of_each_facet_times_th
     viscous, total = at_vertices.law.A(at_vertices.strain_rate(time)), at_vertices.stress(time)
     for kind, stress in ((Kind.CONTACT, viscous), (Kind.LOADED, total)):
         for (part, facets), found in zip(task.space.on(kind), task.tractions(kind, time), strict=True):
-            expected = traction(stress[:, mesh.facets[:, facets]], part.normal)
+            expected = np.einsum("ij...,j->i...", full(stress[:, mesh.facets[:, facets]]), part.normal)
             np.testing.assert_allclose(found, expected.T, rtol=1e-9, atol=1e-9 * abs(stress).max())
-
-
-def traction(stress: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """The products of symmetric matrices in Mandel's notation with a vector, (d, ...)."""
-    d, places = len(normal), {2: [(0, 1)], 3: [(1, 2), (0, 2), (0, 1)]}[len(normal)]
-    found = np.einsum("i...,i->i...", stress[:d], normal)
-    for (i, j), value in zip(places, stress[d:] / np.sqrt(2), strict=True):
-        found[i] += value * normal[j]
-        found[j] += value * normal[i]
-    return found
 
 
 def test_errors_of_other_codes_are_ours() -> None:

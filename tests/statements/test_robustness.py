@@ -3,8 +3,6 @@
 In ``test_controls`` defects must turn verdicts. Here the changes are no defects, so no verdict may change.
 """
 
-from __future__ import annotations
-
 import inspect
 from dataclasses import dataclass, fields, replace
 from importlib import import_module
@@ -36,32 +34,20 @@ CASES = [name for name in NAMES if name not in ("closing-gap", "parabolic-gap", 
 
 @dataclass(frozen=True)
 class Constants:
-    """Factors by which the free constants of a case are multiplied.
-
-    Attributes:
-        gap, pressure: the amplitudes; a given strain at t = 0 changes with the pressure.
-        mode: the amplitude of a singular field.
-        A, G: the whole operators; β of the law (3.3).
-        ratio_A, ratio_G: Lamé's λ alone, or for other tensors the moduli of normal strains alone.
-        radius: of the set K of the law (3.3).
-        contrast: of a heterogeneous material, 1 + contrast · (α − 1).
-        interface: the depth at which a layer begins.
-        speed: of the contact zone, t → speed · t in all formulas; at most 1, so that times stay in [0, T].
-        place: of the contact zone, s → s/place in all formulas; at least 1 without a front, so that s stays on Γ3.
-    """
+    """Factors by which the free constants of a case are multiplied."""
 
     gap: float = 1.0
-    pressure: float = 1.0
-    mode: float = 1.0
+    pressure: float = 1.0  # also a given strain at t = 0
+    mode: float = 1.0  # amplitude of a singular field
     A: float = 1.0
-    G: float = 1.0
-    ratio_A: float = 1.0
+    G: float = 1.0  # β of the law (3.3)
+    ratio_A: float = 1.0  # Lamé's λ alone, or for other tensors the moduli of normal strains alone
     ratio_G: float = 1.0
-    radius: float = 1.0
-    contrast: float = 1.0
-    interface: float = 1.0
-    speed: float = 1.0
-    place: float = 1.0
+    radius: float = 1.0  # of the set K of the law (3.3)
+    contrast: float = 1.0  # of a heterogeneous material: 1 + contrast · (α − 1)
+    interface: float = 1.0  # depth at which a layer begins
+    speed: float = 1.0  # of the contact zone: t → speed · t in all formulas; at most 1, so that times stay in [0, T]
+    place: float = 1.0  # of the contact zone: s → s/place; at least 1 without a front, so that s stays on Γ3
 
 
 CONSTANTS = [field.name for field in fields(Constants)]
@@ -213,25 +199,12 @@ def test_unchanged_constants_leave_a_case_as_it_is(name: str) -> None:
     assert by_value(changed(named(name), Constants()).solution) == by_value(named(name).solution)
 
 
-COMMON = {"gap", "pressure", "A", "G", "ratio_A", "ratio_G", "speed", "place"}
-FREE = {
-    "anisotropic": COMMON,
-    "heterogeneous": COMMON | {"contrast"},
-    "layered-unmet": COMMON - {"gap"} | {"contrast", "interface"},
-    "yield-on-a-part": COMMON - {"ratio_G"} | {"radius"},  # the law (3.3)
-    "natural-front": COMMON - {"gap", "pressure", "ratio_G"} | {"mode"},  # one field; A and G are proportional
-    "junction": {"A", "G", "ratio_A", "mode"},  # the same, where Γ1 begins
-    "lift-and-land": COMMON - {"pressure", "ratio_A"},  # p jumps by a ẇ; λ_A = 0
-    "rough-2": COMMON - {"speed"},  # linear in t
-}
-"""The constants of some cases, of which each belongs to another kind."""
-
-
-@pytest.mark.parametrize("name", FREE)
-def test_the_constants_of_a_case_are_those_that_make_another_solution(name: str) -> None:
+def test_every_constant_makes_another_solution_of_one_of_four_cases() -> None:
     """Otherwise it would prove nothing that the verdicts stay."""
-    own = by_value(named(name).solution)
-    assert {constant for constant in CONSTANTS if by_value(alone(name, constant).solution) != own} == FREE[name]
+    cases = ("anisotropic", "layered-unmet", "yield-on-a-part", "junction")
+    own = {name: by_value(named(name).solution) for name in cases}
+    for constant in CONSTANTS:
+        assert any(by_value(alone(name, constant).solution) != own[name] for name in cases), constant
 
 
 SLOW = [*(("natural-front", 0, 1), ("anisotropic", 0, 1)), *((name, 1, side) for name in CASES for side in (1, -1))]

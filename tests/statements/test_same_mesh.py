@@ -1,7 +1,5 @@
 """Theorem 4.2 on one mesh: the bounds are the proved ones, and no step is left out."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache

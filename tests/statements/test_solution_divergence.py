@@ -1,7 +1,5 @@
 """How fast two solutions diverge where G softens: rates from eigenvalues, and the bound of Theorem 2.2."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

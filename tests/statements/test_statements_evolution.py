@@ -1,7 +1,5 @@
 """Statements about the evolution: their pieces are right, and each verdict can come out otherwise."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -9,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from measured_rows import invented, measured, verdicts
+from measured_rows import invented, verdicts
 
 from manufactured import named
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
@@ -19,7 +17,7 @@ from study.statements import norms_in_time
 from study.statements.admissibility import largest_violations
 from study.statements.error_bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns, fit
-from study.statements.shared.base import Setting, grid
+from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import dual_norm
 from study.statements.wellposed import fastest, perturbations, quotients
@@ -29,7 +27,7 @@ def setup(name: str, n: int, steps: int, family: str = "shaken") -> Experiment:
     return Experiment.at(Setting(name, family, n), BACKWARD_EULER, steps)
 
 
-@pytest.mark.parametrize("name", ["corner", "heterogeneous", "yield-on-a-part"])
+@pytest.mark.parametrize("name", ["corner", "yield-on-a-part"])
 def test_stresses_are_admissible_on_several_faces_and_for_other_laws(name: str) -> None:
     assert max(largest_violations(setup(name, 4, 4, "unstructured")).values()) <= 1e-10
 
@@ -117,12 +115,9 @@ def test_fits_recover_the_orders_and_compare_them_with_the_prediction() -> None:
         seen = found[f"{name}-error-in-k"]
         assert seen.observed == pytest.approx(q, abs=1e-4)
         assert ("(wrong)" if name == "midpoint" else "(met)") in seen.expected
-
-
-def test_errors_in_time_that_cannot_be_seen_give_no_order() -> None:
-    (found,) = (verdict for verdict in FullyDiscrete().judge(synthetic(0.0)) if verdict.key == "bdf2-error-in-k")
-    assert "(undecided)" in found.expected
-    assert math.isnan(found.observed)
+    unseen = {verdict.key: verdict for verdict in FullyDiscrete().judge(synthetic(0.0))}["bdf2-error-in-k"]
+    assert "(undecided)" in unseen.expected
+    assert math.isnan(unseen.observed), "errors in time that cannot be seen"
 
 
 def test_the_interval_of_a_fitted_mean_is_that_of_student() -> None:
@@ -130,14 +125,6 @@ def test_the_interval_of_a_fitted_mean_is_that_of_student() -> None:
     ((mean, (low, high)),), _ = fit(lambda x: x[0] - values, np.zeros(1))
     half = 3.182446 * values.std(ddof=1) / 2
     assert (mean, low, high) == pytest.approx((3.0, 3 - half, 3 + half), rel=1e-5)
-
-
-@pytest.mark.slow
-def test_tables_on_coarse_meshes_agree_with_the_predictions_for_the_error_in_time() -> None:
-    for verdict in FullyDiscrete().judge(measured(FullyDiscrete(), grid(("advance-recede",), ("shaken",), (4, 8, 12)))):
-        if verdict.key.endswith("time-in-k"):
-            assert verdict.expected.endswith("agrees")
-            assert verdict.low <= verdict.observed <= verdict.high
 
 
 # (4.12).

@@ -1,7 +1,5 @@
 """Statements without time: their pieces agree with independent ones, and each verdict can come out otherwise."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -37,10 +35,9 @@ H = 1 / np.array([8.0, 16.0, 32.0])
 # Forms and eigenvalues.
 
 
-@pytest.mark.parametrize("family", [OneDiagonal(), Shaken()], ids=lambda f: f.name)
-def test_the_product_of_h1_is_that_of_functions_and_strains(family) -> None:
+def test_the_product_of_h1_is_that_of_functions_and_strains() -> None:
     """∫ v² over a triangle T is |T|/12 (Σ v_i² + (Σ v_i)²) for a linear v with the values v_i at the corners."""
-    space = Space(family(SQUARE, 5), SQUARE)
+    space = Space(Shaken()(SQUARE, 5), SQUARE)
     v = np.random.default_rng(0).standard_normal(space.dofs)
     corners = space.nodal(v)[:, space.mesh.t]
     squares = ((corners**2).sum(axis=1) + corners.sum(axis=1) ** 2) / 12
@@ -84,18 +81,12 @@ def test_green_s_formula_notices_a_stress_whose_divergence_is_no_function() -> N
     assert "rough-2" not in {setting.case for setting in Green().places(full=True)}
 
 
-@pytest.mark.parametrize(("case", "fronts"), [("advance-recede", (0.25 + 2 * 0.7 * 0.3,)), ("full-contact", ())])
-def test_fronts_are_where_the_level_changes_its_sign(case: str, fronts: tuple[float, ...]) -> None:
-    (face,) = resolve(case).solution.faces
-    assert face.fronts(0.7) == pytest.approx(fronts, abs=1e-14)
-
-
 # (2.17), (3.1), (3.2), (4.3).
 
 
-@pytest.mark.parametrize("values", [(0.3, 0.2, 0.21), (0.4, 0.2, 0.1), (1 / 3, 1 / 4, 1 / 5), (0.3, 0.25, np.nan)])
-def test_eigenvalues_that_rise_or_tend_to_zero_fail(values) -> None:
-    assert FAILS in verdicts(Korn(), invented({"smallest eigenvalue": values})).values()
+def test_eigenvalues_that_rise_or_tend_to_zero_fail() -> None:
+    for values in ((0.3, 0.2, 0.21), (0.4, 0.2, 0.1), (1 / 3, 1 / 4, 1 / 5), (0.3, 0.25, np.nan)):
+        assert FAILS in verdicts(Korn(), invented({"smallest eigenvalue": values})).values(), values
 
 
 @pytest.mark.parametrize("column", ["ellipticity", "bound", "quotient"], ids=["m_A", "‖A‖", "L_G"])
@@ -126,21 +117,7 @@ def test_random_fields_are_admissible_and_touch_all_of_their_face() -> None:
         assert all(abs(field(part.sample(rng, 50))).max() < 1e-12 for part in body.of(Kind.CLAMPED))
 
 
-# (5.11), (5.40), (5.41).
-
-
-def test_5_11_as_printed_contradicts_a_solution_of_5_1_and_5_3() -> None:
-    """V = R², V^h = R × {0}, K = V, A = I, G = 0 and f constant: u = t f, u^h = t P f; with t = 1 and v^h = u^h."""
-    f, projected = np.array([1.0, 1.0]), np.array([1.0, 0.0])
-    left, common = (f - projected) @ (f - projected), projected @ (projected - f)
-    assert left <= common - f @ (projected - f)
-    assert not left <= common - f @ (projected - projected)
-
-
-def test_lift_and_land_presses_before_and_after_it_is_in_the_air() -> None:
-    solution, space = resolve("lift-and-land").solution, space_of(Setting("lift-and-land", "shaken", 4))
-    pressed = [residual.terms(solution, space, time, residual.smooth_fields(space)).bound for time in green.TIMES]
-    assert [bool(np.all(bound > 0)) for bound in pressed] == [True, False, True]
+# (5.40), (5.41).
 
 
 def test_where_nothing_touches_r_over_its_bound_is_left_out_or_undecided(monkeypatch) -> None:
@@ -153,12 +130,14 @@ def test_where_nothing_touches_r_over_its_bound_is_left_out_or_undecided(monkeyp
 # (5.23), (5.24).
 
 
+@pytest.mark.parametrize(("family", "scatter"), [("one-diagonal", 1.0), ("shaken", 1.05)])
 @pytest.mark.parametrize(
     ("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS), (1.2, FAILS), (2.0, FAILS), (np.nan, FAILS)]
 )
-def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str) -> None:
-    errors = dict.fromkeys(interpolation.FIELDS.values(), H**order)
-    assert set(verdicts(InterpolationInV(), invented(errors)).values()) == {verdict}
+def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str, family: str, scatter: float) -> None:
+    """On random meshes the scatter of the coarsest one hardly counts."""
+    errors = dict.fromkeys(interpolation.FIELDS.values(), H**order * [scatter, 1, 1])
+    assert set(verdicts(InterpolationInV(), invented(errors, family=family)).values()) == {verdict}
 
 
 @pytest.mark.parametrize(
@@ -213,9 +192,7 @@ def test_spikes_have_their_heights_at_odd_multiples_and_vanish_at_other_vertices
     assert v[1::2, 1::2] == pytest.approx(1 / 4)
     assert v[2::4, 2::4] == pytest.approx(2**-1.5)
     assert v.sum() == pytest.approx(64 / 4 + 16 * 2**-1.5)
-
-
-def test_a_spike_is_continuous_and_ends_at_its_radius() -> None:
+    # A spike is continuous and ends at its radius.
     at = np.array([[1 / 8], [1 / 8]]) + np.array([[1.0], [0.0]]) * 4.0**-3 * np.array([0.0, 1e-6, 0.5, 1.0, 1.5])
     expected = [1, 6 * math.log(10) / 64, math.log(2) / 64, 0, 0]
     assert spikes(at, 3) == pytest.approx(2**-1.5 * np.array(expected), abs=1e-9)

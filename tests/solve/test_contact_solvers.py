@@ -1,0 +1,414 @@
+"""The contact solve: by condensation on a factorisation, and by multigrid, against dense linear algebra."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from unittest.mock import Mock
+
+import numpy as np
+import pytest
+import scipy.sparse as sps
+from hypothesis import given
+from hypothesis import strategies as st
+from random_examples import COSTLY
+from scipy.sparse.linalg import LinearOperator, cg, splu
+
+from manufactured import Kind, named, polygon, s
+from manufactured.tensors import Array
+from study.fem.error_norm import gaps_at_vertices
+from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.fem.space import Space, form
+from study.solve import signorini
+from study.solve.factorisation import Cholesky, nested_dissection
+from study.solve.multigrid import COARSEST, Multigrid, MultigridError, rigid_motions
+from study.solve.paths import furthest, path
+from study.solve.signorini import Signorini
+from study.solve.solver_choice import FACTORED, SHARE, contact_solver, residual
+from study.solve.tableau import MIDPOINT
+from study.statements.shared.experiment import Experiment
+
+
+def step_matrix(name: str, space: Space) -> sps.csc_array:
+    """Return 20 A + G, the matrix of a step of length 1/20 with the law of a case."""
+    law = named(name).solution.law
+    return sps.csc_array(20 * form(space, law.A) + form(space, law.G))
+
+
+def require_optimal(S, N, b: Array, solution: tuple[Array, Array], rest: float, exact: float | None = None) -> None:
+    """Require S u + Nᵀλ = b up to ``rest``, and N u ≤ 0, λ ≥ 0 and λ·N u = 0 up to ``exact``, in relative terms.
+
+    For a positive definite S these conditions have one solution (u, λ), if the rows of N are linearly independent.
+    """
+    (u, multipliers), exact = solution, rest if exact is None else exact
+    # If all unknowns are held at their bounds, u is zero up to rounding, so its size is not taken from u alone.
+    size, force = max(abs(u).max(), abs(b).max() / abs(S).max()), abs(multipliers).max(initial=0.0)
+    assert np.linalg.norm(S @ u + N.T @ multipliers - b) <= rest * np.linalg.norm(b)
+    assert (N @ u).max(initial=0.0) <= exact * size
+    assert multipliers.min(initial=0.0) >= 0
+    assert abs(multipliers * (N @ u)).max(initial=0.0) <= exact * size * force
+
+
+TURNED = polygon([(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT])
+"""A square with two slanted pieces of Γ3, which share a vertex and so the two unknowns there."""
+SETTINGS: list[tuple[str, MeshFamily, int]] = [
+    ("turned", Shaken(), 12),
+    ("full-contact", CrissCross(), 8),
+    ("anisotropic", Shaken(), 12),
+    ("rotated", OneDiagonal(), 12),
+    ("corner", OneDiagonal(), 12),
+    ("hexagon", Unstructured(), 10),
+    ("re-entrant", Graded(), 8),
+    ("cube-two-faces", OneDiagonal(), 6),
+]
+Matrices = tuple[sps.csc_array, sps.csr_array]
+
+
+@pytest.fixture(scope="module", params=SETTINGS, ids=lambda setting: f"{setting[0]}-{setting[1].name}")
+def matrices(request) -> Matrices:
+    """Return S of a time step and N."""
+    name, family, n = request.param
+    body = TURNED if name == "turned" else named(name).solution.body
+    space = Space(family(body, n), body)
+    return step_matrix("full-contact" if name == "turned" else name, space), space.N
+
+
+def close(one, other, tolerance: float) -> bool:
+    return bool(np.linalg.norm(one - other) <= tolerance * np.linalg.norm(other))
+
+
+def test_the_factor_solves_and_the_compliance_is_n_s_inverse_n_transposed(matrices: Matrices) -> None:
+    S, N = matrices
+    b = np.random.default_rng(1).standard_normal(S.shape[0])
+    dense = np.linalg.solve(S.toarray(), np.column_stack([b, N.T.toarray()]))
+    assert close(Cholesky(S)(b), dense[:, 0], 1e-11)
+    assert close(Signorini(S, N).W, N @ dense[:, 1:], 1e-12)
+
+
+def test_the_condensed_solve_satisfies_the_optimality_conditions(matrices: Matrices) -> None:
+    S, N = matrices
+    solve = Signorini(S, N)
+    for seed in range(4):
+        b = S @ np.random.default_rng(seed).standard_normal(S.shape[0])
+        solution = solve(b)
+        require_optimal(S, N, b, solution, 1e-12, 1e-11)
+        assert solution[1].any()
+
+
+def test_without_a_constraint_or_an_active_one_the_solve_is_the_linear_one(matrices: Matrices) -> None:
+    S, N = matrices
+    b = S @ (-N.T @ np.ones(N.shape[0]))
+    for some in (N, N[:0]):
+        u, multipliers = Signorini(S, some)(b)
+        assert multipliers.shape == (some.shape[0],)
+        assert not multipliers.any()
+        assert close(S @ u, b, 1e-12)
+
+
+def test_several_right_sides_are_solved_as_each_of_them(matrices: Matrices) -> None:
+    S, N = matrices
+    together, one_by_one = Signorini(S, N), Signorini(S, N)
+    several = np.random.default_rng(3).standard_normal((3, S.shape[0]))
+    u, multipliers = together(several)
+    alone = [one_by_one(b) for b in several]
+    assert close(u, np.array([v for v, _ in alone]), 1e-12)
+    assert close(multipliers, np.array([forces for _, forces in alone]), 1e-12)
+    assert close(together.factor(several), np.array([together.factor(b) for b in several]), 1e-12)
+
+
+def test_the_substitutions_and_the_trailing_block_belong_to_the_cholesky_factor(matrices: Matrices) -> None:
+    """The trailing block of L is the factor of the Schur complement on the constrained unknowns."""
+    S, N = matrices
+    constrained = np.unique(N.nonzero()[1])
+    factor = Cholesky(S, constrained)
+    L = np.linalg.cholesky(S.toarray()[np.ix_(factor.order, factor.order)])
+    b = np.random.default_rng(2).standard_normal(S.shape[0])
+    assert close(factor.forward(b), np.linalg.solve(L, b[factor.order]), 1e-11)
+    assert close(factor.backward(b)[factor.order], np.linalg.solve(L.T, b), 1e-11)
+    assert (np.sort(factor.order[-len(constrained) :]) == constrained).all()
+    assert close(factor.trailing, L[-len(constrained) :, -len(constrained) :], 1e-12)
+
+
+@st.composite
+def sparse_problems(draw) -> Matrices:
+    """Any graph: with parts that nothing joins, unknowns without neighbours, vertices of high degree."""
+    n, m = draw(st.integers(1, 400)), draw(st.integers(0, 5))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    entries = draw(st.integers(0, 3 * n))
+    A = sps.csc_array((rng.normal(size=entries), rng.integers(0, n, (2, entries))), shape=(n, n))
+    return sps.csc_array(A @ A.T + sps.eye_array(n)), sps.csr_array(rng.normal(size=(m, n)) * (rng.random(n) < 0.1))
+
+
+@COSTLY
+@given(sparse_problems())
+def test_any_sparse_positive_definite_matrix_is_factorised(problem: Matrices) -> None:
+    S, N = problem
+    b = np.arange(S.shape[0]) + 1.0
+    assert np.allclose(S @ Cholesky(S, np.unique(N.nonzero()[1]))(b), b, rtol=0, atol=1e-9 * len(b))
+    assert np.allclose(Signorini(S, N).W, N @ np.linalg.solve(S.toarray(), N.T.toarray()), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "family", "n"),
+    [
+        ("full-contact", OneDiagonal(), 40),
+        ("re-entrant", Graded(), 24),
+        pytest.param("cube-two-faces", Shaken(), 12, marks=pytest.mark.slow),
+    ],
+)
+def test_dissection_fills_about_as_little_as_minimum_degree(name: str, family: MeshFamily, n: int) -> None:
+    """Entries of L in both orders."""
+    solution = named(name).solution
+    space = Space(family(solution.body, n), solution.body)
+    S, options = form(space, solution.law.A), {"diag_pivot_thresh": 0, "options": {"SymmetricMode": True}}
+    order = nested_dissection(S, space.free_points)
+    assert (np.sort(order) == np.arange(S.shape[0])).all()
+    ours = splu(sps.csc_matrix(S[order][:, order]), permc_spec="NATURAL", **options)
+    other = splu(sps.csc_matrix(S), permc_spec="MMD_AT_PLUS_A", **options)
+    assert ours.L.nnz <= 1.5 * other.L.nnz
+
+
+def with_one_negative_pivot(place: int) -> np.ndarray:
+    path = np.diag(np.full(399, -0.5), 1)
+    return path + path.T + np.diag(np.where(np.arange(400) == place, -1.0, 2.0))
+
+
+def test_a_matrix_without_positive_pivots_is_refused() -> None:
+    """SuperLU would exchange rows, stop, or continue with a pivot that is negative or not a number."""
+    small = [[[0.0, 1.0], [1.0, 0.0]], [[1.0, 1.0], [1.0, 1.0]], [[np.nan, 0], [0, 1.0]]]
+    for entries in (*small, with_one_negative_pivot(0), with_one_negative_pivot(200)):
+        with pytest.raises(np.linalg.LinAlgError, match="not positive definite"):
+            Cholesky(sps.csc_array(np.array(entries)))
+
+
+def test_a_cycling_active_set_is_finished_by_the_finite_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Being definite is not enough (F. E. Curtis, Z. Han, D. P. Robinson, Comput. Optim. Appl. 60 (2015) 311–341)."""
+    finished = Mock(wraps=signorini.nnls)
+    monkeypatch.setattr(signorini, "nnls", finished)
+    S, N = sps.csc_array([[4.0, 5, -5], [5, 9, -5], [-5, -5, 7]]), sps.eye_array(3, format="csr")
+    for times, b in enumerate(([-2.0, -1, 3], [2.0, 1, -3]), start=1):
+        require_optimal(S, N, np.array(b), Signorini(S, N)(np.array(b)), 1e-12)
+        assert finished.call_count == times
+
+
+# With an initial gap, N u ≤ g
+
+
+def test_the_solution_satisfies_complementarity_with_the_gap_and_multigrid_finds_the_same() -> None:
+    """On a cube, for a load that closes some gaps and opens others."""
+    solution = named("cube-bowl").solution
+    space = Space(Shaken()(solution.body, 6), solution.body)
+    S, N, gap, x = form(space, solution.law.A), space.N, gaps_at_vertices(solution, space), space.free_points
+    b = S @ np.random.default_rng(1).standard_normal(space.dofs)
+    u, forces = Signorini(S, N, x, gap)(b)
+    left = gap - N @ u
+    assert S @ u + N.T @ forces == pytest.approx(b, abs=1e-10 * abs(b).max())
+    assert left.min() >= -1e-12
+    assert forces.min() >= 0
+    assert abs(forces * left).max() <= 1e-12 * forces.max()
+    assert 0 < np.count_nonzero(forces) < len(gap)
+    found, pressed = Multigrid(S, N, x, 1e-11, gap)(b)
+    assert found == pytest.approx(u, abs=1e-7 * abs(u).max())
+    assert pressed == pytest.approx(forces, abs=1e-6 * forces.max())
+    assert ((gap - N @ found) >= -1e-12).all()
+
+
+def test_every_face_has_its_own_gap_in_the_order_of_the_constraints() -> None:
+    solution = named("hexagon").solution
+    faces = tuple(replace(face, initial_gap=(i + 1) * s**2) for i, face in enumerate(solution.faces))
+    space = Space(Unstructured()(solution.body, 8), solution.body)
+    wanted = [
+        (i + 1) * np.linalg.norm(space.mesh.p[:, vertex] - part.start) ** 2
+        for i, (part, vertices) in enumerate(space.contact)
+        for vertex in vertices
+    ]
+    assert gaps_at_vertices(replace(solution, faces=faces), space) == pytest.approx(wanted)
+
+
+EXACT = 1e-10
+"""A tolerance far below the discretisation error."""
+LARGE: list[tuple[str, MeshFamily, int]] = [
+    ("anisotropic", Shaken(), 24),
+    ("hexagon", Unstructured(), 16),
+    ("re-entrant", Graded(), 16),
+    ("cube-two-faces", OneDiagonal(), 6),
+]
+"""Meshes that are large enough for coarse levels."""
+
+
+def disturbed(S: sps.csc_array, N: sps.csr_array, count: int = 3) -> list:
+    """Loads that press some vertices on the foundation and lift others, more and more of them."""
+    rng = np.random.default_rng(5)
+    smooth, forces = S @ rng.standard_normal(S.shape[0]), N.T @ rng.standard_normal(N.shape[0])
+    return [smooth + k * forces for k in range(count)]
+
+
+@cache
+def large_matrices(name: str, family: MeshFamily, n: int):
+    """S of a time step, large enough for coarse levels, N, and the free vertices."""
+    body = named(name).solution.body
+    space = Space(family(body, n), body)
+    assert space.dofs > COARSEST * space.dim
+    return step_matrix(name, space), space.N, space.free_points
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, EXACT])
+@pytest.mark.parametrize("setting", LARGE, ids=lambda setting: f"{setting[0]}-{setting[1].name}")
+def test_the_optimality_conditions_hold_to_the_tolerance_from_any_start(setting, tolerance: float) -> None:
+    """The solver starts from the solution for the load before."""
+    S, N, x = large_matrices(*setting)
+    solve = Multigrid(S, N, x, tolerance)
+    for b in disturbed(S, N):
+        solution = solve(b)
+        require_optimal(S, N, b, solution, 1.001 * tolerance, 1e-14)
+        assert solution[1].any()
+
+
+@pytest.mark.parametrize(
+    ("name", "family", "levels"),
+    [
+        ("cube-disc", Shaken(), (3, 6)),
+        pytest.param("cube-two-faces", OneDiagonal(), (6, 9), marks=pytest.mark.slow),
+        pytest.param("yield-and-release", Shaken(), (16, 32), marks=pytest.mark.slow),
+        pytest.param("re-entrant", Graded(), (16, 32), marks=pytest.mark.slow),
+    ],
+)
+def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(
+    name: str, family: MeshFamily, levels: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the norm of V over a trajectory, with the tolerance that a space of that size is given."""
+    monkeypatch.setattr("study.solve.solver_choice.FACTORED", {2: 0, 3: 0})
+    solution, shares = named(name).solution, []
+    for n in levels:
+        setup = Experiment.of(solution, family, n, MIDPOINT, 8)
+        space, v_norm, problem = setup.space, setup.v_norm, setup.problem
+        states, exact = list(MIDPOINT.march(problem, 8)), path(replace(problem, solver=Signorini), MIDPOINT, 8)
+        errors = [v_norm.distance(v_norm.sample(state.time), u) for state, u in zip(states, exact, strict=True)]
+        shares.append(furthest(problem, np.array([state.u for state in states]), exact) / max(errors))
+        assert max(state.residual() for state in states) <= residual(space.dim, space.dofs)
+    assert 1e-9 < max(shares) <= SHARE
+    assert shares[1] <= 2 * shares[0]
+
+
+def iterations(name: str, n: int, every: int | None) -> int:
+    """Return the number of conjugate gradient iterations from 1 to 1e-8 if one in ``every`` constraints is active."""
+    body = named(name).solution.body
+    space = Space(OneDiagonal()(body, n), body)
+    solve = Multigrid(step_matrix(name, space), space.N, space.free_points, EXACT)
+    solve.hold(np.arange(space.N.shape[0]) % every == 0 if every else np.zeros(space.N.shape[0], dtype=bool))
+    b, count = solve.free * np.random.default_rng(2).standard_normal(space.dofs), []
+    preconditioner = LinearOperator(solve.cut.shape, matvec=solve.cycle, dtype=float)
+    cg(solve.cut, b, rtol=1e-8, M=preconditioner, callback=count.append)
+    return len(count)
+
+
+@pytest.mark.parametrize(("name", "n"), [("full-contact", 32), pytest.param("cube-disc", 6, marks=pytest.mark.slow)])
+def test_iterations_grow_slowly_with_what_is_held_and_hardly_without(name: str, n: int) -> None:
+    """Coarse matrices that know nothing of what is held cost up to h^{-1/2}."""
+    assert iterations(name, 2 * n, None) <= 1.2 * iterations(name, n, None)
+    for every in (3, 1):
+        assert iterations(name, 2 * n, every) <= 2**0.5 * iterations(name, n, every)
+
+
+@pytest.mark.parametrize("setting", LARGE, ids=lambda setting: f"{setting[0]}-{setting[1].name}")
+def test_the_cycle_is_symmetric_and_positive_on_what_is_free(setting) -> None:
+    S, N, x = large_matrices(*setting)
+    solve = Multigrid(S, N, x, EXACT)
+    solve.hold(np.arange(N.shape[0]) % 2 == 0)
+    r, s = solve.free * np.random.default_rng(1).standard_normal((2, S.shape[0]))
+    assert r @ solve.cycle(s) == pytest.approx(s @ solve.cycle(r), rel=1e-10)
+    assert r @ solve.cycle(r) > 0
+    assert (solve.cycle(r)[solve.free == 0] == 0).all()
+
+
+def test_the_same_matrix_gives_the_same_solution_to_the_bit() -> None:
+    """pyamg draws random numbers; nobody else's change."""
+    S, N, x = large_matrices(*LARGE[0])
+    b = disturbed(S, N)[1]
+    np.random.seed(3)
+    first, drawn = Multigrid(S, N, x, 1e-6)(b), np.random.random()
+    np.random.seed(4)
+    assert np.array_equal(np.concatenate(first), np.concatenate(Multigrid(S, N, x, 1e-6)(b)))
+    np.random.seed(3)
+    assert drawn == np.random.random()
+
+
+@pytest.mark.parametrize("seed", [33, 83, 122])
+def test_active_sets_that_go_in_circles_are_broken_up(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(seed)
+    root, normals = rng.standard_normal((18, 9)), sps.diags_array(rng.choice([-1.0, 1.0], 18), format="csr")
+    S, b, x = sps.csc_array(root @ root.T + 0.1 * np.eye(18)), rng.standard_normal(18), rng.standard_normal((3, 6))
+    require_optimal(S, normals, b, Multigrid(S, normals, x, EXACT)(b), 2 * EXACT, 1e-13)
+    monkeypatch.setattr("study.solve.multigrid.PATIENCE", 1000)
+    with pytest.raises(MultigridError):
+        Multigrid(S, normals, x, EXACT)(b)
+
+
+@st.composite
+def problems(draw):
+    """Any positive definite S, and some rows at some vertices in any directions."""
+    d, vertices = draw(st.integers(2, 3)), draw(st.integers(1, 2 * COARSEST))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    n = d * vertices
+    root = sps.random_array((n, n), density=draw(st.floats(0, 1)) * min(1, 4 / n), rng=rng)
+    rows = []
+    for vertex in rng.choice(vertices, draw(st.integers(0, vertices)), replace=False):
+        directions = np.linalg.qr(rng.standard_normal((d, d)))[0][: rng.integers(1, d + 1)]
+        for direction in directions @ (np.eye(d) + 0.4 * np.triu(rng.random((d, d)), 1)):
+            row = np.zeros(n)
+            row[d * vertex : d * vertex + d] = rng.uniform(0.1, 10) * direction
+            rows.append(row)
+    N = sps.csr_array(np.array(rows).reshape(-1, n))
+    return sps.csc_array(root @ root.T + 0.1 * sps.eye_array(n)), N, rng.standard_normal((d, vertices)), rng
+
+
+@COSTLY
+@given(problems())
+def test_any_positive_definite_matrix_with_any_normals_is_served_by_both_solvers(problem) -> None:
+    S, N, x, rng = problem
+    b = 3 * rng.standard_normal(S.shape[0])
+    require_optimal(S, N, b, Multigrid(S, N, x, EXACT)(b), 2 * EXACT, 1e-13)
+    require_optimal(S, N, b, Signorini(S, N)(b), 1e-8)
+
+
+def test_rigid_motions_have_no_strain() -> None:
+    body = named("cube-disc").solution.body
+    space = Space(Shaken()(body, 3), body)
+    motions = rigid_motions(space.mesh.p)
+    assert motions.shape[1] == np.linalg.matrix_rank(motions) == 6
+    inside = np.isin(space.mesh.t, space.free // 3).all(axis=0)
+    assert inside.any()
+    for motion in motions[space.free].T:
+        assert abs(space.strain(motion)[:, inside]).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("N", "message"),
+    [
+        ([[1.0, 0, 1, 0]], "entries at 2 vertices"),
+        ([[0.0, 0, 0, 0]], "entries at 0 vertices"),
+        ([[1.0, 2, 0, 0], [2.0, 4, 0, 0]], "linearly dependent"),
+        ([[1.0, 0, 0, 0], [0.0, 1, 0, 0], [1.0, 1, 0, 0]], "linearly dependent"),
+    ],
+)
+def test_constraints_of_another_form_and_other_vertices_are_refused(N, message: str) -> None:
+    one = sps.csc_array(np.eye(4))
+    with pytest.raises(ValueError, match=message):
+        Multigrid(one, sps.csr_array(np.array(N)), np.zeros((2, 2)), EXACT)
+    with pytest.raises(ValueError, match="S has 4 unknowns, but 3 vertices in dimension 2 have 6"):
+        Multigrid(one, sps.csr_array((0, 4)), np.zeros((2, 3)), EXACT)
+
+
+def test_a_tolerance_below_rounding_is_refused() -> None:
+    S, N, x = large_matrices(*LARGE[0])
+    with pytest.raises(MultigridError, match="so take a larger one"):
+        Multigrid(S, N, x, 1e-20)(disturbed(S, N)[1])
+
+
+def test_the_solver_is_chosen_by_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    body = named("cube-disc").solution.body
+    space = Space(OneDiagonal()(body, 4), body)
+    S = step_matrix("cube-disc", space)
+    assert isinstance(contact_solver(space)(S, space.N), Signorini)
+    monkeypatch.setitem(FACTORED, 3, space.dofs - 1)
+    assert isinstance(contact_solver(space)(S, space.N), Multigrid)

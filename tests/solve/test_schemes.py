@@ -1,0 +1,338 @@
+"""The time schemes: weights, numbers of steps, orders, bounds of backward Euler, and the fixed point in a step."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import scipy.sparse as sps
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from manufactured import named, unit_square
+from manufactured.law import Indefinite, KelvinVoigt, isotropic, isotropic_matrix
+from study.fem.error_norm import ErrorNorm
+from study.fem.mesh import FAMILIES, OneDiagonal, Shaken
+from study.fem.naming import resolve
+from study.fem.space import Space
+from study.solve.euler_bounds import EulerBounds, backward_euler
+from study.solve.evolution import EvolutionError, SemiDiscrete
+from study.solve.fixed_point import MEMORY, FixedPointError, fixed_point
+from study.solve.gradient_flow import GradientFlow
+from study.solve.paths import furthest, path
+from study.solve.steps import StepsError, rate_steps, stress_steps
+from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES, Tableau
+from study.statements.shared.base import Setting
+from study.statements.shared.experiment import Experiment
+from study.statements.thm_4_2 import problems
+from study.statements.thm_4_2_own_space import StressExperiment
+
+K = 0.1
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_a_scheme_differentiates_polynomials_of_its_order_exactly_where_it_takes_the_load(scheme: Tableau) -> None:
+    times = K * np.arange(-len(scheme.past), 1)
+    at = K * (scheme.theta - 1)
+    for degree in range(int(scheme.order) + 2):
+        before = [np.array([t**degree]) for t in times[:-1]]
+        wrong = abs(scheme.rate(np.array([times[-1] ** degree]), before, K)[0] - degree * at ** max(degree - 1, 0))
+        assert (wrong < 1e-12) == (degree <= scheme.order)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_a_scheme_starts_with_steps_whose_past_is_there(scheme: Tableau) -> None:
+    assert [len(scheme.of_step(n).past) <= n for n in range(1, 5)] == [True] * 4
+    assert scheme.of_step(1) is (scheme.starting or scheme)
+    assert scheme.of_step(len(scheme.past)) is scheme
+
+
+def test_steps_grow_with_level_and_pace_and_those_of_stresses_are_even() -> None:
+    assert [rate_steps(1.0, n) for n in (8, 27, 64)] == [32, 72, 128]
+    assert [stress_steps(1.0, n) for n in (8, 16)] == [32, 64]
+    assert [stress_steps(0.5, 16, pace) for pace in (1.0, 4.0, 100.0)] == [8, 16, 32]
+    assert all(stress_steps(T, n, 5.0) % 2 == 0 for T in (0.3, 1.0) for n in range(2, 40))
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_a_march_has_a_step_or_more_and_asks_for_loads_at_the_times_that_its_scheme_says(scheme: Tableau) -> None:
+    setup = Experiment.of(named("full-contact").solution, OneDiagonal(), 4, scheme, 7)
+    with pytest.raises(StepsError, match="one step or more"):
+        next(scheme.march(setup.problem, 0))
+    asked = []
+
+    def load(time: float) -> np.ndarray:
+        asked.append(time)
+        return np.asarray(setup.problem.load(time))
+
+    assert len([*scheme.march(replace(setup.problem, load=load), 7)]) == 8
+    k = setup.problem.T / 7
+    assert asked == pytest.approx([(n - 1 + scheme.theta) * k for n in range(1, 8)], rel=1e-15)
+
+
+@pytest.mark.parametrize("case", ["advance-recede", "yield-on-a-part"])
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_every_step_balances_forces_as_its_scheme_says(scheme: Tableau, case: str) -> None:
+    """M δu_n + G(θ u_n + (1 − θ) u_{n−1}) + Nᵀλ_n = F, the first steps by the scheme that takes them."""
+    setup = Experiment.of(resolve(case).solution, OneDiagonal(), 6, scheme, 9)
+    problem, k = setup.problem, setup.problem.T / 9
+    states = [*scheme.march(problem, 9)]
+    for n in range(1, 10):
+        taken = scheme.of_step(n)
+        u, before = states[n].u, [state.u for state in states[:n]]
+        between = taken.theta * u + (1 - taken.theta) * before[-1]
+        load = problem.load(taken.balanced(n, k))
+        inner = problem.M @ taken.rate(u, before, k) + problem.elastic(between)
+        assert abs(inner + problem.N.T @ states[n].multipliers - load).max() <= 1e-9 * abs(load).max()
+
+
+BODY = unit_square()
+SPACE = Space(OneDiagonal()(BODY, 4), BODY)
+EVEN = KelvinVoigt(isotropic(1, 0), Indefinite(isotropic_matrix(-2, 0)), "G = −2A")
+
+
+def unloaded(law: KelvinVoigt) -> SemiDiscrete:
+    return SemiDiscrete.of(SPACE, law, lambda t: np.zeros(SPACE.dofs), np.zeros(SPACE.dofs))
+
+
+def least(problem: SemiDiscrete, scheme, k: float) -> float:
+    """The least eigenvalue of (w/k) M + θ G."""
+    S = scheme.newest / k * problem.M + scheme.theta * problem.reference
+    return float(np.linalg.eigvalsh(S.toarray())[0])
+
+
+@pytest.mark.parametrize("scheme", [BACKWARD_EULER, MIDPOINT], ids=lambda scheme: scheme.name)
+def test_where_g_is_a_multiple_of_a_no_longer_step_would_do(scheme) -> None:
+    problem, longest = unloaded(EVEN), scheme.longest(EVEN.growth)
+    assert longest == pytest.approx(scheme.newest / scheme.theta / 2)
+    assert least(problem, scheme, 0.999 * longest) > 0 > least(problem, scheme, 1.001 * longest)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_every_step_serves_a_monotone_law_and_steps_below_m_a_over_l_g_serve_every_law(scheme) -> None:
+    assert scheme.longest(named("yield-on-a-part").solution.law.growth) == math.inf
+    for name in ("softening", "double-well"):
+        law = named(name).solution.law
+        scheme.require_unique(0.999 * law.A.ellipticity / law.G.lipschitz, law.growth)
+    # The first step of BDF2 is a step of backward Euler, which must be shorter than the other ones.
+    assert BDF2.longest(2.0) == BACKWARD_EULER.longest(2.0) == 0.5 < BDF2.newest / 2.0
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_longer_steps_are_refused_before_anything_is_factorised(monkeypatch, scheme) -> None:
+    def never(S, N):
+        raise AssertionError("a matrix was factorised")
+
+    problem = replace(unloaded(EVEN), T=10 * scheme.longest(EVEN.growth), solver=never)
+    with pytest.raises(StepsError, match=r"need not have one solution: G is not monotone.*rate 2; take k < "):
+        list(scheme.march(problem, 10))
+    with pytest.raises(AssertionError, match="factorised"):
+        list(scheme.march(problem, 11))
+
+
+def test_longer_steps_of_the_stress_problems_are_refused_too() -> None:
+    solution = named("softening").solution
+    _, stresses = problems(solution, OneDiagonal(), 4)
+    with pytest.raises(StepsError, match="one solution"):
+        list(stresses.march(1))
+    experiment = StressExperiment.at(Setting("softening", "one-diagonal", 4), 2)
+    with pytest.raises(StepsError, match="one solution"):
+        list(replace(experiment, steps=1).march())
+
+
+@pytest.mark.parametrize(("n", "error", "interpolation"), [(8, 6.977, 4.026), (16, 3.536, 2.030)])
+def test_errors_agree_with_an_independent_prototype_to_four_digits(n: int, error: float, interpolation: float) -> None:
+    """Of an advancing and receding front, with backward Euler and k = 1/(2n)."""
+    solution = named("advance-recede").solution
+    space = Space(OneDiagonal()(solution.body, n), solution.body)
+    v_norm = ErrorNorm(solution, space, raised=2)
+    problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
+    found, interpolated = [], []
+    for state in BACKWARD_EULER.march(problem, 2 * n):
+        sample = v_norm.sample(state.time)
+        found.append(v_norm.distance(sample, state.u))
+        interpolated.append(v_norm.distance(sample, sample.interpolant))
+    assert float(f"{max(found):.4g}") == error
+    assert float(f"{max(interpolated):.4g}") == interpolation
+
+
+FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
+
+
+@cache
+def trajectory(name: str, scheme, steps: int):
+    """Return a problem and its solution, computed once for all comparisons; tests only read it."""
+    problem = Experiment.of(named(name).solution, Shaken(), 8, scheme, steps).problem
+    return problem, path(problem, scheme, steps)
+
+
+@pytest.mark.parametrize("name", ["advance-recede", pytest.param("yield-and-release", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("scheme", "low", "high"), [(BACKWARD_EULER, 0.8, 1.2), (BDF2, 1.3, 2.2), (MIDPOINT, 1.4, 2.3)]
+)
+def test_a_scheme_converges_in_time_with_its_order(name: str, scheme, low: float, high: float) -> None:
+    """Predicted: 1 for backward Euler; 2, falling to 3/2 where vertices change state, for the others."""
+    problem, reference = trajectory(name, MIDPOINT, 320)
+    errors = [furthest(problem, trajectory(name, scheme, n)[1], reference[:: 320 // n]) for n in (20, 80)]
+    assert low <= np.log2(errors[0] / errors[1]) / 2 <= high
+
+
+@pytest.mark.parametrize("family", FOR_SQUARES, ids=lambda f: f.name)
+def test_a_midpoint_step_of_a_nonlinear_law_takes_at_most_six_solves_on_the_coarsest_mesh_of_its_sweep(family) -> None:
+    """There steps are longest. Backward Euler and BDF2 take more: the share of G in a step is twice as large."""
+    case = named("yield-and-release")
+    setup = Experiment.of(case.solution, family, 8, MIDPOINT, rate_steps(case.solution.body.T, 8, case.pace))
+    solves = [state.iterations for state in setup.scheme.march(setup.problem, setup.steps)][1:]
+    assert max(solves) <= 6
+
+
+def test_a_fixed_point_that_does_not_settle_says_so() -> None:
+    problem = Experiment.of(named("yield-and-release").solution, OneDiagonal(), 4, MIDPOINT, 4).problem
+    stiff = replace(problem, remainder=lambda v: 50 * problem.M @ v)
+    with pytest.raises(EvolutionError, match="take more steps"):
+        list(MIDPOINT.march(stiff, 4))
+
+
+def test_the_residual_of_a_step_knows_the_gap() -> None:
+    setup = Experiment.of(named("parabolic-gap").solution, OneDiagonal(), 8, MIDPOINT, 4)
+    assert max(state.residual() for state in setup.scheme.march(setup.problem, 4)) < 1e-10
+    wrong = replace(setup.problem, gap=0.0)
+    assert next(setup.scheme.march(wrong, 4)).u == pytest.approx(setup.problem.u0)
+    step = setup.problem.stepper(MIDPOINT, 0.25)
+    step.problem = wrong  # the residual of a correct step, with respect to the cone of the paper
+    assert step(1, [setup.problem.initial()]).residual() > 1e-3
+
+
+FINE = 256
+"""Intervals of the grid in time, and steps of the reference."""
+
+
+def random_problem(seed: int, n: int = 3) -> tuple[SemiDiscrete, float, float]:
+    """M u̇ + C u + N_K(u) ∋ F with C neither symmetric nor monotone, a load with a jump, κ and γ."""
+    rng = np.random.default_rng(seed)
+    root = rng.standard_normal((n, n))
+    M = root @ root.T + 0.3 * np.eye(n)
+    L = np.linalg.cholesky(M)
+    B = rng.standard_normal((n, n))
+    B *= rng.uniform(0.2, 3) / np.linalg.norm(B, 2)
+    kappa, gamma = np.linalg.norm(B, 2), max(0.0, -np.linalg.eigvalsh(B + B.T)[0] / 2)
+    C = L @ B @ L.T
+    symmetric, skew = (C + C.T) / 2, (C - C.T) / 2
+    amplitude, frequency, jump = rng.standard_normal((3, n)), rng.uniform(0, 12), rng.uniform(0.1, 0.9)
+
+    def load(t: float) -> np.ndarray:
+        return amplitude[0] + amplitude[1] * math.sin(frequency * t) + 2 * amplitude[2] * (t > jump)
+
+    u0 = np.where(rng.random(n) < 0.5, 0.0, rng.random(n))
+    problem = SemiDiscrete(
+        sps.csc_array(M), sps.csc_array(symmetric), skew.__matmul__, sps.csr_array(-np.eye(n)), load, u0, 1.0,
+        growth=float(gamma),
+    )  # fmt: skip
+    return problem, float(kappa), float(gamma)
+
+
+def bounds_of(problem: SemiDiscrete, kappa: float, gamma: float) -> EulerBounds:
+    loads = np.array([problem.load(t) for t in np.arange(FINE + 1) / FINE])
+    return EulerBounds(GradientFlow(problem, loads), kappa, gamma)
+
+
+def largest_error(problem: SemiDiscrete, exact: np.ndarray, nodes: np.ndarray, states: np.ndarray) -> float:
+    grid = np.arange(FINE + 1)
+    away = exact - np.array([np.interp(grid, nodes, component) for component in states.T]).T
+    return math.sqrt(np.sum(away * (problem.M @ away.T).T, axis=1).max())
+
+
+@settings(max_examples=6, deadline=None)
+@given(seed=st.integers(0, 2**32))
+def test_both_bounds_hold_for_steps_of_any_size_and_the_one_with_the_solution_is_the_smaller(seed: int) -> None:
+    problem, kappa, gamma = random_problem(seed)
+    bounds, exact = bounds_of(problem, kappa, gamma), path(problem, BACKWARD_EULER, FINE)
+    room = bounds.by_data(np.arange(FINE + 1))
+    rng = np.random.default_rng(seed)
+    for count in (6, 12, 32):
+        inner = np.sort(rng.choice(np.arange(1, FINE), count - 1, replace=False))
+        nodes = np.concatenate([[0], inner, [FINE]])
+        if max(np.diff(nodes)) / FINE * kappa >= 0.9:
+            continue
+        states = backward_euler(problem, (nodes / FINE).tolist())
+        bound = bounds.by_solution(nodes, states)
+        assert largest_error(problem, exact, nodes, states) <= bound + room
+        assert bound <= bounds.by_data(nodes) * (1 + 1e-9)
+
+
+def test_equal_steps_are_those_of_the_scheme() -> None:
+    problem, *_ = random_problem(5)
+    states = backward_euler(problem, np.linspace(0, 1, 17).tolist())
+    assert states == pytest.approx(path(problem, BACKWARD_EULER, 16), abs=1e-9)
+
+
+@pytest.mark.parametrize(("kind", "gamma"), [("rotation", 0.0), ("growth", 2.0)])
+def test_half_of_kappa_t_is_attained_for_short_steps(kind: str, gamma: float) -> None:
+    """‖u(T) − U_N‖/k → e^{γT} κT/2 ‖z‖, part (iii) of the theorem."""
+    kappa, start, one = 2.0, np.array([1.0, 0.0]), sps.csc_array(np.eye(2))
+    turn = kappa * np.array([[0.0, 1.0], [-1.0, 0.0]])
+    reference, rest = (0 * one, turn.__matmul__) if kind == "rotation" else (-kappa * one, None)
+    problem = SemiDiscrete(one, reference, rest, sps.csr_array((0, 2)), lambda t: 0 * start, start, 1.0, growth=gamma)
+    exact = np.array([math.cos(kappa), math.sin(kappa)]) if kind == "rotation" else math.exp(kappa) * start
+    error = np.linalg.norm(path(problem, BACKWARD_EULER, 1024)[-1] - exact)
+    assert error * 1024 == pytest.approx(math.exp(gamma) * kappa**2 / 2, rel=0.01)
+
+
+def euclidean(w):
+    return w
+
+
+@given(seed=st.integers(0, 10**6), contraction=st.floats(0.01, 0.8), size=st.integers(1, 12))
+def test_what_is_returned_is_an_image_as_near_to_the_fixed_point_as_was_asked(seed, contraction, size) -> None:
+    rng = np.random.default_rng(seed)
+    matrix = rng.normal(size=(size, size))
+    matrix *= contraction / np.linalg.norm(matrix, 2)
+    shift = rng.normal(size=size)
+    images = []
+
+    def image(v):
+        images.append(matrix @ v + shift)
+        return images[-1]
+
+    found, taken = fixed_point(image, np.zeros(size), euclidean, 1e-9, 200)
+    exact = np.linalg.solve(np.eye(size) - matrix, shift)
+    # ρ is seen along the way only, so that the distance may be some times larger than asked for.
+    assert np.linalg.norm(found - exact) <= 100 * 1e-9 * np.linalg.norm(exact)
+    assert found is images[-1]
+    assert taken == len(images)
+
+
+@given(
+    diagonal=st.lists(st.floats(0, 0.8), min_size=1, max_size=6),
+    sizes=st.lists(st.floats(-8, 0), min_size=6, max_size=6),
+)
+def test_parts_of_very_different_size_and_contraction_do_not_end_it_early(diagonal, sizes) -> None:
+    """The slow part may be a millionth of the rest, and the first quotients see the rest only."""
+    slope = np.array(diagonal)
+    shift = 10 ** np.array(sizes[: len(diagonal)])
+    found, _ = fixed_point(lambda v: slope * v + shift, np.zeros(len(slope)), euclidean, 1e-9, 200)
+    exact = shift / (1 - slope)
+    assert np.linalg.norm(found - exact) <= 1000 * 1e-9 * np.linalg.norm(exact)
+
+
+@given(seed=st.integers(0, 10**6), size=st.integers(1, MEMORY))
+def test_an_affine_map_in_as_many_dimensions_as_are_remembered_takes_two_images_more(seed, size) -> None:
+    """One more image than dimensions makes as many differences; they show the fixed point, and its image ends it."""
+    rng = np.random.default_rng(seed)
+    turned = np.linalg.qr(rng.normal(size=(size, size)))[0]
+    matrix = turned @ np.diag(np.linspace(0.2, 0.7, size)) @ turned.T
+    shift = rng.normal(size=size)
+    found, taken = fixed_point(lambda v: matrix @ v + shift, np.zeros(size), euclidean, 1e-8, 50)
+    np.testing.assert_allclose(found, np.linalg.solve(np.eye(size) - matrix, shift), atol=1e-7)
+    assert taken <= size + 2
+
+
+def test_a_start_at_the_fixed_point_takes_one_image_and_what_does_not_settle_or_is_no_number_is_refused() -> None:
+    assert fixed_point(lambda v: v, np.ones(3), euclidean, 1e-12, 5)[1] == 1
+    with pytest.raises(FixedPointError, match="did not converge in 7 steps"):
+        fixed_point(lambda v: np.cos(3 * v) * 5 + v[::-1], np.array([0.1, 0.7]), euclidean, 1e-12, 7)
+    with pytest.raises(FixedPointError, match="image 1 is not finite"):
+        fixed_point(lambda v: v * np.nan, np.ones(2), euclidean, 1e-12, 7)
