@@ -52,8 +52,7 @@ class Packed:
     def record(self) -> dict[str, Any]:
         """Return the rounded values as a dictionary that can be written as JSON; ``read`` reads it.
 
-        The whole numbers are stored as differences from one time to the next, compressed by zlib, as base-64 text. The
-        script of the report page reads this format, too.
+        The whole numbers are stored as differences from one time to the next, compressed by zlib, as base-64 text.
         """
         changes = np.diff(self.multiples, axis=0, prepend=np.int16(0)).astype("<i2")
         return {

@@ -38,12 +38,15 @@ ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error"
 CHECKS = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
 HIGHEST_ORDER, STRIP = 1.5, 150
 """The largest order on the strip that shows the orders of a case, and the width of the strip in SVG units."""
+SHOWN = 127
+"""Displacements on the page are rounded to their largest value / 127, about a third of a pixel."""
 
 TEXTS = read_page("texts")
 """Texts of the page: ``meanings``, verdict ↦ its meaning, and ``letters``, table or place ↦ symbol ↦ its meaning."""
 PAGES = Environment(
     loader=PackageLoader("study.present", "page"), autoescape=True, undefined=StrictUndefined, trim_blocks=True
 )
+PAGES.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "sort_keys": True}
 PAGES.filters |= {"typeset": typeset, "typeset_svg": typeset_svg, "number": significant}
 
 
@@ -163,7 +166,7 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
 
     Entries that their names do not explain:
 
-    * ``displacement``: displacements as multiples of ``unit``, in 16 bits and base64; for each time all x components,
+    * ``displacement``: displacements as multiples of ``unit``, in 8 bits and base64; for each time all x components,
       then all y components, then all z components;
     * ``shades``: for each time and cell 255 (τ/brightest)^½ with the von Mises stress τ, in 8 bits and base64;
     * ``magnification``: the factor of displacements;
@@ -182,20 +185,20 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
         raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
     try:
         record = read_record(path)
-        picture, displacement = Picture.of(record).at_all_times(), Packed.read(record["displacement"])
+        picture, stored = Picture.of(record).at_all_times(), Packed.read(record["displacement"])
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(
             f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
             "version wrote it, make it anew with the same `study run`"
         ) from error
-    scale = BodyScale.of(picture)
+    scale, displacement = BodyScale.of(picture), Packed.of(stored.values, SHOWN)
     shades = np.round(255 * shade(picture.von_mises / scale.stress)).astype(np.uint8)
     return {
         "times": picture.times.tolist(),
         "vertices": picture.vertices.tolist(),
         "cells": picture.cells.T.ravel().tolist(),
         "unit": displacement.unit,
-        "displacement": b64encode(displacement.multiples.astype("<i2").tobytes()).decode("ascii"),
+        "displacement": b64encode(displacement.multiples.astype(np.int8).tobytes()).decode("ascii"),
         "shades": b64encode(shades.tobytes()).decode("ascii"),
         "brightest": scale.stress,
         "magnification": scale.magnification,

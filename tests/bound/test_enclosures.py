@@ -100,7 +100,8 @@ def turn(number: int) -> tuple[Case, MeshFamily, Scheme]:
 TURNS = [
     pytest.param(number, level, trajectory, id=f"{trajectory.name}-{name}-{level}", marks=marks)
     for number, name in enumerate(BOUNDED)
-    for level, trajectory in product((2, 4, 8), TRAJECTORIES)
+    # The boundary condition of *corner* changes at 3/4, which is no vertex of level 2.
+    for level, trajectory in product((4, 8) if name == "corner" else (2, 4, 8), TRAJECTORIES)
     # A third of the cheaper cases, with both displacements in turn; the nightly job tries all.
     for quick in [level == 2 and number % 3 == 0 and trajectory is TRAJECTORIES[number % 2]]
     for marks in [() if quick and name not in ("hexagon", "merging-patches") else pytest.mark.slow]

@@ -15,10 +15,10 @@ from committed import RESULTS, TABLES, copy_results
 from study.cli.main import main
 from study.ledger.datafiles import DataError
 from study.ledger.files import write_packed
-from study.ledger.pictures import STEPS, Packed
+from study.ledger.pictures import Packed
 from study.present.notation import typeset
 from study.present.picture import Picture, picture_path, read_record, read_values
-from study.present.report import TEXTS, read_film, write_report
+from study.present.report import SHOWN, TEXTS, read_film, write_report
 from study.present.tables import BOUNDS, EQUIVALENCE, LEDGER, RATES, STRESSES
 from study.run.fingerprint import ROOT
 from study.run.plan import full
@@ -170,11 +170,11 @@ def test_every_case_is_shown_in_motion(page: Page) -> None:
 def test_the_motion_on_the_page_passes_through_the_displacements_of_the_picture(directory: Path, page: Page) -> None:
     for case, content in zip((*PLANE, SOLID), page.data, strict=True):
         film, picture = json.loads(content), Picture.of(read_record(picture_path(directory, case)))
-        raw = np.frombuffer(base64.b64decode(film["displacement"]), dtype="<i2")
+        raw = np.frombuffer(base64.b64decode(film["displacement"]), dtype=np.int8)
         moving = film["unit"] * raw.reshape(picture.displacement.shape)
         np.testing.assert_allclose(moving, picture.displacement, atol=0.51 * film["unit"])
         assert film["times"] == picture.times.tolist()
-        assert abs(raw).max() == STEPS
+        assert abs(raw).max() == SHOWN
 
 
 def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Path, page: Page) -> None:

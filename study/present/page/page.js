@@ -444,7 +444,7 @@ function read(section) {
   // The overview shows a case whose data stand in its own section.
   const held = section.dataset.from ? document.querySelector(`.film[data-case="${CSS.escape(section.dataset.from)}"]`) : section;
   const film = JSON.parse(held.querySelector("script").textContent);
-  film.displacement = new Int16Array(bytes(film.displacement).buffer);
+  film.displacement = new Int8Array(bytes(film.displacement).buffer);
   film.shades = bytes(film.shades);
   film.rest = project(film, film.vertices);
   film.outline = outlineOf(film);
