@@ -1,7 +1,5 @@
 """Makes the certificate of one level, from the solution u_h and the more accurate displacement ũ of ``study bound``."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Sequence

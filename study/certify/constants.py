@@ -22,8 +22,6 @@ semidefinite programme. Its conditions are written with a Schur complement:
     ( Φ             A  )  ⪰ 0     at every vertex of every cell.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache

@@ -8,8 +8,6 @@ to the nearest point of a lattice of width 2^{−b}, where b depends on the size
 boundary moves along the part, to a fraction of its length with denominator 2^b.
 """
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 from typing import Any

@@ -9,8 +9,6 @@ projected loads. And it is given by its tractions on the edges and by nine numbe
 from which the checker makes a stress with exactly continuous tractions.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from fractions import Fraction

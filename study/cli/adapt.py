@@ -3,8 +3,6 @@
 Each mesh is written when it is finished, so that the command continues after Ctrl-C.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 from typing import Any

@@ -3,8 +3,6 @@
 Finished meshes are stored, so that the command continues after Ctrl-C.
 """
 
-from __future__ import annotations
-
 import argparse
 from functools import partial
 from pathlib import Path

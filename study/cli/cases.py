@@ -1,7 +1,5 @@
 """``study cases``: lists the exact solutions."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import textwrap

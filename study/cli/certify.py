@@ -1,7 +1,5 @@
 """``study certify``: writes proofs of error bounds as files (certificates), and checks them."""
 
-from __future__ import annotations
-
 import argparse
 from functools import partial
 

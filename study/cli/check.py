@@ -1,7 +1,5 @@
 """``study check``: compares data, verdicts, tables and the inputs of the papers with their expected contents."""
 
-from __future__ import annotations
-
 import argparse
 import secrets
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Functions that several commands use: exit codes, progress bars, drawing of figures, lists of files."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """``study compare``: shows in which verdicts and numbers two result directories differ, and by how much."""
 
-from __future__ import annotations
-
 import argparse
 import json
 

@@ -3,8 +3,6 @@
 ``study sensitivity`` finds the smallest defects that are noticed.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from study.cli.common import progress_bar

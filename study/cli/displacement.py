@@ -1,7 +1,5 @@
 """``study bound --displacement``: encloses the errors of displacements that other programs have computed."""
 
-from __future__ import annotations
-
 import argparse
 import hashlib
 import math

@@ -1,7 +1,5 @@
 """``study export``: writes contact problems as files for other codes."""
 
-from __future__ import annotations
-
 import argparse
 
 from manufactured.case import Case

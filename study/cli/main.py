@@ -1,7 +1,5 @@
 """The ``study`` command: parses options, calls the function of a command, and turns errors into messages."""
 
-from __future__ import annotations
-
 import importlib
 import io
 import os

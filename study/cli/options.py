@@ -3,8 +3,6 @@
 The module imports nothing slow, so that ``--help`` answers at once.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import os

@@ -1,7 +1,5 @@
 """``study tables``, ``study figures`` and ``study report``: present the data in a result directory."""
 
-from __future__ import annotations
-
 import argparse
 import shutil
 from pathlib import Path

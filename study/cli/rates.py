@@ -1,7 +1,5 @@
 """``study rates``: computes the observed orders of any table of errors, and judges them."""
 
-from __future__ import annotations
-
 import argparse
 import json
 import math

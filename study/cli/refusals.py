@@ -1,7 +1,5 @@
 """Turns errors that end a command into an exit code and a message without a traceback."""
 
-from __future__ import annotations
-
 from concurrent.futures import BrokenExecutor
 
 from manufactured.body import BodyError

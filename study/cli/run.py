@@ -1,7 +1,5 @@
 """``study run``: measures, writes data, judges them, and writes tables and figures."""
 
-from __future__ import annotations
-
 import argparse
 import shlex
 import sys

@@ -4,8 +4,6 @@ A *seed* is a number from which a random mesh of every size and body is made. On
 judged that the study claims to hold there. The results are added to the record of seeds (``study.controls.record``).
 """
 
-from __future__ import annotations
-
 import argparse
 import secrets
 import shutil

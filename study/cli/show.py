@@ -1,7 +1,5 @@
 """``study show``: solves a case on one mesh, draws it, and writes files for ParaView."""
 
-from __future__ import annotations
-
 import argparse
 
 from manufactured.self_proof import prove

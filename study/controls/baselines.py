@@ -3,8 +3,6 @@
 In each setting, the study measures and judges as it does in a normal run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial

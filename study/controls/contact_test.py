@@ -8,8 +8,6 @@ Only checks that compare with the exact solution count. Some checks only test th
 problems, and the penetration of the foundation between vertices. They fail with these defects for every case.
 """
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 The functions in this file replace parts of the study: attributes of an object, or names in a module.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from copy import copy

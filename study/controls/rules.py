@@ -7,8 +7,6 @@ the resulting verdict (text, window, values) and of the levels of the measuremen
 changes the fingerprint of its check and of no other check. Code that is rewritten with the same effect changes nothing.
 """
 
-from __future__ import annotations
-
 import hashlib
 from pathlib import Path
 

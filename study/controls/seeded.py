@@ -6,8 +6,6 @@ solver, and cases in 3D. They are made only for every ``EVERY``-th seed. So some
 others.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields, replace
 
 from manufactured.case import Case

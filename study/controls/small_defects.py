@@ -1,7 +1,5 @@
 """Defects of any relative size δ in the data or solution of a contact problem, for ``study sensitivity``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from functools import cache
 from typing import Any

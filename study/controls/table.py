@@ -12,8 +12,6 @@ inaccurate in one respect, for example at one time node. If the diagnostic ignor
 defect is reported as not noticed.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from manufactured.data import no_fronts

@@ -22,8 +22,6 @@ A check whose position is the same for all seeds has no false alarms. The rate o
 the rates of its checks, whether or not they are independent.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cache

@@ -1,7 +1,5 @@
 """Differences between two result directories (``study compare``), and between a file and its expected text."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

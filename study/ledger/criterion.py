@@ -5,8 +5,6 @@ criteria. The second part has functions that make frequent ones: extreme values,
 orders.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """The data files of a run: defines their columns and keys, reads them with a check of every cell, and writes them."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import shlex

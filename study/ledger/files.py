@@ -1,7 +1,5 @@
 """Writes files completely or not at all, and defines the errors that end a command with a message."""
 
-from __future__ import annotations
-
 import errno
 import gzip
 import os

@@ -4,8 +4,6 @@ The label of a check names the formulas and statements that the check tests, for
 or "Thm 4.1, 5.2". No other place has this information.
 """
 
-from __future__ import annotations
-
 import re
 
 FORMULAS = {2: 18, 3: 15, 4: 30, 5: 43}

@@ -3,8 +3,6 @@
 In all functions, ``h`` are the mesh sizes and ``error`` the errors, both (levels,), coarse to fine.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Text for the terminal and for tables: wraps lines, and rounds numbers so that bounds remain bounds."""
 
-from __future__ import annotations
-
 import math
 import shutil
 import textwrap

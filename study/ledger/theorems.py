@@ -5,8 +5,6 @@ windows have a proved upper end and a predicted lower end. Their checks are not 
 the prediction is wrong.
 """
 
-from __future__ import annotations
-
 THEOREMS: dict[str, tuple[str, ...]] = {
     "Thm 2.2": ("bound", "monotone"),
     "Thm 2.2, (4.4)": ("bound",),

@@ -9,8 +9,6 @@ missed     a prediction of this study was wrong: the value lies outside the pred
 reported   nothing is claimed about the value
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Tolerance windows: the intervals in which measured numbers must lie, fixed before the measurement."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 The order p of errors e on meshes of size h is the exponent in e = C h^p.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

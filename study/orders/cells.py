@@ -4,8 +4,6 @@ Numbers are understood in the forms in which people write them: 1.2D-3, 1.2(-3),
 −0.5, 1 024, \\num{1e-3}.
 """
 
-from __future__ import annotations
-
 import math
 import re
 

@@ -1,7 +1,5 @@
 """Decides which column of a table has the mesh sizes, which columns have errors, and which columns are left out."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter

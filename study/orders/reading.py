@@ -5,8 +5,6 @@ These forms are understood: values separated by commas, semicolons, tabs, pipes 
 [1, 2, 3]``; ``label 51: 0.1, 101: 0.02`` lines. The meaning of a column is decided in ``columns.py``.
 """
 
-from __future__ import annotations
-
 import codecs
 import csv
 import math

@@ -1,7 +1,5 @@
 """Writes the results of ``study rates`` as text, JSON, Markdown, JUnit XML and as a plot."""
 
-from __future__ import annotations
-
 import importlib
 import math
 import textwrap

@@ -1,7 +1,5 @@
 """Computes the observed orders of a sequence of errors, says what the errors do, and judges the orders."""
 
-from __future__ import annotations
-
 import html
 import math
 from dataclasses import dataclass

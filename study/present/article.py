@@ -4,8 +4,6 @@ The tables and macros are made from the data files of a full run and written to 
 outwards, a smallest value down and a largest value up, so that no sentence claims more than was measured.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Figures of contact zone, gap and pressure on the faces of Γ3: lines in 2D, maps seen from inside the body in 3D."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import cycle
 from typing import Any

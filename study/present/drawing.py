@@ -1,7 +1,5 @@
 """The style of all figures, their legends and labels, and functions that draw figures and save them with captions."""
 
-from __future__ import annotations
-
 import re
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Sequence

@@ -4,8 +4,6 @@ Charts are drawn by ``study.present.charts``, deformed bodies by ``study.present
 pressures by ``study.present.contact``.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Sequence
 from functools import partial

@@ -5,8 +5,6 @@ and max_n do. Single letters and numbers between two such words belong to the sa
 in which special characters are escaped.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 import unicodedata

@@ -1,7 +1,5 @@
 """The results of a run as text for a terminal, and its verdicts as JUnit XML."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections import Counter

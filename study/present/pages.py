@@ -3,8 +3,6 @@
 Usage: python -m study.present.pages results README.md docs/explanation/results.md …
 """
 
-from __future__ import annotations
-
 import math
 import re
 import sys

@@ -3,8 +3,6 @@
 The colours of the report page are in ``page/page.css``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import cycle

@@ -1,7 +1,5 @@
 """The report page: one HTML file with ledger, tables, charts and animated cases, made from the data files of a run."""
 
-from __future__ import annotations
-
 from base64 import b64encode
 from hashlib import sha256
 from pathlib import Path

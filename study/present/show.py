@@ -1,7 +1,5 @@
 """The files of ``study show``: a storyboard and an animation of one case, and files for ParaView."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace

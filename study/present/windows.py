@@ -6,8 +6,6 @@ released. An error is raised if a window changed or a check was removed and ``pa
 no window is widened unnoticed.
 """
 
-from __future__ import annotations
-
 import sys
 from collections import Counter
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 The module imports no solvers, because importing them is slow.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from manufactured.case import Case

@@ -6,8 +6,6 @@ gives now, the rows of all tables with the plan, ``cases.csv`` with the catalogu
 measured again.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections import Counter
 from collections.abc import Callable, Sequence

@@ -6,8 +6,6 @@ is made again. If only texts, windows, other statements or other cases change, t
 is not part of the key, although last digits may differ between processors.
 """
 
-from __future__ import annotations
-
 import ast
 import hashlib
 import platform

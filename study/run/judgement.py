@@ -3,8 +3,6 @@
 Judging needs the data files only: nothing is solved, and the checks in ``claims.csv`` follow from the other files.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict

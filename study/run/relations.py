@@ -6,8 +6,6 @@ Each function yields a message for each cell that violates one relation. The sec
 for the results of contact codes by other people.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from typing import Any
 

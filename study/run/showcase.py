@@ -1,7 +1,5 @@
 """Solves a case on one mesh for display: for pictures, and for files for ParaView. Used by ``study show``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path

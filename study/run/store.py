@@ -6,8 +6,6 @@ killed, the results of finished jobs remain, and the same command runs only the 
 cache key differs, the file is ignored and the job runs again.
 """
 
-from __future__ import annotations
-
 import errno
 import hashlib
 import json

@@ -3,8 +3,6 @@
 The format of the files is described in docs/reference/tasks.md.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import lzma

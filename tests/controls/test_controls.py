@@ -66,9 +66,9 @@ BY_TESTS = """
 data | missing
   test_propositions.py::test_missing_rows_leave_the_data_undecided
 beyond: initial gap | discrete-order-others discrete-time-share start-share parallelogram time-share
-  test_initial_gap_rows.py::test_every_row_about_an_initial_gap_can_fail
+  test_propositions.py::test_every_row_about_an_initial_gap_can_fail
 beyond: initial gap | residual clamped quadrature leading-term leading-order order-finest interpolation-order-finest
-  test_initial_gap_rows.py::test_every_row_about_an_initial_gap_can_fail
+  test_propositions.py::test_every_row_about_an_initial_gap_can_fail
 enclosure | tight-above tight-below
   test_enclosure.py::test_ends_are_close_where_it_was_announced
 enclosure | order
@@ -77,18 +77,16 @@ beyond: O(h + k) | data solution constant between midpoint order uniform referen
   test_time_errors.py::test_every_row_about_backward_euler_can_fail
 beyond: work on edges | solution all constant branches
   test_contact_work.py::test_every_row_about_edges_can_fail
-beyond: work of contact | order order-mean
-  test_contact_work.py::test_work_of_another_order_fails
-beyond: work of contact | spread share
-  test_contact_work.py::test_a_spread_that_stays_and_work_that_cannot_be_seen_fail
+beyond: work of contact | order order-mean spread share
+  test_contact_work.py::test_work_of_another_order_a_spread_that_stays_and_work_that_cannot_be_seen_fail
 beyond: rollers | bound time step order-equal order-alternating order-shaken order-standing
   test_rollers.py::test_every_row_about_rollers_can_fail
 Prop. 5.4 | leading-order
-  test_random_meshes.py::test_a_leading_term_that_is_not_of_order_h_may_not_take_its_place
+  test_propositions.py::test_an_error_that_stagnates_and_a_leading_term_that_is_not_of_order_h_are_alarms
 beyond: landings | backward-euler-two midpoint-two
   test_time_errors.py::test_landings_are_judged_and_a_scheme_without_loss_would_be_noticed
 (5.23) | smooth-random u-0.23-random u-0.61-random
-  test_random_meshes.py::test_interpolation_of_another_order_fails
+  test_statements_static.py::test_the_order_in_v_is_judged_from_both_sides
 other codes | snesvi getfem freefem kratos
   test_other_codes.py::test_an_error_that_is_another_turns_the_row_of_its_code_to_fails
 other codes | own-digits

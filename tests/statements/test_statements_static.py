@@ -15,7 +15,7 @@ from study.fem.mesh import OneDiagonal, Shaken
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNDECIDED
-from study.statements import constraint, green, interpolation, lipschitz, residual
+from study.statements import constraint, green, interpolation, lipschitz
 from study.statements.constitutive_law import ElasticityOperator, Viscosity
 from study.statements.green import Green
 from study.statements.hypercircle import Pair, frozen
@@ -121,7 +121,7 @@ def test_random_fields_are_admissible_and_touch_all_of_their_face() -> None:
 
 
 def test_where_nothing_touches_r_over_its_bound_is_left_out_or_undecided(monkeypatch) -> None:
-    monkeypatch.setattr(residual, "TIMES", (0.5,))  # lift-and-land is in the air.
+    monkeypatch.setattr(green, "TIMES", (0.5,))  # lift-and-land is in the air.
     for case, bound in (("no-contact", {}), ("lift-and-land", {"bound": UNDECIDED})):
         found = verdicts(Residual(), measured(Residual(), [Setting(case, "shaken", 4)]))
         assert found == {"smooth": HOLDS, "remainder": HOLDS, **bound}
