@@ -101,6 +101,14 @@ def test_a_load_on_few_cells_gives_them_the_shares() -> None:
     assert stage.cells < mesh.t.shape[1]
 
 
+def test_the_verdict_on_a_tolerance_is_about_the_last_mesh() -> None:
+    numbers = {"mesh": 1, "cells": 8, "dofs": 9, "steps": 4, "order": 0.5, "in_time": 0.1, "error": np.nan}
+    rows = pd.DataFrame([{**numbers, "bound": 0.4, "percent": 20.0}, {**numbers, "bound": 0.125, "percent": 5.0}])
+    first, *_ = adaptive.text("ramp", rows, Tolerance(6, percent=True), "", [])
+    assert first.startswith("ramp: max")
+    assert first.endswith("≤ 0.125, 5 % of u, ≤ 6 %, the tolerance is reached")
+
+
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=8), st.floats(0.05, 1))
 def test_marked_cells_are_the_fewest_that_have_a_part(shares: list[float], part: float) -> None:
     values = np.array(shares)

@@ -485,6 +485,15 @@ def test_distances_are_integrals_rounded_outward(name: str) -> None:
         assert low <= exact <= high <= low + width
 
 
+def test_the_distance_of_u_h_from_itself_is_zero_up_to_one_rounding_for_each_cell(bracket: checker.Certificate) -> None:
+    u, over = bracket.computed.at(Q(0))
+    v = [x << bracket.bits for x in u]
+    assert over == 1
+    low, high = bracket._distance(v, bracket.computed.bits, Q(0))
+    assert low == 0
+    assert 0 < high < Q(1, 2**50)
+
+
 def start_on_two_cells() -> checker.Certificate:
     """A certificate in which both components of u_0 count."""
     certificate = object.__new__(checker.Certificate)
@@ -647,6 +656,11 @@ def test_orders_are_enclosed(coarse: Enclosure, fine: Enclosure, low: int, high:
     assert span is not None
     assert low - Q(1, 2**55) < span[0] <= low
     assert high <= span[1] < high + Q(1, 2**55)
+
+
+@pytest.mark.parametrize(("low", "fine_low"), [(0, 1), (1, 0)])
+def test_no_order_is_proved_if_one_of_the_errors_may_be_zero(low: int, fine_low: int) -> None:
+    assert checker.order(proved(8, low, 1), proved(32, fine_low, 1)) is None
 
 
 def test_results_are_printed_outward_and_orders_from_coarse_to_fine_whatever_comes_first(capsys, monkeypatch) -> None:

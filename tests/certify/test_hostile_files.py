@@ -89,6 +89,13 @@ def test_values_of_another_type_are_refused_wherever_they_stand(part: str, certi
         around[key] = right
 
 
+def test_a_mesh_may_have_three_sides_and_not_fewer() -> None:
+    sides = [[0, 1], [1, 2], [2, 0]]
+    checker.conform(sides, checker.MESH["sides"], "sides")
+    with pytest.raises(checker.RefusedError, match="sides"):
+        checker.conform(sides[:2], checker.MESH["sides"], "sides")
+
+
 FREE = {"force", "loads", "start"}
 
 
