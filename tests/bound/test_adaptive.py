@@ -15,13 +15,14 @@ from hypothesis import strategies as st
 from sympy import Rational, exp
 from test_terms import discretised, terms_of
 
-from manufactured import Case, Data, KelvinVoigt, Kind, isotropic, named, polygon, pos, t
+from manufactured import Case, Data, KelvinVoigt, Kind, isotropic, named, polygon, pos, static, t
 from manufactured.factor import x1, x2
 from study.bound import adaptive
 from study.bound.adaptive import Adapted, Stage, Tolerance, adapted, contact_edges, marked, next_stage
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose
 from study.bound.remainders import GUARANTEED
+from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Majorant, Shares, part_that_changes
 from study.bound.trajectory import Refined, SmoothedInTime, compute
 from study.cli.main import main
@@ -73,6 +74,15 @@ def test_shares_are_not_negative_and_add_up_to_the_bound(name: str, trajectory) 
     for one in enclosure.intervals:
         left = one.at_b - discretisation.moduli.decay(one.b - one.a) * one.at_a
         assert one.shares.total == pytest.approx(left, abs=1e-12)
+
+
+def test_shares_of_a_static_bound_belong_to_cells_alone_and_add_up_to_the_bound() -> None:
+    data = static(wedge(f0=(0, 0)).body, isotropic(2.0, 3.0), (0, -1))
+    discretisation = Discretisation(data, Unstructured()(data.body, 2))
+    enclosure, shares = enclose_static(discretisation, compute_static(discretisation), None)
+    assert shares.time == 0
+    assert shares.cells.sum() == pytest.approx(enclosure.highest)
+    assert shares.cells.min() >= 0
 
 
 def test_what_comes_after_the_largest_bound_has_no_share_in_it() -> None:
