@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from skfem import MeshTri
 
-from manufactured import Data, KelvinVoigt, Kind, isotropic, named, plane_stress, polygon, static, t, x2
+from manufactured import Data, KelvinVoigt, Kind, isotropic, named, plane_stress, polygon, static, t, unit_square, x2
 from manufactured.tensors import Array
 from study.bound.bounded import contact_sentences
 from study.bound.discretisation import Discretisation
@@ -21,7 +21,7 @@ from study.bound.enclosing import enclose, enclose_several
 from study.bound.fields import _together, read
 from study.bound.given import SINGLE, _check_cells, _on_boundary, bound_displacement, given
 from study.bound.problem import BoundError
-from study.bound.trajectory import Refined
+from study.bound.trajectory import Refined, on_refinement
 from study.fem.mesh import Shaken, Unstructured
 
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
@@ -98,6 +98,22 @@ def field() -> dict[str, Array]:
     times = np.array([0.0, 0.5, 1.0])
     u = times[:, None, None] * (1 - mesh.p.T[None, :, 1:]) * np.array([0.1, 0.2])
     return {"points": mesh.p.T, "triangles": mesh.t.T, "times": times, "u": u}
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+def test_polynomials_of_the_degree_of_u_h_are_the_same_on_a_refinement(degree: int) -> None:
+    mesh = Shaken()(unit_square(), 3)
+    fine = mesh.refined(2)
+
+    def values(x: np.ndarray) -> np.ndarray:
+        return np.array([(1 + x[0] - 3 * x[1]) ** degree, (2 + x[0] + x[1]) ** degree])
+
+    nodes = mesh.p if degree == 1 else np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)])
+    found = (on_refinement(mesh, degree, fine) @ values(nodes).T.ravel()).reshape(-1, 2).T
+    corners, middle = found[:, fine.facets], found[:, fine.p.shape[1] :]
+    np.testing.assert_allclose(found[:, : fine.p.shape[1]], values(fine.p), atol=1e-12)
+    at_middle = middle / 2 + corners.sum(axis=1) / 4
+    np.testing.assert_allclose(at_middle, values(fine.p[:, fine.facets].mean(axis=1)), atol=1e-12)
 
 
 def test_arrays_of_other_shapes_mean_the_same() -> None:

@@ -21,7 +21,7 @@ from manufactured import BodyError, Data, ExactSolution, KelvinVoigt, Kind, isot
 from manufactured.factor import x1, x2
 from manufactured.law import Linear
 from manufactured.symbols import t
-from study.bound.bounded import BoundedSolution, bounded_solution
+from study.bound.bounded import BoundedSolution, bounded_solution, series
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose, squared_distances
 from study.bound.given import bound_displacement
@@ -83,6 +83,11 @@ def check_static(data: Data, w, found: BoundedSolution, least: float) -> None:
     assert found.plain.highest == pytest.approx(error, rel=1e-8)
     assert least * error <= found.enclosure.lowest <= error <= found.enclosure.highest
     assert found.enclosure.evidence.kind == "guaranteed"
+    size = math.sqrt(squared_distances(coarse, strain_at(w), np.zeros(coarse.displacements.dofs), ()).sum())
+    assert found.norm[0] * (1 - 1e-9) <= size <= found.norm[1] * (1 + 1e-9)
+    (row,) = series(2, found).itertuples()
+    assert row.percent_high == pytest.approx(100 * row.upper / found.norm[0], rel=1e-5)
+    assert row.percent_low == pytest.approx(100 * row.lower / found.norm[1], rel=1e-5)
 
 
 @pytest.mark.parametrize("shape", PROBLEMS)
