@@ -207,7 +207,9 @@ def test_every_constant_makes_another_solution_of_one_of_four_cases() -> None:
         assert any(by_value(alone(name, constant).solution) != own[name] for name in cases), constant
 
 
-SLOW = [*(("natural-front", 0, 1), ("anisotropic", 0, 1)), *((name, 1, side) for name in CASES for side in (1, -1))]
+# *cube-rough* is decided on four levels, which the quick study does not have.
+DECIDED = [name for name in CASES if name != "cube-rough"]
+SLOW = [*(("natural-front", 0, 1), ("anisotropic", 0, 1)), *((name, 1, side) for name in DECIDED for side in (1, -1))]
 
 
 @pytest.mark.parametrize(
