@@ -42,7 +42,8 @@ AREAS = {  # files to change; tests
     ),
     "measuring": (
         "study/statements/**/*.py study/fem/error_norm.py",
-        f"tests/statements {OF_RESULTS}numbers_of_statements_measured_again_agree_with_the_committed_ones "
+        f"tests/statements {OF_RESULTS}rows_measured_again_agree_with_the_committed_ones "
+        f"{OF_RESULTS}numbers_of_statements_measured_again_agree_with_the_committed_ones "
         f"{OF_RESULTS}stresses_measured_again_agree_with_the_committed_ones "
         f"{OF_RESULTS}bounds_measured_again_agree_with_the_committed_ones "
         f"{OF_RESULTS}errors_of_the_second_solver_measured_again_agree_with_the_committed_ones "

@@ -245,9 +245,17 @@ class Refined:
         # ‖·‖_V.
         start, _ = Signorini(fine.M, V.N, V.free_points)(V.functional(stress))
         factor = G.factor(V.points)
-        forms = fine.M, V.form(G.reference, factor), remainder(V, G, factor), V.N
-        solver = partial(Signorini, x=V.free_points)
-        problem = SemiDiscrete(*forms, fine.load, start, data.body.T, solver, data.law.growth)
+        problem = SemiDiscrete(
+            M=fine.M,
+            reference=V.form(G.reference, factor),
+            remainder=remainder(V, G, factor),
+            N=V.N,
+            load=fine.load,
+            u0=start,
+            T=data.body.T,
+            solver=partial(Signorini, x=V.free_points),
+            growth=data.law.growth,
+        )
         for state in MIDPOINT.march(problem, self.shorter * computed.steps):
             yield state.time, state.u
 

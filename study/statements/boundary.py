@@ -156,7 +156,10 @@ def smooth_fields(body: Body) -> tuple[list[Field], list[Field]]:
     def tangential(part: Part, along: Field, inside: Field) -> Field:
         others, tangents = [other for other in contact if other is not part], part.frame[:, :-1]
         projector = tangents @ tangents.T
-        field: Field = lambda x: np.tensordot(projector, along(x), axes=1) + part.coordinates(x)[1] * inside(x)  # noqa: E731
+
+        def field(x: Points) -> Vectors:
+            return np.tensordot(projector, along(x), axes=1) + part.coordinates(x)[1] * inside(x)
+
         return vanishing(field, clamped + others)
 
     rng = np.random.default_rng(SEED)

@@ -69,6 +69,7 @@ def test_the_shape_and_the_scale_of_a_pareto_tail_are_found(shape: float) -> Non
         (np.full(20, 1.5), Tail("constant", 1.0)),
         (np.repeat([0.0, 1.0], [12, 8]), Tail("Pareto", 0.0, 1.0)),
         (np.repeat([0.0, 1.5], [12, 8]), Tail("Pareto", 0.4, 1.0)),
+        (np.repeat([0.0, 0.9], [12, 8]), Tail("Pareto", 0.0, 1.0)),
         (np.append(np.zeros(20), np.linspace(1.1, 1.9, 20)), Tail("Pareto", 0.5, 1.0)),
     ],
 )

@@ -23,7 +23,7 @@ from study.ledger.criterion import (
     largest,
     order,
 )
-from study.ledger.datafiles import read_claims, with_orders
+from study.ledger.datafiles import read_claims, since_before, with_orders
 from study.ledger.theorems import EXACT_QUOTIENTS, THEOREMS
 from study.ledger.verdict import (
     CAN_FAIL,
@@ -44,7 +44,7 @@ from study.ledger.verdict import (
     kind,
     window_share,
 )
-from study.ledger.window import Window, around, at_least, at_most, between, shown
+from study.ledger.window import Window, around, at_least, at_most, between, position, shown
 
 LEVELS = (8, 16, 32, 64)
 
@@ -135,6 +135,7 @@ def test_the_column_of_orders_is_empty_where_there_are_none() -> None:
     table = with_orders(pd.DataFrame({**series, "h": 1 / np.array(LEVELS), "error": errors, "at": 0.0}))
     assert table["order"].tolist() == pytest.approx([math.nan, 1.0, math.nan, math.nan], nan_ok=True)
     assert list(table)[list(table).index("time_share") + 1] == "order"
+    assert np.isnan(since_before(np.array([0.1, 0.2]), np.array([1.0, 4.0]))).all(), "the second mesh is coarser"
 
 
 # Windows.
@@ -259,3 +260,7 @@ def test_the_share_of_a_window_that_a_row_which_holds_uses(window: Window, value
     ends = {"window_low": window.low, "window_high": window.high, "verdict": HOLDS}
     row = pd.Series(dict(zip(("observed", "low", "high"), values, strict=True)) | ends)
     assert window_share(row) == pytest.approx(share, nan_ok=True)
+
+
+def test_zero_is_infinitely_far_outside_a_window_with_a_positive_lower_end_only() -> None:
+    assert position(0.0, 0.5, math.inf) == math.inf

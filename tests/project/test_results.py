@@ -34,7 +34,10 @@ RATES = pd.read_csv(RESULTS / "data" / "rates.csv")
 EQUIVALENCE = pd.read_csv(RESULTS / "data" / "equivalence.csv")
 STATEMENT_NUMBERS = pd.read_csv(RESULTS / "data" / "statements.csv")
 BOUNDS = [statement for statement in STATEMENTS if isinstance(statement, Bounds)]
-MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_share", "predicted_interpolation"]
+MEASURED = [
+    *("h", "error", "at", "interpolation_error", "discrete_error", "time_share", "predicted_interpolation"),
+    "quadrature_change",
+]
 
 
 def slow_except(quick: Sequence[str], names: Sequence[str], *more: int) -> list[Any]:

@@ -24,7 +24,8 @@ from study.run.judgement import joined
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import PARALLELOGRAM, RATES, Measurement, measure
-from study.statements.recomputed import Recomputed, recompute
+from study.statements.recomputed import Recomputed, gaps, recompute
+from study.statements.recomputed_solver import PlainProblem
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 
@@ -90,6 +91,16 @@ def test_the_leading_term_is_maximised_over_all_times(name: str) -> None:
 
 
 # Numbers that are computed again by the second solver.
+
+
+def test_contact_forces_that_the_second_solver_does_not_have_differ_by_all_of_them() -> None:
+    setup = Experiment.of(resolve("full-contact").solution, OneDiagonal(), 4, MIDPOINT, 2)
+    plain = PlainProblem(setup.solution, setup.space.mesh)
+    (found,) = plain.trajectories(2 * setup.steps, setup.problem.load)
+    without_forces = [(time, u, np.zeros_like(forces)) for time, u, forces in found]
+    differences = gaps(setup, plain, found, without_forces)
+    assert differences["multipliers"] < 1e-9
+    assert gaps(setup, plain, without_forces, found)["multipliers"] == 1
 
 
 @lru_cache

@@ -22,6 +22,7 @@ from study.statements import landings
 from study.statements.backward_euler import BackwardEuler
 from study.statements.landings import Landings, solution_of_two_unknowns, two_unknowns
 from study.statements.shared.base import Setting, grid
+from study.statements.shared.meshes import space_of
 
 FINE = 1024
 
@@ -166,6 +167,17 @@ def test_an_order_in_k_of_three_halves_is_noticed_on_every_level(orders: tuple[f
     found = rule.verdict(Landings(), "any", {"any": levels.assign(level=["8", "16"], h=[1 / 8, 1 / 16])})
     assert found.verdict == (REPORTED if outcome == "met" else MISSED)
     assert f"({outcome})" in found.expected
+
+
+def test_the_moving_load_is_a_wave_of_normal_traction_along_the_face() -> None:
+    space = space_of(Setting("travelling-patch", "one-diagonal", 16))
+    (part, vertices), load = space.contact[0], landings.rolling(space)
+    forces = space.N @ load(0.3)
+    s = np.linalg.norm(space.mesh.p[:, vertices] - part.corners[:, :1], axis=0) / part.measure
+    inside = slice(2, -2)
+    wave = 1 - 5 * np.sin(2 * np.pi * (2 * s - 1.2))
+    assert forces[inside] == pytest.approx(wave[inside] * part.measure / 16)
+    assert load(0.55) == pytest.approx(load(0.3)), "the wave repeats after a quarter of the time unit"
 
 
 def test_landings_are_judged_and_a_scheme_without_loss_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
