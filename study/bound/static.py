@@ -68,8 +68,9 @@ def enclose_static(coarse: Discretisation, computed: Computed, refinements: int 
     """
     fine = StaticDiscretisation(coarse.data, coarse.mesh.refined(refinements or 0))
     u_h = computed.on(fine)(0.0)
-    V = fine.displacements
-    v = u_h if refinements is None else Signorini(fine.M, V.N, V.free_points)(fine.load(0.0))[0]
+    v = u_h
+    if refinements is not None:
+        v, _ = Signorini(fine.M, fine.displacements.N, fine.displacements.free_points)(fine.load(0.0))
     # The bound y of ‖u − ũ‖, from the stress σ̃, and the contributions of the cells to y.
     snapshot, sampling, T = fine.snapshot(0.0), fine.sampling, fine.data.body.T
     missed = sampling.missed(fine.oscillation, 0.0, T)

@@ -214,11 +214,12 @@ class Knots:
     normal: Array
 
     @property
-    def stresses(self) -> tuple[Tensors, Tensors, Array]:
+    def by_knot(self) -> tuple[Tensors, Tensors, Array]:
+        """The arrays whose axis 1 counts the knots: viscous and elastic stresses, and the residual."""
         return self.viscous, self.elastic, self.residual
 
     def __add__(self, later: Knots) -> Knots:
-        pairs = zip(self.stresses, later.stresses, strict=True)
+        pairs = zip(self.by_knot, later.by_knot, strict=True)
         viscous, elastic, residual = (np.concatenate(pair, axis=1) for pair in pairs)
         normal = np.concatenate([self.normal, later.normal])
         return Knots(self.snapshots + later.snapshots, viscous, elastic, residual, normal)
@@ -274,7 +275,7 @@ class Majorant:
             ends, rates = (np.array(each) for each in zip(*((p.end, p.rate(end=True)) for p in block), strict=True))
             knots = last + self.knots([piece.b for piece in block], ends, rates)
             yield from self._block(block, knots)
-            viscous, elastic, residual = (each[:, -1:] for each in knots.stresses)
+            viscous, elastic, residual = (each[:, -1:] for each in knots.by_knot)
             last = Knots(knots.snapshots[-1:], viscous, elastic, residual, knots.normal[-1:])
 
     def knots(self, times: Sequence[float], u: Array, rates: Array) -> Knots:
@@ -316,8 +317,15 @@ class Majorant:
             missed = d.sampling.missed(d.oscillation, piece.a, piece.b)
             at = knots.snapshots[n], middle[n], knots.snapshots[n + 1]
             oscillation = np.array([d.oscillation(one.left_out) + missed.cells for one in at])
-            curved, bent = float(curvature[n]), float(bending[n])
-            yield Terms(piece, products[..., n, :], curved, contact[n], oscillation, bent, missed)
+            yield Terms(
+                piece=piece,
+                residual=products[..., n, :],
+                curvature=float(curvature[n]),
+                contact=contact[n],
+                oscillation=oscillation,
+                bending=float(bending[n]),
+                missed=missed,
+            )
 
     def _residual(self, loads: Loads, target: Tensors, u: Array) -> tuple[Array, Array]:
         """Compute the equilibrated stress σ̃ nearest to a given stress at several times.
@@ -396,10 +404,12 @@ class Majorant:
         of_edges = terms.contact_on_edges / max(mean.contact, np.finfo(float).tiny)
         np.add.at(cells, d.cells_at_contact, by_contact * of_edges)
         shares = Shares(cells, float(added @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
-        ends = piece.a, piece.b, y, at_b
         return Interval(
-            *ends,
-            inside,
+            a=piece.a,
+            b=piece.b,
+            at_a=y,
+            at_b=at_b,
+            inside=inside,
             residual=k * (float(np.sqrt(mean.residual.sum())) + terms.curvature),
             contact=k * mean.contact,
             oscillation=k * float(np.linalg.norm(np.sqrt(mean.oscillation))),

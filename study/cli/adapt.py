@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.tri import Triangulation
 
 from manufactured.static import Static
 from study.bound import adaptive, bounded
@@ -79,7 +80,9 @@ def do_adapt(options: argparse.Namespace) -> int:
         written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(results)))]
         norm = bounded.norm_of(data)
         error = norm if isinstance(data, Static) else f"max {norm}"
-        written += draw_one(store.directory, adapted_mesh(name, error, stage.mesh, edges, closed, rows, uniform))
+        shown = Triangulation(*stage.mesh.p, stage.mesh.t.T)
+        figure = adapted_mesh(name, norm=error, mesh=shown, edges=edges, closed=closed, rows=rows, uniform=uniform)
+        written += draw_one(store.directory, figure)
     tell_written(written)
     sentences = [*results[-1]["sentences"], *bounded.contact_sentences(data.body)]
     print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, norm)) + "\n")

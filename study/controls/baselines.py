@@ -116,8 +116,8 @@ class Sweep:
 
 
 @dataclass(frozen=True)
-class ContactSweep:
-    """The convergence of the contact force for one case on a few levels of one mesh family.
+class OneFamily:
+    """Measurements for one case on a few levels of one mesh family.
 
     Attributes:
         case: name of the case.
@@ -125,13 +125,13 @@ class ContactSweep:
         levels: numbers of cells along a unit length, coarse to fine.
     """
 
-    TITLE: ClassVar[str] = "contact force"
+    TITLE: ClassVar[str]
     case: str
     family: str = "one-diagonal"
     levels: tuple[int, ...] = (8, 16, 32)
 
     def __str__(self) -> str:
-        meshes = "" if self.family == ContactSweep.family else f" on {self.family} meshes"
+        meshes = "" if self.family == OneFamily.family else f" on {self.family} meshes"
         return f"{self.TITLE} of {self.case}{meshes}, n = {' '.join(map(str, self.levels))}"
 
     def measured(self, make: Callable[..., S], measure: Measure, defect: Callable[[S], S]) -> pd.DataFrame:
@@ -149,19 +149,25 @@ class ContactSweep:
             rows.append({"case": case.name, "family": family.name, "level": level, **found})
         return pd.DataFrame(rows)
 
+
+class ContactSweep(OneFamily):
+    """The convergence of the contact force for one case."""
+
+    TITLE = "contact force"
+
     def verdicts(self, defect: Defect) -> list[Verdict]:
         make = partial(Experiment.of, scheme=MIDPOINT)
         return ContactForce().judge(self.measured(make, measure_contact, defect))
 
 
 @dataclass(frozen=True)
-class StressSweep(ContactSweep):
+class StressSweep(OneFamily):
     """The convergence of the stress formulation, solved without displacements, for one case (Theorem 4.2)."""
 
-    TITLE: ClassVar[str] = "stresses"
+    TITLE = "stresses"
     levels: tuple[int, ...] = (8, 16)
 
-    def verdicts(self, defect: Callable[[Any], Any]) -> list[Verdict]:
+    def verdicts(self, defect: Callable[[own.StressExperiment], own.StressExperiment]) -> list[Verdict]:
         return claimed(OwnSpace().judge(self.measured(own.StressExperiment.of, own.measure, defect)))
 
 

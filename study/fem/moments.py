@@ -45,6 +45,7 @@ def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]
     each = [part.amplitudes for part in modes]
 
     def at(time: float, rate: bool) -> Amplitudes:
+        # A loop, because a comprehension is one more call in Python 3.11, and the depth of calls is limited.
         found = []
         for of in each:
             found.append(of(time, rate).ravel())

@@ -39,7 +39,7 @@ class Packed:
 
         Parameters:
             values: the values; the first axis is the time.
-            steps: number of units in the largest absolute value: STEPS or FINE.
+            steps: number of units in the largest absolute value, for example STEPS or FINE; at most 32 767.
         """
         unit = float(f"{np.max(np.abs(values), initial=0.0) / steps:.6g}") or 1.0
         return cls(unit, np.round(values / unit).astype(np.int16))

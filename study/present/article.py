@@ -55,12 +55,12 @@ WIDE = 0.5
 SOFTENING = "softening", "double-well"
 """Cases whose elasticity operator G softens."""
 TEXTS = read_page("article")
-"""Titles, and the definitions of numbers that summarise checks."""
-GROUPS: dict[str, list[str]] = TEXTS["groups"]
-"""Title of a group of statements ↦ the beginnings of the labels of these statements."""
-BEYOND = "beyond the source"
+"""Titles, definitions of numbers that summarise checks, and headings and columns of tables."""
 ACCOUNTS: dict[str, str] = TEXTS["accounts"]
 """Name ↦ title of each kind of evidence (account). Every row of the ledger belongs to exactly one of them."""
+GROUPS: dict[str, list[str]] = {ACCOUNTS.get(title, title): begins for title, begins in TEXTS["groups"].items()}
+"""Title of a group of statements ↦ the beginnings of the labels of these statements."""
+BEYOND = "beyond the source"
 
 
 def article(directory: Path) -> dict[Path, str]:
@@ -94,8 +94,18 @@ def numbers(data: FullRun) -> dict[str, object]:
 
     Extreme values are rounded outwards.
     """
-    found = _counts_of_checks(data) | _plan(data) | of_checks(data, "numbers")
-    return found | _errors(data) | _enclosures(data) | _beyond(data) | _discrete(data)
+    about_checks = _counts_of_checks(data), _plan(data), of_checks(data, "numbers")
+    return joined(*about_checks, _errors(data), _enclosures(data), _beyond(data), _discrete(data))
+
+
+def joined(*parts: dict[str, object]) -> dict[str, object]:
+    """Return the union of parts; ValueError if two of them define one name."""
+    found: dict[str, object] = {}
+    for part in parts:
+        if twice := found.keys() & part.keys():
+            raise ValueError(f"defined twice: {', '.join(sorted(twice))}")
+        found |= part
+    return found
 
 
 def of_checks(data: FullRun, section: str) -> dict[str, object]:
@@ -110,7 +120,8 @@ def of_checks(data: FullRun, section: str) -> dict[str, object]:
         for name, of in chosen.items():
             rows = pd.concat([data.rows(of["label"], key, of.get("case")) for key in of["keys"]])
             rows = rows[rows["verdict"] == of["verdict"]] if "verdict" in of else rows
-            found |= {name + end: text for end, text in FORMS[form](rows, of.get("digits", 2)).items()}
+            values = FORMS[form](rows, of.get("digits", 2))
+            found = joined(found, {name + end: text for end, text in values.items()})
     return found
 
 
@@ -131,9 +142,10 @@ FORMS: dict[str, Callable[[pd.DataFrame, int], dict[str, object]]] = {
 }
 """Name of a form ↦ function of checks and a number of decimals that returns endings of a name ↦ numbers.
 
-*range* is the smallest low end and the largest high end, *percents* both in per cent; *least* and *most* are one of
-them. *percent* and *power* are the largest high end as well, rounded up to two digits. *deviation* is the largest
-distance from 1, *observed* the only observed value, *cases* the number of cases and *count* the number of checks.
+*range* is the smallest low end and the largest high end, *percents* both in per cent; *least* is the first of these
+ends and *most* the second. *observed* is the only observed value, *cases* the number of cases and *count* the number of
+checks. The others are LaTeX, rounded up to two significant digits whatever the number of decimals: *percent* and
+*power* are the largest high end, *deviation* is the largest distance from 1.
 """
 
 
@@ -169,8 +181,8 @@ def _plan(data: FullRun) -> dict[str, object]:
     plane, solid = (data.rates[data.rates["dim"] == dim] for dim in (2, 3))
     cases = data.rates.groupby("claim")["case"].nunique()
     return {
-        "casesSmooth": cases["Prop. 5.4"],
-        "casesRough": cases["Prop. 5.3"],
+        "casesSmooth": cases.get("Prop. 5.4", 0),
+        "casesRough": cases.get("Prop. 5.3", 0),
         "caseCount": len(data.cases),
         "casesSolid": (data.cases["dimension"] == 3).sum(),
         "sweepRows": len(data.rates),
@@ -188,11 +200,12 @@ def _plan(data: FullRun) -> dict[str, object]:
 
 def _errors(data: FullRun) -> dict[str, object]:
     """Return further numbers for Propositions 5.3 and 5.4, the assumption (5.36) and Theorem 4.2."""
-    sweeps, largest = data.rates[data.rates["claim"] == "Prop. 5.4"], data.equivalence.max(numeric_only=True)
+    sweeps = data.rates[data.rates["claim"] == "Prop. 5.4"]
+    largest = data.equivalence.max(numeric_only=True)
     # Nonlinear laws need a fixed-point iteration in every step, which leaves a larger residual.
     yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
-    plane, seen = sweeps["dim"] == 2, data.rows("(5.36)", "order")
-    missing = seen[seen["case"].map(data.cases["expected_order"]) == 1]
+    plane = sweeps["dim"] == 2
+    missing = without_5_36(data)
     return {
         "residualLinear": _power(sweeps.loc[~yielding & plane, "residual"].max()),
         "residualSolid": _power(sweeps.loc[~plane, "residual"].max()),
@@ -209,6 +222,12 @@ def _errors(data: FullRun) -> dict[str, object]:
         "agreeCases": data.equivalence["case"].nunique(),
         "agreeProblems": len(data.equivalence),
     }
+
+
+def without_5_36(data: FullRun) -> pd.DataFrame:
+    """Return the observed orders, as checks, of the cases of order 1 that violate the assumption (5.36)."""
+    seen = data.rows("(5.36)", "order")
+    return seen[seen["case"].map(data.cases["expected_order"]) == 1]
 
 
 def _enclosures(data: FullRun) -> dict[str, object]:
@@ -250,7 +269,8 @@ def _discrete(data: FullRun) -> dict[str, object]:
 
     The last two numbers say by which factors the constants of (5.21) and (5.42) are larger than necessary.
     """
-    claims, found = data.claims[data.claims["label"] == "beyond: fully discrete"], dict[str, object]()
+    claims = data.claims[data.claims["label"] == "beyond: fully discrete"]
+    found: dict[str, object] = {}
     predicted = claims["key"].str.endswith(DISCRETE)
     for name, total, rows in (
         ("discrete", "discretePredictions", claims[predicted]),
@@ -300,8 +320,8 @@ def verdicts(data: FullRun) -> str:
     for title, rows in parts.items():
         count = count_verdicts(rows)
         failing = len(rows) - count[HOLDS] - count[MISSED] - count[REPORTED]
-        numbers = *count_kinds(rows).values(), failing, count[MISSED], count[REPORTED]
-        body.append([title, *map(str, numbers)])
+        counts = *count_kinds(rows).values(), failing, count[MISSED], count[REPORTED]
+        body.append([title, *map(str, counts)])
     return _table("verdicts", body)
 
 

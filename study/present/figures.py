@@ -18,7 +18,6 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
-from skfem import Mesh
 
 from study.ledger.codes import Codes
 from study.ledger.datafiles import expected_orders, read_csv, read_rates, read_table
@@ -277,7 +276,14 @@ def caption_energy(picture: Picture) -> str:
 
 
 def adapted_mesh(
-    name: str, norm: str, mesh: Mesh, edges: Array, closed: NDArray[np.bool_], rows: pd.DataFrame, uniform: pd.DataFrame
+    name: str,
+    *,
+    norm: str,
+    mesh: Triangulation,
+    edges: Array,
+    closed: NDArray[np.bool_],
+    rows: pd.DataFrame,
+    uniform: pd.DataFrame,
 ) -> Drawing:
     """Return the figure ``adaptive``: the last adapted mesh, and the bounds of the error over the number of unknowns.
 
@@ -294,15 +300,16 @@ def adapted_mesh(
     contact = "with what of Γ3 is in contact at the last time in colour, " if closed.size else ""
     text = caption("adaptive", name=name, contact=contact, norm=norm, against=against)
     summary = f"An adapted mesh, and the bound of the error over the unknowns: {name}"
-    return Drawing("adaptive", partial(_draw_adapted, mesh, edges, closed, rows, uniform), text, summary)
+    draw = partial(_draw_adapted, adapted=mesh, edges=edges, closed=closed, rows=rows, uniform=uniform)
+    return Drawing("adaptive", draw, text, summary)
 
 
 def _draw_adapted(
-    adapted: Mesh, edges: Array, closed: NDArray[np.bool_], rows: pd.DataFrame, uniform: pd.DataFrame
+    adapted: Triangulation, edges: Array, closed: NDArray[np.bool_], rows: pd.DataFrame, uniform: pd.DataFrame
 ) -> Figure:
     figure, thick = Figure(figsize=(page_width(), 0.5 * page_width()), layout="constrained"), 2.5
     mesh, bounds = figure.subplots(1, 2)
-    mesh.triplot(Triangulation(*adapted.p, adapted.t.T), color=DARK, lw=0.25)
+    mesh.triplot(adapted, color=DARK, lw=0.25)
     for which, colour in ((closed, VERMILLION), (~closed, BLUE)):
         lines = np.moveaxis(edges[:, :, which], 2, 0).transpose(0, 2, 1)
         mesh.add_collection(LineCollection(list(lines), colors=colour, linewidths=thick, zorder=3))

@@ -38,7 +38,7 @@ from study.ledger.verdict import (
     is_of_the_paper,
     kind,
 )
-from study.present.article import numbers, of_checks, two_digits_up
+from study.present.article import joined, numbers, of_checks, two_digits_up, without_5_36
 from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
 from study.present.full_run import FullRun
@@ -200,8 +200,8 @@ def _result_lines(data: FullRun, names: Iterable[str]) -> dict[str, list[str]]:
 
 def _values(data: FullRun) -> dict[str, Any]:
     """Return the values in the texts: the numbers in the papers, and further ones, which only the pages have."""
-    shared = numbers(data) | of_checks(data, "pages")
-    return shared | _counts(data) | _convergence(data) | _beyond(data) | _alarms(data)
+    of_data = (make(data) for make in (numbers, _counts, _convergence, _beyond, _alarms))
+    return joined(of_checks(data, "pages"), *of_data)
 
 
 def _counts(data: FullRun) -> dict[str, Any]:
@@ -245,12 +245,11 @@ def _convergence(data: FullRun) -> dict[str, Any]:
 
 def _beyond(data: FullRun) -> dict[str, Any]:
     """Return further values in the texts on error bounds and on the assumption (5.36)."""
-    known, trace = data.bounds[data.bounds["trajectory"] == "bound"], data.rows("(5.36)", "order")["case"]
-    missing = trace[trace.map(data.cases["expected_order"]) == 1]
+    known = data.bounds[data.bounds["trajectory"] == "bound"]
     return {
         "bounds_known": len(known),
         "bound_median": above(known["upper"].median(), 2),
-        "trace_proved": data.cases.loc[missing, "proved_order"].min(),
+        "trace_proved": data.cases.loc[without_5_36(data)["case"], "proved_order"].min(),
     }
 
 
@@ -477,8 +476,8 @@ def badge(name: str, says: str, colour: str) -> str:
     """
     margin = 6
     left, right = (round(6.4 * len(text)) + 2 * margin for text in (name, says))
-    template, sizes = PAGES.get_template("badge.svg"), {"left": left, "right": right, "margin": margin}
-    return template.render(name=name, says=says, colour=colour, dark=DARK, **sizes) + "\n"
+    sizes = {"left": left, "right": right, "margin": margin}
+    return PAGES.get_template("badge.svg").render(name=name, says=says, colour=colour, dark=DARK, **sizes) + "\n"
 
 
 def badges(data: FullRun, project: Path) -> dict[str, str]:
@@ -499,6 +498,7 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
     }
 
 
+# The names of these functions are the names of places on pages.
 NAMED = short, answer, headline, results, misprints, missed, statements, formulas, mesh_families, new_windows
 TABLES: dict[str, Callable[[FullRun], str]] = {table.__name__: table for table in NAMED} | {
     "cases": lambda data: str(len(data.cases)),

@@ -82,8 +82,8 @@ def columns(name: str) -> list[Column]:
     found = []
     for group in COLUMNS[name]:
         width = {"alignment": folding(group["width"])} if "width" in group else {}
-        for kind in KINDS.keys() & group.keys():
-            found += [Column(column, heading, **KINDS[kind] | width) for column, heading in group[kind].items()]
+        ((kind, headings),) = ((key, value) for key, value in group.items() if key != "width")
+        found += [Column(column, heading, **KINDS[kind] | width) for column, heading in headings.items()]
     return found
 
 

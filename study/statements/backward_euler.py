@@ -48,8 +48,11 @@ COLUMNS = {quantity: [f"{count} {quantity}" for count in COUNTS] for quantity in
 """Names of the columns with each quantity, one column for each number of time steps."""
 PROVED = positive_at_most(1.0, "proved in the article for every h and k")
 UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
-HALF = "at most 1 is proved; predicted 1/2 to 2/3 if u̇^h changes steadily, 1 if it jumps in the middle of a step"
-BETWEEN = Window(0.2, 1 + ROUNDING, HALF)
+BETWEEN = Window(
+    0.2,
+    1 + ROUNDING,
+    "at most 1 is proved; predicted 1/2 to 2/3 if u̇^h changes steadily, 1 if it jumps in the middle of a step",
+)
 IN_K = around(1, 0.1, "least squares over six halvings of k, on every mesh")
 SAME_SOLUTION = positive_at_most(0.1, "the reference solution hardly changes the error")
 ERROR = "error in time of backward Euler, ‖u^h − û^{hk}‖_V"

@@ -198,12 +198,16 @@ FIRST_ORDER = around(1, 0.15, "there are wave trains of all widths from h/2 to 4
 HALF = around(0.5, 0.15, "the edges contribute to R like independent random numbers")
 NOT_RESOLVED = "a mesh resolves a wave train of width ℓ only for h < ℓ/10"
 WORK_SHARE = Criterion(
-    *("share", "smallest ‖R‖^{1/2} / error", at_least(0.02, "cases with a few smooth fronts have only 1e-6 to 1e-3")),
+    "share",
+    "smallest ‖R‖^{1/2} / error",
+    at_least(0.02, "cases with a few smooth fronts have only 1e-6 to 1e-3"),
     lambda group: exactly((group["work"] / group["error"]).to_numpy().min()),
     ("work", "error"),
 )
 EXCESS_SHARE = Criterion(
-    *("excess-share", "largest ‖u^h − u^h_lin‖_V / error", Window()),
+    "excess-share",
+    "largest ‖u^h − u^h_lin‖_V / error",
+    Window(),
     lambda group: exactly((group["excess"] / group["error"]).to_numpy().max()),
     ("excess", "error"),
 )

@@ -133,8 +133,9 @@ def bounds(cases: Sequence[Case], full: bool) -> Iterator[BoundSetting]:
     """
     studied = {case.name for case in cases}
     if not full:
-        chosen = [place for place in QUICK if place[0] in studied]
-        yield from (BoundSetting(name, family, 8, scheme, SmoothedInTime()) for name, family, scheme in chosen)
+        for name, mesh, method in QUICK:
+            if name in studied:
+                yield BoundSetting(name, mesh, 8, method, SmoothedInTime())
         if CHECKED in studied:
             yield from by_midpoint(CHECKED, "one-diagonal", (4, 8), Refined(0, 2))
             yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))

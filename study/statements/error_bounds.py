@@ -115,8 +115,10 @@ class ErrorBounds(ListedNumbers):
                 term = RATE if gamma == known[EXPONENTS["(5.21)"]] else TRACE
                 lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
                 window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
-                named = f"growth-{number}", lower, window, term, ENOUGH
-                yield of_errors(*named, lambda h, ratio: exactly(-fit(h, ratio))), groups
+                criterion = of_errors(
+                    f"growth-{number}", lower, window, term, ENOUGH, lambda h, ratio: exactly(-fit(h, ratio))
+                )
+                yield criterion, groups
             elif bound == "(5.42)" and known[LOGARITHM] > 0:
                 changing = replace(steady, quantity=f"{quantity}, of lower order by |log h|^{{1/4}}")
                 yield Observation(changing, "a few levels cannot show a logarithm"), groups

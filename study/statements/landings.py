@@ -56,8 +56,9 @@ FINEST = 8192
 """Number of steps of the midpoint rule whose solution is used as the semi-discrete solution u^h."""
 LANDING, RISE = 0.4, 0.075
 """Data of the problem with two unknowns: the time at which u_2 comes into contact, and then the velocity of u_1."""
-LEAST, MOST = (math.sqrt(2) * part * RISE for part in (0.2, 0.8))
-PROVED = Window(LEAST * (1 - 1e-9), MOST * (1 + 1e-9), "proved, both ends attained")
+PROVED = Window(
+    math.sqrt(2) * 0.2 * RISE * (1 - 1e-9), math.sqrt(2) * 0.8 * RISE * (1 + 1e-9), "proved, both ends attained"
+)
 LAST = COUNTS[3:]
 """Numbers of time steps in the last three halvings, where the order 1 is expected."""
 LEFT, SECOND = around(1, 0.4, "excludes 3/2 and 2"), around(2, 0.3)

@@ -262,9 +262,15 @@ class Measurement:
         finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
         error = experiment.v_norm.distance(experiment.v_norm.sample(time), self.worst.u)
         raised = finer.distance(finer.sample(time), self.worst.u)
-        solver = contact_solver(experiment.space)
-        linear = replace(problem, u0=np.zeros_like(problem.u0), N=problem.N[:0], gap=0.0, remainder=None, solver=solver)
-        change = replace(linear, load=lambda t: finer.load(t) - experiment.v_norm.load(t))
+        change = replace(
+            problem,
+            load=lambda t: finer.load(t) - experiment.v_norm.load(t),
+            u0=np.zeros_like(problem.u0),
+            N=problem.N[:0],
+            gap=0.0,
+            remainder=None,
+            solver=contact_solver(experiment.space),
+        )
         steps = RESPONSE
         while True:
             drift = maximum([math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)])

@@ -182,12 +182,13 @@ def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
     return rounded
 
 
-OVER = "difference between Problems 3.1 and 3.2 / its bound from the duality gap"
+OF_BOUND = "difference between Problems 3.1 and 3.2 / its bound from the duality gap"
 PROVED = positive_at_most(1.0, "proved")
 ALLOWED = "bound of the difference from the duality gap / size of the solution"
 AGREEMENT, INSIDE = positive_at_most(1e-7, "at every step"), at_most(1e-7, "at every step")
-REASON = "32 steps, each with the root of a duality gap of 1e-15, and norms that differ by a factor 10"
-SHARP = positive_at_most(1e-5, REASON)
+SHARP = positive_at_most(
+    1e-5, "32 steps, each with the root of a duality gap of 1e-15, and norms that differ by a factor 10"
+)
 
 
 class SameMesh(Statement):
@@ -203,8 +204,8 @@ class SameMesh(Statement):
     of_every_case = True
     per_step = 70.0, 1000.0
     rules = (
-        largest_quotient("displacement", f"displacement {OVER}", PROVED, "displacement_gap", "displacement_bound"),
-        largest_quotient("stress", f"stress {OVER}", PROVED, "stress_gap", "stress_bound"),
+        largest_quotient("displacement", f"displacement {OF_BOUND}", PROVED, "displacement_gap", "displacement_bound"),
+        largest_quotient("stress", f"stress {OF_BOUND}", PROVED, "stress_gap", "stress_bound"),
         Criterion("allowed", ALLOWED, SHARP, lambda of: greatest(of[[*BOUNDS]].to_numpy().max(axis=1)), BOUNDS),
         largest("admissibility", "violation of σ^h ∈ Σ^h(t)", AGREEMENT, "admissibility"),
         largest("energy", "violation of (σ, ε(u))_Q = (f, u)_V, (4.14)", AGREEMENT, "energy_gap"),
@@ -304,11 +305,11 @@ def independence(sides: Sides, steps: int) -> dict[str, float]:
 
 CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 ALONE = around(1, 0.001, "its full size")
-OVER_DEFECT = "difference between both problems / size of a deliberate defect in Problem 3.1 alone"
 """Window of (shown difference) / (size of the mistake).
 
 The ratio differs from 1 by at most (difference of both correct solutions) / (size of the mistake). Flipped normals
 change the solution by a tenth, so this check also notices correct solutions that differ by 1e-4."""
+OVER_DEFECT = "difference between both problems / size of a deliberate defect in Problem 3.1 alone"
 
 
 class StandsAlone(ListedNumbers):

@@ -5,6 +5,7 @@ The texts of the rows are in ``unmeasured.toml``."""
 
 import math
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -27,12 +28,15 @@ class Listed(Statement):
     """
 
     file: DataFile = LISTED
-    lines: list[tuple[str, str, str, str]] = []
+    lines: Sequence[tuple[str, str, str, str]] = ()
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         """Return one row for each entry of ``lines``. The rows are reported only, because nothing is measured."""
         none, nothing = Window(math.nan, math.nan), (math.nan, (math.nan, math.nan), REPORTED)
-        return [row(self, key, quantity, none, nothing, place, "", text) for key, place, quantity, text in self.lines]
+        return [
+            row(self, key, quantity, none, nothing, place, expected=comment)
+            for key, place, quantity, comment in self.lines
+        ]
 
 
 def lines_of(name: str) -> list[tuple[str, str, str, str]]:

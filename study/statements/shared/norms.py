@@ -1,6 +1,6 @@
 """Norms of displacements and velocities, work of stresses, and work of the contact force.
 
-All use the same quadrature rules as the errors that ``ErrorNorm`` computes.
+In 2D all but ``Velocity`` use the same quadrature rules as the errors that ``ErrorNorm`` computes.
 """
 
 import math
@@ -56,13 +56,14 @@ def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
 class Energies:
     """Computes inner products in V and the work of stresses on strains.
 
-    ``ErrorNorm`` integrates the load with the same quadrature points. So the stress in a work and the stress in the
-    load have the same quadrature error.
+    In 2D and with the default of ``along``, ``ErrorNorm`` integrates the load with the same quadrature points. So the
+    stress in a work and the stress in the load have the same quadrature error.
 
     Args:
         solution: the exact solution.
         space: the P1 displacement space V^h.
-        along: lines along which quadrature points are moved, as for ``ErrorNorm``; by default as there.
+        along: lines along which quadrature points are moved, as for ``ErrorNorm``; by default as there, and none for
+            an empty tuple.
 
     Attributes:
         exact: the exact solution at the quadrature points; its strains have the shape (D, points).
