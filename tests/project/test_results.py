@@ -1,5 +1,6 @@
 """The committed results are what the code gives: measured again at small levels, judged again, drawn."""
 
+import re
 import shutil
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -34,10 +35,8 @@ RATES = pd.read_csv(RESULTS / "data" / "rates.csv")
 EQUIVALENCE = pd.read_csv(RESULTS / "data" / "equivalence.csv")
 STATEMENT_NUMBERS = pd.read_csv(RESULTS / "data" / "statements.csv")
 BOUNDS = [statement for statement in STATEMENTS if isinstance(statement, Bounds)]
-MEASURED = [
-    *("h", "error", "at", "interpolation_error", "discrete_error", "time_share", "predicted_interpolation"),
-    "quadrature_change",
-]
+MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_share", "predicted_interpolation"]
+MEASURED += ["quadrature_change"]
 
 
 def slow_except(quick: Sequence[str], names: Sequence[str], *more: int) -> list[Any]:
@@ -151,6 +150,14 @@ def test_errors_of_the_second_solver_measured_again_agree_with_the_committed_one
     again = statement.measure(setting)
     for column, relative in {**dict.fromkeys(OF_SECOND, 1e-6), "displacement": 1e-2, "multipliers": 1e-2}.items():
         assert again[column] == pytest.approx(row[column], rel=relative), column
+
+
+def test_every_column_of_the_committed_tables_is_described() -> None:
+    page = (RESULTS.parent / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
+    named = re.findall(r"`…?(\w+)`", page)
+    endings = tuple(name for name in named if name.startswith("_"))
+    for path in (*RESULTS.glob("data/*.csv"), *RESULTS.glob("mutants/*.csv")):
+        assert [name for name in pd.read_csv(path, nrows=0) if not (name in named or name.endswith(endings))] == []
 
 
 def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tmp_path: Path) -> None:
