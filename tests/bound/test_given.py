@@ -146,7 +146,7 @@ FAULTS: dict[str, tuple[str, Callable[[Array], Array], str]] = {
     "other body": ("points", lambda p: p * [1.0, 2.0], r"\(0, 0\) to \(1, 2\).* the mesh of another body"),
     "metres": ("points", lambda p: p / 1000, "mesh is smaller than the body by the factor 1000: give both"),
     "shifted": ("points", lambda p: p + [0.0, -0.5], r"is shifted by \(0, -0.5\): give both"),
-    "other boundary": ("points", lambda p: with_value(p, 1, [0.5, 0.2]), r"does not cover the body: .* near x = \("),
+    "other boundary": ("points", lambda p: with_value(p, 1, [0.5, 0.2]), r"cover the body: .* near x = \(0.25, 0.1\)"),
     "NaN": ("u", lambda u: with_value(u, (1, 3, 0), np.nan), r"1 numbers .* not finite, the first at t = 0.5, x = \("),
     "twice": ("triangles", lambda c: np.vstack([c, c[:1]]), "overlap or are listed twice|share a side n"),
     "flat": ("triangles", lambda c: np.vstack([c, c[:1][:, [0, 0, 1]]]), r"1 triangles have no area, .* near x = \("),
