@@ -124,7 +124,8 @@ def row(level: Level) -> dict[str, Any]:
     done = subprocess.run(command, capture_output=True, text=True, env=single_thread(os.environ), cwd=ROOT)
     if done.returncode:
         last = (done.stderr.strip().splitlines() or [f"signal {-done.returncode}"])[-1]
-        return {"n": level.n, "solver": level.solver, "remark": f"not measured: {last}"}
+        dim = resolve(level.case).solution.body.dim
+        return {"n": level.n, "dim": dim, "solver": level.solver, "remark": f"not measured: {last}"}
     return json.loads(done.stdout) | {"remark": ""}
 
 
@@ -142,7 +143,7 @@ def main(arguments: list[str]) -> None:
         if level.n <= options.largest:
             rows.append(row(level))
             print(rows[-1], flush=True)
-    table = pd.DataFrame(rows, columns=COLUMNS)
+    table = pd.DataFrame(rows, columns=COLUMNS).astype({"dofs": "Int64", "peak_bytes": "Int64"})
     note = (
         "A level: mesh, assembly, set-up of the solver (*factor*: factorisation and condensation) and "
         f"{STEPS} midpoint steps with load and error, but not the compilation of the formulas (SymPy to functions), "

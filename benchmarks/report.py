@@ -68,9 +68,11 @@ def markdown(table: pd.DataFrame) -> str:
 
 
 def _shown(value: object) -> str:
+    if pd.isna(value):
+        return "–"
     if not isinstance(value, float):
         return str(value)
-    return "–" if value != value else f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
+    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
 
 
 def committed(path: Path) -> pd.DataFrame | None:

@@ -796,7 +796,7 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
         growth: the content of ``benchmarks/growth.csv``.
     """
     kib = 1024
-    growth = growth.assign(kib_per_dof=growth["peak_bytes"] / growth["dofs"] / kib)
+    growth = growth.dropna(subset="dofs").assign(kib_per_dof=growth["peak_bytes"] / growth["dofs"] / kib)
     parts = {
         "level_seconds": ("a level: all steps", Style(DARK)),
         "factor_seconds": ("once: factorising or coarsening", Style(DARK, stroke="dashed")),
