@@ -23,8 +23,6 @@ from benchmarks.report import RESULTS, ROOT, single_thread, write
 STUDY = [sys.executable, "-c", "import sys; from study.cli.main import main; sys.exit(main())", "run"]
 GOAL = 1.7
 """What the seconds with one process should be over those with two, at least."""
-WARM = ["--case", "full-contact", "--levels", "2", "4"]
-"""A small run that comes first, so that neither of the others compiles what is kept on disk."""
 Files = Mapping[str, bytes]
 
 
@@ -73,7 +71,6 @@ def main(arguments: list[str]) -> None:
     options = parser.parse_args(arguments)
     plan = ["--full" if options.full else "--quick", *options.run]
     build = ROOT / "build"
-    run(build / "parallel-warm", 1, WARM)
     one, two = (run(build / f"parallel-{jobs}", jobs, plan) for jobs in (1, 2))
     notes = [
         "`study run` from an empty directory to the last figure, one thread for each process; *ratio*: seconds with "
