@@ -71,7 +71,8 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
 
     The columns ``GAPS`` have the differences of initial values, displacements and contact forces. The columns
     ``SAME_LOAD`` have the differences of displacements and contact forces if both solvers use the load of the study.
-    Differences of displacements are the largest over time, in V; those of contact forces are Euclidean over all times.
+    A difference of displacements is the largest norm in V over time. A difference of contact forces is the
+    Euclidean norm over all times.
 
     Args:
         setup: the experiment of the study.
@@ -89,7 +90,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         missing_forces = np.linalg.norm([ours.multipliers - multipliers for ours, (*_, multipliers) in pairs])
         differences = zip((missing[0], missing.max(), missing_forces), sizes, strict=True)
         start, *others = [float(gap / size if size else gap > 0) for gap, size in differences]
-        # Both loads have the same initial value, so it is compared for the first one only.
+        # The initial value is the same for both loads, so only GAPS has its difference.
         found |= zip(names, [start, *others] if names is GAPS else others, strict=True)
     return found
 

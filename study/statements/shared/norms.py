@@ -1,6 +1,6 @@
 """Norms of displacements and velocities, work of stresses, and work of the contact force.
 
-In 2D all but ``Velocity`` use the same quadrature rules as the errors that ``ErrorNorm`` computes.
+In 2D the quadrature rules are the same as in ``ErrorNorm``; ``Velocity`` uses standard points.
 """
 
 import math
