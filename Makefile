@@ -14,7 +14,7 @@ PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/stat
 	certificates-check trials bench bench-growth bench-peers \
 	bench-parallel lint docs paper film cluster lock clean help
 
-study: $(RUNTIME)  ## quick study, results/quick, one to three minutes
+study: $(RUNTIME)  ## quick study, results/quick, about three minutes
 	$(BIN)/study run --quick --undecided results/undecided-quick.csv --out results/quick
 
 full: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## full study, results/, an hour, and the tests marked slow
@@ -41,7 +41,7 @@ mutants: $(DEVELOPMENT)  ## mutation testing of a fixed sample, results/mutants,
 	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python .ci/mutants.py
 
 # The tests also start a Dask cluster and read the extensions of the documentation.
-test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## all tests except those marked slow, five to six minutes on two cores; prints only
+test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## all tests except those marked slow, about four minutes on two cores; prints only
 	$(BIN)/pytest --numprocesses auto
 
 # As where others install it: from a wheel, without its extras, away from the repository.

@@ -138,7 +138,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     "run": ("run", "run the study: measure, judge, write tables and figures; continues if it was stopped", [
         [
             option("--quick", dest="plan", action="store_const", const="quick", default="quick",
-                   help="few levels, one to three minutes, results in results/quick (default)"),
+                   help="few levels, about three minutes, results in results/quick (default)"),
             option("--full", dest="plan", action="store_const", const="full",
                    help="all levels, an hour, results in results"),
         ],

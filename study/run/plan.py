@@ -173,7 +173,7 @@ FINEST = ("fixed-front-off-vertex", "advance-recede")
 def quick() -> Scope:
     """Return the scope of the quick study: all statements, one mesh family for each case.
 
-    The quick study takes one to three minutes.
+    The quick study takes about three minutes.
     """
     return Scope(
         name="quick",
