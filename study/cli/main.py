@@ -21,7 +21,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             # An ASCII terminal cannot show a character such as ‖. Then \u2016 is printed, which is also valid in JSON.
             stream.reconfigure(errors="backslashreplace")
-    options = parser().parse_args(arguments)
+    options, unknown = parser().parse_known_args(arguments)
+    if unknown:
+        options.refuse(unknown)
     module, name = options.command
     stripped = STRIPPED if sys.flags.optimize >= 2 and module not in WITHOUT_PYAMG else ""
     if refusal := stripped or out_of_range(options):

@@ -7,6 +7,9 @@ import argparse
 import math
 import os
 import sys
+from collections.abc import Sequence
+from difflib import get_close_matches
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -220,7 +223,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--nearest", action="store_true",
                help="if the displacement is not zero on the clamped part, bound the error of the nearest one that "
                "is"),
-        option("--adapt", metavar="TOL|P%%",
+        option("--adapt", metavar="TOL|P%",
                help="refine the first mesh until the error bound is at most TOL, or P per cent of the norm of u"),
         option("--cells", type=int, within=POSITIVE, default=CELLS, metavar="N",
                help=f"largest number of cells of --adapt (default {CELLS})"),
@@ -281,7 +284,8 @@ def parser() -> argparse.ArgumentParser:
     """Return the parser of all commands.
 
     The parsed options have an attribute ``command``: the module in ``study.cli`` and the name of the function to call.
-    Their attribute ``ranges`` has the permitted values, for ``out_of_range``.
+    Their attribute ``ranges`` has the permitted values, for ``out_of_range``. Their function ``refuse`` ends the
+    program because of words that are no options of the command.
     """
     top = argparse.ArgumentParser(
         prog="study",
@@ -294,12 +298,20 @@ def parser() -> argparse.ArgumentParser:
     for name, (module, help, options) in COMMANDS.items():
         command = commands.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".")
         interrupted = RESUMED if name in RESUMES else STARTS_AGAIN
-        ranges = {}
+        known, ranges = ["--help"], {}
         for one in options:
             group = command.add_mutually_exclusive_group() if isinstance(one, list) else command
             for flags, settings, within in one if isinstance(one, list) else [one]:
                 action = group.add_argument(*flags, **settings)
+                known += flags
                 if within:
                     ranges[action.dest] = flags[0], within
-        command.set_defaults(command=(module, f"do_{name}"), interrupted=interrupted, ranges=ranges)
+        refuse = partial(refuse_unknown, command, known)
+        command.set_defaults(command=(module, f"do_{name}"), refuse=refuse, interrupted=interrupted, ranges=ranges)
     return top
+
+
+def refuse_unknown(command: argparse.ArgumentParser, known: Sequence[str], words: Sequence[str]) -> None:
+    """Print how to use a command and its option that is nearest to an unknown word, and end the program with 2."""
+    near = get_close_matches(words[0], known, n=1, cutoff=0.8)
+    command.error(f"unrecognized arguments: {' '.join(words)}{f'; did you mean {near[0]}?' if near else ''}")

@@ -49,6 +49,14 @@ def test_a_name_with_a_slip_is_answered_with_the_nearest_one(told, tmp_path) -> 
     assert not out.exists()
 
 
+def test_an_option_with_a_slip_is_answered_with_the_nearest_one_and_all_options_of_the_command(capsys) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        main(["run", "--cases", "hexagon"])
+    said = " ".join(capsys.readouterr().err.split())
+    assert said.startswith("usage: study run [-h]")
+    assert said.endswith("unrecognized arguments: --cases hexagon; did you mean --case?")
+
+
 @pytest.mark.parametrize("name", ["", ":pach"])
 def test_a_file_without_a_name_it_defines_is_answered_with_those_it_does(file, name: str, told, tmp_path) -> None:
     said = told("run", "--case", f"{file}{name}", "--out", str(tmp_path / "out"))
