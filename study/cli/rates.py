@@ -61,10 +61,11 @@ def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
     """
     columns = {name for series in tables for name in series.errors}
     known = {key for series in tables for name in series.errors for key in _keys(series, name)}
+    ignored = {name: kind for series in tables for name, kind in series.ignored.items()}
 
     def in_full(part: str) -> str:
         matching = [name for name in columns if part.lower() in name.lower()]
-        return matching[0] if part not in known and len(matching) == 1 else part
+        return matching[0] if part not in known | ignored.keys() and len(matching) == 1 else part
 
     given = [
         wish if isinstance(wish, dict) else {} if wish is None else {"": wish}
@@ -82,7 +83,13 @@ def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
     judged = [(series, [result(series, *column) for column in series.errors.items()]) for series in tables]
     if unknown := {name for wish in wishes for name in wish} - used:
         names = ", ".join(result.name for _, results in judged for result in results)
-        raise OrderError(f"an order is expected of {', '.join(sorted(unknown))}, but the columns of errors are {names}")
+        left = "".join(
+            f"; {name} was left out ({ignored[name]}): name all columns of errors with --columns"
+            for name in unknown & ignored.keys()
+        )
+        raise OrderError(
+            f"an order is expected of {', '.join(sorted(unknown))}, but the columns of errors are {names}{left}"
+        )
     return judged
 
 

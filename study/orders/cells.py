@@ -27,7 +27,8 @@ _POINTS_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}(?:\.\d{3})+")
 WHOLE = re.compile(r"\d+(?:\.0)?|\d{1,3}(?:[ ,'’\u00a0\u202f]\d{3})+")
 """Matches a whole number, also as pandas writes it in a table of floats: 512, 512.0, 1 024, 1,024."""
 ALONG_SIDES = re.compile(r"(\d+)(?:\s*[x×]\s*\1)+")
-_POWER_IN_BRACKETS = re.compile(r"^([-+]?\d*\.?\d+)\(([-+]\d{1,3})\)")
+_POWER_IN_BRACKETS = re.compile(r"^([-+]?\d*\.?\d+)\s*\(([-+]\d{1,3})\)")
+_UNCERTAINTY = re.compile(r"(?:±|\+/-|\\pm)\s*[\d.]+(?=\s*(?:×|\\times|\\cdot|·)\s*10)")
 _REMARK = re.compile(r"(.*[\d.%])\s*(?:\([^()]*\)|±.*|\+/-.*|\\pm.*)")
 
 
@@ -49,6 +50,7 @@ def to_number(cell: str, decimal_comma: bool = False) -> float | None:
     text = text.translate(_DASHES).strip().strip("*'\"").strip()
     if MISSING.fullmatch(text):
         return math.nan
+    text = _UNCERTAINTY.sub("", re.sub(r"\\,\s*10\s*\^", r"\\times10^", text))
     text = _LATEX_FRACTION.sub(r"\1/\2", text).replace("{,}", ",").replace("\\,", "").replace("∞", "inf")
     while found := _LATEX.fullmatch(text):
         text = found[1].strip()
@@ -67,6 +69,8 @@ def to_number(cell: str, decimal_comma: bool = False) -> float | None:
     if _GROUPED.fullmatch(text):
         text = re.sub(r"[ '’]", "", text)
     numerator, slash, denominator = _TIMES_TEN.sub(r"e\1", text).partition("/")
+    if slash and re.search(r"[eEdD]", numerator):
+        return None  # an error and its order, such as 1.2e-3/1.98
     above, below = _plain(numerator), _plain(denominator) if slash else 1.0
     return scale * above / below if above is not None and below else None
 
@@ -119,7 +123,7 @@ _ORDER = (
     r"\b(?:e?oc|eoc|orders?|rates?|roc|ooc|slope|ratio|reduction|log2|ordnung|ordre|konvergenzrate)\b|"
     r"^(?:p|q|r|conv|red)$"
 )
-_METHOD = r"(?:\d+(?:st|nd|rd|th)|first|second|third|fourth|fifth|sixth) orders?$"
+_METHOD = r"(?:\d+(?:st|nd|rd|th)|first|second|third|fourth|fifth|sixth) orders?(?: (?:scheme|method|elements?))?\)?$"
 _ERROR = r"err|fehler|erreur|norm|l ?(?:1|2|inf|∞)\b|h ?[12]\b|linf|l∞|rmse|mae|\|"
 _OTHER = (
     r"\b(?:time|times|cpu|wall|runtime|elapsed|seconds|mem|memory|cond|condition|kappa|nnz|iter|iters|iteration|iterations|"

@@ -12,6 +12,8 @@ from .cells import ALONG_SIDES, SIZES, WHOLE, role, to_number
 from .reading import RawTable, read_tables
 from .sequences import SAME_SIZE, OrderError, consecutive_orders
 
+_COUNTED = re.compile(r"(?i)(?:\w+ )?(?:newton|cg|gmres|grid|mesh)")
+"""Matches names of whole numbers, such as iterations. A column with such a name has errors if no number is whole."""
 GROWING = "growing"
 """Role of a column of whole numbers that do not fall as the mesh gets finer."""
 
@@ -130,7 +132,13 @@ class Columns:
             self.roles[name] = self._role_by_numbers(name, original)
         self.size = self._size_column()
         self.roles |= {name: GROWING for name in self.names if self.roles[name] == "unknown" and self._grows(name)}
-        self.filled = [name for name, values in self.values.items() if any(value is not None for value in values)]
+        # A column whose name says that it has errors is not left out if all of them are missing.
+        self.filled = [
+            name
+            for name, values in self.values.items()
+            if any(self._is_number(name, k) for k in range(len(values)))
+            or (self.roles[name] == "error" and any(value is not None for value in values))
+        ]
         recognised = [name for name in self.filled if self.roles[name] in ("error", "unknown") and name != self.size]
         self.errors = [name for name in self.names if name in options.columns] if options.columns else recognised
 
@@ -150,7 +158,21 @@ class Columns:
         if kind == "count" and numbers in _indices(len(numbers)):
             sizes = [other for other in self.names if other != name and self.roles[other] in ("size", "count", "total")]
             return "other" if sizes else kind
+        if kind == "order" and re.fullmatch(r"(?i)[pqr]", original.strip(" $")):
+            # Orders are missing on the coarsest mesh or nearly equal, and degrees are whole. An error of the pressure p
+            # is none of these.
+            found, missing = self.numbers[name], np.isnan(self.numbers[name])
+            if missing.any() or not (found % 1).any():
+                return "unknown" if missing.sum() > 1 and found[0] % 1 > 0 else kind
+            return "unknown" if found.max() > 2 * found.min() or found.max() < 0.5 else kind
+        if kind == "other" and _COUNTED.fullmatch(original) and (self.numbers[name] % 1 > 0).all():
+            return "unknown"
         return kind
+
+    def _is_number(self, name: str, row: int) -> bool:
+        """Return whether a cell contains a number or the text nan, and not another sign for a missing number."""
+        cell, value = self.cells[name][row], self.values[name][row]
+        return value is not None and not (math.isnan(value) and "nan" not in cell.lower())
 
     def _grows(self, name: str) -> bool:
         """Return whether a column has whole numbers that do not fall as the mesh gets finer, and that are not all 0.
@@ -181,6 +203,8 @@ class Columns:
             raise OrderError(f"--in {wanted}: there is no such column; there are {', '.join(filter(None, self.names))}")
         for kind in SIZES:
             found = [name for name in self.names if self.roles[name] == kind and len(set(self.values[name])) > 1]
+            # Orders refer to the largest cell of a mesh.
+            found.sort(key=lambda name: "min" in name.lower())
             if kind == "size" and len({name.lower() for name in found}) < len(found):
                 raise OrderError(f"the sizes may be {' or '.join(found)}: choose one, for example --in {found[0]}")
             if found:
@@ -297,8 +321,9 @@ class Columns:
         if re.match(_LOGARITHM, name) and not self.options.signed:
             raise OrderError(f"column {name} holds logarithms: give the mesh sizes and the errors themselves")
         found = []
-        for cell, value, line in zip(self.cells[name], self.values[name], self.table.lines, strict=True):
-            if value is None or (math.isnan(value) and "nan" not in cell.lower()):
+        for k, (cell, value) in enumerate(zip(self.cells[name], self.values[name], strict=True)):
+            line = self.table.lines[k]
+            if value is None or not self._is_number(name, k):
                 what = f"is '{cell}', not a number" if cell.strip() else "is missing"
                 others = ",".join(other for other in self.errors if other != name)
                 advice = f", or leave the column out: --columns '{others}'" if 0 < len(others) < 80 else ""

@@ -137,6 +137,7 @@ def _lines(text: str) -> list[Line]:
     Colour codes, quote marks, rules and LaTeX commands for the layout are removed.
     """
     text = re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", text)
+    text = re.sub(r"\b(?:(?:np\.|numpy\.)?float\d*|tensor|array)\(([^()\[\]]*)\)", r"\1", text)
     signs: dict[str, str | int | None] = {"│": "|", "┃": "|", "║": "|", "┆": "|", "\u200b": None, "\ufeff": None}
     text = text.translate(str.maketrans(signs))
     raw = re.split(r"\r\n|\r|\n", text)
@@ -157,6 +158,8 @@ def _lines(text: str) -> list[Line]:
         if _RULE.fullmatch(line) or _LATEX_LINE.match(line) or line.lstrip().startswith("```"):
             continue
         if "\\" in line:
+            # pandas ends the header of a part of a wide table with a backslash.
+            line = re.sub(r"\s\\$", "", line)
             line = _MULTIROW.sub(r"\1", _LATEX_START.sub("", _LATEX_END.sub("", line)))
             line = _MULTICOLUMN.sub(lambda found: found[2] + " &" * (int(found[1]) - 1), line)
         comment = re.match(r"\s*(?:#+|%+|//|!)[ \t]*(?=[^\d.\s]|\s*[\d.])", line)
@@ -257,15 +260,16 @@ class Row:
         filled = len(kinds) - kinds.count(TEXT)
         return filled / len(kinds) if filled > 1 and NUMBER in kinds and not self.is_comment else 0.0
 
-    def is_data(self, width: int = 0) -> bool:
+    def is_data(self, width: int = 0, named: bool = False) -> bool:
         """Return whether the line is a row of a table, because at least half of its cells are numbers.
 
         One number is enough for a line with as many cells as the table.
 
         Parameters:
             width: number of columns of the table above the line; 0 if no table has begun.
+            named: whether rows begin with words. If not, a line that begins with ``mean`` or ``order`` sums up others.
         """
-        if self.is_comment or not self.numbers or _SUMMARY.match(self.texts[0]):
+        if self.is_comment or not self.numbers or (not named and _SUMMARY.match(self.texts[0])):
             return False
         words = sum(map(bool, self.texts))
         if self.separator != " " and width == len(self.texts):
@@ -290,7 +294,7 @@ _FORMS |= {";": "columns separated by semicolons", ",": "CSV", " ": "columns sep
 _SUMMARY = re.compile(r"(?i)\W*(?:mean|average|avg|overall|total|fit|fitted|slope|eoc|rate|order|median|min|max)\b")
 _NO_CAPTION = re.compile(rf"{_SUMMARY.pattern}|\W*$|\.\.|[@\\]")
 _TYPE_OR_UNIT = re.compile(
-    r"(?i)u?int\d*|float\d*\??|[fiu]\d+|str(?:ing)?|double|real|bool|\[.*\]|\(.*\)|[-–—1%]?|[kcmµ]?m|m?s|[kMG]?Pa|deg|°"
+    r"(?i)u?int\d*|float\d*\??|[fiu]\d+|<\w+>|str(?:ing)?|double|real|bool|\[.*\]|\(.*\)|[-–—1%]?|[kcmµ]?m|m?s|[kMG]?Pa|deg|°"
 )
 
 
@@ -326,8 +330,14 @@ def _blocks(rows: list[Row]) -> list[RawTable]:
     above: list[Row] = []
     block: list[Row] = []
     comments: list[Row] = []
+    first = Counter(row.kinds[0] for row in rows if row.numbers and not row.is_comment)
+    named = first[TEXT] > first[NUMBER]
+    rows = _without_remarks(rows)
     for i, row in enumerate(rows):
-        if row.is_data(len(block[0].cells) if block else 0):
+        # A line such as "Table 1" above a header is a caption, and "Elapsed 12.3" below rows of numbers ends the table.
+        caption = row.kinds[:1] == [TEXT] and not any(below.numbers for below in rows[i + 1 : i + 2])
+        caption = caption and row.separator == " " and (not block or block[0].kinds[0] == NUMBER)
+        if not caption and row.is_data(len(block[0].cells) if block else 0, named):
             block.append(row)
         elif block and row.is_comment and not _starts_table(rows[i:], block[0]):
             comments.append(row)
@@ -337,6 +347,35 @@ def _blocks(rows: list[Row]) -> list[RawTable]:
                 above, block, comments = comments, [], []
             above.append(row)
     return tables + (_table(above, block, tables) if block else [])
+
+
+def _without_remarks(rows: list[Row]) -> list[Row]:
+    """Return the lines of a text, without remarks behind the numbers of a row."""
+    found = [*rows]
+    for step in (-1, 1):
+        for i in range(len(rows))[::-step]:
+            if 0 <= i + step < len(rows):
+                found[i] = _without_remark(found[i], found[i + step])
+    return found
+
+
+def _without_remark(row: Row, near: Row) -> Row:
+    """Return a line without a remark behind its numbers, if the line above or below, ``near``, is a row of a table.
+
+    Raises:
+        OrderError: the line begins with a number, like the row, but has words in place of other numbers. It may be a
+            mesh on which the computation failed, so it must not be left out.
+    """
+    beside = near.is_data() and abs(row.number - near.number) == 1 and row.separator == " " and not row.is_comment
+    if not beside or row.is_data(len(near.cells)) or not row.kinds[:1] == near.kinds[:1] == [NUMBER]:
+        return row
+    width = (*near.kinds, TEXT).index(TEXT)
+    if len(row.cells) < width or TEXT in row.kinds[:width]:
+        raise OrderError(
+            f"line {row.number}, '{_short(row.text)}', begins like a row of the table, but has words in place of "
+            "numbers: write the numbers, or nan if the computation failed, or # in front of the line"
+        )
+    return Row(Line(row.number, row.raw[: row.cells[width - 1].end], False), row.separator)
 
 
 def _starts_table(rows: list[Row], data: Row) -> bool:
@@ -457,12 +496,14 @@ def _names(row: Row, rows: list[list[str]], width: int) -> list[str] | None:
     counts = [to_number(cells[0]) for cells in rows]
     indexed = any(counts == [float(k) for k in range(start, start + len(rows))] for start in (0, 1))
     primary = [k for k in range(width) if _kind(rows[0][k]) != MISSING]
-    for words in (wide, row.texts):
+    # Names of several words may happen to have as many words as the table has columns.
+    narrow = wide if len(wide) == len(primary) < width and len(rows) > 1 else row.texts
+    for words in (wide, narrow):
         if len(words) == width:
             return words
         if len(words) == width - 1 and indexed and row.raw[:1].isspace():
             return [UNNAMED, *words]
-    for words in (wide, row.texts):
+    for words in (wide, narrow):
         if len(words) == len(primary) < width and len(rows) > 1:
             named = dict(zip(primary, words, strict=True))
             last = [max((j for j in primary if j <= k), default=primary[0]) for k in range(width)]
@@ -643,7 +684,10 @@ def _lists(lines: list[Line]) -> list[RawTable]:
     groups: list[dict[str, list[str]]] = [{}]
     for found in _LIST.finditer(text):
         values = re.split(r"[,;\s]+", found["values"].strip(" ,;\n\t"))
-        if len(values) < 2 or not all(_kind(value) == NUMBER for value in values):
+        kinds = [_kind(value) for value in values]
+        if len(values) < 2 or NUMBER not in kinds:
+            continue
+        if TEXT in kinds and len(values) not in map(len, groups[-1].values()):
             continue
         name = found["name"].strip(" \t,").strip("\"'")
         if name in groups[-1] and role(name) in SIZES:
@@ -687,7 +731,10 @@ def _labelled_pairs(lines: list[Line]) -> list[RawTable]:
     return [_from_columns("size: error pairs", {UNNAMED: sizes} | columns, number)] if columns else []
 
 
-_VALUE = re.compile(r"[=:]\s*(?P<value>[^\s,;=:]+)(?=[\s,;]|$)")
+_VALUE = re.compile(
+    r"[=:]\s*(?P<value>[^\s,;=:]+(?:,\d[^\s,;=:]*)*(?:\s*(?:%|(?:[xX×·*]|\\times|\\cdot)\s*10[^\s,;=:]*))?)(?=[\s,;]|:\s|$)"
+)
+"""Matches a value with its sign = or :. It may have a decimal comma, a power of ten or a per cent sign."""
 
 
 def _key_values(lines: list[Line]) -> list[RawTable]:
@@ -698,16 +745,24 @@ def _key_values(lines: list[Line]) -> list[RawTable]:
         end = 0
         for found in _VALUE.finditer(line.text):
             before, end, value = line.text[end : found.start()], found.end(), found["value"].strip("*|`}]")
-            key = re.split(r"[,;]", before)[-1].strip(" \t*-\"'{[")
+            key = re.split(r"[,;]", before)[-1].strip(" \t*-\"'{[:")
             named = len(key) <= 80 and key[-1:] not in "<>!" and re.search(r"[^\W\d]", key)
-            if not named or _kind(value) == TEXT:
+            if not named:
+                continue
+            if role(key) == "unknown" and role(key.split()[-1]) in SIZES:
+                # Logging programs write the date and INFO in front of the name.
+                key = key.split()[-1]
+            if _kind(value) == TEXT:
+                if records:
+                    records[-1].setdefault(key, value)
                 continue
             if not records or key in records[-1]:
                 records.append({})
                 numbers.append(line.number)
             records[-1][key] = value
     counts = Counter(key for record in records for key in record)
-    names = [key for key, times in counts.items() if times >= max(2, len(records) - 1)]
+    numbered = {key for record in records for key, value in record.items() if _kind(value) == NUMBER}
+    names = [key for key, times in counts.items() if times >= max(2, len(records) - 1) and key in numbered]
     if len(names) < 2:
         return []
     rows = [[record.get(name, "") for name in names] for record in records]
@@ -736,7 +791,7 @@ def _plain(table: RawTable) -> RawTable:
         if comma:
             numbers = [to_number(cell, decimal_comma=True) for cell in column]
             column[:] = [
-                cell if value is None or math.isnan(value) else repr(value)
+                cell if value is None or math.isnan(value) or not re.search(r"[.,]", cell) else repr(value)
                 for cell, value in zip(column, numbers, strict=True)
             ]
     rows = [list(row) for row in zip(*columns, strict=True)]

@@ -148,6 +148,18 @@ READ = {
     "uncertainties": "h       error\n0.25    1.78 ± 0.01\n0.125   0.697 +/- 2e-3\n0.0625  0.317 ± 1e-3\n",
     "a grid with blanks": "Grid     L1 error\n4 x 4    1.78\n8 x 8    0.697\n16 x 16  0.317\n",
     "a name with letter and unit": SMALL.format("Mesh size h [m],error"),
+    "a remark behind a row": "h error\n0.25 1.78 (very coarse mesh)\n0.125 0.697\n0.0625 0.317 <- did not converge\n",
+    "lines that sum up": "h error\n0.25 1.78\n0.125 0.697\n0.0625 0.317\nmean 0.9\nElapsed 12.3\n",
+    "meshes named max and min": "mesh h error\nmax 0.25 1.78\nmid 0.125 0.697\nmin 0.0625 0.317\n",
+    "decimal commas in lines": "N = 8; Fehler = 1,78\nN = 16; Fehler = 0,697\nN = 32; Fehler = 0,317\n",
+    "powers of ten in lines": "h = 0.25 err = 17.8 × 10⁻¹\nh = 0.125 err = 697 x 10^-3\nh = 0.0625 err = 31.7 %\n",
+    "NumPy's numbers": "h = [0.25, 0.125, 0.0625]\nerr = [np.float64(1.78), np.float64(0.697), np.float64(0.317)]\n",
+    "a log": "12:00:01 INFO h = .25, err: 1.78\n12:00:05 INFO h = .125, err: .697\n12:01:11 INFO h = .0625 err: .317\n",
+    "a numbered caption": "Table 1\nh error\n0.25 1.78\n0.125 0.697\n0.0625 0.317\n",
+    "a tibble": "      h error\n  <dbl> <dbl>\n1 0.25   1.78\n2 0.125  0.697\n3 0.0625 0.317\n",
+    "French powers": "| h | err |\n|-|-|\n| 1/4 | $178\\,10^{-2}$ |\n| 1/8 | $69.7\\,10^{-2}$ |\n| 1/16 | .317 |\n",
+    "uncertain powers": "h,err\n0.25,17.8 ± 0.1 × 10⁻¹\n0.125,6.97 ± 0.01 × 10⁻¹\n0.0625,3.17 ± 0.01 × 10⁻¹\n",
+    "smallest and largest cells": "hmin hmax error\n0.1 0.25 1.78\n0.09 0.125 0.697\n0.08 0.0625 0.317\n",
 }  # fmt: skip
 
 
@@ -155,6 +167,41 @@ READ = {
 def test_small_tables_in_many_forms_have_the_same_orders(form: str, rates) -> None:
     (column,) = json.loads(rates(READ[form], "--json"))
     assert column["orders"] == pytest.approx([1.3527, 1.1367], abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("table", "orders"),
+    [
+        ("h,u,p\n0.4,1.6,0.16\n0.2,0.4,0.08\n0.1,0.1,0.04\n", {"u": 2, "p": 1}),
+        ("h,u,p\n0.4,1.6,-\n0.2,0.4,2.00\n0.1,0.1,2.00\n", {"u": 2}),
+        ("h,u,p\n0.4,1.6,1.96\n0.2,0.4,1.98\n0.1,0.1,1.99\n", {"u": 2}),
+        ("h,CG,DG\n0.4,1.6,0.16\n0.2,0.4,0.08\n0.1,0.1,0.04\n", {"CG": 2, "DG": 1}),
+        ("h,err,CG\n0.4,1.6,12\n0.2,0.4,11\n0.1,0.1,10\n", {"err": 2}),
+        ("dt,Euler,Heun (2nd order)\n0.4,0.16,1.6\n0.2,0.08,0.4\n0.1,0.04,0.1\n", {"Euler": 1, "Heun (2nd order)": 2}),
+        (
+            "cells  val L2  grad L2\n16  1.6 -  0.16 -\n64  0.4 2.0  0.08 1.0\n256  0.1 2.0  0.04 1.0\n",
+            {"val L2": 2, "grad L2": 1},
+        ),
+        ("h,L2,notes\n0.4,1.6,\n0.2,0.4,coarse\n0.1,0.1,\n", {"L2": 2}),
+        (
+            "|mass|h|err|\n|-|-|-|\n|total|.4|1.6|\n|total|.2|.8|\n|rate|.4|.16|\n|rate|.2|.04|\n",
+            {"err (mass total)": 1, "err (mass rate)": 2},
+        ),
+        (
+            "Degree 1\nh L2\n0.4 1.6\n0.2 0.8\n0.1 0.4\nDegree 2\nh L2\n0.4 1.6\n0.2 0.4\n0.1 0.1\n",
+            {"L2 (Degree 1)": 1, "L2 (Degree 2)": 2},
+        ),
+        ("k;h;err\n1;0,4;1,6\n1;0,2;0,8\n2;0,4;1,6\n2;0,2;0,4\n", {"err (k 1)": 1, "err (k 2)": 2}),
+    ],
+)  # fmt: skip
+def test_columns_of_errors_are_told_from_orders_counts_and_remarks(table: str, orders: dict[str, float], rates) -> None:
+    found = {column["name"]: column["orders"][-1] for column in json.loads(rates(table, "--json", "--dim", "2"))}
+    assert found == pytest.approx(orders, abs=1e-9)
+
+
+def test_an_order_that_is_expected_of_a_column_left_out_says_so(rates) -> None:
+    said = rates("h,temp,p\n0.4,1.6,-\n0.2,0.4,2.0\n0.1,0.1,2.0\n", "--expected", "temp=2,p=1", code=2)
+    assert "an order is expected of p, but the columns of errors are temp; p was left out (order)" in said
 
 
 TWO_ROWS = {
@@ -303,6 +350,11 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
         (b"h err\n1 .1\n.5 ****\n", "line 3: the entry of err is '****', not a number"),
         (b"log10(h) log10(err)\n-1 -2\n-1.3 -2.6\n-1.6 -3.2\n", "column log10(h) holds logarithms"),
         (b"h,log_err\n1,5.1\n.5,4.5\n", "column log_err holds logarithms"),
+        (b"h u v\n.4 1 1\n.2 .5 .5\n.1 failed failed\n", "line 4, '.1 failed failed', begins like a row of the table"),
+        (b"h err\n.4 1\n.2 .5\n.1 out of memory\n", "line 4, '.1 out of memory', begins like a row of the table"),
+        (b"h = [.4, .2, .1]\nu = [4, 2, 1]\np = [.4, None, None]\n", "the entry of p is 'None', not a number"),
+        (b"h=.4 u=4 p=.4\nh=.2 u=2 p=diverged\nh=.1 u=1 p=diverged\n", "line 2: the entry of p is 'diverged'"),
+        (b"n,err/order\n8,1.6e-2/-\n16,4e-3/2.0\n", "no line with numbers"),
         (b"[0.4, 0.2, 0.1]\n[1.6, 0.4, 0.1]\n", "the list in line 1 has no name: write 'h = '"),
         (b"[0.4 0.2 0.1 0.05]\n[1.6 0.4 0.1 0.025]\n", "the list in line 1 has no name: write 'h = '"),
     ],
