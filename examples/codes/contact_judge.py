@@ -39,8 +39,9 @@ MESHES = 3
 """Meshes without which nothing is said of an order: on two, what falls fast hides what does not fall."""
 NEGLIGIBLE, NO_CONTACT = 0.01, 0.9
 """Part of the error up to which a distance may grow (quadrature, iterations); pressure error of about no contact, 1."""
-OTHER_EQUATIONS, FEW_FORCES = 0.1, 1e-3
-"""Part of the load where no force may be, to be wrong and to be mentioned; Nitsche's methods leave some hundredths."""
+OTHER_EQUATIONS, UNBALANCED, FEW_FORCES = 0.1, 0.3, 1e-3
+"""Part of the load where no force may be, to be wrong on the last mesh, on a coarser mesh, and to be mentioned;
+Nitsche's methods leave some hundredths."""
 NEXT_TO_NOTHING = 0.1
 """Part of the force of the solution in K^h up to which a vertex is idle; part of the largest pressure to be asked."""
 NECESSARY, LARGE_PRESSURE, LARGE_SHARE = 0.15, 3, 0.3
@@ -52,6 +53,8 @@ the residual that a cause may leave to be most likely, and to be a hint."""
 CERTAIN, LARGE_ON_CLAMP, FAR, SINGULAR = 1e-8, 0.3, 100, 1e6
 """Residual up to which a cause is certain. Over the largest displacement of the exact solution: u on Γ1 of order 1,
 displacements that are wrong on every mesh, displacements that only a singular matrix gives."""
+JUMP = 6
+"""Order above which no distance falls from a large share of the error: a code is then wrong on the coarser mesh."""
 METHODS, FITTED = ("springs", "facets"), ("units", "scaled", "offset", "tilt", "rigid")
 """Causes that may be consistent methods; causes with a number fitted to the answer, which may tend to the right one."""
 EQUATIONS_HOLD, CONTACT_HOLDS = 1e-6, 1e-10
@@ -60,9 +63,11 @@ ROUGH, LARGEST_SOLVE = 1.0, 1500
 """‖ε(v)‖ h / ‖v‖ from which on a difference v changes from vertex to vertex (π h for the smoothest on a unit square);
 components of u up to which the judge solves the contact problem itself, to try causes in the contact algorithm."""
 GOOD = EXACT_CLASS, CONSISTENT = "exact for P1", "consistent"
+CLASSES = *GOOD, "undecided", "stagnates", "wrong"
+"""All classes, the worst last."""
 UNPACK = {".xz": lzma.decompress, ".gz": gzip.decompress}
 REPORTS = "pressure", "forces", "status", "resultant"
-ODD = "is multiplied by the factor"
+ODD, ON_THE_MESH = "is multiplied by the factor", "on the mesh"
 TOLERANCE = "tolerance"
 """Key of the cause that the solver stops too early."""
 
@@ -1074,8 +1079,25 @@ def classify(h: list[float], errors: list[Errors]) -> str:
     return judged(h, errors)[0]
 
 
-def judged(h: list[float], errors: list[Errors]) -> tuple[str, str]:
-    """Return the class, and the numbers that decided."""
+def wrong_mesh(h: list[float], errors: list[Errors]) -> tuple[int, str] | None:
+    """Return the first mesh but the last whose answer is far off, and the reason in words; None without one."""
+    fall = orders(h, [one.share * one.best for one in errors])
+    for k, one in enumerate(errors[:-1]):
+        large = one.share > LARGE_SHARE
+        grown = k > 0 and fall[k - 1] < -FALLS and one.share > NEGLIGIBLE and fall[k] > JUMP
+        if large and one.on_clamp > LARGE_ON_CLAMP:
+            return k, f"u on Γ1 must be 0, it is up to {one.on_clamp:.1e} of the largest displacement"
+        if one.from_best > FAR:
+            return k, f"displacements are wrong by up to {one.from_best:.0e} times the largest of the exact solution"
+        if large and one.tangential >= UNBALANCED:
+            return k, f"forces of {one.tangential:.2g} of the load where none may be"
+        if grown or (large and fall[k] > JUMP):
+            return k, f"the distance is {one.share:.1e} of the error, on the next mesh {errors[k + 1].share:.1e}"
+    return None
+
+
+def judged(h: list[float], errors: list[Errors], levels: list[int] | None = None) -> tuple[str, str]:
+    """Return the class, and the numbers that decided; a mesh is named by its level n, or without ``levels`` by h."""
     shares, last = [one.share for one in errors], errors[-1]
     if not np.isfinite(shares).all():
         return "wrong", "the answer is not a number everywhere"
@@ -1096,6 +1118,9 @@ def judged(h: list[float], errors: list[Errors]) -> tuple[str, str]:
         return "wrong", f"pressure no better than none, error {last.pressure:.2f}"
     if last.tangential >= OTHER_EQUATIONS:
         return "wrong", f"other equations, forces of {last.tangential:.2g} of the load where none may be"
+    if found := wrong_mesh(h, errors):
+        mesh = f"n = {levels[found[0]]}" if levels else f"h = {h[found[0]]:.3g}"
+        return "wrong", f"{ON_THE_MESH} {mesh} {found[1]}"
     pressure, of_best = (order(h, [getattr(one, name) for one in errors]) for name in ("pressure", "best_pressure"))
     needed = min(FALLS, max(order(h, [one.best for one in errors]) / 2, LEAST_FALL))
     told = f"order of the distance {', '.join(f'{round(one, 1) + 0.0:.1f}' for one in fall)}"
@@ -1127,30 +1152,57 @@ def assess(
     return [_judgement(key, levels, answers, reports or {}) for key, levels in groups.items()]
 
 
-def _judgement(key: tuple, levels: dict, answers: dict, reports: dict) -> Judgement:
-    """Judge one case on one mesh family in one mode."""
-    numbers = sorted(levels)
-    first = [levels[n][0] for n in numbers]
-    h = [task.data["h"] for task in first]
-    errors = [measure(task, answers[task.name]) for task in first]
-    pairs_of = [(levels[n][:2], one.best) for n, one in zip(numbers, errors, strict=True) if len(levels[n]) > 1]
-    apart = [(answers[a.name] / a.scale - answers[b.name] / b.scale, a, best) for (a, b), best in pairs_of]
-    invariance = max((a.norm(a.strain(v)) / best for both, a, best in apart for v in both), default=float("nan"))
-    last = [order(h, [getattr(one, name) for one in errors]) for name in ("error", "best", "distance", "pressure")]
-    verdict, why = judged(h, errors)
-    differing = [task for task, one in zip(first, errors, strict=True) if not one.share <= EXACT]
+def _verdict(tasks: list[Task], answers: dict) -> tuple[list[Errors], str, str, Diagnosis]:
+    """Return the errors on the meshes of one load scale, the class, its reason, and the cause of a difference."""
+    h, levels = [task.data["h"] for task in tasks], [task.data["level"] for task in tasks]
+    errors = [measure(task, answers[task.name]) for task in tasks]
+    verdict, why = judged(h, errors, levels)
+    differing = [task for task, one in zip(tasks, errors, strict=True) if not one.share <= EXACT]
     cause = diagnose(differing, [answers[task.name] for task in differing]) if differing else Diagnosis("")
     clamp = any(key.startswith("clamp") for key in cause.causes)
-    if cause.is_fault(errors[-1].share) and (verdict == "undecided" or clamp):
+    if cause.is_fault(errors[-1].share) and (verdict in ("undecided", CONSISTENT) or clamp):
         verdict = "wrong"
     if verdict == "undecided" and TOLERANCE in cause.causes:
         why += "; first reduce the tolerance of the solver"
     if cause.certain and verdict == "wrong":
-        why = "; or ".join(cause.causes.values())
+        why = "; or ".join(cause.causes.values()) + (f": {why}" if why.startswith(ON_THE_MESH) else "")
+    return errors, verdict, why, cause
+
+
+def _apart(tasks: list[Task], answers: dict) -> float:
+    """Return the largest distance between answers under different load scales on one mesh, over the error, or nan."""
+    first, result = tasks[0], float("nan")
+    for task in tasks[1:]:
+        same = task.count == first.count and np.allclose(task.references(), first.references())
+        if same and task.scale != first.scale:
+            both = answers[first.name] / first.scale - answers[task.name] / task.scale
+            best = measure(first, first.scale * first.references()).best
+            result = max([first.norm(first.strain(v)) / best for v in both] + [result], key=lambda x: (x == x, x))
+    return result
+
+
+def _judgement(key: tuple, levels: dict, answers: dict, reports: dict) -> Judgement:
+    """Judge one case on one mesh family in one mode."""
+    numbers, series = sorted(levels), defaultdict(list)
+    for n in numbers:
+        count: dict = defaultdict(int)
+        for task in levels[n]:
+            series[task.scale, count[task.scale]].append(task)
+            count[task.scale] += 1
+    found = [(tasks, *_verdict(tasks, answers)) for tasks in series.values()]
+    decided = [one for one in found if one[2] != "undecided" or len(one[0]) == len(numbers)] or found
+    first, errors, verdict, why, cause = max(decided, key=lambda one: CLASSES.index(one[2]))
+    h, scale = [task.data["h"] for task in first], first[0].scale
+    invariance = max((_apart(levels[n], answers) for n in numbers), default=float("nan"), key=lambda x: (x == x, x))
+    if len({scale for scale, _ in series}) > 1 and verdict != EXACT_CLASS:
+        why += f", with the load scale {scale:g}"
+    if verdict in GOOD and invariance > LARGE_SHARE:
+        verdict, why = "wrong", f"answers under two load scales differ by {invariance:.1e} of the error"
+    last = [order(h, [getattr(one, name) for one in errors]) for name in ("error", "best", "distance", "pressure")]
     every = [task for n in numbers for task in levels[n]]
     told = [one for task in every for one in judge_reports(task, answers[task.name], reports.get(task.name, {}))]
     own = tested(first[-1]), *last, invariance, cause.sentence, told, cause.causes
-    return Judgement(*key, numbers, errors, verdict, why, *own)
+    return Judgement(*key, [task.data["level"] for task in first], errors, verdict, why, *own)
 
 
 def unpack(task: Task, directory: Path) -> None:
@@ -1207,11 +1259,14 @@ def summary(judgements: list[Judgement]) -> list[str]:
 def notes(one: Judgement) -> list[str]:
     """Return what the class does not say: the most likely cause first."""
     last, unknown = one.errors[-1], one.verdict == CONSISTENT and one.cause.startswith("No single cause")
-    lines = [one.cause.removeprefix(f"Most likely: {one.why} ")] if one.cause and not unknown else []
+    causes = "; or ".join(one.causes.values())
+    explained = one.verdict == "wrong" and causes and one.why.startswith(causes)
+    lines = [one.cause.removeprefix(f"Most likely: {causes} ") if explained else one.cause]
+    lines = lines if one.cause and not unknown else []
     if not np.isnan(one.invariance):
         lines.append(f"load scales differ by {one.invariance:.1e} of the error")
     told = [report.sentence for report in one.reports]
-    if one.verdict == "wrong" and one.why == "; or ".join(one.causes.values()):
+    if explained:
         return lines + list(dict.fromkeys(told))
     if abs(one.order_in_v - one.order_of_best) > NECESSARY:
         both = f"{one.order_in_v:.2f}, of the solution in K^h {one.order_of_best:.2f}"

@@ -83,6 +83,27 @@ def test_what_is_far_or_grows_is_wrong(tasks: list[Any], change: Any) -> None:
     assert judged(doctored(change), *tasks).verdict == "wrong"
 
 
+ON_ONE_MESH = {
+    "1000 times": lambda u: 1000 * u,
+    "half": lambda u: u / 2,
+    "zero": lambda u: 0 * u,
+    "component by component": lambda u: u.swapaxes(1, 2).reshape(u.shape),
+}
+
+
+@pytest.mark.parametrize("code", ["exact", "springs"])
+@pytest.mark.parametrize("level", LEVELS[:2])
+@pytest.mark.parametrize("change", ON_ONE_MESH)
+def test_an_answer_that_is_far_off_on_a_coarse_mesh_alone_is_wrong(tasks, change: str, level: int, code: str) -> None:
+    make = ours.make if code == "exact" else faults.springs(lambda task: 30 / task.data["h"])
+    answers = {task.name: judge.answer(task, make) for task in tasks}
+    assert judge.assess(tasks, answers)[0].verdict in judge.GOOD
+    (name,) = [task.name for task in tasks if task.data["level"] == level]
+    (found,) = judge.assess(tasks, answers | {name: ON_ONE_MESH[change](answers[name])})
+    assert found.verdict == "wrong"
+    assert f"n = {level}" in found.why
+
+
 def test_contact_forgotten_is_seen_by_the_pressure_and_the_penetration(tasks: list[Any]) -> None:
     found = judged(faults.springs(lambda task: 0.0), *tasks)
     last = found.errors[-1]
@@ -187,6 +208,17 @@ def test_two_scales_show_what_is_not_homogeneous() -> None:
     both = [exported("advance-recede", times=(0.55,), scale=scale) for scale in (1.0, 1e-4)]
     assert judged(ours.make, *both).invariance < 1e-10
     assert judged(doctored(lambda task, u: u + 0.01 * u**2), *both).invariance > 1e-3
+
+
+@pytest.mark.parametrize("wrong", [1.0, 10.0])
+def test_an_answer_that_is_zero_under_one_of_two_load_scales_is_wrong(wrong: float) -> None:
+    both = [exported("advance-recede", n, times=(0.55,), scale=scale) for n in (4, 8) for scale in (1.0, 10.0)]
+    answers = {task.name: (task.scale != wrong) * task.scale * judge.answer(task, ours.make) for task in both}
+    (found,) = judge.assess(both, answers)
+    assert found.verdict == "wrong"
+    assert found.why.endswith(f"with the load scale {wrong:g}")
+    (alone,) = judge.assess(both[1:] if wrong == 1 else [both[0], *both[2:]], answers)
+    assert alone.verdict == "wrong"
 
 
 @pytest.mark.parametrize("case", ["rotated", "corner"])

@@ -209,6 +209,21 @@ def test_a_certain_cause_is_wrong_on_two_meshes_and_a_consistent_method_is_not()
     assert "order of the distance" in found.why
 
 
+def test_a_certain_fault_is_wrong_on_three_meshes_although_the_distance_falls() -> None:
+    def half(task: Any) -> dict[str, Any]:
+        first, *others = task.data["contact"]
+        keep = [k for k, v in enumerate(first["vertices"]) if task.vertices[v][0] < 0.5]
+        part = {"vertices": [first["vertices"][k] for k in keep], "gap": task.gaps()[0][keep].tolist()}
+        return {"data": {**task.data, "contact": [first | part, *others]}}
+
+    tasks = [exported("layered", n) for n in (4, 8, 16)]
+    found = judged(faults.misread(half), *tasks)
+    assert found.order_of_distance > judge.FALLS
+    assert found.verdict == "wrong"
+    assert "the constraint is forgotten at 4 vertices" in found.why
+    assert judged(FAULTS["mean gap of each facet"].make, *tasks).verdict == "consistent"
+
+
 def test_the_last_line_names_the_cause_that_explains_most_cases() -> None:
     tasks = [exported(case, 4) for case in ("corner", "layered", "junction")]
     make = FAULTS["vertices never released"].make
