@@ -18,6 +18,7 @@ import hashlib
 import json
 import lzma
 import math
+import re
 import sys
 import zlib
 from collections import defaultdict
@@ -62,6 +63,8 @@ EQUATIONS_HOLD, CONTACT_HOLDS = 1e-6, 1e-10
 ROUGH, LARGEST_SOLVE = 1.0, 1500
 """‖ε(v)‖ h / ‖v‖ from which on a difference v changes from vertex to vertex (π h for the smoothest on a unit square);
 components of u up to which the judge solves the contact problem itself, to try causes in the contact algorithm."""
+HUGE = 1e100
+"""Value from which on a number is no displacement; its square would still be finite."""
 GOOD = EXACT_CLASS, CONSISTENT = "exact for P1", "consistent"
 CLASSES = *GOOD, "undecided", "stagnates", "wrong"
 """All classes, the worst last."""
@@ -356,7 +359,7 @@ class Errors:
 
 def measure(task: Task, u: np.ndarray) -> Errors:
     """Judge the answer to one task, (steps, n, d)."""
-    if not np.isfinite(u).all():
+    if not (abs(u) < HUGE).all():
         best = measure(task, task.scale * task.references()).best
         return Errors(np.inf, best, *[np.inf] * 7, shift=np.inf, on_clamp=np.inf, at_vertices=np.inf, from_best=np.inf)
     mine, best = (Equations(task, v) for v in (u / task.scale, task.references()))
@@ -426,7 +429,7 @@ def judge_reports(task: Task, u: np.ndarray, reports: dict[str, np.ndarray]) -> 
     """
     if unknown := set(reports) - set(REPORTS):
         raise TaskError(f"unknown report {', '.join(sorted(unknown))}, expected {', '.join(REPORTS)}")
-    if not reports or not np.isfinite(u).all():
+    if not reports or not (abs(u) < HUGE).all():
         return []
     equations, result = Equations(task, u / task.scale), []
     lam, mass = equations.lam, task.constraints()[2]
@@ -460,7 +463,7 @@ def _compare(task: Task, name: str, mine: np.ndarray, wanted: np.ndarray) -> tup
     factor, ends = float((mine * wanted).sum() / max((wanted**2).sum(), 1e-300)), np.ones_like(mass)
     ends[mass < 0.75 * np.median(mass)] = 0.5
     mistakes = [("has the reversed sign", -wanted), ("is that of the step before", np.roll(wanted, 1, axis=0))]
-    mistakes.append((f"is {factor:.4g} times the right one", factor * wanted))
+    mistakes.append((f"is {written(factor)} times the right one", factor * wanted))
     if name != "resultant":
         mistakes.append(("takes full areas at the ends of the face, where half are right", wanted * ends))
         mistakes.append(("takes half areas at the ends of the face twice", wanted / ends))
@@ -517,11 +520,8 @@ def diagnose(tasks: list[Task], answers: list[np.ndarray]) -> Diagnosis:
     """
     task, u = tasks[0], answers[0]
     for one, values in zip(tasks, answers, strict=True):
-        if not np.isfinite(values).all():
-            step = int(np.argmin(np.isfinite(values).all(axis=(1, 2))))
-            words = "the matrix is probably singular: the body is not held, or one constraint is imposed twice"
-            words += " (for example by wrong normals at a corner)"
-            return Diagnosis(f"The answer to {one.name} is not a number in step {step + 1}; {words}", {"nan": words})
+        if not (abs(values) < HUGE).all():
+            return _not_numbers(one, values)
     exact, u = task.references(), u / task.scale
     equations = Equations(task, u)
     if on_clamp := _not_held(equations, exact):
@@ -534,6 +534,20 @@ def diagnose(tasks: list[Task], answers: list[np.ndarray]) -> Diagnosis:
     if named := _name(list(causes.values())):
         return named
     return _solver_tolerance(equations, exact, max((one.without for one in causes.values()), default=np.inf))
+
+
+def _not_numbers(task: Task, values: np.ndarray) -> Diagnosis:
+    """Return that the matrix is singular if most values of a step are not numbers, or else where the first one is."""
+    bad = ~(abs(values) < HUGE)
+    step, vertex, axis = (int(k) for k in np.argwhere(bad)[0])
+    where = f"The answer to {task.name} is not a number in step {step + 1}"
+    if np.isfinite(values[step]).mean() < 0.5:
+        words = "the matrix is probably singular: the body is not held, or one constraint is imposed twice"
+        words += " (for example by wrong normals at a corner)"
+        return Diagnosis(f"{where}; {words}", {"nan": words})
+    found = f"u_{'xyz'[axis]} of vertex {vertex} in step {step + 1} is {values[step, vertex, axis]:g}"
+    count = f"{bad.sum()} of {bad.size} values that are not numbers or too large"
+    return Diagnosis(f"The answer to {task.name} has {count}: {found}")
 
 
 def _name(causes: list[Cause]) -> Diagnosis | None:
@@ -571,8 +585,10 @@ def _not_held(equations: Equations, exact: np.ndarray) -> Diagnosis | None:
     at = f"at all {count} vertices" if vertices.all() else f"at {count} of {len(vertices)} vertices (first {first})"
     what = f"component {moved}" if zero else "u"
     where = f"component {zero} is zero and {what} is not," if zero else "u is not zero"
-    held = "not held" if certain or on_clamp.max() > NEGLIGIBLE else "not held exactly (a penalty?)"
+    sure, large = certain or bool(zero), certain or on_clamp.max() > NEGLIGIBLE
+    held = ("not held" if sure else "perhaps not held") if large else "not held exactly (a penalty?)"
     words = f"{what} is {held}{'' if vertices.all() else ' at some vertices'}"
+    words += "" if sure or not large else ", or the vertices are in another order"
     sentence = f"On Γ1 {where} {at} of n = {task.data['level']}: {words}"
     of = "the largest displacement of the exact solution"
     if size > SINGULAR:
@@ -711,7 +727,9 @@ class Equations:
         factor = 1 - float((self.total * term).sum()) / norm if norm > 0 else 1.0
         sentence = f"{words} {factor_words(factor)}"
         if key == "units":
-            sentence = f"the displacements are {1 / (factor or 1e-300):.4g} times the right ones (other units?){words}"
+            times = written(1 / (factor or 1e-300))
+            sentence = f"the displacements are {times} times the right ones (other units?)"
+            sentence += "" if self.task.marches else f", or the stiffness is {written(factor)} times the right one"
         return Cause(key, sentence, self.size(self.total + (factor - 1) * term), self.size(self.total))
 
     def _terms(self) -> Iterator[tuple[str, str, np.ndarray]]:
@@ -734,7 +752,7 @@ class Equations:
             )
             yield "elastic", "the elastic stress G ε(u)", -self.internal(_times(task.G, mean))
         else:
-            yield "units", ", or the stiffness is too small by this factor", elastic
+            yield "units", "", elastic
         normal = np.multiply.outer(~shear, ~shear) * C[:, :1, 1:2]
         yield "lambda", "λ of the stiffness", -self.internal(_times(normal, self.strain))
         yield "mu", "μ of the stiffness", -self.internal(_times(C - normal, self.strain))
@@ -850,7 +868,13 @@ def factor_words(factor: float) -> str:
     """Return what a factor means: 0 is missing, −1 has the reversed sign."""
     known = {0.0: "is missing", -1.0: "has the reversed sign", 2.0: "is counted twice", 0.5: "is halved"}
     known |= {2**0.5: "is multiplied by √2", 0.5**0.5: "is divided by √2"}
-    return next((words for value, words in known.items() if abs(factor - value) < 1e-4), f"{ODD} {factor:.4g}")
+    return next((words for value, words in known.items() if abs(factor - value) < 1e-4), f"{ODD} {written(factor)}")
+
+
+def written(factor: float) -> str:
+    """Return a factor with four digits, or with as many as show two digits of its difference from 1."""
+    apart = abs(abs(factor) - 1)
+    return f"{factor:.{min(max(4, 2 - math.floor(math.log10(apart))), 15) if apart > 0 else 4}g}"
 
 
 def _solver_tolerance(equations: Equations, exact: np.ndarray, contact: float) -> Diagnosis:
@@ -953,7 +977,7 @@ def _wrong_laws(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]
         yield f"ends {by}", f"the contact forces at the ends of the face are {by:g} times the right ones", ends * right
     if problem.pressed.any():
         factor = float((problem.lam * right).sum() / max((right**2).sum(), 1e-300))
-        words = f"the contact forces that act on the body are {factor:.6g} times the right ones"
+        words = f"the contact forces that act on the body are {written(factor)} times the right ones"
         yield "scaled", words, factor * right
         offset = float(np.median(problem.gap[problem.pressed]))
         words = f"contact is closed where u_ν − gap is {offset:.4g} (an offset or a tolerance), not 0"
@@ -1098,9 +1122,15 @@ def wrong_mesh(h: list[float], errors: list[Errors]) -> tuple[int, str] | None:
 
 def judged(h: list[float], errors: list[Errors], levels: list[int] | None = None) -> tuple[str, str]:
     """Return the class, and the numbers that decided; a mesh is named by its level n, or without ``levels`` by h."""
+
+    def mesh(k: int) -> str:
+        return f"n = {levels[k]}" if levels else f"h = {h[k]:.3g}"
+
     shares, last = [one.share for one in errors], errors[-1]
     if not np.isfinite(shares).all():
-        return "wrong", "the answer is not a number everywhere"
+        (bad, *others) = np.flatnonzero(~np.isfinite(shares))
+        more = f" and on {len(others)} other meshes" if others else ""
+        return "wrong", f"values are not numbers or too large {ON_THE_MESH} {mesh(int(bad))}{more}"
     if max(shares) <= EXACT and max(one.from_best for one in errors) <= 10 * EXACT:
         return EXACT_CLASS, f"{max(shares):.0e} of the error"
     falls = order(h, [one.on_clamp for one in errors]) >= FALLS and last.on_clamp < LARGE_ON_CLAMP
@@ -1119,8 +1149,7 @@ def judged(h: list[float], errors: list[Errors], levels: list[int] | None = None
     if last.tangential >= OTHER_EQUATIONS:
         return "wrong", f"other equations, forces of {last.tangential:.2g} of the load where none may be"
     if found := wrong_mesh(h, errors):
-        mesh = f"n = {levels[found[0]]}" if levels else f"h = {h[found[0]]:.3g}"
-        return "wrong", f"{ON_THE_MESH} {mesh} {found[1]}"
+        return "wrong", f"{ON_THE_MESH} {mesh(found[0])} {found[1]}"
     pressure, of_best = (order(h, [getattr(one, name) for one in errors]) for name in ("pressure", "best_pressure"))
     needed = min(FALLS, max(order(h, [one.best for one in errors]) / 2, LEAST_FALL))
     told = f"order of the distance {', '.join(f'{round(one, 1) + 0.0:.1f}' for one in fall)}"
@@ -1248,12 +1277,26 @@ def summary(judgements: list[Judgement]) -> list[str]:
     if len(judgements) < 2 or not keys:
         return []
     best = max(keys, key=keys.count)
-    words = next(one.causes[best] for one in judgements if best in one.causes)
+    every = dict.fromkeys(one.causes[best] for one in judgements if best in one.causes)
+    first, *others = every
+    words = without_numbers(first) if others else first
     exact = dict.fromkeys(one.case for one in judgements if one.verdict == EXACT_CLASS)
-    other = dict.fromkeys(one.case for one in judgements if one.verdict != EXACT_CLASS and best not in one.causes)
+    rest = [one for one in judgements if one.verdict != EXACT_CLASS and best not in one.causes]
+    kinds = {without_numbers(one) for one in every}
+    hinted = [one for one in rest if any(kind in without_numbers(one.cause) for kind in kinds)]
+    perhaps = dict.fromkeys(one.case for one in hinted)
+    other = dict.fromkeys(one.case for one in rest if one not in hinted)
     line = f"{keys.count(best)} of {len(judgements)} cases: {words}"
+    line += f"; perhaps also {', '.join(perhaps)}" if perhaps else ""
     line += f"; {', '.join(exact)} cannot show it" if exact else ""
     return [line + (f"; it does not explain {', '.join(other)}" if other else "")]
+
+
+def without_numbers(words: str) -> str:
+    """Return the words of a cause without numbers of steps and vertices and without fitted numbers."""
+    words = re.sub(r" \([^()]*(?<![\w.√])[-±]?\d[^()]*\)", "", words)
+    words = re.sub(r"\d+ vertices", "some vertices", words)
+    return re.sub(r"(?<![\w.√/{])[-±]?\d+(\.\d+)?(e[-+]?\d+)?(?![\w./}])", "…", words)
 
 
 def notes(one: Judgement) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -166,6 +167,34 @@ def test_an_answer_that_is_not_a_number_gets_the_usual_reasons() -> None:
     assert "not a number in step 1; the matrix is probably singular: the body is not held, or one" in found.cause
 
 
+@pytest.mark.parametrize(("value", "text"), [(np.nan, "nan"), (-np.inf, "-inf"), (1e200, "1e+200")])
+def test_a_single_value_that_is_no_displacement_is_named_and_no_singular_matrix(value: float, text: str) -> None:
+    (task, u, *_), name = reported(), f"u_x of vertex 3 in step 2 is {text}"
+    u[1, 3, 0] = value
+    (found,) = judge.assess([task], {task.name: u})
+    assert (found.verdict, "singular" in found.cause) == ("wrong", False)
+    assert f"has 1 of {u.size} values that are not numbers or too large: {name}" in found.cause
+
+
+def test_vertices_in_another_order_are_not_said_with_certainty_to_be_not_held() -> None:
+    task, u, *_ = reported()
+    (found,) = judge.assess([task], {task.name: u[:, ::-1]})
+    assert found.verdict == "wrong"
+    assert "u is perhaps not held, or the vertices are in another order" in found.cause
+
+
+@pytest.mark.parametrize(
+    ("factor", "displacements", "stiffness"), [(1.00001, "1.00001", "0.99999"), (0.5, "0.5", "2"), (-1, "-1", "-1")]
+)
+def test_a_factor_has_the_digits_that_differ_from_one_and_gives_that_of_the_stiffness(
+    factor: float, displacements: str, stiffness: str
+) -> None:
+    task, u, *_ = reported()
+    (found,) = judge.assess([task], {task.name: factor * u})
+    assert f"the displacements are {displacements} times the right ones (other units?)" in found.cause
+    assert f"or the stiffness is {stiffness} times the right one (" in found.cause
+
+
 # Causes
 
 
@@ -232,6 +261,20 @@ def test_the_last_line_names_the_cause_that_explains_most_cases() -> None:
     assert line.startswith("2 of 3 cases: vertices in contact are never released")
     assert line.endswith("; junction cannot show it")
     assert judge.summary(found[:1]) == []
+
+
+def test_the_last_line_leaves_out_numbers_that_differ_and_does_not_deny_what_a_row_says_perhaps() -> None:
+    tasks = [exported(case, n) for case, n in (("layered", 4), ("anisotropic", 8), ("rotated", 4))]
+    one, two, three = judge.assess(
+        tasks, {t.name: judge.answer(t, faults.misread(faults.without(0.25))) for t in tasks}
+    )
+    three = replace(three, cause=three.cause.replace("Most likely", "Perhaps"), causes={})
+    assert one.causes != two.causes
+    (line,) = judge.summary([one, two, three])
+    assert line == "2 of 3 cases: the constraint is forgotten at some vertices; perhaps also rotated"
+    assert judge.without_numbers("contact is by springs of stiffness 3.2e+01, C_11") == (
+        "contact is by springs of stiffness …, C_11"
+    )
 
 
 @pytest.mark.slow
