@@ -69,6 +69,12 @@ GOOD = EXACT_CLASS, CONSISTENT = "exact for P1", "consistent"
 CLASSES = *GOOD, "undecided", "stagnates", "wrong"
 """All classes, the worst last."""
 UNPACK = {".xz": lzma.decompress, ".gz": gzip.decompress}
+NOT_TEXT = {b"\x93NUMPY": "a file of numpy.save", b"\xfd7zXZ": "packed with xz", b"\x1f\x8b": "packed with gzip"}
+NOT_TEXT |= {b"PK\x03\x04": "a zip or npz file", b"BZh": "packed with bzip2", b"\x89HDF": "an HDF5 file"}
+NOT_TEXT |= dict.fromkeys((b"\xff\xfe", b"\xfe\xff"), "text in UTF-16 (PowerShell writes it)")
+"""First bytes of files that are not plain text."""
+FORTRAN = re.compile(r"(?<=[\d.])[dD](?=[+-]?\d)")
+"""The D of Fortran's exponents, 1.5D-03."""
 REPORTS = "pressure", "forces", "status", "resultant"
 ODD, ON_THE_MESH = "is multiplied by the factor", "on the mesh"
 TOLERANCE = "tolerance"
@@ -307,16 +313,69 @@ def read_reports(directory: Path, task: Task) -> dict[str, np.ndarray]:
 
 
 def _numbers(path: Path, shape: tuple[int, ...]) -> np.ndarray:
+    """Return the numbers of a text file, which may be packed as FILE.xz or FILE.gz; TaskError if it holds others."""
+    lines, count = shape[0], math.prod(shape[1:])
+    expected = f"expected plain text: {lines} lines of {count} numbers separated by blanks"
+    packed = next((one for suffix in UNPACK if (one := path.with_name(path.name + suffix)).exists()), path)
     try:
-        values = np.loadtxt(path, ndmin=2)
-    except (OSError, ValueError) as error:
-        words = path.read_text(errors="replace").split() if path.is_file() else []
-        comma = next((word for word in words if "," in word), None)
-        why = f"{comma!r} has a comma; write decimal points, and blanks between the numbers" if comma else error
-        raise TaskError(f"there is no answer {path} that can be read: {why}") from error
+        data = path.read_bytes() if path.exists() else UNPACK.get(packed.suffix, bytes)(packed.read_bytes())
+    except FileNotFoundError as error:
+        raise TaskError(f"{path} is missing, {expected}; write it there") from error
+    except (OSError, EOFError, lzma.LZMAError, zlib.error) as error:
+        why = getattr(error, "strerror", None) or error
+        raise TaskError(f"{path} cannot be read ({why}), {expected}; write it again") from error
+    if kind := next((words for start, words in NOT_TEXT.items() if data.startswith(start)), ""):
+        raise TaskError(f"{path} is {kind}, {expected}; write it again (numpy.savetxt writes such files)")
+    rows: dict[int, np.ndarray] = {}
+    for number, line in enumerate(data.decode("utf-8-sig", errors="backslashreplace").splitlines(), 1):
+        words = FORTRAN.sub("e", line.partition("#")[0]).split()
+        try:
+            rows |= {number: np.array(words, float)} if words else {}
+        except ValueError as error:
+            found, mend = _no_number(next(word for word in words if not _is_number(word)))
+            raise TaskError(f"{path}, line {number}: {found}, {expected}; {mend}") from error
+    if not rows:
+        raise TaskError(f"{path} has no numbers, {expected}; close the file before the program ends")
+    sizes = [len(row) for row in rows.values()]
+    usual = count if count in sizes else max(sizes, key=sizes.count)
+    if others := [number for number, row in rows.items() if len(row) != usual]:
+        what = f"line {others[0]} has {len(rows[others[0]])} numbers, other lines have {usual}"
+        raise TaskError(f"{path}, {what}, {expected}; look for a number or a blank that is missing or too much")
+    values = np.array(list(rows.values()))
     if values.size != np.prod(shape):
-        raise TaskError(f"{path} has {values.size} numbers, expected {shape[0]} lines of {math.prod(shape[1:])}")
+        given = f"{len(rows)} line{'s' * (len(rows) > 1)} of {usual} number{'s' * (usual > 1)}"
+        raise TaskError(f"{path} has {given}, {expected}{_other_size(values, shape)}")
     return values.reshape(shape)
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def _no_number(word: str) -> tuple[str, str]:
+    """Return what stands in place of a number, and how to mend it."""
+    short = repr(word if len(word) < 30 else f"{word[:30]}…")
+    if "*" in word:
+        return f"{short} stands for a number that needs more room", "use a wider format, such as ES25.16 in Fortran"
+    if ";" in word or word.count(",") > 1 or word.endswith(","):
+        return f"{short} has commas or semicolons between the numbers", "write blanks in their place"
+    if "," in word:
+        return f"{short} has a comma", "write decimal points, and blanks between the numbers"
+    return f"{short} is not a number", "leave it out, or begin lines of words with #"
+
+
+def _other_size(values: np.ndarray, shape: tuple[int, ...]) -> str:
+    """Return what another number of lines may mean."""
+    (steps, *rest), rows = shape, len(values)
+    if values.shape[1] == math.prod(rest) and rows == steps + 1:
+        return "; leave out the line of the start, which is no step"
+    if values.size * 2 == math.prod(shape) * 3 and rest[-1] == 2:
+        return "; leave out u_z, the task is plane"
+    return "; write one line for each step, without leaving out any vertex"
 
 
 @dataclass(frozen=True)

@@ -243,6 +243,44 @@ def test_a_task_has_the_gap_in_the_units_of_its_loads(scale: float) -> None:
 
 # Files and commands
 
+FILES: dict[str, tuple[Callable[[str], str | bytes], str]] = {
+    "empty": (lambda text: "", "has no numbers"),
+    "a number is missing": (lambda text: text.split(" ", 1)[1], "line 1 has 49 numbers, other lines have 50"),
+    "commas": (lambda text: text.replace(" ", ","), "has commas or semicolons between the numbers"),
+    "decimal commas": (lambda text: text.replace(".", ","), "has a comma"),
+    "a heading": (lambda text: f"ux uy\n{text}", "line 1: 'ux' is not a number"),
+    "asterisks": (lambda text: text.replace("\n", " ****\n"), "'****' stands for a number that needs more room"),
+    "a step too much": (lambda text: text.splitlines()[0] + "\n" + text, "has 4 lines of 50 numbers"),
+    "UTF-16": (lambda text: text.encode("utf-16"), "is text in UTF-16"),
+    "numpy.save": (lambda text: b"\x93NUMPY\x01\x00", "is a file of numpy.save"),
+    "xz": (lambda text: lzma.compress(text.encode()), "is packed with xz"),
+}
+
+
+@pytest.mark.parametrize("kind", FILES)
+def test_a_file_that_is_no_text_of_numbers_is_refused_with_what_was_found_and_expected(kind, tmp_path: Path) -> None:
+    one, (change, found) = exported("layered", 4), FILES[kind]
+    judge.write_answer(tmp_path, one, 0.5 + np.zeros((3, *one.vertices.shape)))
+    path = tmp_path / one.name / "u.txt"
+    changed = change(path.read_text())
+    path.write_bytes(changed if isinstance(changed, bytes) else changed.encode())
+    with pytest.raises(judge.TaskError) as error:
+        judge.read_answer(tmp_path, one)
+    assert found in str(error.value)
+    assert "expected plain text: 3 lines of 50 numbers separated by blanks; " in str(error.value)
+    assert len(str(error.value).replace(str(tmp_path), "")) < 250
+
+
+def test_exponents_of_fortran_are_read(tmp_path: Path) -> None:
+    one = exported("layered", 4)
+    u = np.linspace(-1e-7, 3e5, 150).reshape(3, *one.vertices.shape)
+    judge.write_answer(tmp_path, one, u)
+    path = tmp_path / one.name / "u.txt"
+    path.write_text(path.read_text().replace("e", "D"))
+    assert "D" in path.read_text()
+    assert (judge.read_answer(tmp_path, one) == u).all()
+
+
 EXPORT = ["export", "full-contact", "--levels", "4", "--instants", "0.5"]
 
 
