@@ -315,7 +315,7 @@ def read_reports(directory: Path, task: Task) -> dict[str, np.ndarray]:
 def _numbers(path: Path, shape: tuple[int, ...]) -> np.ndarray:
     """Return the numbers of a text file, which may be packed as FILE.xz or FILE.gz; TaskError if it holds others."""
     lines, count = shape[0], math.prod(shape[1:])
-    expected = f"expected plain text: {lines} lines of {count} numbers separated by blanks"
+    expected = f"expected plain text: {_size(lines, count)} separated by blanks"
     packed = next((one for suffix in UNPACK if (one := path.with_name(path.name + suffix)).exists()), path)
     try:
         data = path.read_bytes() if path.exists() else UNPACK.get(packed.suffix, bytes)(packed.read_bytes())
@@ -343,9 +343,12 @@ def _numbers(path: Path, shape: tuple[int, ...]) -> np.ndarray:
         raise TaskError(f"{path}, {what}, {expected}; look for a number or a blank that is missing or too much")
     values = np.array(list(rows.values()))
     if values.size != np.prod(shape):
-        given = f"{len(rows)} line{'s' * (len(rows) > 1)} of {usual} number{'s' * (usual > 1)}"
-        raise TaskError(f"{path} has {given}, {expected}{_other_size(values, shape)}")
+        raise TaskError(f"{path} has {_size(*values.shape)}, {expected}{_other_size(values, shape)}")
     return values.reshape(shape)
+
+
+def _size(lines: int, count: int) -> str:
+    return f"{lines} line{'s' * (lines != 1)} of {count} number{'s' * (count != 1)}"
 
 
 def _is_number(word: str) -> bool:
@@ -375,7 +378,7 @@ def _other_size(values: np.ndarray, shape: tuple[int, ...]) -> str:
         return "; leave out the line of the start, which is no step"
     if values.size * 2 == math.prod(shape) * 3 and rest[-1] == 2:
         return "; leave out u_z, the task is plane"
-    return "; write one line for each step, without leaving out any vertex"
+    return "; write one line for each step, with all its numbers"
 
 
 @dataclass(frozen=True)

@@ -211,14 +211,11 @@ DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
     "scale of zero": (task_with(scale=0), "the scale 0.0"),
     "no contact": (task_with(contact=[]), "is no task"),
     "law of another shape": (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
-    "no answer": (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "no answer"),
-    "words in an answer": (put(f"{ANSWER}/u.txt", "a b"), "no answer"),
-    "decimal comma": (
-        put(f"{ANSWER}/u.txt", "0,5 1,25"),
-        "'0,5' has a comma; write decimal points, and blanks between the numbers",
-    ),
-    "short answer": (put(f"{ANSWER}/u.txt", "1 2 3"), "3 numbers, expected 1"),
-    "short report": (put(f"{ANSWER}/forces.txt", "1"), "forces.txt has 1 numbers"),
+    "no answer": (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "u.txt is missing, expected"),
+    "words in an answer": (put(f"{ANSWER}/u.txt", "a b"), "u.txt, line 1: 'a' is not a number"),
+    "decimal comma": (put(f"{ANSWER}/u.txt", "0,5 1,25"), "'0,5' has a comma, expected plain text"),
+    "short answer": (put(f"{ANSWER}/u.txt", "1 2 3"), "has 1 line of 3 numbers, expected plain text: 1 line of 50"),
+    "short report": (put(f"{ANSWER}/forces.txt", "1"), "forces.txt has 1 line of 1 number, expected"),
 }
 
 
