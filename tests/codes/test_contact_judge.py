@@ -134,6 +134,12 @@ CLASSES: list[tuple[list[float], list[float], str]] = [
     (DISTANCES[:2], [0.15, 0.1], "undecided"),
     (DISTANCES, [0.15, 0.1, 0.05], "stagnates"),
     ([0.08, 0.013, 0.003], [0.15, 0.1, 0.05], "consistent"),
+    # Integral multipliers in junction, with n = 4, 8, 16 and, on shaken meshes, n = 10, 12, 14: exact on some meshes.
+    ([2e-2, 2e-12, 3e-12], FALLING, "consistent"),
+    ([3e-12, 1e-2, 6e-12], FALLING, "consistent"),
+    ([3e-12, 0.2, 6e-12], FALLING, "wrong"),
+    ([0.3, 0.2, 2e-12], FALLING, "consistent"),
+    ([0.5, 2e-12, 2e-12], FALLING, "wrong"),
 ]
 
 
