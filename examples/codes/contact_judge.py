@@ -1291,7 +1291,7 @@ def _judgement(key: tuple, levels: dict, answers: dict, reports: dict) -> Judgem
     invariance = max((_apart(levels[n], answers) for n in numbers), default=float("nan"), key=lambda x: (x == x, x))
     if len({scale for scale, _ in series}) > 1 and verdict != EXACT_CLASS:
         why += f", with the load scale {scale:g}"
-    if verdict in GOOD and invariance > LARGE_SHARE:
+    if verdict in (*GOOD, "undecided") and invariance > LARGE_SHARE:
         verdict, why = "wrong", f"answers under two load scales differ by {invariance:.1e} of the error"
     last = [order(h, [getattr(one, name) for one in errors]) for name in ("error", "best", "distance", "pressure")]
     every = [task for n in numbers for task in levels[n]]
