@@ -51,7 +51,11 @@ def convergence_orders(request: pytest.FixtureRequest) -> Any:
 
     def check(name: str, h: Any, errors: Any, **options: Any) -> Any:
         __tracebackhide__ = True
-        result = _orders().observed_orders(h, errors, name=name, **options)
+        orders = _orders()
+        try:
+            result = orders.observed_orders(h, errors, name=name, **options)
+        except (TypeError, ValueError) as error:
+            pytest.fail(f"{name}: {error}", pytrace=False)
         # pytest's fixture ``record_property`` is not used, because it warns in projects with the default JUnit format.
         properties = request.node.user_properties
         properties += [(f"{PREFIX}{name}", result.conclusion), (f"order of {name}", f"{result.order:.4g}")]

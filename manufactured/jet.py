@@ -38,6 +38,8 @@ class Jet:
 
     def __post_init__(self) -> None:
         refuse_kinks(self.expression)
+        if self.expression.has(sp.I, sp.nan, sp.oo, -sp.oo, sp.zoo):
+            raise FormulaError(f"{self.expression} has a number that is complex or not finite: use finite real numbers")
         strange = sorted(map(str, self.expression.free_symbols - {*self.variables, t}))
         if strange:
             raise FormulaError(

@@ -48,7 +48,7 @@ CHOICES = {
     "predicted order": ("order", {"one": "1", "less": "below 1"}),
 }
 """The properties by which cases are chosen: label ↦ (key, value ↦ text); ``chosen_by`` has the values of a case."""
-LEGEND = """The films show the solutions computed on one mesh with n cells along a unit length.
+LEGEND = """The films show the solutions computed on one mesh with n cells along a side.
 One part shows the body with the contact pressure; its displacement is multiplied by the factor in the legend. The other
 part shows the pressure along the contact face, exact (line) and computed (dots), over the exact contact zone (blue). A
 body in space is turned so that its contact faces can be seen through the foundation. Its maps show the contact faces

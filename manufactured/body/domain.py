@@ -120,7 +120,7 @@ def check(body: Body) -> None:
             f"deformation; {across:g}^{body.dim} divided by its measure may be at most {SLENDER:g}"
         )
     if not (np.isfinite(body.T) and body.T > 0):
-        raise BodyError(f"the final time must be positive, got T = {body.T}")
+        raise BodyError(f"the final time must be a positive, finite number, got T = {body.T}")
     for point in body.refine:
         _check_refined(body, point)
     for i, interface in enumerate(body.interfaces):

@@ -57,9 +57,13 @@ class ExactSolution:
         if not pieces:
             raise BodyError("the body has no part Γ3, which the Signorini condition (2.5) needs: give a side this kind")
         if [face.part for face in self.faces] != list(pieces):
+            got = f"{len(self.faces)} contact faces"
+            strange = [str(k) for k, face in enumerate(self.faces, start=1) if face.part not in pieces]
+            if strange:
+                got += f", of which face {', '.join(strange)} is on no part Γ3 of this body"
             raise ValueError(
-                f"the body has {len(pieces)} parts with contact, got {len(self.faces)} contact faces: give one for "
-                "each part, in the order of body.of(Kind.CONTACT)"
+                f"expected {len(pieces)} contact faces, one for each part Γ3 of the body in the order of "
+                f"body.of(Kind.CONTACT), got {got}"
             )
         for face in self.faces:
             if not isinstance(face, ContactFace):

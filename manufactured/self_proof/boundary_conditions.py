@@ -7,7 +7,7 @@ import numpy as np
 from manufactured.body import Kind, Part
 from manufactured.exact import ExactSolution, Fields
 from manufactured.self_proof.complex_step import gradient, shifted_fields
-from manufactured.self_proof.finding import Finding, at_times, norms, worst
+from manufactured.self_proof.finding import CLAMPED, Finding, at_times, norms, worst
 from manufactured.tensors import Array, Points, mandel, traction
 
 
@@ -22,7 +22,7 @@ def clamped_and_loaded(solution: ExactSolution, rng: np.random.Generator, count:
     for part in solution.body.of(Kind.CLAMPED):
         x = part.sample(rng, count)
         u = at_times(solution.at(x).displacement, instants, count)
-        findings.append(worst("(2.3) u = 0 on Γ1", x, instants, norms(u), scale_u))
+        findings.append(worst(CLAMPED, x, instants, norms(u), scale_u))
     for part in solution.body.of(Kind.LOADED):
         x = part.sample(rng, count)
         load = at_times(partial(solution.at(x).surface_load, part), instants, count)

@@ -22,6 +22,14 @@ INITIAL_GAP_ADVICE = (
 )
 
 
+CLAMPED = "(2.3) u = 0 on Γ1"
+"""Name of the condition that is violated if the displacement reaches the clamped boundary."""
+CLAMPED_ADVICE = (
+    "by default the displacement of a contact face ends at the depth 1; `profile=cutoff(depth)` of ContactFace lets it "
+    "end above Γ1"
+)
+
+
 @dataclass(frozen=True)
 class Finding:
     """The largest violation of one condition that was found.
@@ -59,7 +67,11 @@ class SelfProofError(ValueError):
     def __init__(self, name: str, findings: list[Finding]) -> None:
         self.findings = findings
         lines = "\n  ".join(str(finding) for finding in findings)
-        advice = f"\n  {INITIAL_GAP_ADVICE}" if any(OPEN_IN_CONTACT in one.condition for one in findings) else ""
+        advice = "".join(
+            f"\n  {words}"
+            for words, condition in ((INITIAL_GAP_ADVICE, OPEN_IN_CONTACT), (CLAMPED_ADVICE, CLAMPED))
+            if any(condition in one.condition for one in findings)
+        )
         super().__init__(
             f"{name} does not prove itself an exact solution:\n  {lines}\n"
             f"  change the gap, the pressure, the zone or the law until it does{advice}"

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
+from zipfile import BadZipFile, is_zipfile
 
 import numpy as np
 
@@ -42,8 +42,7 @@ def read(path: Path | str, name: str | None = None) -> Field:
     Args:
         path: an .npz file with ``points``, ``triangles``, ``times`` and ``u``, or as ``study bound`` writes it; a .pvd
             file; an .xdmf file with a time series; or for a static problem a file with one mesh, such as .vtu.
-        name: the name of the displacement field in a mesh file. By default this is a name in ``DISPLACEMENT``, or the
-            only vector field.
+        name: the name of the displacement field in a mesh file. By default this is a name in ``DISPLACEMENT``.
 
     Raises:
         BoundError: the file cannot be read, or has no displacement.
@@ -60,13 +59,11 @@ def read(path: Path | str, name: str | None = None) -> Field:
         if kind == ".npz":
             return _npz(path)
         if kind == ".pvd":
-            entries = [entry.attrib for entry in ET.parse(path).getroot().iter("DataSet")]
-            files = ((float(entry["timestep"]), _meshio().read(path.parent / entry["file"])) for entry in entries)
-            return _together(path, files, name)
+            return _together(path, _pvd(path), name)
         if kind in (".xdmf", ".xmf"):
             return _together(path, _xdmf(path), name)
-        return _together(path, [(None, _meshio().read(path))], name)
-    except (OSError, ValueError, KeyError, ET.ParseError, BadZipFile, SystemExit) as error:
+        return _together(path, [(None, _read_mesh(path))], name)
+    except (OSError, ValueError, KeyError, ET.ParseError, BadZipFile) as error:
         if isinstance(error, BoundError):
             raise
         raise BoundError(f"{path} cannot be read: {type(error).__name__}: {error}") from error
@@ -75,6 +72,8 @@ def read(path: Path | str, name: str | None = None) -> Field:
 
 
 def _npz(path: Path) -> Field:
+    if not is_zipfile(path):
+        raise BoundError(f"{path} is no .npz file: write it by numpy.savez, with the arrays {', '.join(ARRAYS)}")
     with np.load(path) as file:
         arrays = {OURS.get(key, key): file[key].T if key in OURS else file[key] for key in file.files}
         ours = "p" in file.files
@@ -91,13 +90,47 @@ def _meshio() -> Any:
     return meshio
 
 
+def _read_mesh(path: Path) -> Any:
+    """Read a mesh file by meshio; raise BoundError if the format is unknown or the file is broken."""
+    meshio = _meshio()
+    if not path.is_file():
+        raise BoundError(f"there is no file {path}")
+    if path.suffix.lower() not in meshio.extension_to_filetypes:
+        advice = "; the tutorial on CalculiX converts .frd files" if path.suffix.lower() == ".frd" else ""
+        raise BoundError(
+            f"{path} has a format that cannot be read: expected .npz, .pvd, .xdmf or a mesh format of meshio, such as "
+            f".vtu, .vtk or .msh{advice}"
+        )
+    try:
+        return meshio.read(path)
+    # For broken files meshio prints a message and raises SystemExit, or an error of the library that it uses.
+    except (SystemExit, Exception) as error:
+        raise BoundError(f"{path} is broken or incomplete: write it again ({type(error).__name__}: {error})") from error
+
+
+def _pvd(path: Path) -> Iterator[tuple[float | None, Any]]:
+    """Yield the times and meshes of a .pvd file."""
+    before = None
+    for entry in ET.parse(path).getroot().iter("DataSet"):
+        if not {"timestep", "file"} <= set(entry.attrib):
+            raise BoundError(f"{path} has a DataSet without timestep or file: give both, one DataSet for each time")
+        time = float(entry.attrib["timestep"])
+        if before is not None and time <= before:
+            raise BoundError(
+                f"{path} has the time {time:g} after {before:g}: give one file for each time, in increasing order; "
+                "the parts of a parallel run have to be merged into one file"
+            )
+        before = time
+        yield time, _read_mesh(path.parent / entry.attrib["file"])
+
+
 def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
     """Yield the times and meshes of an .xdmf file. Without a time series, yield its one mesh and the time None."""
     meshio = _meshio()
     try:
         series = meshio.xdmf.TimeSeriesReader(path)
     except (meshio.ReadError, AttributeError, IndexError):
-        yield None, meshio.read(path)
+        yield None, _read_mesh(path)
         return
     with series as reader:
         points, cells = reader.read_points_cells()
@@ -108,18 +141,32 @@ def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
 
 def _together(path: Path, meshes: Iterable[tuple[float | None, Any]], name: str | None) -> Field:
     """Join the displacements at all times into one ``Field``; raise BoundError if the mesh changes in time."""
-    first: Any = None
+    points = triangles = None
     times, values = [], []
     for time, mesh in meshes:
-        first = first or mesh
-        if mesh.points.shape != first.points.shape or not np.array_equal(mesh.points, first.points):
-            raise BoundError(f"{path} has another mesh at t = {time} than before; give one mesh for all times")
+        if points is None or triangles is None:
+            points, triangles = mesh.points, _triangles(path, mesh)
+            name = _displacement_name(path, mesh, name)
+        same = np.array_equal(mesh.points, points, equal_nan=True)
+        if not (same and np.array_equal(_as_set(_triangles(path, mesh)), _as_set(triangles))):
+            raise BoundError(
+                f"{path} has another mesh at t = {time} than before, with other points or other triangles: give one "
+                "mesh for all times"
+            )
+        if name not in mesh.point_data:
+            raise BoundError(f"{path} has no field {name!r} at t = {time}: give the same field at all times")
         times.append(time)
-        values.append(_vector(path, mesh, name))
-    if first is None:
+        values.append(mesh.point_data[name])
+    if points is None or triangles is None:
         raise BoundError(f"{path} lists no mesh")
     all_times = None if None in times else np.array(times, dtype=float)
-    return Field(first.points, _triangles(path, first), all_times, np.array(values))
+    return Field(points, triangles, all_times, np.array(values))
+
+
+def _as_set(triangles: Array) -> Array:
+    """Return triangles in an order that depends neither on their order nor on the order of their corners."""
+    corners, midpoints = np.sort(triangles[:, :3], axis=1), np.sort(triangles[:, 3:], axis=1)
+    return np.unique(np.hstack([corners, midpoints]), axis=0)
 
 
 def _triangles(path: Path, mesh: Any) -> Array:
@@ -134,15 +181,20 @@ def _triangles(path: Path, mesh: Any) -> Array:
     return np.concatenate([block.data for block in blocks])
 
 
-def _vector(path: Path, mesh: Any, name: str | None) -> Array:
-    """Find the displacement field of a mesh by its name and return its values at the points, (points, 2 or 3)."""
-    vectors = {key: data for key, data in mesh.point_data.items() if np.ndim(data) == 2 and data.shape[1] in (2, 3)}
-    known = [key for key in vectors if key.lower() in DISPLACEMENT]
-    chosen = [name] if name is not None else known if len(known) == 1 else list(vectors)
-    if len(chosen) != 1 or chosen[0] not in vectors:
-        wanted = f"the field {name!r}" if name is not None else "one displacement"
+def _displacement_name(path: Path, mesh: Any, name: str | None) -> str:
+    """Return the name of the displacement field, which must have vectors with 2 or 3 components at the points."""
+    vectors = [key for key, data in mesh.point_data.items() if np.ndim(data) == 2 and data.shape[1] in (2, 3)]
+    chosen = [key for key in vectors if key == name or (name is None and key.lower() in DISPLACEMENT)]
+    if len(chosen) == 1:
+        return chosen[0]
+    if not vectors:
+        fields = ", ".join([*mesh.point_data, *mesh.cell_data]) or "none"
         raise BoundError(
-            f"{path} does not have {wanted}: its vector fields at points are {', '.join(vectors) or 'none'}; choose "
-            "one with --field NAME"
+            f"{path} has no vectors at points, only the fields {fields}: write the displacement as one field of "
+            "vectors at the points"
         )
-    return np.asarray(vectors[chosen[0]], dtype=float)
+    wanted = f"the field {name!r}" if name is not None else "one displacement"
+    raise BoundError(
+        f"{path} does not have {wanted}: its vector fields at points are {', '.join(vectors)}; choose one with --field "
+        "NAME"
+    )

@@ -170,7 +170,10 @@ def given(
 
 def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
     """Convert the arrays to shapes (n, 2), (cells, 3 or 6), (k,), (k, n, 2); raise BoundError if one is invalid."""
-    points, times, u = (np.asarray(array, dtype=float) for array in (points, np.atleast_1d(times), u))
+    for name, array in (("points", points), ("times", times), ("u", u)):
+        if np.iscomplexobj(array) and np.imag(array).any():
+            raise BoundError(f"{name} has complex numbers, expected real ones")
+    points, times, u = (np.real(array).astype(float) for array in (points, np.atleast_1d(times), u))
     triangles = np.asarray(triangles)
     if triangles.ndim != 2 or triangles.shape[1] not in (3, 6) or not np.issubdtype(triangles.dtype, np.integer):
         raise BoundError(
@@ -193,7 +196,11 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
     for name, array in (("points", points), ("times", times), ("u", u)):
         if not np.isfinite(array).all():
             first = np.argwhere(~np.isfinite(array))[0]
-            where = f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}" if name == "u" else ""
+            where = (
+                f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}"
+                if name == "u"
+                else (f" in row {first[0]} (rows are numbered from 0)")
+            )
             raise BoundError(f"{name} has {(~np.isfinite(array)).sum()} numbers that are not finite, the first{where}")
     if triangles.size == 0 or triangles.min() < 0 or triangles.max() >= len(points):
         raise BoundError(
@@ -206,7 +213,8 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
 def _checked_times(times: Array, T: float) -> Array:
     """Check that the times increase from 0 to T, and return them; steps equal up to rounding are made equal."""
     if times.ndim != 1 or (np.diff(times) <= 0).any():
-        raise BoundError("times have to increase strictly")
+        fall = ", ".join(f"{times[k + 1]:g} after {times[k]:g}" for k in np.flatnonzero(np.diff(times) <= 0)[:1])
+        raise BoundError(f"times have to increase strictly, got {fall or f'an array of the shape {times.shape}'}")
     if abs(times[0]) > SINGLE * T:
         raise BoundError(
             f"the initial time is missing: the first time is {times[0]:.6g}. Errors depend on all that happens from "

@@ -21,6 +21,7 @@ between ``LEAST`` and ``MOST``. Then squares of data and of residuals are normal
 ``SMALLEST``.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -228,6 +229,11 @@ def require_visible(data: Data, highest: float, sampled: bool) -> None:
     if isinstance(formulas, Expressions):
         loads = (component for _, load in formulas.loads for component in load)
         sampled = any(component != 0 for component in (*formulas.force, *loads, *formulas.start))
+    if sampled and not math.isfinite(highest):
+        raise BoundError(
+            f"the bound is {highest}: squares of displacements or data overflow in double precision; check them, and "
+            "state the problem in units in which they have moderate size"
+        )
     if sampled and not highest >= SMALLEST:
         raise BoundError(
             f"the data are not zero, and the bound is {highest:.3g}, below {SMALLEST:g}: squares of numbers this small "

@@ -92,7 +92,7 @@ class Sweep:
         case: name of the case.
         angle: angle in radians by which the body is turned.
         families: names of the mesh families.
-        levels: numbers of cells along a unit length, coarse to fine.
+        levels: numbers of cells along a side, coarse to fine.
     """
 
     case: str
@@ -122,7 +122,7 @@ class OneFamily:
     Attributes:
         case: name of the case.
         family: name of the mesh family.
-        levels: numbers of cells along a unit length, coarse to fine.
+        levels: numbers of cells along a side, coarse to fine.
     """
 
     TITLE: ClassVar[str]
@@ -177,7 +177,7 @@ class Equivalence(Titled):
 
     Attributes:
         case: name of the case.
-        family, level, steps: the mesh family, the number of cells along a unit length, and the number of steps of
+        family, level, steps: the mesh family, the number of cells along a side, and the number of steps of
             backward Euler.
     """
 
@@ -204,7 +204,7 @@ class Listing(Titled):
     Attributes:
         statement: the statement; it measures a list of named numbers on each mesh.
         case, family: names of the case and of the mesh family.
-        levels: numbers of cells along a unit length, coarse to fine.
+        levels: numbers of cells along a side, coarse to fine.
     """
 
     TITLE = "{0.statement.label} for {0.case}"
@@ -245,7 +245,7 @@ class Twins(Titled):
 
     Attributes:
         case: name of the case with the rotated body.
-        levels: numbers of cells along a unit length, coarse to fine. Several are needed, because on one mesh the digits
+        levels: numbers of cells along a side, coarse to fine. Several are needed, because on one mesh the digits
             may agree by chance.
     """
 
@@ -267,7 +267,7 @@ class TwoWays(Titled):
 
     Attributes:
         case: name of the case.
-        level: number of cells along a unit length.
+        level: number of cells along a side.
     """
 
     TITLE = "{0.case} computed again"

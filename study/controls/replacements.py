@@ -206,9 +206,10 @@ no_multipliers = solution(lambda solver, b: (solver.factor(b), np.zeros(0)))
 def in_places(right: Any) -> Any:
     """Deliberate defect: contact is only imposed at every other vertex of the contact boundary."""
 
-    def solver(S: Any, N: Any, *points: Any) -> Any:
+    def solver(S: Any, N: Any, *points: Any, gap: Any = 0.0) -> Any:
         chosen = sps.eye_array(N.shape[0], format="csr")[::2]
-        return result(lambda found: (found[0], chosen.T @ found[1]))(Signorini(S, chosen @ N))
+        kept = chosen @ np.broadcast_to(gap, N.shape[0])
+        return result(lambda found: (found[0], chosen.T @ found[1]))(Signorini(S, chosen @ N, gap=kept))
 
     return solver
 

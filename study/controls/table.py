@@ -54,7 +54,7 @@ def on(statement: str, case: str, family: str, *levels: int) -> Listing:
     Args:
         statement: name of the class of the statement.
         case, family: names of the case and of the mesh family.
-        levels: numbers of cells along a unit length, coarse to fine.
+        levels: numbers of cells along a side, coarse to fine.
     """
     (listed,) = (one for one in STATEMENTS if type(one).__name__ == statement)
     assert isinstance(listed, ListedNumbers), statement

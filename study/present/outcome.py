@@ -69,7 +69,7 @@ def orders_text(directory: Path) -> str:
     if differences.empty:
         return ""
     low, high = below(differences.min(), 2), above(differences.max(), 2)
-    return f"observed orders of the error differ from the predicted ones by {low} to {high}"
+    return f"observed orders of the error over two refinements differ from the predicted ones by {low} to {high}"
 
 
 def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:

@@ -15,6 +15,7 @@ from typing import Any
 from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
+from manufactured.law import NonSymmetric
 from manufactured.self_proof import Finding, SelfProofError, examine
 from study.fem.mesh import MeshError, boundary_parts
 from study.fem.naming import family_named, name_of, resolve
@@ -124,6 +125,11 @@ class Plan:
         # Results are stored under the names of cases, so the names must differ.
         known = {case.name for case in catalogue()}
         for reference in self.scope.cases:
+            if reference not in known and isinstance(resolve(reference).solution.law.G, NonSymmetric):
+                raise UsageError(
+                    f"{reference}: G is not symmetric, so Problem 3.2 and the stored energy are not defined; give a "
+                    "symmetric G, or test the case in Python by manufactured.prove"
+                )
             if reference not in known and (name := resolve(reference).name) in known:
                 raise UsageError(f"{reference} has the name {name} of a case of the catalogue; give it another name")
 

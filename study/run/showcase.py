@@ -22,7 +22,7 @@ EVERY = 2
 """Every second time step is shown."""
 STEPS = pictures.STEPS
 LEVELS = {2: pictures.LEVEL, 3: 9}
-"""Dimension ↦ default level (cells along a unit length). In 3D it is a multiple of the number of parts into which a
+"""Dimension ↦ default level (cells along a side). In 3D it is a multiple of the number of parts into which a
 face of the cube is divided."""
 
 
@@ -44,7 +44,7 @@ def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[],
 
     Parameters:
         case: the case.
-        level: number of cells of the mesh along a unit length.
+        level: number of cells of the mesh along a side.
         directory: the directory in which results will be written. Here it is only tested whether it can be written.
         notify: called after each of the STEPS + 1 times.
 

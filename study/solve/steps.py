@@ -86,7 +86,7 @@ def stress_steps(T: float, level: int, pace: float = PACE) -> int:
     """Return the number of time steps for an error in space of order h²: about pace/2 · T · n, so that k ~ h.
 
     The mesh has level n, and the factor ``pace`` scales the number of steps. The number lies between T · n and 4 · T ·
-    n and is even, because a solution with half as many steps is computed, too. The difference of both solutions shows
-    which part of the error is due to time.
+    n and is even and positive, because a solution with half as many steps is computed, too. The difference of both
+    solutions shows which part of the error is due to time.
     """
-    return 2 * round(min(max(1.0, pace / 2), 4.0) * T * level / 2)
+    return 2 * max(round(min(max(1.0, pace / 2), 4.0) * T * level / 2), 1)

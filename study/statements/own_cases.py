@@ -32,7 +32,7 @@ from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Ver
 from study.statements.contact_force import DUAL_ORDERS, EXACT, ContactForce
 from study.statements.prop_5_3 import LEVELS as ROUGH_LEVELS
 
-LABELS = "Prop. 5.3", "Prop. 5.4", "(5.23)", INITIAL_GAP
+LABELS = "Prop. 5.3", "Prop. 5.4", "(5.23)", "Thm 4.2", INITIAL_GAP
 NEARER = 0.8
 """The factor by which the distance of a value from its predicted limit must shrink in a refinement.
 
@@ -46,6 +46,11 @@ SHARE = "contact disturbs the error on these meshes more than a good test allows
 PACE = "the time steps are too long: raise `pace` of the case, or give a shorter --step"
 REASONS = {
     "order-graded": NO_RATE,
+    "leading-order": f"the interpolation error is {NOT_YET} on these meshes: {{remedy}}",
+    "allowed": (
+        "the moduli of elasticity and viscosity differ so much that a duality gap bounds the difference of both "
+        "formulations less sharply"
+    ),
     "discrete-order-others": "the discrete error Π^h u − u^h is not asymptotic on these meshes: {remedy}",
     "discrete-order-superclose": (
         "Π^h u − u^h is not of higher order than the error: the meshes are too coarse for contact, {remedy}; or load, "

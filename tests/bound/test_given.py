@@ -271,22 +271,59 @@ def test_files_of_other_programs_are_read(suffix: str, degree: int, tmp_path: Pa
     [
         ("missing.npz", None, "there is no file"),
         ("mine.pvd", "stress", "does not have the field 'stress': its vector fields at points are .*velocity"),
-        ("noise.vtu", None, "cannot be read"),
-        ("noise.npz", None, "cannot be read"),
+        ("noise.vtu", None, "noise.vtu is broken or incomplete: write it again"),
+        ("noise.npz", None, "noise.npz is no .npz file: write it by numpy.savez, with the arrays points, triangles"),
+        ("noise.frd", None, "a format that cannot be read: expected .npz, .*; the tutorial on CalculiX converts .frd"),
+        ("lost.pvd", None, "there is no file .*lost.vtu"),
+        ("untimed.pvd", None, "DataSet without timestep or file"),
+        ("parts.pvd", None, "the time 0 after 0: give one file for each time"),
         ("short.npz", None, "lacks triangles, u; expected the arrays points, triangles, times, u"),
     ],
 )
 def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, field_name, message: str) -> None:
     write(tmp_path / "mine.pvd", field())
     np.savez(tmp_path / "short.npz", points=field()["points"])
-    for noise in ("noise.vtu", "noise.npz"):
+    for noise in ("noise.vtu", "noise.npz", "noise.frd"):
         (tmp_path / noise).write_text("noise")
+    step, (saved, *_) = "<V><DataSet {}/></V>", sorted(tmp_path.glob("*.vtu"))
+    (tmp_path / "lost.pvd").write_text(step.format('timestep="0" file="lost.vtu"'))
+    (tmp_path / "untimed.pvd").write_text(step.format(f'file="{saved.name}"'))
+    (tmp_path / "parts.pvd").write_text(
+        step.format(f'timestep="0" file="{saved.name}"/><DataSet timestep="0" file="b"')
+    )
     with pytest.raises(BoundError, match=message):
         read(tmp_path / name, field_name)
 
 
-def test_a_mesh_that_moves_between_two_times_is_refused() -> None:
-    u = {"u": np.zeros((3, 2))}
-    meshes = [(time, SimpleNamespace(points=np.full((3, 2), time), point_data=u)) for time in (0.0, 1.0)]
-    with pytest.raises(BoundError, match=r"another mesh at t = 1\.0"):
-        _together(Path("u.pvd"), meshes, None)
+CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+HALVES = [[0, 1, 2], [0, 2, 3]]
+
+
+def mesh(points: Array = CORNERS, triangles: list[list[int]] = HALVES, name: str = "u") -> SimpleNamespace:
+    """A mesh as meshio reads it, with a field of vectors at its points."""
+    cells = [SimpleNamespace(type="triangle", data=np.array(triangles))]
+    return SimpleNamespace(points=points, cells=cells, point_data={name: 0 * points}, cell_data={})
+
+
+@pytest.mark.parametrize(
+    ("later", "message"),
+    [
+        (mesh(CORNERS + 1), r"another mesh at t = 1\.0 than before, with other points or other triangles"),
+        (mesh(triangles=[[0, 1, 3], [1, 2, 3]]), "with other points or other triangles"),
+        (mesh(name="w"), r"has no field 'u' at t = 1\.0: give the same field at all times"),
+    ],
+)
+def test_a_mesh_or_a_field_that_changes_between_two_times_is_refused(later: SimpleNamespace, message: str) -> None:
+    with pytest.raises(BoundError, match=message):
+        _together(Path("u.pvd"), [(0.0, mesh()), (1.0, later)], None)
+
+
+def test_triangles_in_another_order_are_the_same_mesh() -> None:
+    found = _together(Path("u.pvd"), [(0.0, mesh()), (1.0, mesh(triangles=[[2, 3, 0], [1, 2, 0]]))], None)
+    assert np.array_equal(found.triangles, HALVES)
+
+
+def test_a_field_of_another_name_is_a_displacement_only_if_that_is_said() -> None:
+    with pytest.raises(BoundError, match="its vector fields at points are velocity; choose one with --field NAME"):
+        _together(Path("u.vtu"), [(None, mesh(name="velocity"))], None)
+    assert _together(Path("u.vtu"), [(None, mesh(name="velocity"))], "velocity").u.shape == (1, 4, 2)

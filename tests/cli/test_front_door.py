@@ -98,6 +98,50 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, ki
     assert len(said.splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        (
+            "def mine():\n    named('hexagon')",
+            "mine returned None, expected a manufactured.Case: add a return statement",
+        ),
+        (
+            OWN.format(face=LINEAR.format("pos(-z, 4)", "I*pos(z, 3)", "z"), of=""),
+            "has a number that is complex or not",
+        ),
+        (
+            OWN.format(face=LINEAR.format("pos(-z, 4)", "nan*pos(z, 3)", "z"), of=""),
+            "has a number that is complex or not",
+        ),
+        (
+            OWN.format(face=LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), of="").replace(
+                "Solution(body", "Solution(other"
+            ),
+            "got 1 contact faces, of which face 1 is on no part Γ3 of this body",
+        ),
+        (
+            OWN.format(face=LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), of="").replace(
+                'isotropic(1, 1), "solid', 'skew, "solid'
+            ),
+            "G is not symmetric, so Problem 3.2 and the stored energy are not defined",
+        ),
+        (
+            OWN.format(face=LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), of="").replace("unit_square()", "low"),
+            "`profile=cutoff(depth)` of ContactFace lets it end above Γ1",
+        ),
+    ],
+    ids=["no return", "complex", "nan", "another body", "no potential", "a low body"],
+)
+def test_a_case_that_cannot_be_measured_is_refused_with_what_to_change(lines: str, said: str, tmp_path, told) -> None:
+    skew = "skew = NonSymmetric(isotropic(1, 1).matrix + [[0, 0.1, 0], [-0.1, 0, 0], [0, 0, 0]])\n"
+    other = "from sympy import I, nan\nother = unit_square()\n"
+    other += "sides = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]\n"
+    other += "low = polygon([(0, 0), (1, 0), (1, 0.5), (0, 0.5)], sides)\n"
+    path = tmp_path / "mine.py"
+    path.write_text(f"from manufactured import *\n{skew}{other}{lines}", encoding="utf-8")
+    assert said in told("run", "--case", f"{path}:mine", "--levels", "4", "8", "16", "--out", str(tmp_path / "out"))
+
+
 @pytest.mark.parametrize("face", [LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), PRESCRIBED.format("0", "0")])
 def test_a_law_of_another_dimension_than_the_body_is_refused_in_words(face: str, tmp_path, told) -> None:
     words = "the law solid acts in dimension 3, the body has dimension 2; give its tensors that dimension, such as iso"

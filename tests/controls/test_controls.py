@@ -350,6 +350,7 @@ from manufactured import Case, ContactFace, ExactSolution, KelvinVoigt, Kind, Re
 from manufactured import isotropic, named, polygon, pos, s, t
 
 good = replace(named("advance-recede"), name="good")
+arch = replace(named("parabolic-gap"), name="arch", families=("one-diagonal",))
 apart = replace(named("no-contact"), name="apart")
 solid = replace(named("cube-disc"), name="solid")
 
@@ -415,9 +416,10 @@ def test_only_cases_of_users_that_touch_are_tested(cases: Path) -> None:
     assert resolve(contact_tests(plan_of(f"{cases}:solid"))[0].reference).solution.body.dim == 3
 
 
-def test_rows_about_the_program_do_not_count_and_the_defect_ends_with_the_job(cases: Path) -> None:
+@pytest.mark.parametrize(("name", "defect"), [("good", "contact in places"), *(("arch", defect) for defect in DEFECTS)])
+def test_rows_about_the_program_do_not_count_and_the_defect_ends_with_the_job(cases: Path, name, defect) -> None:
     assert {"penetration", "pulling", "residual"} <= OF_THE_PROGRAM
-    job = contact_tests(plan_of(f"{cases}:good"))[0].defective("contact in places")[0]
+    job = contact_tests(plan_of(f"{cases}:{name}"))[0].defective(defect)[0]
     assert job.run() != super(type(job), job).run()
     assert vars(prop_5_4)["Experiment"] is vars(contact_force)["Experiment"] is Experiment
     assert len({job.key, super(type(job), job).key}) == 2

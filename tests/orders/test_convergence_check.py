@@ -69,6 +69,13 @@ def test_the_tutorial_turns_red_when_its_solver_breaks(project: Path) -> None:
     assert "| max_error | fails |" in summary
 
 
+def test_errors_that_cannot_be_judged_fail_with_a_sentence_and_no_traceback(convergence_orders) -> None:
+    for h, errors, said in (([0.5, 0.25], [1.0], "^u: .*1"), ([0.5, 0.25], {"u": 1}, "^u: ")):
+        with pytest.raises(pytest.fail.Exception, match=said) as failed:
+            convergence_orders("u", h, errors)
+        assert not failed.value.pytrace
+
+
 @pytest.mark.slow
 def test_options_of_the_action_may_have_quotes(project: Path) -> None:
     (project / "errors.csv").write_text("h,||u - u_h||\n.4,.16\n.2,.04\n.1,.01\n")

@@ -177,7 +177,7 @@ def test_a_range_with_one_end_is_a_bound() -> None:
 def test_the_conclusion_says_how_far_observed_orders_are_from_the_predicted_ones(tables: Path) -> None:
     last = ledger_text(read_claims(tables), orders_text(tables)).replace("\n", " ").rpartition("Conclusion: ")[2]
     number = r"-?\d\.\d\d"
-    differ = f"observed orders of the error differ from the predicted ones by {number} to {number}"
+    differ = f"observed orders of the error over two refinements differ from the predicted ones by {number} to {number}"
     assert re.fullmatch(rf"1 check contradicted a statement; {differ}\. ", last)
 
 

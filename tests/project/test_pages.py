@@ -26,7 +26,10 @@ from study.statements.enclosure import resolve_problem
 
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
 LONG = {"README.md", *(f"docs/how-to/{name}.md" for name in ("adapt", "certify", "figures", "verify-a-contact-code"))}
-LONG |= {f"docs/tutorials/{name}.md" for name in ("own-case", "own-case-3d", "bound", "static", "yielding", "calculix")}
+LONG |= {
+    f"docs/tutorials/{name}.md"
+    for name in ("own-case", "own-case-3d", "own-case-gap", "bound", "static", "yielding", "calculix")
+}
 """Pages whose commands take longer than three seconds, for the slow tests, which `make tutorials` runs. The case of
 ``own-case.md`` is what the tests of most commands start from (``cli/conftest.py``)."""
 LONG_PYTHON = {"docs/how-to/verify-a-contact-code.md", "docs/tutorials/your-displacement.md"}

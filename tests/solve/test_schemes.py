@@ -53,6 +53,7 @@ def test_a_scheme_starts_with_steps_whose_past_is_there(scheme: Tableau) -> None
 def test_steps_grow_with_level_and_pace_and_those_of_stresses_are_even() -> None:
     assert [rate_steps(1.0, n) for n in (8, 27, 64)] == [32, 72, 128]
     assert [stress_steps(1.0, n) for n in (8, 16)] == [32, 64]
+    assert stress_steps(1e-3, 4) == 2
     assert [stress_steps(0.5, 16, pace) for pace in (1.0, 4.0, 100.0)] == [8, 16, 32]
     assert all(stress_steps(T, n, 5.0) % 2 == 0 for T in (0.3, 1.0) for n in range(2, 40))
 

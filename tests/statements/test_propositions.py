@@ -321,6 +321,9 @@ def force(key: str, verdict: str, observed: float) -> Verdict:
 def test_orders_of_the_contact_force_say_nothing_where_meshes_do_not_resolve_contact() -> None:
     order = force("order-pressure", HOLDS, 1.2)
     assert [one.verdict for one in judge_own([order, force("resultant", HOLDS, 0.01)], GOOD)] == [HOLDS, HOLDS]
+    for label, key in (("Prop. 5.4", "leading-order"), ("Thm 4.2", "allowed")):
+        (own,) = judge_own([replace(order, label=label, key=key, verdict=FAILS, observed=1.2)], GOOD)
+        assert own.verdict == UNDECIDED
     for one in judge_own([order, force("resultant", FAILS, 0.2)], GOOD):
         assert "the force on a face is wrong by 20% on the finest" in reason(one)
 
