@@ -219,7 +219,9 @@ def test_two_scales_show_what_is_not_homogeneous() -> None:
 @pytest.mark.parametrize("wrong", [1.0, 10.0])
 def test_an_answer_that_is_zero_under_one_of_two_load_scales_is_wrong(wrong: float) -> None:
     both = [exported("advance-recede", n, times=(0.55,), scale=scale) for n in (4, 8) for scale in (1.0, 10.0)]
-    answers = {task.name: (task.scale != wrong) * task.scale * judge.answer(task, ours.make) for task in both}
+    right = {task.name: judge.answer(task, ours.make) for task in both}
+    answers = {task.name: (task.scale != wrong) * right[task.name] for task in both}
+    assert judge.assess(both, right)[0].verdict == "exact for P1"
     (found,) = judge.assess(both, answers)
     assert found.verdict == "wrong"
     assert found.why.endswith(f"with the load scale {wrong:g}")
