@@ -334,7 +334,7 @@ def _numbers(path: Path, shape: tuple[int, ...]) -> np.ndarray:
         try:
             rows |= {number: np.array(words, float)} if words else {}
         except ValueError as error:
-            found, mend = _no_number(next(word for word in words if not _is_number(word)))
+            found, mend = _no_number(next((word for word in words if not _is_number(word)), words[0]))
             raise TaskError(f"{path}, line {number}: {found}, {expected}; {mend}") from error
     if not rows:
         raise TaskError(f"{path} has no numbers, {expected}; close the file before the program ends")
@@ -1264,15 +1264,15 @@ def _verdict(tasks: list[Task], answers: dict) -> tuple[list[Errors], str, str, 
     return errors, verdict, why, cause
 
 
-def _apart(tasks: list[Task], answers: dict) -> float:
-    """Return the largest distance between answers under different load scales on one mesh, over the error, or nan."""
-    first, result = tasks[0], float("nan")
-    for task in tasks[1:]:
+def _apart(tasks: list[Task], answers: dict) -> list[float]:
+    """Return distances between answers to one problem under different load scales on one mesh, over the error."""
+    first, *others = tasks
+    best, result = (measure(first, first.scale * first.references()).best if others else 1.0), []
+    for task in others:
         same = task.count == first.count and np.allclose(task.references(), first.references())
         if same and task.scale != first.scale:
             both = answers[first.name] / first.scale - answers[task.name] / task.scale
-            best = measure(first, first.scale * first.references()).best
-            result = max([first.norm(first.strain(v)) / best for v in both] + [result], key=lambda x: (x == x, x))
+            result += [first.norm(first.strain(v)) / best for v in both]
     return result
 
 
@@ -1288,7 +1288,8 @@ def _judgement(key: tuple, levels: dict, answers: dict, reports: dict) -> Judgem
     decided = [one for one in found if one[2] != "undecided" or len(one[0]) == len(numbers)] or found
     first, errors, verdict, why, cause = max(decided, key=lambda one: CLASSES.index(one[2]))
     h, scale = [task.data["h"] for task in first], first[0].scale
-    invariance = max((_apart(levels[n], answers) for n in numbers), default=float("nan"), key=lambda x: (x == x, x))
+    apart = [one for n in numbers for one in _apart(levels[n], answers)]
+    invariance = max((one for one in apart if not np.isnan(one)), default=float("nan"))
     if len({scale for scale, _ in series}) > 1 and verdict != EXACT_CLASS:
         why += f", with the load scale {scale:g}"
     if verdict in (*GOOD, "undecided") and invariance > LARGE_SHARE:
