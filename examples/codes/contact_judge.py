@@ -362,7 +362,7 @@ def _is_number(word: str) -> bool:
 
 
 def _no_number(word: str) -> tuple[str, str]:
-    """Return what stands in place of a number, and how to mend it."""
+    """Return what a word that is no number is, and how to mend it."""
     short = repr(word if len(word) < 30 else f"{word[:30]}…")
     if "*" in word:
         return f"{short} stands for a number that needs more room", "use a wider format, such as ES25.16 in Fortran"
@@ -601,7 +601,10 @@ def diagnose(tasks: list[Task], answers: list[np.ndarray]) -> Diagnosis:
 
 
 def _not_numbers(task: Task, values: np.ndarray) -> Diagnosis:
-    """Return that the matrix is singular if most values of a step are not numbers, or else where the first one is."""
+    """Return the diagnosis of an answer with values that are not numbers or too large.
+
+    If most values of a step are not numbers, the matrix is singular. Otherwise, the first such value is named.
+    """
     bad = ~(abs(values) < HUGE)
     step, vertex, axis = (int(k) for k in np.argwhere(bad)[0])
     where = f"The answer to {task.name} is not a number in step {step + 1}"
@@ -1168,7 +1171,10 @@ def classify(h: list[float], errors: list[Errors]) -> str:
 
 
 def wrong_mesh(h: list[float], errors: list[Errors]) -> tuple[int, str] | None:
-    """Return the first mesh but the last whose answer is far off, and the reason in words; None without one."""
+    """Return the index of the first mesh whose answer is far off, and the reason in words.
+
+    The last mesh is not tested. The result is None if no answer is far off.
+    """
     distances = [one.share * one.best for one in errors]
     fall = orders(h, distances)
     for k, one in enumerate(errors[:-1]):
@@ -1264,10 +1270,9 @@ def _verdict(tasks: list[Task], answers: dict) -> tuple[list[Errors], str, str, 
     return errors, verdict, why, cause
 
 
-def _apart(tasks: list[Task], answers: dict) -> list[float]:
-    """Return distances between answers to one problem under different load scales on one mesh, over the error."""
-    first, *others = tasks
-    best, result = (measure(first, first.scale * first.references()).best if others else 1.0), []
+def _apart(tasks: list[Task], answers: dict, best: float) -> list[float]:
+    """Return distances between answers to one problem under different load scales on one mesh, over the error best."""
+    (first, *others), result = tasks, []
     for task in others:
         same = task.count == first.count and np.allclose(task.references(), first.references())
         if same and task.scale != first.scale:
@@ -1287,11 +1292,12 @@ def _judgement(key: tuple, levels: dict, answers: dict, reports: dict) -> Judgem
     found = [(tasks, *_verdict(tasks, answers)) for tasks in series.values()]
     decided = [one for one in found if one[2] != "undecided" or len(one[0]) == len(numbers)] or found
     first, errors, verdict, why, cause = max(decided, key=lambda one: CLASSES.index(one[2]))
-    h, scale = [task.data["h"] for task in first], first[0].scale
-    apart = [one for n in numbers for one in _apart(levels[n], answers)]
+    h = [task.data["h"] for task in first]
+    best = {task.name: one.best for tasks, each, *_ in found for task, one in zip(tasks, each, strict=True)}
+    apart = [one for n in numbers for one in _apart(levels[n], answers, best[levels[n][0].name])]
     invariance = max((one for one in apart if not np.isnan(one)), default=float("nan"))
     if len({scale for scale, _ in series}) > 1 and verdict != EXACT_CLASS:
-        why += f", with the load scale {scale:g}"
+        why += f", with the load scale {first[0].scale:g}"
     if verdict in (*GOOD, "undecided") and invariance > LARGE_SHARE:
         verdict, why = "wrong", f"answers under two load scales differ by {invariance:.1e} of the error"
     last = [order(h, [getattr(one, name) for one in errors]) for name in ("error", "best", "distance", "pressure")]

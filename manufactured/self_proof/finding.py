@@ -20,14 +20,14 @@ INITIAL_GAP_ADVICE = (
     "the undeformed body from the foundation, give it as `initial_gap` of ContactFace.linear, and give `gap` a formula "
     "that vanishes in contact, such as pos(-zone, 4)"
 )
-
-
 CLAMPED = "(2.3) u = 0 on Γ1"
 """Name of the condition that is violated if the displacement reaches the clamped boundary."""
 CLAMPED_ADVICE = (
     "by default the displacement of a contact face ends at the depth 1; `profile=cutoff(depth)` of ContactFace lets it "
     "end above Γ1"
 )
+ADVICE = {OPEN_IN_CONTACT: INITIAL_GAP_ADVICE, CLAMPED: CLAMPED_ADVICE}
+"""Condition, or the beginning of its name ↦ what to change if it is violated."""
 
 
 @dataclass(frozen=True)
@@ -68,9 +68,7 @@ class SelfProofError(ValueError):
         self.findings = findings
         lines = "\n  ".join(str(finding) for finding in findings)
         advice = "".join(
-            f"\n  {words}"
-            for words, condition in ((INITIAL_GAP_ADVICE, OPEN_IN_CONTACT), (CLAMPED_ADVICE, CLAMPED))
-            if any(condition in one.condition for one in findings)
+            f"\n  {words}" for condition, words in ADVICE.items() if any(condition in one.condition for one in findings)
         )
         super().__init__(
             f"{name} does not prove itself an exact solution:\n  {lines}\n"

@@ -141,14 +141,15 @@ def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
 
 def _together(path: Path, meshes: Iterable[tuple[float | None, Any]], name: str | None) -> Field:
     """Join the displacements at all times into one ``Field``; raise BoundError if the mesh changes in time."""
-    points = triangles = None
+    first: Any = None
     times, values = [], []
     for time, mesh in meshes:
-        if points is None or triangles is None:
-            points, triangles = mesh.points, _triangles(path, mesh)
+        triangles = _triangles(path, mesh)
+        if first is None:
+            first, first_triangles, expected = mesh, triangles, _sorted(triangles)
             name = _displacement_name(path, mesh, name)
-        same = np.array_equal(mesh.points, points, equal_nan=True)
-        if not (same and np.array_equal(_as_set(_triangles(path, mesh)), _as_set(triangles))):
+        same = np.array_equal(mesh.points, first.points, equal_nan=True)
+        if not (same and np.array_equal(_sorted(triangles), expected)):
             raise BoundError(
                 f"{path} has another mesh at t = {time} than before, with other points or other triangles: give one "
                 "mesh for all times"
@@ -157,14 +158,14 @@ def _together(path: Path, meshes: Iterable[tuple[float | None, Any]], name: str 
             raise BoundError(f"{path} has no field {name!r} at t = {time}: give the same field at all times")
         times.append(time)
         values.append(mesh.point_data[name])
-    if points is None or triangles is None:
+    if first is None:
         raise BoundError(f"{path} lists no mesh")
     all_times = None if None in times else np.array(times, dtype=float)
-    return Field(points, triangles, all_times, np.array(values))
+    return Field(first.points, first_triangles, all_times, np.array(values))
 
 
-def _as_set(triangles: Array) -> Array:
-    """Return triangles in an order that depends neither on their order nor on the order of their corners."""
+def _sorted(triangles: Array) -> Array:
+    """Return the triangles in increasing order, each with increasing numbers of its corners and of its midpoints."""
     corners, midpoints = np.sort(triangles[:, :3], axis=1), np.sort(triangles[:, 3:], axis=1)
     return np.unique(np.hstack([corners, midpoints]), axis=0)
 

@@ -81,19 +81,12 @@ def resolve(reference: str) -> Case:
     """
     found = _lookup(reference)
     if found is None:
-        refuse_nothing(reference)
         raise unknown("case", reference, _case_names())
     if not isinstance(found, Case):
         raise UsageError(
             f"{reference} is a {type(found).__name__}, expected a manufactured.Case or a function that returns one"
         )
     return found
-
-
-def refuse_nothing(reference: str) -> None:
-    """Refuse a reference FILE.py:NAME to a function that returns None, because it may lack a return statement."""
-    if is_own(reference):
-        raise UsageError(f"{reference} returned None, expected a manufactured.Case: add a return statement")
 
 
 @lru_cache
@@ -111,7 +104,6 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     if found is None:
         found = next((problem for problem in problems() if problem.name == reference), None)
     if found is None:
-        refuse_nothing(reference)
         raise unknown("problem", reference, [*_case_names(), *(problem.name for problem in problems())])
     if isinstance(found, Case):
         return found.name, Data.of(found.solution), found
@@ -186,7 +178,10 @@ def _from_file(reference: str) -> Any:
         if not hasattr(module, name):
             raise UsageError(_none_named(file, name, module))
         found = getattr(module, name)
-        return found() if callable(found) else found
+        found = found() if callable(found) else found
+        if found is None:
+            raise UsageError(f"{reference} returned None, expected a manufactured.Case: add a return statement")
+        return found
     except UsageError:
         raise
     except (Exception, SystemExit) as error:

@@ -75,6 +75,16 @@ def to_number(cell: str, decimal_comma: bool = False) -> float | None:
     return scale * above / below if above is not None and below else None
 
 
+def is_missing(cell: str, value: float | None) -> bool:
+    """Return whether a cell is empty or says that a number is missing; a cell with the text nan has a number.
+
+    Parameters:
+        cell: the text.
+        value: the result of ``to_number`` for this cell.
+    """
+    return value is not None and math.isnan(value) and "nan" not in cell.lower()
+
+
 def _plain(text: str) -> float | None:
     text = text.strip()
     if found := _POWER.fullmatch(text):

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .cells import ALONG_SIDES, SIZES, WHOLE, role, to_number
+from .cells import ALONG_SIDES, SIZES, WHOLE, is_missing, role, to_number
 from .reading import RawTable, read_tables
 from .sequences import SAME_SIZE, OrderError, consecutive_orders
 
@@ -136,8 +136,10 @@ class Columns:
         self.filled = [
             name
             for name, values in self.values.items()
-            if any(self._is_number(name, k) for k in range(len(values)))
-            or (self.roles[name] == "error" and any(value is not None for value in values))
+            if any(
+                value is not None and (self.roles[name] == "error" or not is_missing(cell, value))
+                for cell, value in zip(self.cells[name], values, strict=True)
+            )
         ]
         recognised = [name for name in self.filled if self.roles[name] in ("error", "unknown") and name != self.size]
         self.errors = [name for name in self.names if name in options.columns] if options.columns else recognised
@@ -168,11 +170,6 @@ class Columns:
         if kind == "other" and _COUNTED.fullmatch(original) and (self.numbers[name] % 1 > 0).all():
             return "unknown"
         return kind
-
-    def _is_number(self, name: str, row: int) -> bool:
-        """Return whether a cell contains a number or the text nan, and not another sign for a missing number."""
-        cell, value = self.cells[name][row], self.values[name][row]
-        return value is not None and not (math.isnan(value) and "nan" not in cell.lower())
 
     def _grows(self, name: str) -> bool:
         """Return whether a column has whole numbers that do not fall as the mesh gets finer, and that are not all 0.
@@ -321,9 +318,8 @@ class Columns:
         if re.match(_LOGARITHM, name) and not self.options.signed:
             raise OrderError(f"column {name} holds logarithms: give the mesh sizes and the errors themselves")
         found = []
-        for k, (cell, value) in enumerate(zip(self.cells[name], self.values[name], strict=True)):
-            line = self.table.lines[k]
-            if value is None or not self._is_number(name, k):
+        for cell, value, line in zip(self.cells[name], self.values[name], self.table.lines, strict=True):
+            if value is None or is_missing(cell, value):
                 what = f"is '{cell}', not a number" if cell.strip() else "is missing"
                 others = ",".join(other for other in self.errors if other != name)
                 advice = f", or leave the column out: --columns '{others}'" if 0 < len(others) < 80 else ""

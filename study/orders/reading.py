@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import NamedTuple
 
-from .cells import SIZES, UNIT, role, to_number, uses_decimal_commas
+from .cells import SIZES, UNIT, is_missing, role, to_number, uses_decimal_commas
 from .sequences import OrderError
 
 MAX_BYTES = 8_000_000
@@ -183,7 +183,7 @@ NUMBER, MISSING, TEXT = "number", "missing", "text"
 def _kind(cell: str) -> str:
     """Return what a cell contains. A number may have a decimal comma, or a unit behind it; nan is a number."""
     value = to_number(cell)
-    if value is not None and math.isnan(value) and "nan" not in cell.lower():
+    if is_missing(cell, value):
         return MISSING
     value = to_number(cell, decimal_comma=True) if value is None else value
     if value is None and (found := UNIT.fullmatch(cell)):
@@ -363,8 +363,8 @@ def _without_remark(row: Row, near: Row) -> Row:
     """Return a line without a remark behind its numbers, if the line above or below, ``near``, is a row of a table.
 
     Raises:
-        OrderError: the line begins with a number, like the row, but has words in place of other numbers. It may be a
-            mesh on which the computation failed, so it must not be left out.
+        OrderError: the line begins with a number, like the row, but has words where the row has numbers. The
+            computation on this mesh may have failed, so it must not be left out.
     """
     beside = near.is_data() and abs(row.number - near.number) == 1 and row.separator == " " and not row.is_comment
     if not beside or row.is_data(len(near.cells)) or not row.kinds[:1] == near.kinds[:1] == [NUMBER]:
@@ -372,8 +372,8 @@ def _without_remark(row: Row, near: Row) -> Row:
     width = (*near.kinds, TEXT).index(TEXT)
     if len(row.cells) < width or TEXT in row.kinds[:width]:
         raise OrderError(
-            f"line {row.number}, '{_short(row.text)}', begins like a row of the table, but has words in place of "
-            "numbers: write the numbers, or nan if the computation failed, or # in front of the line"
+            f"line {row.number}, '{_short(row.text)}', begins like a row of the table, but has words where "
+            "numbers are expected: write the numbers, or nan if the computation failed, or # in front of the line"
         )
     return Row(Line(row.number, row.raw[: row.cells[width - 1].end], False), row.separator)
 

@@ -125,13 +125,18 @@ class Plan:
         # Results are stored under the names of cases, so the names must differ.
         known = {case.name for case in catalogue()}
         for reference in self.scope.cases:
-            if reference not in known and isinstance(resolve(reference).solution.law.G, NonSymmetric):
+            if reference in known:
+                continue
+            case = resolve(reference)
+            if isinstance(case.solution.law.G, NonSymmetric):
                 raise UsageError(
                     f"{reference}: G is not symmetric, so Problem 3.2 and the stored energy are not defined; give a "
                     "symmetric G, or test the case in Python by manufactured.prove"
                 )
-            if reference not in known and (name := resolve(reference).name) in known:
-                raise UsageError(f"{reference} has the name {name} of a case of the catalogue; give it another name")
+            if case.name in known:
+                raise UsageError(
+                    f"{reference} has the name {case.name} of a case of the catalogue; give it another name"
+                )
 
     def _check_meshes(self) -> None:
         """Check that every mesh fits its body and the lines along which a solution is not smooth.

@@ -90,7 +90,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         missing_forces = np.linalg.norm([ours.multipliers - multipliers for ours, (*_, multipliers) in pairs])
         differences = zip((missing[0], missing.max(), missing_forces), sizes, strict=True)
         start, *others = [float(gap / size if size else gap > 0) for gap, size in differences]
-        # The initial value is the same for both loads, so only GAPS has its difference.
+        # Both loads start from one initial value, which is compared in a column of GAPS alone.
         found |= zip(names, [start, *others] if names is GAPS else others, strict=True)
     return found
 
