@@ -1,16 +1,16 @@
 """Integrals over time of polynomials times e^{−λ(t−r)}, by the φ-functions of exponential integrators."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 import sympy as sp
+from numpy.polynomial.polynomial import polyder, polyval
 
 from manufactured.compiled import coefficients_in_t
 from manufactured.jet import Jet
-from manufactured.symbols import Index, Values, t
+from manufactured.symbols import Index, Values
 from manufactured.tensors import Array
 
 
@@ -62,18 +62,16 @@ class Convolution:
 
     def __init__(self, smooth: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float) -> None:
         self.decay = decay
-        self.derivatives = []
-        coefficients = coefficients_in_t(smooth)
-        while coefficients:
-            self.derivatives.append(Jet(_nested(coefficients), variables))
-            coefficients = [n * c for n, c in zip(range(len(coefficients) - 1, 0, -1), coefficients, strict=False)]
+        self.powers = [Jet(coefficient, variables) for coefficient in reversed(coefficients_in_t(smooth))]
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
         """Prepare the integrals by computing the derivatives ∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and every j."""
-        values = []
-        for jet in self.derivatives:
-            values.append(jet(points, lower, order))
-        coefficients = {index: np.array([value[index] for value in values]) for index in values[0]}
+        values = [jet(points, lower, order) for jet in self.powers]
+        coefficients = {}
+        for index in values[0]:
+            powers = np.array([value[index] for value in values])
+            derivatives = [polyval(lower, polyder(powers, j), tensor=False) for j in range(len(powers))]
+            coefficients[index] = np.array(derivatives)
         return _Taylor(self.decay, len(values) - 1, lower, coefficients)
 
 
@@ -134,11 +132,3 @@ def phi(z: Array, count: int) -> Array:
             found[k - 1] = np.where(large, value, found[k - 1])
             value = (value - 1 / math.factorial(k)) / far
     return found
-
-
-def _nested(coefficients: Sequence[sp.Expr]) -> sp.Expr:
-    """Return the polynomial with the given coefficients in Horner form."""
-    nested = sp.Integer(0)
-    for coefficient in coefficients:
-        nested = nested * t + coefficient
-    return nested
