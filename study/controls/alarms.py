@@ -151,11 +151,6 @@ def newer(table: pd.DataFrame) -> pd.DataFrame:
     return table[(table["claimed"] == "yes") & (table["label"] != ALL_ROWS) & (table["since"] > first)]
 
 
-def verdict(table: pd.DataFrame) -> str:
-    """Return the verdict (holds, fails or undecided): is the rate of all claimed checks at most ``PROMISE``?"""
-    return alarm_summary(table).verdict
-
-
 def text(table: pd.DataFrame) -> str:
     """Return the text that ``study seeds`` prints.
 
@@ -181,7 +176,7 @@ def text(table: pd.DataFrame) -> str:
             tabulate(weak, ["check", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
             "",
             f"{len(newer(table))} checks were changed after the first seed; only later seeds count for them",
-            f"at most {PROMISE:.0%} of new seeds may cause a false alarm: {verdict(table)}",
+            f"at most {PROMISE:.0%} of new seeds may cause a false alarm: {alarm_summary(table).verdict}",
             f"(judged by the count alone: {seeds_needed()} seeds without a false alarm are enough)",
         ]
     )

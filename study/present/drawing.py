@@ -17,10 +17,11 @@ from matplotlib.backends.backend_pgf import LatexError
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from manufactured.colours import BLACK
 from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError, write_text, write_whole
 from study.present.notation import encode, read_page
-from study.present.palette import BLACK, COLOURS
+from study.present.palette import COLOURS
 
 STYLES = Path(__file__).parent
 """The folder of the Matplotlib style files.

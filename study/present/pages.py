@@ -15,6 +15,7 @@ from typing import Any
 
 import pandas as pd
 
+from manufactured.colours import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.fem.mesh import FAMILIES
 from study.ledger.chance import PROMISE, seeds_needed
 from study.ledger.codes import MADE, Codes
@@ -43,7 +44,6 @@ from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
 from study.present.full_run import FullRun
 from study.present.notation import counted, read_page, typeset
-from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import Picture, picture_path, read_record
 from study.present.report import PAGES
 from study.present.show import write_gif

@@ -1,7 +1,6 @@
 """Solves a case on one mesh for display: for pictures, and for files for ParaView. Used by ``study show``."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,20 +25,9 @@ LEVELS = {2: pictures.LEVEL, 3: 9}
 face of the cube is divided."""
 
 
-@dataclass(frozen=True, eq=False)
-class Showcase:
-    """A solved case for display.
-
-    Attributes:
-        picture: data of its picture, in the format of ``pictures/CASE.json.gz``.
-        series: fields on the whole mesh over time.
-    """
-
-    picture: dict[str, Any]
-    series: MeshSeries
-
-
-def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[], object] = lambda: None) -> Showcase:
+def solve_showcase(
+    case: Case, level: int, directory: Path, notify: Callable[[], object]
+) -> tuple[dict[str, Any], MeshSeries]:
     """Solve a case on one mesh for display.
 
     Parameters:
@@ -47,6 +35,9 @@ def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[],
         level: number of cells of the mesh along a side.
         directory: the directory in which results will be written. Here it is only tested whether it can be written.
         notify: called after each of the STEPS + 1 times.
+
+    Returns:
+        The data of a picture, in the format of ``pictures/CASE.json.gz``; and fields on the whole mesh over time.
 
     Raises:
         UsageError: no mesh family can mesh the body, or there is not enough memory for this level.
@@ -56,7 +47,7 @@ def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[],
     family = affordable_family(case, level)
     write_text(directory / ".writable", "").unlink()
     motion = Motion.of(case.solution, family, level, STEPS, notify)
-    return Showcase(pictures.record(case.name, motion, EVERY), mesh_series(motion, EVERY))
+    return pictures.record(case.name, motion, EVERY), mesh_series(motion, EVERY)
 
 
 def affordable_family(case: Case, level: int) -> MeshFamily:

@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 from pages import README, ROOT, SITE, Page
 
+from manufactured.colours import VERMILLION
 from study.ledger.datafiles import DataError, read_claims, read_csv
 from study.present.full_run import FullRun
 from study.present.pages import badges, main, misprints, refresh, verdicts_in_words
-from study.present.palette import VERMILLION
 from study.statements.from_rates import Turned
 from study.statements.prop_5_3 import LIMIT
 from study.statements.prop_5_4 import NOT_AT_START
