@@ -196,11 +196,9 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
     for name, array in (("points", points), ("times", times), ("u", u)):
         if not np.isfinite(array).all():
             first = np.argwhere(~np.isfinite(array))[0]
-            where = (
-                f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}"
-                if name == "u"
-                else (f" in row {first[0]} (rows are numbered from 0)")
-            )
+            where = f" in row {first[0]} (rows are numbered from 0)"
+            if name == "u":
+                where = f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}"
             raise BoundError(f"{name} has {(~np.isfinite(array)).sum()} numbers that are not finite, the first{where}")
     if triangles.size == 0 or triangles.min() < 0 or triangles.max() >= len(points):
         raise BoundError(

@@ -247,7 +247,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--steps", type=int, within=POSITIVE, metavar="N",
                help="number of time steps of --mode march (default: the level)"),
         option("--scale", type=_finite, default=1.0, metavar="S", help="factor of all loads (default 1)"),
-        option("--foundation", type=int, metavar="SEGMENTS",
+        option("--foundation", type=int, within=POSITIVE, metavar="SEGMENTS",
                help="also write a mesh of the foundation, with this number of segments"),
         out("tasks", "--to"),
     ]),

@@ -20,7 +20,7 @@ from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
 from study.fem.naming import family_named
-from study.ledger.datafiles import alarm_summary, write_csv
+from study.ledger.datafiles import AlarmSummary, write_csv
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute
 from study.run.judgement import collect, judge
@@ -80,7 +80,7 @@ def do_seeds(options: argparse.Namespace) -> int:
     table = tally(record)
     written = write_csv(options.out / "data" / "seeds.csv", table)
     print(f"\n{text(table)}\ndata: {written}, {written.parent}/seeds/")
-    return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[alarm_summary(table).verdict]
+    return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[AlarmSummary(table).verdict]
 
 
 def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:

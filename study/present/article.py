@@ -12,8 +12,8 @@ import pandas as pd
 
 from study.ledger.chance import PROMISE
 from study.ledger.datafiles import (
+    AlarmSummary,
     DataError,
-    alarm_summary,
     by_claim,
     count_caught,
     count_kinds,
@@ -153,7 +153,7 @@ def _counts_of_checks(data: FullRun) -> dict[str, object]:
     """Return the numbers of verdicts, of noticed deliberate defects, and of false alarms on random meshes."""
     kinds, names = count_kinds(data.claims), data.claims.apply(account, axis=1)
     orders = data.claims[(data.claims["verdict"] == HOLDS) & (data.claims.apply(kind, axis=1) == ORDER)]
-    (found, injected), alarms = count_caught(data.controls), alarm_summary(data.seeds)
+    (found, injected), alarms = count_caught(data.controls), AlarmSummary(data.seeds)
     return {
         "ledgerRows": len(data.claims),
         "ledgerStatements": len(list(by_claim(data.claims))),

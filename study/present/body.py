@@ -128,6 +128,9 @@ class BodyScale:
         limits: the horizontal and vertical limits of the drawing, (2, 2), a row for each direction.
         pressure, gap: the largest contact pressure and the largest gap at the drawn times.
         stress: the upper limit of the colour scale of the stress.
+        aspect: the height of the drawing divided by its width.
+        stress_colours: the colour map of stresses, with colours at the positions that ``shade`` returns.
+        pressure_colours: the colour map of pressures, from 0 to the largest pressure.
     """
 
     def __init__(self, picture: Picture) -> None:
@@ -143,21 +146,9 @@ class BodyScale:
         self.pressure = max((float(face.pressure[at].max()) for face in faces), default=0.0)
         self.gap = max((float(face.gap[at].max()) for face in faces), default=0.0)
         self.stress = float(np.quantile(stresses, BRIGHTEST)) or float(np.max(stresses)) or 1.0
-
-    @property
-    def aspect(self) -> float:
-        """The height of the drawing divided by its width."""
-        return float(np.ptp(self.limits[1]) / np.ptp(self.limits[0]))
-
-    @property
-    def stress_colours(self) -> ScalarMappable:
-        """The colour map of stresses, with colours at the positions that ``shade`` returns."""
-        return ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", SHADES))
-
-    @property
-    def pressure_colours(self) -> ScalarMappable:
-        """The colour map of pressures, from 0 to the largest pressure."""
-        return ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
+        self.aspect = float(np.ptp(self.limits[1]) / np.ptp(self.limits[0]))
+        self.stress_colours = ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", SHADES))
+        self.pressure_colours = ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
 
 
 def draw_deformed_mesh(axes: Axes, picture: Picture, instant: int, scale: BodyScale, width: float) -> None:

@@ -23,18 +23,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, MaxNLocator, NullFormatter
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, VERMILLION
 from study.ledger.codes import GRADES, Codes
 from study.ledger.criterion import by_family
-from study.ledger.orders import RatesError, fit, orders
+from study.ledger.orders import Array, RatesError, fit, orders
 from study.ledger.text import above, below, interval
 from study.present.drawing import caption, column_width, entry, is_slide, legend, mathtext, page_width
 from study.present.notation import counted
 from study.present.palette import COLOURS, OUTLINE, TRIANGLE, Stroke, Style, family_styles
 
-Array = NDArray[np.float64]
 MARGIN = 0.06
 """The free space at each end of an axis, as a fraction of the range of the data."""
 MOST_TICKS = 7

@@ -265,7 +265,5 @@ def caption(name: str, /, **values: object) -> str:
 
 def caption_text(drawing: Drawing) -> str:
     """Return the text of the file with the caption and the alternative text of a figure."""
-    return (
-        "\n\n".join(textwrap.fill(text, 100) for text in (drawing.caption, f"Alternative text: {drawing.alternative}"))
-        + "\n"
-    )
+    texts = drawing.caption, f"Alternative text: {drawing.alternative}"
+    return "\n\n".join(textwrap.fill(text, 100) for text in texts) + "\n"

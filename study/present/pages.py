@@ -19,7 +19,7 @@ from manufactured.colours import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.fem.mesh import FAMILIES
 from study.ledger.chance import PROMISE, seeds_needed
 from study.ledger.codes import MADE, Codes
-from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_kinds, count_verdicts
+from study.ledger.datafiles import AlarmSummary, DataError, by_claim, count_caught, count_kinds, count_verdicts
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.text import above, below, cell, up
@@ -255,7 +255,7 @@ def _beyond(data: FullRun) -> dict[str, Any]:
 
 def _alarms(data: FullRun) -> dict[str, Any]:
     """Return the values in the texts on noticed deliberate defects, and on false alarms on random meshes."""
-    (caught, injected), alarms = count_caught(data.controls), alarm_summary(data.seeds)
+    (caught, injected), alarms = count_caught(data.controls), AlarmSummary(data.seeds)
     by_tail = (
         f"a model of the distributions of all checks, which judges nothing, gives at most {100 * alarms.by_tail:.2f} %"
     )

@@ -16,19 +16,11 @@ from study.ledger.files import write_text
 from study.ledger.pictures import Packed, short
 from study.ledger.text import significant
 from study.present.body import ARROW, THICKNESS, BodyScale, shade
-from study.present.charts import (
-    Array,
-    Chart,
-    Subplot,
-    collapsed_chart,
-    convergence_chart,
-    enclosure_charts,
-    finest_orders,
-)
+from study.present.charts import Chart, Subplot, collapsed_chart, convergence_chart, enclosure_charts, finest_orders
 from study.present.notation import read_page, typeset, typeset_svg
 from study.present.outcome import conclusion, orders_text
 from study.present.palette import RAMPS, family_styles
-from study.present.picture import FaceHistory, Picture, Polygon, Segment, picture_path, read_record
+from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, picture_path, read_record
 from study.present.tables import BOUNDS, CONTROLS, EQUIVALENCE, LEDGER, RATES, STRESSES, Table, columns
 
 CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]

@@ -289,7 +289,7 @@ TEXTS = ("a table", "a number of the README")
 @pytest.fixture(scope="module")
 def expectation(copy_of_committed: Path) -> Expectation:
     """What the plan of the committed run and the catalogue predict."""
-    return Expectation.of(read_provenance(copy_of_committed), copy_of_committed)
+    return Expectation(read_provenance(copy_of_committed), copy_of_committed)
 
 
 QUICK = ("a twin removed", "an error where none is known", "a row of statements twice", "a number of a picture")

@@ -315,7 +315,7 @@ def test_a_turned_body_carries_an_exact_solution() -> None:
 
 @lru_cache
 def place() -> Place:
-    return Place.of(Setting("advance-recede", "one-diagonal", 8))
+    return Place(Setting("advance-recede", "one-diagonal", 8))
 
 
 LOADS = "load f", "surface load f_2", "body force f_0", "contact load", "time t"
