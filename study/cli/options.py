@@ -26,6 +26,8 @@ TOLERANCE = 1e-12
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
 """Default relative and absolute differences that ``study check --again`` permits. They are larger than 1e-12, because
 on another processor numbers near round-off differ, and so do quotients of small numbers."""
+SEED_BITS = 62
+"""Number of bits of a random seed: so many that seeds do not repeat, and few enough for 64-bit integers."""
 CELLS = 20_000
 """Default largest number of cells of ``study bound --adapt``."""
 RESUMES = ("run", "controls", "seeds", "bound")

@@ -59,7 +59,8 @@ def do_run(options: argparse.Namespace) -> int:
             verdicts = judge(store.directory)
             tables = write_tables(store.directory)
             # Figures of single cases are only drawn if the user has selected cases. For all cases they take too long.
-            drawn = draw(store.directory, processes, drawings if options.case else overview)
+            chosen = drawings(store.directory) if options.case else overview(store.directory)
+            drawn = draw(store.directory, processes, chosen)
     data = ["rates.csv", "equivalence.csv", "claims.csv", "cases.csv", *tested, "provenance.json", "pictures/"]
     print("\n" + folded(f"data: {store.data}/{', '.join(data)}"))
     tell_written([*tables, *drawn])
@@ -90,8 +91,8 @@ def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[s
     store.check()
     tests = contact_tests(plan)
     repeated = [job for jobs in tests for defect in DEFECTS for job in defective(jobs, defect)]
-    with progress_bar(round(sum(job.cost for job in (*plan.jobs, *repeated)))) as bar:
-        bar.set_description(f"{len(plan.jobs) + len(repeated)} jobs")
+    jobs = *plan.jobs, *repeated
+    with progress_bar(round(sum(job.cost for job in jobs)), f"{len(jobs)} jobs") as bar:
         execute(plan.jobs, store, pool, bar.notify_after_stored())
         execute(repeated, store, own_processes, bar.notify_after_stored())
         written = write_contact_test(tests, store)

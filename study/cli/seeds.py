@@ -14,7 +14,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from study.cli.common import progress_bar
-from study.cli.options import FAILED, OK, UNCLEAR
+from study.cli.options import FAILED, OK, SEED_BITS, UNCLEAR
 from study.controls.alarms import tally, text
 from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules
@@ -26,9 +26,6 @@ from study.run.executor import Pool, Processes, execute
 from study.run.judgement import collect, judge
 from study.run.plan import Plan
 from study.run.store import Store
-
-BITS = 62
-"""Number of bits of a seed: so many that seeds do not repeat, and few enough for 64-bit integers."""
 
 
 class TimeIsUpError(Exception):
@@ -99,7 +96,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         record = Record.read(directory)
         draw = record.pending()
         if draw is None:
-            draw = Draw(secrets.randbits(BITS), LIGHT if (len(record.draws) + 1) % EVERY else WHOLE)
+            draw = Draw(secrets.randbits(SEED_BITS), LIGHT if (len(record.draws) + 1) % EVERY else WHOLE)
             # The seed is recorded before anything is measured, so that a seed with a bad result cannot be left out.
             record = record.drawn(draw.seed, draw.part)
             record.write(directory)
@@ -125,8 +122,7 @@ def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[
     Raises:
         TimeIsUpError: the time is over before all measurements are finished.
     """
-    with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
-        bar.set_description(name)
+    with progress_bar(round(sum(job.cost for job in plan.jobs)), name) as bar:
         execute(plan.jobs, store, pool, watch(bar, end))
         collect(plan, store)
     return [verdict for verdict in judge(store.directory) if verdict.verdict not in UNCLAIMED]

@@ -20,15 +20,13 @@ def do_show(options: argparse.Namespace) -> int:
     if options.mp4 and not find_ffmpeg():
         raise UsageError(f"--mp4: {NO_FFMPEG}")
     prove(case.solution, f"case {case.name}")
-    affordable_family(case, level)
+    family = affordable_family(case, level)
     directory = options.out / case.name
     with Store(directory, written=(".",)).locked():
-        with progress_bar(STEPS + 1) as bar:
-            bar.set_description(case.name)
-            record, series = solve_showcase(case, level, directory, bar.update)
+        with progress_bar(STEPS + 1, case.name) as bar:
+            record, series = solve_showcase(case, family, level, bar.update)
         # There are a storyboard and a frame for each time.
-        with progress_bar(1 + len(record["times"])) as bar:
-            bar.set_description("images")
+        with progress_bar(1 + len(record["times"]), "images") as bar:
             written, left_out = draw_show(record, series, directory, bar.update)
     tell_written(written)
     for line in left_out:

@@ -24,7 +24,7 @@ from threadpoolctl import threadpool_limits
 from study.controls.baselines import experiment
 from study.controls.small_defects import DEFECTS, START, SmallDefect
 from study.fem.naming import resolve
-from study.ledger.datafiles import CsvFile, Row
+from study.ledger.datafiles import Row
 from study.ledger.verdict import FAILS
 from study.statements.recomputed import TRAJECTORIES, Recomputed, gaps
 from study.statements.recomputed_solver import PlainProblem
@@ -40,9 +40,7 @@ FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 LEVEL = 8
 """The coarsest level on which the study compares its displacements with those of the second solver."""
 PLACES = grid(CASES, FAMILIES, (LEVEL,))
-SENSITIVITY = CsvFile(
-    "sensitivity.csv", ("defect", "case", "family"), ("defect", "case", "family", "level", "amount", "seen_by")
-)
+COLUMNS = ["defect", "case", "family", "level", "amount", "seen_by"]
 
 
 class Place:
@@ -113,7 +111,7 @@ def run_sensitivity(executor: Executor, notify: Callable[[], object]) -> pd.Data
     waiting = [executor.submit(lines, setting) for setting in PLACES]
     for _ in as_completed(waiting):
         notify()
-    return pd.DataFrame([row for future in waiting for row in future.result()], columns=list(SENSITIVITY.columns))
+    return pd.DataFrame([row for future in waiting for row in future.result()], columns=COLUMNS)
 
 
 def sensitivity_text(table: pd.DataFrame) -> str:

@@ -184,7 +184,7 @@ def mathtext(text: str) -> str:
 
 def draw_figures(
     directory: Path,
-    choose: Callable[[Path], list[Drawing]],
+    chosen: Sequence[Drawing],
     run_map: Callable[..., Iterable[list[Path]]] = map,
     progress: Progress = lambda done, total, name: None,
     output: Output = ARTICLE,
@@ -193,8 +193,7 @@ def draw_figures(
 
     Parameters:
         directory: directory of a run.
-        choose: function that returns the figures of a directory, such as ``drawings`` and ``overview`` in
-            ``study.present.figures``.
+        chosen: the figures.
         run_map: ``map``, or the method ``map`` of an executor, which draws several figures at a time.
         progress: function that is called after each figure.
         output: use, formats and style.
@@ -203,10 +202,9 @@ def draw_figures(
         The paths of the files.
 
     Raises:
-        DataError: a data file is missing or damaged; then nothing is drawn.
+        DataError: a name from the data would write a figure into another directory.
         UsageError: the style file cannot be used, or pgf is wanted without LaTeX.
     """
-    chosen = choose(directory)
     written: list[Path] = []
     drawn = run_map(partial(draw_one, output.folder(directory), output=output), chosen)
     for done, paths in enumerate(drawn, start=1):

@@ -17,7 +17,7 @@ from study.fem.naming import resolve
 from study.ledger.pictures import STEPS
 from study.present.picture import Picture
 from study.present.show import NO_FFMPEG, draw_show, mesh_of, write_mp4
-from study.run.showcase import EVERY, mesh_series, solve_showcase
+from study.run.showcase import EVERY, affordable_family, mesh_series, solve_showcase
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures
 
@@ -42,7 +42,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Shown:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("study.run.showcase.STEPS", 8)
         patch.setattr("study.present.show.find_ffmpeg", lambda: None)
-        record, series = solve_showcase(case, 6, directory, lambda: notified.append("frame"))
+        record, series = solve_showcase(case, affordable_family(case, 6), 6, lambda: notified.append("frame"))
         files = draw_show(record, series, directory, lambda: notified.append("image"))
     assert notified == ["frame"] * 9 + ["image"] * (1 + len(record["times"]))
     return directory, *files
