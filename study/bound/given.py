@@ -146,8 +146,7 @@ def given(
         BoundError: an array is invalid. The message names the array and the position of the fault, and says how to
             correct it.
     """
-    given_times = np.zeros(1) if times is None else times
-    points, triangles, times, u = _arrays(points, triangles, given_times, u)
+    points, triangles, times, u = _arrays(points, triangles, np.zeros(1) if times is None else times, u)
     if isinstance(data, Static):
         if len(times) > 1:
             raise BoundError(f"the problem is static, and u_h has {len(times)} times: give one of them")

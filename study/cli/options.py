@@ -19,8 +19,6 @@ OK, FAILED, USAGE, UNCLEAR, INTERRUPTED, CLOSED = 0, 1, 2, 3, 130, 141
 SCHEMES = ("backward-euler", "midpoint", "bdf2")
 FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
 MODES = ("frozen", "march")
-MINUTES = 60.0
-"""Default time in minutes during which ``study seeds`` measures new random meshes."""
 TOLERANCE = 1e-12
 """Default relative difference that ``study compare`` permits."""
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
@@ -189,7 +187,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         out(),
     ]),
     "seeds": ("seeds", "estimate how often chance makes a check fail, on new random meshes", [
-        option("--minutes", type=_finite, default=MINUTES, metavar="M",
+        option("--minutes", type=_finite, default=60.0, metavar="M",
                within=Range(0, "0 or more (0 makes the table again from the record)"),
                help="time for new seeds (default 60; 0: only write the table again)"),
         option("--seeds", type=int, within=POSITIVE, metavar="N", help="largest number of new seeds"),

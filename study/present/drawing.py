@@ -34,9 +34,6 @@ SEEN = "What to see: "
 SHEET = 6
 """The largest number of subplots that can be read on a slide."""
 
-Progress = Callable[[int, int, str], None]
-"""Function that is called after each figure with the number of finished figures, their total, and the name."""
-
 
 @dataclass(frozen=True)
 class Drawing:
@@ -186,7 +183,7 @@ def draw_figures(
     directory: Path,
     chosen: Sequence[Drawing],
     run_map: Callable[..., Iterable[list[Path]]] = map,
-    progress: Progress = lambda done, total, name: None,
+    progress: Callable[[int, int, str], None] = lambda done, total, name: None,
     output: Output = ARTICLE,
 ) -> list[Path]:
     """Draw figures into ``output.folder(directory)``, with captions and alternative texts in txt files.
@@ -195,7 +192,8 @@ def draw_figures(
         directory: directory of a run.
         chosen: the figures.
         run_map: ``map``, or the method ``map`` of an executor, which draws several figures at a time.
-        progress: function that is called after each figure.
+        progress: function that is called after each figure with the number of finished figures, their total, and the
+            name of the figure.
         output: use, formats and style.
 
     Returns:

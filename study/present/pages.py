@@ -8,7 +8,6 @@ import re
 import sys
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -70,9 +69,9 @@ def main() -> None:
     data = FullRun.read(directory)
     if data is None:
         raise DataError(f"{directory} has no full run: `make full`, `make controls` and `make seeds` make it")
-    picture = Picture.of(read_record(picture_path(directory, FILM)))
+    picture = Picture(read_record(picture_path(directory, FILM)))
     # Every second time is enough, and keeps the file below 120 kB.
-    picture = replace(picture, shown=range(0, len(picture.times), 2))
+    picture = picture.showing(range(0, len(picture.times), 2))
     with in_style():
         write_gif(directory / "figures" / f"{FILM}.gif", picture, lambda: None, FILM_DPI, FILM_COLOURS)
     for name, svg in badges(data, Path("pyproject.toml")).items():

@@ -174,14 +174,13 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
     if not path.is_file():
         raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
     try:
-        record = read_record(path)
-        picture, stored = Picture.of(record).at_all_times(), Packed.read(record["displacement"])
+        picture = Picture(read_record(path)).at_all_times()
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(
             f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
             "version wrote it, make it anew with the same `study run`"
         ) from error
-    scale, displacement = BodyScale(picture), Packed.of(stored.values, SHOWN)
+    scale, displacement = BodyScale(picture), Packed.of(picture.displacement, SHOWN)
     shades = np.round(255 * shade(picture.von_mises / scale.stress)).astype(np.uint8)
     return {
         "times": picture.times.tolist(),

@@ -2,7 +2,6 @@
 
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -59,7 +58,7 @@ def draw_show(
     Raises:
         StoreError: the directory cannot be written.
     """
-    picture = Picture.of(record).at_all_times()
+    picture = Picture(record).at_all_times()
     with in_style():
         storyboard = draw_storyboard(picture)
         storyboard.set_dpi(STORYBOARD_DPI)
@@ -76,7 +75,7 @@ def draw_show(
 def draw_storyboard(picture: Picture) -> Figure:
     """Draw the deformed body with stress and contact at ``MOMENTS`` times, evenly spaced from the first to the last."""
     chosen = np.linspace(0, len(picture.shown) - 1, MOMENTS).round().astype(int)
-    picture = replace(picture, shown=[picture.shown[n] for n in chosen])
+    picture = picture.showing([picture.shown[n] for n in chosen])
     rows, width = MOMENTS // COLUMNS, (page_width() - 0.8) / COLUMNS
     figure = Figure(figsize=(page_width(), 0.8 + rows * (0.2 + width * BodyScale(picture).aspect)))
     draw_shapes(figure, figure.subplots(rows, COLUMNS).ravel(), picture, width, 4, fraction=0.04, shrink=0.8)

@@ -32,7 +32,7 @@ def motion() -> Motion:
 
 
 def picture_of(motion: Motion) -> Picture:
-    return Picture.of(pictures.record("any", motion, EVERY)).at_all_times()
+    return Picture(pictures.record("any", motion, EVERY)).at_all_times()
 
 
 @pytest.fixture(scope="module")
