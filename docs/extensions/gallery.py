@@ -88,7 +88,7 @@ def write_thumbnail(path: Path, picture: Picture) -> None:
     axes = figure.subplots()
     # The colours and the scale of this time alone: a film has to show the largest values of all times.
     picture = picture.showing([instant])
-    draw_deformed_mesh(axes, picture, instant, BodyScale.of(picture), 2.0)
+    draw_deformed_mesh(axes, picture, instant, BodyScale(picture), 2.0)
     FigureCanvasAgg(figure).print_png(path)
 
 

@@ -74,7 +74,7 @@ def defective(jobs: Sequence[Job], defect: str) -> list[DefectiveJob]:
     return [DefectiveJob(job.statement, job.setting, defect) for job in jobs]
 
 
-def rows(jobs: Sequence[Job], store: Store) -> Iterator[Row]:
+def rows_of(jobs: Sequence[Job], store: Store) -> Iterator[Row]:
     """Yield the rows of ``contact-test.csv`` for one case, a row for each defect.
 
     Parameters:
@@ -135,7 +135,6 @@ def contact_tests(plan: Plan) -> list[list[Job]]:
 
 def write_contact_test(tests: Sequence[Sequence[Job]], store: Store) -> list[Path]:
     """Write ``contact-test.csv`` from stored results; return its path in a list, which is empty without tests."""
-    path = store.data / FILE
-    if tests:
-        write_csv(path, pd.DataFrame([row for jobs in tests for row in rows(jobs, store)]))
-    return [path] if tests else []
+    if not tests:
+        return []
+    return [write_csv(store.data / FILE, pd.DataFrame([row for jobs in tests for row in rows_of(jobs, store)]))]

@@ -353,10 +353,9 @@ def read_claims(directory: Path) -> pd.DataFrame:
     claims = read_csv(directory, "claims.csv", LEDGER)
     unknown = sorted(set(claims["verdict"]) - set(VERDICTS))
     if unknown:
-        path = directory / "data" / "claims.csv"
         raise DataError(
-            f"{path} has the verdicts {', '.join(unknown)}, expected {', '.join(VERDICTS)}: "
-            f"make it again with `study tables --out {directory}`"
+            f"{directory / 'data' / 'claims.csv'} has the verdicts {', '.join(unknown)}, expected "
+            f"{', '.join(VERDICTS)}: make it again with `study tables --out {directory}`"
         )
     return claims
 

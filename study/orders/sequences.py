@@ -397,7 +397,8 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     """Return the diagnosis of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
     orders, used = consecutive_orders(h, e), consecutive_orders(h[first:], e[first:])
-    tolerance, (previous, last) = expectation.tolerance, orders[-2:]
+    tolerance = expectation.tolerance
+    previous, last = orders[-2:]
     falls = len(orders) > 2 and last < previous < orders[-3]
     slowing = falls and previous - last < 0.8 * (orders[-3] - previous)
     drops = len(orders) > 2 and last < previous - 2 * tolerance and previous > orders[-3] - tolerance

@@ -544,10 +544,8 @@ def _range(row: pd.Series) -> str:
 
 def _regularity(data: FullRun, case: object) -> str:
     """Return the regularity of the solution of a case, shortened for a narrow column."""
-    text = str(data.cases.loc[str(case), "regularity"])
-    return encode_letters(
-        text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", ")
-    )
+    text = str(data.cases.loc[str(case), "regularity"]).replace("strain with a jump inside cells", "jump inside cells")
+    return encode_letters(text.replace(" front, ", ", "))
 
 
 def _number(value: float, rounding: Callable[[float, int], str] | None = None, digits: int = 3) -> str:

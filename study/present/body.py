@@ -117,7 +117,7 @@ def drawing_order(view: Array, x: Array, cells: NDArray[np.int64], shades: NDArr
 
 
 class BodyScale:
-    """The projection and the scales with which a run is drawn at all its times.
+    """The projection and the scales with which all times of a run are drawn.
 
     The limits leave room for the body at all drawn times and for the longest arrows.
 
