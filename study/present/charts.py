@@ -538,7 +538,7 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
     """
     styles = family_styles(rates["family"])
     scaled, relative, last = [], [], dict[str, list[float]]()
-    for (_, family), rows in rates.sort_values("level").groupby(["case", "family"], sort=False):
+    for (_, family), rows in rates.sort_values("level", kind="stable").groupby(["case", "family"], sort=False):
         h, finest = rows["h"].to_numpy(), rows.iloc[-1]
         errors = rows["error"].to_numpy() * finest["h"] / finest["predicted_interpolation"]
         scaled.append(Curve(h, errors, styles[str(family)]))
