@@ -11,7 +11,6 @@ import os
 import re
 import sys
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 from formulas import prose, with_formulas
@@ -73,7 +72,7 @@ def drawn_once(data: Path, suffix: str, draw: Callable[[Path, Picture], object])
     if not image.exists():
         image.parent.mkdir(parents=True, exist_ok=True)
         with in_style():
-            draw(image, Picture.of(read_record(data)).at_all_times())
+            draw(image, Picture(read_record(data)).at_all_times())
     return image.name
 
 
@@ -88,8 +87,8 @@ def write_thumbnail(path: Path, picture: Picture) -> None:
     figure = Figure(figsize=(2.0, 1.6), dpi=150)
     axes = figure.subplots()
     # The colours and the scale of this time alone: a film has to show the largest values of all times.
-    picture = replace(picture, shown=[instant])
-    draw_deformed_mesh(axes, picture, instant, BodyScale.of(picture), 2.0)
+    picture = picture.showing([instant])
+    draw_deformed_mesh(axes, picture, instant, BodyScale(picture), 2.0)
     FigureCanvasAgg(figure).print_png(path)
 
 

@@ -30,7 +30,7 @@ from study.bound.given import given
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.certify import checker
-from study.certify.certified import Making, write
+from study.certify.certified import make_certificate, write
 from study.certify.statement import in_doubles
 from study.fem.mesh import Unstructured
 from study.ledger.files import write_text
@@ -53,7 +53,7 @@ def certificate(data: Data, level: int) -> dict[str, Any]:
     """Return the certificate of the displacement of this study, from disk or computed."""
     path = BUILD / f"certificate-{level}.json.gz"
     if not path.exists():
-        write(path, Making(data, Unstructured(), MIDPOINT, BETTER).certificate(level, level))
+        write(path, make_certificate(data, Unstructured(), level, MIDPOINT, level, BETTER))
     found: dict[str, Any] = checker.load(path)
     return found
 

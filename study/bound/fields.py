@@ -84,15 +84,10 @@ def _npz(path: Path) -> Field:
     return Field(arrays["points"], arrays["triangles"], arrays.get("times"), u)
 
 
-def _meshio() -> Any:
-    import meshio  # type: ignore[import-untyped]  # Only files of this kind need it.
-
-    return meshio
-
-
 def _read_mesh(path: Path) -> Any:
     """Read a mesh file by meshio; raise BoundError if the format is unknown or the file is broken."""
-    meshio = _meshio()
+    import meshio  # type: ignore[import-untyped]  # Only files of this kind need it.
+
     if not path.is_file():
         raise BoundError(f"there is no file {path}")
     if path.suffix.lower() not in meshio.extension_to_filetypes:
@@ -126,7 +121,8 @@ def _pvd(path: Path) -> Iterator[tuple[float | None, Any]]:
 
 def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
     """Yield the times and meshes of an .xdmf file. Without a time series, yield its one mesh and the time None."""
-    meshio = _meshio()
+    import meshio
+
     try:
         series = meshio.xdmf.TimeSeriesReader(path)
     except (meshio.ReadError, AttributeError, IndexError):

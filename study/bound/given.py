@@ -146,8 +146,7 @@ def given(
         BoundError: an array is invalid. The message names the array and the position of the fault, and says how to
             correct it.
     """
-    given_times = np.zeros(1) if times is None else times
-    points, triangles, times, u = _arrays(points, triangles, given_times, u)
+    points, triangles, times, u = _arrays(points, triangles, np.zeros(1) if times is None else times, u)
     if isinstance(data, Static):
         if len(times) > 1:
             raise BoundError(f"the problem is static, and u_h has {len(times)} times: give one of them")
@@ -196,11 +195,9 @@ def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Ar
     for name, array in (("points", points), ("times", times), ("u", u)):
         if not np.isfinite(array).all():
             first = np.argwhere(~np.isfinite(array))[0]
-            where = (
-                f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}"
-                if name == "u"
-                else (f" in row {first[0]} (rows are numbered from 0)")
-            )
+            where = f" in row {first[0]} (rows are numbered from 0)"
+            if name == "u":
+                where = f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}"
             raise BoundError(f"{name} has {(~np.isfinite(array)).sum()} numbers that are not finite, the first{where}")
     if triangles.size == 0 or triangles.min() < 0 or triangles.max() >= len(points):
         raise BoundError(

@@ -3,7 +3,6 @@
 import json
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -34,73 +33,66 @@ does not make it larger than the true constant.
 """
 
 
-@dataclass(frozen=True, eq=False)
-class Making:
-    """Makes the certificates of all levels of one problem.
+def check_certifiable(data: Data) -> None:
+    """Refuse a problem that the checker would refuse, before its certificate is computed.
 
-    Attributes:
-        data: the problem.
-        family: the mesh family.
-        scheme: the time scheme of u_h.
-        refined: how the more accurate displacement ũ is computed.
+    Raises:
+        BoundError: the checker refuses the problem; the message gives its reason.
     """
+    stated = statement(data)
+    try:
+        checker.conform(stated, checker.PROBLEM, "problem")
+        checker.Problem(stated)
+    except checker.RefusedError as refusal:
+        raise BoundError(f"no certificate can be made of this problem: {refusal}") from refusal
 
-    data: Data
-    family: MeshFamily
-    scheme: Scheme
-    refined: Refined
 
-    def check(self) -> None:
-        """Refuse a problem that the checker would refuse, before the certificate is computed.
+def make_certificate(
+    data: Data,
+    family: MeshFamily,
+    level: int,
+    scheme: Scheme,
+    steps: int,
+    refined: Refined,
+    progress: Callable[[float], object] = lambda time: None,
+) -> dict[str, Any]:
+    """Return the certificate of a problem on one level, as data that JSON can write.
 
-        Raises:
-            BoundError: the checker refuses the problem; the message gives its reason.
-        """
-        stated = statement(self.data)
-        try:
-            checker.conform(stated, checker.PROBLEM, "problem")
-            checker.Problem(stated)
-        except checker.RefusedError as refusal:
-            raise BoundError(f"no certificate can be made of this problem: {refusal}") from refusal
-
-    def certificate(
-        self, level: int, steps: int, progress: Callable[[float], object] = lambda time: None
-    ) -> dict[str, Any]:
-        """Return the certificate of one level, as data that JSON can write.
-
-        Args:
-            level: the level of the mesh of u_h.
-            steps: the number of time steps of u_h.
-            progress: a function that is called with each time for which the stress is finished.
-        """
-        stated = statement(self.data)
-        problem = checker.Problem(stated)
-        mesh = rational_mesh(self.family(self.data.body, level), self.data.body)
-        exact = checker.Mesh.of(mesh, problem)
-        coarse = Discretisation(self.data, in_doubles(exact))
-        u_h, fine = compute(coarse, self.scheme, steps), self.refined.discretisation(coarse)
-        for _ in range(self.refined.refinements):
-            exact = exact.refined()
-        twins, V = Twins(fine.mesh, exact), fine.displacements
-        nodes = [node for _, node in self.refined.nodes(fine, u_h)]
-        u = np.array([V.coefficients(node)[twins.nodes] for node in nodes])
-        bits = bits_below(float(abs(u).max()), DISPLACEMENT)
-        m = float(fine.moduli.values.min())
-        damping = max(Fraction(math.floor(m * (1 - BELOW) * 2**DAMPING), 2**DAMPING), Fraction(0))
-        mesh_of_constants = rational_mesh(Unstructured()(self.data.body, CONSTANTS_LEVEL), self.data.body)
-        return {
-            "format": checker.FORMAT,
-            "level": level,
-            "problem": stated,
-            "constants": constants(mesh_of_constants, problem),
-            "m": str(damping),
-            "mesh": mesh,
-            "refinements": self.refined.refinements,
-            "computed": [u_h.space.nodal(u).T.ravel().tolist() for u in u_h.nodes],
-            "element": reference_element()[0],
-            "displacement": {"bits": bits, "nodes": differences(rounded(exact, u, bits))},
-            "stress": _rounded_stresses(StressEncoder(problem, twins, fine), fine, nodes, progress),
-        }
+    Args:
+        data: the problem.
+        family, level: the mesh family and the level of the mesh of u_h.
+        scheme, steps: the time scheme of u_h, and the number of its time steps.
+        refined: how the more accurate displacement ũ is computed.
+        progress: a function that is called with each time for which the stress is finished.
+    """
+    stated = statement(data)
+    problem = checker.Problem(stated)
+    mesh = rational_mesh(family(data.body, level), data.body)
+    exact = checker.Mesh.of(mesh, problem)
+    coarse = Discretisation(data, in_doubles(exact))
+    u_h, fine = compute(coarse, scheme, steps), refined.discretisation(coarse)
+    for _ in range(refined.refinements):
+        exact = exact.refined()
+    twins, V = Twins(fine.mesh, exact), fine.displacements
+    nodes = [node for _, node in refined.nodes(fine, u_h)]
+    u = np.array([V.coefficients(node)[twins.nodes] for node in nodes])
+    bits = bits_below(float(abs(u).max()), DISPLACEMENT)
+    m = float(fine.moduli.values.min())
+    damping = max(Fraction(math.floor(m * (1 - BELOW) * 2**DAMPING), 2**DAMPING), Fraction(0))
+    mesh_of_constants = rational_mesh(Unstructured()(data.body, CONSTANTS_LEVEL), data.body)
+    return {
+        "format": checker.FORMAT,
+        "level": level,
+        "problem": stated,
+        "constants": constants(mesh_of_constants, problem),
+        "m": str(damping),
+        "mesh": mesh,
+        "refinements": refined.refinements,
+        "computed": [u_h.space.nodal(u).T.ravel().tolist() for u in u_h.nodes],
+        "element": reference_element()[0],
+        "displacement": {"bits": bits, "nodes": differences(rounded(exact, u, bits))},
+        "stress": _rounded_stresses(StressEncoder(problem, twins, fine), fine, nodes, progress),
+    }
 
 
 def _rounded_stresses(

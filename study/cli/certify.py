@@ -8,7 +8,7 @@ from manufactured.static import Static
 from study.bound import bounded
 from study.bound.trajectory import Refined
 from study.certify import checker
-from study.certify.certified import Making, write
+from study.certify.certified import check_certifiable, make_certificate, write
 from study.cli.common import tell_written, with_progress
 from study.cli.options import OK
 from study.fem.naming import choose, family_named, resolve_data
@@ -29,8 +29,7 @@ def do_certify(options: argparse.Namespace) -> int:
         raise UsageError(f"{name} is a static problem, for which there are no certificates: take `study bound`")
     if not data.body.of(Kind.CONTACT):
         raise UsageError(f"{name} has no contact side, for which there are no certificates: take `study bound`")
-    making = Making(data, family, scheme, refined)
-    making.check()
+    check_certifiable(data)
     # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
@@ -38,7 +37,8 @@ def do_certify(options: argparse.Namespace) -> int:
     paths, store = [], Store(options.out / name, written=(".",))
     with store.locked():
         for level in options.levels:
-            compute = partial(making.certificate, level, options.steps or rate_steps(data.body.T, level))
+            steps = options.steps or rate_steps(data.body.T, level)
+            compute = partial(make_certificate, data, family, level, scheme, steps, refined)
             found = with_progress(f"level {level}", data.body.T, compute)
             paths.append(write(store.directory / f"certificate-{level}.json.gz", found))
     tell_written(paths, "; now they are checked\n")

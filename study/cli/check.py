@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from study.cli.common import code_of, known_undecided, progress_bar
-from study.cli.options import FAILED, OK
+from study.cli.options import FAILED, OK, SEED_BITS
 from study.controls.alarms import compare_record
 from study.ledger.codes import FOLDER, MARCHES
 from study.ledger.compare import ROUNDED, Tolerance, as_text, difference
@@ -22,8 +22,6 @@ from study.run.judgement import claims, claims_file, data_files, verdicts
 from study.run.provenance import compare_sums
 from study.run.store import Store
 
-SEED_BITS = 62
-"""Number of bits of a fresh seed: few enough for the 64-bit integers of other programs."""
 IN_PART = (
     "data/provenance.json",
     "data/controls.csv",

@@ -74,11 +74,9 @@ class ProgressBar(tqdm):  # type: ignore[misc]
     def format_dict(self) -> dict[str, Any]:
         """The values for the text of the bar, with the estimated remaining time as ``left``."""
         values: dict[str, Any] = super().format_dict
-        values["left"] = "?"
-        if values["total"] and values["total"] > values["initial"]:
-            share = (values["n"] - values["initial"]) / (values["total"] - values["initial"])
-            if share >= SURE:
-                values["left"] = tqdm.format_interval(values["elapsed"] * (1 - share) / share)
+        done, whole = values["n"] - values["initial"], (values["total"] or 0) - values["initial"]
+        known = whole > 0 and done >= SURE * whole
+        values["left"] = tqdm.format_interval(values["elapsed"] * (whole - done) / done) if known else "?"
         return values
 
     def notify_after_stored(self) -> Callable[[float], None]:
@@ -99,10 +97,10 @@ class ProgressBar(tqdm):  # type: ignore[misc]
         return notify
 
 
-def progress_bar(total: int) -> ProgressBar:
-    """Return a progress bar on standard error. If this is not a terminal, the bar is updated less often."""
+def progress_bar(total: int, name: str = "") -> ProgressBar:
+    """Return a progress bar with a name on standard error. If this is not a terminal, it is updated less often."""
     pause = 0.5 if sys.stderr.isatty() else 10
-    return ProgressBar(total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{left}", mininterval=pause)
+    return ProgressBar(desc=name, total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{left}", mininterval=pause)
 
 
 def with_progress(name: str, T: float, compute: Callable[[Callable[[float], object]], Result]) -> Result:
@@ -113,20 +111,17 @@ def with_progress(name: str, T: float, compute: Callable[[Callable[[float], obje
         T: final time.
         compute: the computation. Its argument is a function that it calls with each time that is finished.
     """
-    with progress_bar(100) as bar:
-        bar.set_description(name)
+    with progress_bar(100, name) as bar:
         return compute(lambda time: bar.update(round(100 * time / T) - bar.n))
 
 
-def draw(
-    directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]], output: Output = ARTICLE
-) -> list[Path]:
+def draw(directory: Path, processes: Processes, chosen: Sequence[Drawing], output: Output = ARTICLE) -> list[Path]:
     """Draw figures, show the progress, and return the files.
 
     Parameters:
         directory: the result directory.
         processes: worker processes, which draw the figures.
-        chosen: function that returns the figures to be drawn, given the directory.
+        chosen: the figures.
         output: use, formats, resolution and style of the figures.
     """
     with progress_bar(0) as bar:

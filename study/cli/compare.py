@@ -17,8 +17,5 @@ def do_compare(options: argparse.Namespace) -> int:
     tolerance = Tolerance(options.tolerance, options.absolute)
     with Store(options.old).steady(), Store(options.new).steady():
         found = compare(options.old, options.new, tolerance)
-    if options.json:
-        print(json.dumps(as_json(found), indent=2, allow_nan=False))
-    else:
-        print(as_text(found))
+    print(json.dumps(as_json(found), indent=2, allow_nan=False) if options.json else as_text(found))
     return FAILED if found.differs else OK

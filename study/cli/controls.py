@@ -9,7 +9,7 @@ from study.cli.common import progress_bar
 from study.cli.options import FAILED, OK
 from study.controls import table
 from study.controls.run_controls import controls_text, run_controls, settings, write_controls
-from study.controls.sensitivity import MOST, PLACES, SENSITIVITY, run_sensitivity, sensitivity_text
+from study.controls.sensitivity import MOST, PLACES, run_sensitivity, sensitivity_text
 from study.ledger.datafiles import write_csv
 from study.run.executor import Processes
 from study.run.store import Store
@@ -25,8 +25,7 @@ def do_controls(options: argparse.Namespace) -> int:
     store.check()
     controls = table.CONTROLS
     with Processes(options.jobs) as executor, store.locked():
-        with progress_bar(len(settings(controls)) + len(controls)) as bar:
-            bar.set_description(f"{len(controls)} defects")
+        with progress_bar(len(settings(controls)) + len(controls), f"{len(controls)} defects") as bar:
             findings = run_controls(controls, executor, store, bar.update)
         written = write_controls(options.out, findings)
     print(f"\ndata: {written}\n\n{controls_text(findings)}")
@@ -44,7 +43,7 @@ def do_sensitivity(options: argparse.Namespace) -> int:
     with Processes(min(options.jobs, len(PLACES))) as executor, store.locked():
         with progress_bar(len(PLACES)) as bar:
             amounts = run_sensitivity(executor, bar.update)
-        written = write_csv(options.out / "data" / SENSITIVITY.name, amounts)
+        written = write_csv(options.out / "data" / "sensitivity.csv", amounts)
     print(f"\n{sensitivity_text(amounts)}")
     print(f"data: {written}")
     return OK if (amounts["amount"] < MOST).all() else FAILED

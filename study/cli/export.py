@@ -10,16 +10,7 @@ from study.fem.naming import family_named, resolve
 from study.ledger.files import UsageError
 from study.run.executor import available, require
 from study.run.plan import quick
-from study.run.tasks import (
-    TaskStore,
-    frozen,
-    march,
-    require_instants,
-    require_scale,
-    require_segments,
-    with_foundation,
-    write_task,
-)
+from study.run.tasks import TaskStore, frozen, march, with_foundation, write_task
 from study.solve.steps import require_steps
 from study.statements.shared import estimates
 from study.statements.shared.tasks import FROZEN_TIMES, Task
@@ -73,7 +64,10 @@ def _check(options: argparse.Namespace, case: Case) -> None:
         raise UsageError("--steps belong to --mode march; for --mode frozen give --instants")
     if options.steps is not None:
         require_steps(options.steps)
-    require_instants(_instants(options, case), case.solution.body.T)
-    require_scale(options.scale)
-    if options.foundation is not None:
-        require_segments(options.foundation, case.solution.body.dim)
+    instants, T = _instants(options, case), case.solution.body.T
+    if min(instants) < 0 or max(instants) > T:
+        raise UsageError(f"--instants must lie in [0, {T:g}], got {', '.join(f'{t:g}' for t in instants)}")
+    if options.scale <= 0:
+        raise UsageError(f"--scale must be a positive number, got {options.scale:g}")
+    if options.foundation is not None and case.solution.body.dim != 2:
+        raise UsageError("--foundation meshes foundations in the plane only; leave it out for a body in space")

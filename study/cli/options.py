@@ -19,13 +19,13 @@ OK, FAILED, USAGE, UNCLEAR, INTERRUPTED, CLOSED = 0, 1, 2, 3, 130, 141
 SCHEMES = ("backward-euler", "midpoint", "bdf2")
 FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
 MODES = ("frozen", "march")
-MINUTES = 60.0
-"""Default time in minutes during which ``study seeds`` measures new random meshes."""
 TOLERANCE = 1e-12
 """Default relative difference that ``study compare`` permits."""
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
 """Default relative and absolute differences that ``study check --again`` permits. They are larger than 1e-12, because
 on another processor numbers near round-off differ, and so do quotients of small numbers."""
+SEED_BITS = 62
+"""Number of bits of a random seed: so many that seeds do not repeat, and few enough for 64-bit integers."""
 CELLS = 20_000
 """Default largest number of cells of ``study bound --adapt``."""
 RESUMES = ("run", "controls", "seeds", "bound")
@@ -187,7 +187,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         out(),
     ]),
     "seeds": ("seeds", "estimate how often chance makes a check fail, on new random meshes", [
-        option("--minutes", type=_finite, default=MINUTES, metavar="M",
+        option("--minutes", type=_finite, default=60.0, metavar="M",
                within=Range(0, "0 or more (0 makes the table again from the record)"),
                help="time for new seeds (default 60; 0: only write the table again)"),
         option("--seeds", type=int, within=POSITIVE, metavar="N", help="largest number of new seeds"),
@@ -247,7 +247,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--steps", type=int, within=POSITIVE, metavar="N",
                help="number of time steps of --mode march (default: the level)"),
         option("--scale", type=_finite, default=1.0, metavar="S", help="factor of all loads (default 1)"),
-        option("--foundation", type=int, metavar="SEGMENTS",
+        option("--foundation", type=int, within=POSITIVE, metavar="SEGMENTS",
                help="also write a mesh of the foundation, with this number of segments"),
         out("tasks", "--to"),
     ]),

@@ -2,14 +2,13 @@
 
 import argparse
 import shutil
-from pathlib import Path
 
 from matplotlib import rcParams
 
 from study.cli.common import draw, tell_written
 from study.cli.options import OK
 from study.ledger.files import UsageError
-from study.present.drawing import Drawing, Output, in_style
+from study.present.drawing import Output, in_style
 from study.present.figures import drawings_of
 from study.present.report import write_report
 from study.present.tables import write_tables
@@ -44,11 +43,8 @@ def do_figures(options: argparse.Namespace) -> int:
         raise UsageError(f"--format pgf needs {latex}, which is not installed: install LaTeX, or choose another format")
     data = options.data or options.out
     read_provenance(data)
-
-    def chosen(_: Path) -> list[Drawing]:
-        found = drawings_of(data, options.case or (), options.only or (), options.use == "slides")
-        return [drawing for drawing in found if not (options.overview and drawing.case)]
-
     with Processes(options.jobs) as executor, Store(data).steady():
+        found = drawings_of(data, options.case or (), options.only or (), options.use == "slides")
+        chosen = [drawing for drawing in found if not (options.overview and drawing.case)]
         tell_written(draw(options.out, executor, chosen, output))
     return OK

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from study.cli.common import code_of, draw, known_undecided, progress_bar, tell_written
-from study.controls.contact_test import DEFECTS, contact_tests, write_contact_test
+from study.controls.contact_test import DEFECTS, contact_tests, defective, write_contact_test
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
@@ -59,7 +59,8 @@ def do_run(options: argparse.Namespace) -> int:
             verdicts = judge(store.directory)
             tables = write_tables(store.directory)
             # Figures of single cases are only drawn if the user has selected cases. For all cases they take too long.
-            drawn = draw(store.directory, processes, drawings if options.case else overview)
+            chosen = drawings(store.directory) if options.case else overview(store.directory)
+            drawn = draw(store.directory, processes, chosen)
     data = ["rates.csv", "equivalence.csv", "claims.csv", "cases.csv", *tested, "provenance.json", "pictures/"]
     print("\n" + folded(f"data: {store.data}/{', '.join(data)}"))
     tell_written([*tables, *drawn])
@@ -89,11 +90,11 @@ def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[s
     refuse_to_replace(plan, store.directory)
     store.check()
     tests = contact_tests(plan)
-    defective = [job for test in tests for defect in DEFECTS for job in test.defective(defect)]
-    with progress_bar(round(sum(job.cost for job in (*plan.jobs, *defective)))) as bar:
-        bar.set_description(f"{len(plan.jobs) + len(defective)} jobs")
+    repeated = [job for jobs in tests for defect in DEFECTS for job in defective(jobs, defect)]
+    jobs = *plan.jobs, *repeated
+    with progress_bar(round(sum(job.cost for job in jobs)), f"{len(jobs)} jobs") as bar:
         execute(plan.jobs, store, pool, bar.notify_after_stored())
-        execute(defective, store, own_processes, bar.notify_after_stored())
+        execute(repeated, store, own_processes, bar.notify_after_stored())
         written = write_contact_test(tests, store)
         collect(plan, store, written)
     return [path.name for path in written]

@@ -14,21 +14,18 @@ from pathlib import Path
 from tqdm import tqdm
 
 from study.cli.common import progress_bar
-from study.cli.options import FAILED, OK, UNCLEAR
-from study.controls.alarms import tally, text, verdict
+from study.cli.options import FAILED, OK, SEED_BITS, UNCLEAR
+from study.controls.alarms import tally, text
 from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
 from study.fem.naming import family_named
-from study.ledger.datafiles import write_csv
+from study.ledger.datafiles import AlarmSummary, write_csv
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute
 from study.run.judgement import collect, judge
 from study.run.plan import Plan
 from study.run.store import Store
-
-BITS = 62
-"""Number of bits of a seed: so many that seeds do not repeat, and few enough for 64-bit integers."""
 
 
 class TimeIsUpError(Exception):
@@ -80,7 +77,7 @@ def do_seeds(options: argparse.Namespace) -> int:
     table = tally(record)
     written = write_csv(options.out / "data" / "seeds.csv", table)
     print(f"\n{text(table)}\ndata: {written}, {written.parent}/seeds/")
-    return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[verdict(table)]
+    return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[AlarmSummary(table).verdict]
 
 
 def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
@@ -99,7 +96,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         record = Record.read(directory)
         draw = record.pending()
         if draw is None:
-            draw = Draw(secrets.randbits(BITS), LIGHT if (len(record.draws) + 1) % EVERY else WHOLE)
+            draw = Draw(secrets.randbits(SEED_BITS), LIGHT if (len(record.draws) + 1) % EVERY else WHOLE)
             # The seed is recorded before anything is measured, so that a seed with a bad result cannot be left out.
             record = record.drawn(draw.seed, draw.part)
             record.write(directory)
@@ -125,8 +122,7 @@ def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[
     Raises:
         TimeIsUpError: the time is over before all measurements are finished.
     """
-    with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
-        bar.set_description(name)
+    with progress_bar(round(sum(job.cost for job in plan.jobs)), name) as bar:
         execute(plan.jobs, store, pool, watch(bar, end))
         collect(plan, store)
     return [verdict for verdict in judge(store.directory) if verdict.verdict not in UNCLAIMED]

@@ -8,7 +8,7 @@ from study.cli.options import OK
 from study.fem.naming import resolve
 from study.ledger.files import UsageError
 from study.ledger.text import folded
-from study.present.show import NO_FFMPEG, count_images, draw_show, find_ffmpeg
+from study.present.show import NO_FFMPEG, draw_show, find_ffmpeg
 from study.run.showcase import LEVELS, STEPS, affordable_family, solve_showcase
 from study.run.store import Store
 
@@ -20,16 +20,15 @@ def do_show(options: argparse.Namespace) -> int:
     if options.mp4 and not find_ffmpeg():
         raise UsageError(f"--mp4: {NO_FFMPEG}")
     prove(case.solution, f"case {case.name}")
-    affordable_family(case, level)
+    family = affordable_family(case, level)
     directory = options.out / case.name
     with Store(directory, written=(".",)).locked():
-        with progress_bar(STEPS + 1) as bar:
-            bar.set_description(case.name)
-            solved = solve_showcase(case, level, directory, bar.update)
-        with progress_bar(count_images(solved.picture)) as bar:
-            bar.set_description("images")
-            shown = draw_show(solved.picture, solved.series, directory, bar.update)
-    tell_written(shown.written)
-    for line in shown.left_out:
+        with progress_bar(STEPS + 1, case.name) as bar:
+            record, series = solve_showcase(case, family, level, bar.update)
+        # There are a storyboard and a frame for each time.
+        with progress_bar(1 + len(record["times"]), "images") as bar:
+            written, left_out = draw_show(record, series, directory, bar.update)
+    tell_written(written)
+    for line in left_out:
         print(folded(f"left out: {line}"))
     return OK

@@ -26,7 +26,7 @@ from study.controls.record import Line, Record, RowKey, fingerprint, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.chance import PROMISE, interval, seeds_needed, tail
 from study.ledger.compare import difference
-from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, table_text
+from study.ledger.datafiles import ALL_ROWS, AlarmSummary, DataError, table_text
 from study.ledger.window import is_two_sided
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
@@ -80,11 +80,6 @@ class CountedCheck:
         ]
         return [row for row in found if np.isfinite(row.places[newest(record) :]).any()]
 
-    @property
-    def claimed(self) -> bool:
-        """Whether the check is claimed to hold on shaken meshes, whose vertices are moved at random."""
-        return claimed(self.key[0])
-
     def line(self, part: str) -> dict[str, object]:
         """Return the row of ``seeds.csv`` for this check: numbers of seeds and false alarms, and their rate.
 
@@ -92,7 +87,7 @@ class CountedCheck:
             part: LIGHT if the check is measured on each seed, WHOLE if it is only measured on every few seeds.
         """
         model = tail(self.places[np.isfinite(self.places)], self.both)
-        known = *self.key, self.rule, part, "yes" if self.claimed else "no"
+        known = *self.key, self.rule, part, "yes" if claimed(self.key[0]) else "no"
         return count_alarms(known, self.places[None, :], (model.model, model.fit, model.rate))
 
 
@@ -151,11 +146,6 @@ def newer(table: pd.DataFrame) -> pd.DataFrame:
     return table[(table["claimed"] == "yes") & (table["label"] != ALL_ROWS) & (table["since"] > first)]
 
 
-def verdict(table: pd.DataFrame) -> str:
-    """Return the verdict (holds, fails or undecided): is the rate of all claimed checks at most ``PROMISE``?"""
-    return alarm_summary(table).verdict
-
-
 def text(table: pd.DataFrame) -> str:
     """Return the text that ``study seeds`` prints.
 
@@ -181,7 +171,7 @@ def text(table: pd.DataFrame) -> str:
             tabulate(weak, ["check", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
             "",
             f"{len(newer(table))} checks were changed after the first seed; only later seeds count for them",
-            f"at most {PROMISE:.0%} of new seeds may cause a false alarm: {verdict(table)}",
+            f"at most {PROMISE:.0%} of new seeds may cause a false alarm: {AlarmSummary(table).verdict}",
             f"(judged by the count alone: {seeds_needed()} seeds without a false alarm are enough)",
         ]
     )

@@ -278,9 +278,8 @@ class TwoWays(Titled):
         setup = defect(experiment(resolve(self.case), "one-diagonal", self.level))
         line = measure(setup).row(self.case, "one-diagonal", self.level)
         again = {name: line[name] for name in (*RATES.key, "h")} | recompute(setup)
-        return Recomputed().judge(
-            joined(Recomputed(), {RATES: pd.DataFrame([line]), Recomputed.file: pd.DataFrame([again])})
-        )
+        tables = {RATES: pd.DataFrame([line]), Recomputed.file: pd.DataFrame([again])}
+        return Recomputed().judge(joined(Recomputed(), tables))
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ problems, and the penetration of the foundation between vertices. They fail with
 """
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -69,44 +69,32 @@ class DefectiveJob(Job):
             return super().run()
 
 
-@dataclass(frozen=True)
-class ContactTest:
-    """The measurements that show how well a user's case detects contact errors; they are repeated with each defect.
+def defective(jobs: Sequence[Job], defect: str) -> list[DefectiveJob]:
+    """Return the same measurements, to be made with the named defect."""
+    return [DefectiveJob(job.statement, job.setting, defect) for job in jobs]
 
-    Attributes:
-        reference: the case as FILE.py:NAME.
-        family: name of the mesh family.
-        jobs: the measurements (jobs) of the run that are repeated with each deliberate defect of the contact solver.
+
+def rows_of(jobs: Sequence[Job], store: Store) -> Iterator[Row]:
+    """Yield the rows of ``contact-test.csv`` for one case, a row for each defect.
+
+    Parameters:
+        jobs: the measurements of the case that were repeated with each defect, as ``contact_tests`` returns them.
+        store: has the results of all measurements.
     """
-
-    reference: str
-    family: str
-    jobs: tuple[Job, ...]
-
-    def defective(self, defect: str) -> list[DefectiveJob]:
-        """Return the measurements of this test, to be made with the named defect."""
-        return [DefectiveJob(job.statement, job.setting, defect) for job in self.jobs]
-
-    def rows(self, store: Store) -> list[Row]:
-        """Return the rows of ``contact-test.csv``, one for each defect, from the stored results of all measurements."""
-        sound = {name for name, verdict in verdicts(self.jobs, store).items() if verdict.verdict == HOLDS}
-        found: list[Row] = []
-        for defect, (what, _) in DEFECTS.items():
-            after = verdicts(self.defective(defect), store)
-            noticed = sorted(name for name in sound if name not in after or after[name].verdict != HOLDS)
-            found.append(
-                {
-                    "case": resolve(self.reference).name,
-                    "family": self.family,
-                    "levels": " ".join(map(str, sorted({job.setting.level for job in self.jobs}))),
-                    "defect": defect,
-                    "what": what,
-                    "holding": len(sound),
-                    "noticed": len(noticed),
-                    "noticed_by": "; ".join(noticed),
-                }
-            )
-        return found
+    sound = {name for name, verdict in verdicts(jobs, store).items() if verdict.verdict == HOLDS}
+    for defect, (what, _) in DEFECTS.items():
+        after = verdicts(defective(jobs, defect), store)
+        noticed = sorted(name for name in sound if name not in after or after[name].verdict != HOLDS)
+        yield {
+            "case": resolve(jobs[0].setting.case).name,
+            "family": jobs[0].setting.family,
+            "levels": " ".join(map(str, sorted({job.setting.level for job in jobs}))),
+            "defect": defect,
+            "what": what,
+            "holding": len(sound),
+            "noticed": len(noticed),
+            "noticed_by": "; ".join(noticed),
+        }
 
 
 def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
@@ -122,11 +110,12 @@ def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
     return {f"{one.label}, {one.key}": one for one in found if one.key not in OF_THE_PROGRAM}
 
 
-def contact_tests(plan: Plan) -> list[ContactTest]:
-    """Return one test for each user's case in a plan, if contact occurs in its exact solution.
+def contact_tests(plan: Plan) -> list[list[Job]]:
+    """Return one list of measurements for each user's case in a plan, if contact occurs in its exact solution.
 
-    A test has the measurements of its case on the finest levels of one mesh family that is not random. The number of
-    levels is the smallest that suffices for a verdict on an observed order.
+    These measurements show how well the case detects contact errors; they are repeated with each defect. They are the
+    measurements of the case on the finest levels of one mesh family that is not random. The number of levels is the
+    smallest that suffices for a verdict on an observed order.
     """
     found = []
     for reference in plan.scope.cases:
@@ -140,13 +129,12 @@ def contact_tests(plan: Plan) -> list[ContactTest]:
                 and (job.setting.case, job.setting.family) == place
                 and job.setting.level in levels[-least_levels(case.proposition) :]
             ]
-            found.append(ContactTest(*place, tuple(jobs)))
+            found.append(jobs)
     return found
 
 
-def write_contact_test(tests: Sequence[ContactTest], store: Store) -> list[Path]:
+def write_contact_test(tests: Sequence[Sequence[Job]], store: Store) -> list[Path]:
     """Write ``contact-test.csv`` from stored results; return its path in a list, which is empty without tests."""
-    path = store.data / FILE
-    if tests:
-        write_csv(path, pd.DataFrame([row for test in tests for row in test.rows(store)]))
-    return [path] if tests else []
+    if not tests:
+        return []
+    return [write_csv(store.data / FILE, pd.DataFrame([row for jobs in tests for row in rows_of(jobs, store)]))]

@@ -980,11 +980,8 @@ def always_steps(most: int) -> Replacement:
     Args:
         most: number of time steps of the other solution.
     """
-    return lambda path: (
-        lambda problem, scheme, steps: (
-            path(problem, scheme, most)[::2] if 2 * steps == most else path(problem, scheme, steps)
-        )
-    )
+    copied: Replacement = lambda path: lambda problem, scheme, _: path(problem, scheme, most)[::2]  # noqa: E731
+    return where(lambda problem, scheme, steps: 2 * steps == most, copied)
 
 
 near_vertices = arguments(lambda x, last: (x + 4.0**-last / 8, last))

@@ -6,7 +6,7 @@ solver, and cases in 3D. They are made only for every ``EVERY``-th seed. So some
 others.
 """
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 
 from manufactured.case import Case
 from study.fem.mesh import MeshFamily, Shaken
@@ -74,7 +74,7 @@ def seeded(seed: int, part: str = WHOLE) -> Plan:
         part: WHOLE for all measurements, LIGHT for the cheap ones.
     """
     base = replace(quick(), rough=full().rough, command="study seeds")
-    scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
+    scope = SeededScope(**vars(base), seed=seed)
     jobs = [
         Job(statement, setting)
         for statement in STATEMENTS

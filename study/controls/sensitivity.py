@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import Executor, as_completed
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -24,10 +24,10 @@ from threadpoolctl import threadpool_limits
 from study.controls.baselines import experiment
 from study.controls.small_defects import DEFECTS, START, SmallDefect
 from study.fem.naming import resolve
-from study.ledger.datafiles import CsvFile, Row
+from study.ledger.datafiles import Row
 from study.ledger.verdict import FAILS
 from study.statements.recomputed import TRAJECTORIES, Recomputed, gaps
-from study.statements.recomputed_solver import PlainProblem, Trajectory
+from study.statements.recomputed_solver import PlainProblem
 from study.statements.shared.base import Setting, grid
 from study.statements.shared.experiment import Experiment
 
@@ -40,12 +40,9 @@ FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 LEVEL = 8
 """The coarsest level on which the study compares its displacements with those of the second solver."""
 PLACES = grid(CASES, FAMILIES, (LEVEL,))
-SENSITIVITY = CsvFile(
-    "sensitivity.csv", ("defect", "case", "family"), ("defect", "case", "family", "level", "amount", "seen_by")
-)
+COLUMNS = ["defect", "case", "family", "level", "amount", "seen_by"]
 
 
-@dataclass(frozen=True, eq=False)
 class Place:
     """The solver of the study and a second, independent solver for one case on one mesh.
 
@@ -57,19 +54,13 @@ class Place:
         alike: displacements over time by the second solver, with the load of the study.
     """
 
-    setting: Setting
-    setup: Experiment
-    plain: PlainProblem
-    course: Trajectory
-    alike: Trajectory
-
-    @classmethod
-    def of(cls, setting: Setting) -> Place:
-        """Return both solvers on a mesh. Their loads are cached, because all defects need the same loads."""
+    def __init__(self, setting: Setting) -> None:
         setup = experiment(resolve(setting.case), setting.family, setting.level)
-        setup = replace(setup, problem=replace(setup.problem, load=cache(setup.problem.load)))
-        plain = PlainProblem(setup.solution, setup.space.mesh)
-        return cls(setting, setup, plain, *plain.trajectories(2 * setup.steps, plain.load, setup.problem.load))
+        # The loads are cached, because all defects need the same loads.
+        load = cache(setup.problem.load)
+        self.setting, self.setup = setting, replace(setup, problem=replace(setup.problem, load=load))
+        self.plain = PlainProblem(setup.solution, setup.space.mesh)
+        self.course, self.alike = self.plain.trajectories(2 * setup.steps, self.plain.load, load)
 
     def failing(self, setup: Experiment) -> list[str]:
         """Return the keys of the checks that fail if the study solves the given experiment, which may have a defect."""
@@ -104,7 +95,7 @@ def lines(setting: Setting) -> list[Row]:
     A defect that multiplies the initial displacement is left out if the initial displacement is zero.
     """
     with threadpool_limits(1):
-        place = Place.of(setting)
+        place = Place(setting)
         chosen = [name for name in DEFECTS if name != START or place.setup.problem.u0.any()]
         found = [(name, *place.smallest(DEFECTS[name])) for name in chosen]
     return [{**vars(setting), "defect": name, "amount": amount, "seen_by": row} for name, amount, row in found]
@@ -120,7 +111,7 @@ def run_sensitivity(executor: Executor, notify: Callable[[], object]) -> pd.Data
     waiting = [executor.submit(lines, setting) for setting in PLACES]
     for _ in as_completed(waiting):
         notify()
-    return pd.DataFrame([row for future in waiting for row in future.result()], columns=list(SENSITIVITY.columns))
+    return pd.DataFrame([row for future in waiting for row in future.result()], columns=COLUMNS)
 
 
 def sensitivity_text(table: pd.DataFrame) -> str:

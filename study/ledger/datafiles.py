@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, fields
 from io import BytesIO
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -317,7 +317,7 @@ def count_caught(controls: pd.DataFrame) -> tuple[int, int]:
     return int((injected["caught"] == "yes").sum()), len(injected)
 
 
-class AlarmSummary(NamedTuple):
+class AlarmSummary:
     """The false-alarm rate of all checks about which something is claimed, from meshes with random vertices.
 
     Attributes:
@@ -331,32 +331,17 @@ class AlarmSummary(NamedTuple):
         verdict: whether the rate is at most the permitted one: holds, fails or undecided. Only counts decide.
     """
 
-    rows: int
-    seeds: int
-    red: int
-    low: float
-    high: float
-    by_tail: float
-    light_seeds: int
-    light_red: int
-    verdict: str
-
-
-def alarm_summary(seeds: pd.DataFrame) -> AlarmSummary:
-    """Return the false-alarm rate of all claimed checks from the table ``seeds.csv``.
-
-    Raises:
-        DataError: the table has no rows about all checks together.
-    """
-    together = seeds[seeds["label"] == ALL_ROWS].set_index("key")
-    if not {"every", "light"} <= set(together.index):
-        raise DataError("seeds.csv lacks the rows about all claimed checks: make it again with `study seeds`")
-    every, light = together.loc["every"], together.loc["light"]
-    low, high, by_tail = (float(every[name]) for name in ("rate_low", "rate_high", "rate_tail"))
-    rows = int((seeds["claimed"] == "yes").sum()) - len(together)
-    counts = (int(line[name]) for line in (every, light) for name in ("seeds", "alarms"))
-    whole, red, on_each, light_red = counts
-    return AlarmSummary(rows, whole, red, low, high, by_tail, on_each, light_red, promise_verdict(low, high))
+    def __init__(self, table: pd.DataFrame) -> None:
+        """Read the rate from the table ``seeds.csv``; raise DataError if it has no rows about all checks together."""
+        together = table[table["label"] == ALL_ROWS].set_index("key")
+        if not {"every", "light"} <= set(together.index):
+            raise DataError("seeds.csv lacks the rows about all claimed checks: make it again with `study seeds`")
+        every, light = together.loc["every"], together.loc["light"]
+        self.rows = int((table["claimed"] == "yes").sum()) - len(together)
+        self.seeds, self.red = int(every["seeds"]), int(every["alarms"])
+        self.low, self.high, self.by_tail = (float(every[name]) for name in ("rate_low", "rate_high", "rate_tail"))
+        self.light_seeds, self.light_red = int(light["seeds"]), int(light["alarms"])
+        self.verdict = promise_verdict(self.low, self.high)
 
 
 def read_claims(directory: Path) -> pd.DataFrame:
@@ -368,10 +353,9 @@ def read_claims(directory: Path) -> pd.DataFrame:
     claims = read_csv(directory, "claims.csv", LEDGER)
     unknown = sorted(set(claims["verdict"]) - set(VERDICTS))
     if unknown:
-        path = directory / "data" / "claims.csv"
         raise DataError(
-            f"{path} has the verdicts {', '.join(unknown)}, expected {', '.join(VERDICTS)}: "
-            f"make it again with `study tables --out {directory}`"
+            f"{directory / 'data' / 'claims.csv'} has the verdicts {', '.join(unknown)}, expected "
+            f"{', '.join(VERDICTS)}: make it again with `study tables --out {directory}`"
         )
     return claims
 

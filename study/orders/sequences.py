@@ -397,27 +397,23 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     """Return the diagnosis of errors that decrease up to the finest mesh."""
     first, verdict = _judge(h, e, expectation)
     orders, used = consecutive_orders(h, e), consecutive_orders(h[first:], e[first:])
+    tolerance = expectation.tolerance
     previous, last = orders[-2:]
     falls = len(orders) > 2 and last < previous < orders[-3]
     slowing = falls and previous - last < 0.8 * (orders[-3] - previous)
-    kind, sentence = (
-        "converges",
-        f"converges with order {fitted_order(h[first:], e[first:])[0]:.2f} (orders {_text(used)})",
-    )
-    if (odd := _odd_row(h, e, expectation.tolerance)) is not None:
+    drops = len(orders) > 2 and last < previous - 2 * tolerance and previous > orders[-3] - tolerance
+    kind = "converges"
+    sentence = f"converges with order {fitted_order(h[first:], e[first:])[0]:.2f} (orders {_text(used)})"
+    if (odd := _odd_row(h, e, tolerance)) is not None:
         without = _text(consecutive_orders(np.delete(h, odd), np.delete(e, odd)))
         kind = "pre-asymptotic"
         sentence = f"the error for h = {h[odd]:.5g} does not fit: orders {_text(orders)}, without it {without}"
-    elif (
-        len(orders) > 2
-        and last < previous - 2 * expectation.tolerance
-        and previous > orders[-3] - expectation.tolerance
-    ):
+    elif drops:
         kind = "orders falling"
         sentence = f"the order drops on the finest mesh: {_text(orders)}; another error may dominate there"
     elif falls and not slowing and orders[-3] - last > 0.04:
         kind, sentence = "orders falling", f"orders fall from mesh to mesh: {_text(orders)}"
-    elif abs(last - previous) > 2 * expectation.tolerance:
+    elif abs(last - previous) > 2 * tolerance:
         word = "orders rising" if last > previous else "orders not settled"
         kind, sentence = "pre-asymptotic", f"pre-asymptotic, {word}: {_text(orders)}; take finer meshes"
     equal = np.flatnonzero(np.diff(e) == 0)

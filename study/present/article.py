@@ -12,8 +12,8 @@ import pandas as pd
 
 from study.ledger.chance import PROMISE
 from study.ledger.datafiles import (
+    AlarmSummary,
     DataError,
-    alarm_summary,
     by_claim,
     count_caught,
     count_kinds,
@@ -153,7 +153,7 @@ def _counts_of_checks(data: FullRun) -> dict[str, object]:
     """Return the numbers of verdicts, of noticed deliberate defects, and of false alarms on random meshes."""
     kinds, names = count_kinds(data.claims), data.claims.apply(account, axis=1)
     orders = data.claims[(data.claims["verdict"] == HOLDS) & (data.claims.apply(kind, axis=1) == ORDER)]
-    (found, injected), alarms = count_caught(data.controls), alarm_summary(data.seeds)
+    (found, injected), alarms = count_caught(data.controls), AlarmSummary(data.seeds)
     return {
         "ledgerRows": len(data.claims),
         "ledgerStatements": len(list(by_claim(data.claims))),
@@ -544,10 +544,8 @@ def _range(row: pd.Series) -> str:
 
 def _regularity(data: FullRun, case: object) -> str:
     """Return the regularity of the solution of a case, shortened for a narrow column."""
-    text = str(data.cases.loc[str(case), "regularity"])
-    return encode_letters(
-        text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", ")
-    )
+    text = str(data.cases.loc[str(case), "regularity"]).replace("strain with a jump inside cells", "jump inside cells")
+    return encode_letters(text.replace(" front, ", ", "))
 
 
 def _number(value: float, rounding: Callable[[float, int], str] | None = None, digits: int = 3) -> str:

@@ -1,10 +1,7 @@
 """Functions that draw a deforming body on its foundation: projection, scales, and the figure of several times."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,8 +15,9 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
+from manufactured.colours import BLACK, BLUE, VERMILLION
 from study.present.drawing import caption, column_width, dots, entry, is_slide, legend
-from study.present.palette import BLACK, BLUE, FOUNDATION, FOUNDATION_EDGE, OUTLINE, RAMPS, VERMILLION
+from study.present.palette import FOUNDATION, FOUNDATION_EDGE, OUTLINE, RAMPS
 from study.present.picture import Array, Picture, Segment
 
 DISPLACEMENT = 0.12
@@ -118,9 +116,10 @@ def drawing_order(view: Array, x: Array, cells: NDArray[np.int64], shades: NDArr
     return facing[np.argsort(depth[facing], kind="stable")]
 
 
-@dataclass(frozen=True, eq=False)
 class BodyScale:
     """The projection and the scales with which all times of a run are drawn.
+
+    The limits leave room for the body at all drawn times and for the longest arrows.
 
     Attributes:
         view: the projection, (d, d), from ``view_of``.
@@ -129,51 +128,27 @@ class BodyScale:
         limits: the horizontal and vertical limits of the drawing, (2, 2), a row for each direction.
         pressure, gap: the largest contact pressure and the largest gap at the drawn times.
         stress: the upper limit of the colour scale of the stress.
+        aspect: the height of the drawing divided by its width.
+        stress_colours: the colour map of stresses, with colours at the positions that ``shade`` returns.
+        pressure_colours: the colour map of pressures, from 0 to the largest pressure.
     """
 
-    view: Array
-    size: float
-    magnification: float
-    limits: Array
-    pressure: float
-    gap: float
-    stress: float
-
-    @classmethod
-    def of(cls, picture: Picture) -> BodyScale:
-        """Return the scales of a run, with limits for the body at all drawn times and for the longest arrows."""
-        view = view_of(picture)
-        at, faces = picture.shown, picture.faces
-        factor = magnification(picture.vertices, picture.displacement[at])
-        points = [picture.vertices, *(picture.vertices + factor * picture.displacement[at])]
-        points += [face.x + ARROW * picture.size * face.normal[:, None] for face in picture.segments]
-        drawn = view[:2] @ np.hstack(points)
-        margin = 0.02 * picture.size * np.array([-1, 1])
-        stresses = picture.von_mises[at]
-        return cls(
-            view=view,
-            size=picture.size,
-            magnification=factor,
-            limits=np.column_stack([drawn.min(axis=1), drawn.max(axis=1)]) + margin,
-            pressure=max((float(face.pressure[at].max()) for face in faces), default=0.0),
-            gap=max((float(face.gap[at].max()) for face in faces), default=0.0),
-            stress=float(np.quantile(stresses, BRIGHTEST)) or float(np.max(stresses)) or 1.0,
-        )
-
-    @property
-    def aspect(self) -> float:
-        """The height of the drawing divided by its width."""
-        return float(np.ptp(self.limits[1]) / np.ptp(self.limits[0]))
-
-    @property
-    def stress_colours(self) -> ScalarMappable:
-        """The colour map of stresses, with colours at the positions that ``shade`` returns."""
-        return ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", SHADES))
-
-    @property
-    def pressure_colours(self) -> ScalarMappable:
-        """The colour map of pressures, from 0 to the largest pressure."""
-        return ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
+    def __init__(self, picture: Picture) -> None:
+        at, faces, stresses = picture.shown, picture.faces, picture.von_mises[picture.shown]
+        self.view = view_of(picture)
+        self.size = picture.size
+        self.magnification = magnification(picture.vertices, picture.displacement[at])
+        points = [picture.vertices, *(picture.vertices + self.magnification * picture.displacement[at])]
+        points += [face.x + ARROW * self.size * face.normal[:, None] for face in picture.segments]
+        drawn = self.view[:2] @ np.hstack(points)
+        margin = 0.02 * self.size * np.array([-1, 1])
+        self.limits = np.column_stack([drawn.min(axis=1), drawn.max(axis=1)]) + margin
+        self.pressure = max((float(face.pressure[at].max()) for face in faces), default=0.0)
+        self.gap = max((float(face.gap[at].max()) for face in faces), default=0.0)
+        self.stress = float(np.quantile(stresses, BRIGHTEST)) or float(np.max(stresses)) or 1.0
+        self.aspect = float(np.ptp(self.limits[1]) / np.ptp(self.limits[0]))
+        self.stress_colours = ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", SHADES))
+        self.pressure_colours = ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
 
 
 def draw_deformed_mesh(axes: Axes, picture: Picture, instant: int, scale: BodyScale, width: float) -> None:
@@ -284,7 +259,7 @@ def draw_shapes(
         columns: the number of columns of the legend.
         layout: place and size of the colour bars, as keyword arguments of ``Figure.colorbar``.
     """
-    scale = BodyScale.of(picture)
+    scale = BodyScale(picture)
     for axes, instant in zip(panels, picture.shown, strict=True):
         draw_deformed_mesh(axes, picture, instant, scale, width)
         axes.set_title(picture.clock(instant))
@@ -338,7 +313,7 @@ def draw_body(picture: Picture) -> Figure:
     foundation. In 3D, the body is seen through its foundation, and the colours of contact faces show the pressure.
     """
     count, bars = len(picture.shown), 2 if picture.polygons else 1
-    aspect = BodyScale.of(picture).aspect
+    aspect = BodyScale(picture).aspect
     figure = Figure(figsize=(column_width(), 0.7 + 0.45 * bars + (column_width() - 0.1) / count * aspect))
     panels = figure.subplots(1, count, squeeze=False)[0]
     layout: dict[str, Any] = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.7, "pad": 0.02}
@@ -350,7 +325,7 @@ def draw_body(picture: Picture) -> Figure:
 
 def caption_body(picture: Picture) -> str:
     """Return the caption of ``draw_body``."""
-    scale, stresses = BodyScale.of(picture), picture.von_mises.max(axis=1)
+    scale, stresses = BodyScale(picture), picture.von_mises.max(axis=1)
     worst = max(picture.shown, key=lambda instant: float(stresses[instant]))
     touching = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.shown]
     return caption(

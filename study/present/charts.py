@@ -23,30 +23,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, MaxNLocator, NullFormatter
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, VERMILLION
 from study.ledger.codes import GRADES, Codes
-from study.ledger.orders import RatesError, fit, orders
+from study.ledger.criterion import by_family
+from study.ledger.orders import Array, RatesError, fit, orders
 from study.ledger.text import above, below, interval
 from study.present.drawing import caption, column_width, entry, is_slide, legend, mathtext, page_width
 from study.present.notation import counted
-from study.present.palette import (
-    BLACK,
-    BLUE,
-    COLOURS,
-    DARK,
-    GREEN,
-    GREY,
-    ORANGE,
-    OUTLINE,
-    TRIANGLE,
-    VERMILLION,
-    Stroke,
-    Style,
-    family_styles,
-)
+from study.present.palette import COLOURS, OUTLINE, TRIANGLE, Stroke, Style, family_styles
 
-Array = NDArray[np.float64]
 MARGIN = 0.06
 """The free space at each end of an axis, as a fraction of the range of the data."""
 MOST_TICKS = 7
@@ -325,12 +312,6 @@ ORDER_ROOM = 0.15
 """Observed orders may be smaller than the proved order by this number, as in the checks of Proposition 5.4."""
 
 
-def by_family(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Yield each mesh family with its rows of ``rates``, sorted from the coarsest level to the finest."""
-    for family, rows in rates.groupby("family", sort=False):
-        yield str(family), rows.sort_values("level")
-
-
 def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
     """Return mesh family ↦ observed order of the error between the finest mesh and a coarser mesh.
 
@@ -343,7 +324,7 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
         refinements: the number of refinements between the two meshes; less if there are fewer levels.
     """
     found = {}
-    for family, rows in by_family(rates):
+    for family, rows in by_family(rates).items():
         ends = rows.tail(refinements + 1).iloc[[0, -1]]
         if len(rows) > 1:
             with suppress(RatesError):
@@ -406,7 +387,7 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
     rates = rates.assign(in_time=rates["time_share"] * rates["error"])
     styles = family_styles(rates["family"])
     errors, parts = _error_curves(rates, styles), []
-    for family, rows in by_family(rates):
+    for family, rows in by_family(rates).items():
         style = styles[family]
         parts.append(Curve.of(rows, "in_time", Style(style.colour, stroke="dotted")))
         parts.append(Curve.of(rows, "discrete_error", Style(style.colour, style.marker, "dashed", True)))
@@ -422,7 +403,7 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
         ("share of time discretisation", Style(DARK, stroke="dotted")),
     ]
 
-    finest = [rows.iloc[-1] for _, rows in by_family(rates)]
+    finest = [rows.iloc[-1] for rows in by_family(rates).values()]
     last, graded = last_orders(rates)
     closer = [row["error"] / row["discrete_error"] for row in finest if row["discrete_error"] > 0]
     seen = []
@@ -440,7 +421,7 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
 
 
 def _error_curves(rates: pd.DataFrame, styles: Mapping[str, Style]) -> list[Curve]:
-    return [Curve.of(rows, "error", styles[family]) for family, rows in by_family(rates)]
+    return [Curve.of(rows, "error", styles[family]) for family, rows in by_family(rates).items()]
 
 
 def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
@@ -557,7 +538,7 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
     """
     styles = family_styles(rates["family"])
     scaled, relative, last = [], [], dict[str, list[float]]()
-    for (_, family), rows in rates.sort_values("level").groupby(["case", "family"], sort=False):
+    for (_, family), rows in rates.sort_values("level", kind="stable").groupby(["case", "family"], sort=False):
         h, finest = rows["h"].to_numpy(), rows.iloc[-1]
         errors = rows["error"].to_numpy() * finest["h"] / finest["predicted_interpolation"]
         scaled.append(Curve(h, errors, styles[str(family)]))

@@ -16,9 +16,10 @@ from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
+from manufactured.colours import BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION
 from study.present.body import ROUND_OFF, ramp
 from study.present.drawing import caption, column_width, dots, entry, is_slide, legend
-from study.present.palette import BLACK, BLUE, GREEN, GREY, PURPLE, RIM, SKY, SURFACE, VERMILLION
+from study.present.palette import RIM, SURFACE
 from study.present.picture import Array, Picture, Polygon, Segment, caps, misplaced_length, strands
 
 MOST_TIMES, MOST_MARKERS = 40, 24

@@ -17,10 +17,11 @@ from matplotlib.backends.backend_pgf import LatexError
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from manufactured.colours import BLACK
 from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError, write_text, write_whole
 from study.present.notation import encode, read_page
-from study.present.palette import BLACK, COLOURS
+from study.present.palette import COLOURS
 
 STYLES = Path(__file__).parent
 """The folder of the Matplotlib style files.
@@ -32,9 +33,6 @@ SEEN = "What to see: "
 """The words in a caption that are followed by the main point of the figure."""
 SHEET = 6
 """The largest number of subplots that can be read on a slide."""
-
-Progress = Callable[[int, int, str], None]
-"""Function that is called after each figure with the number of finished figures, their total, and the name."""
 
 
 @dataclass(frozen=True)
@@ -183,29 +181,28 @@ def mathtext(text: str) -> str:
 
 def draw_figures(
     directory: Path,
-    choose: Callable[[Path], list[Drawing]],
+    chosen: Sequence[Drawing],
     run_map: Callable[..., Iterable[list[Path]]] = map,
-    progress: Progress = lambda done, total, name: None,
+    progress: Callable[[int, int, str], None] = lambda done, total, name: None,
     output: Output = ARTICLE,
 ) -> list[Path]:
     """Draw figures into ``output.folder(directory)``, with captions and alternative texts in txt files.
 
     Parameters:
         directory: directory of a run.
-        choose: function that returns the figures of a directory, such as ``drawings`` and ``overview`` in
-            ``study.present.figures``.
+        chosen: the figures.
         run_map: ``map``, or the method ``map`` of an executor, which draws several figures at a time.
-        progress: function that is called after each figure.
+        progress: function that is called after each figure with the number of finished figures, their total, and the
+            name of the figure.
         output: use, formats and style.
 
     Returns:
         The paths of the files.
 
     Raises:
-        DataError: a data file is missing or damaged; then nothing is drawn.
+        DataError: a name from the data would write a figure into another directory.
         UsageError: the style file cannot be used, or pgf is wanted without LaTeX.
     """
-    chosen = choose(directory)
     written: list[Path] = []
     drawn = run_map(partial(draw_one, output.folder(directory), output=output), chosen)
     for done, paths in enumerate(drawn, start=1):
@@ -264,7 +261,5 @@ def caption(name: str, /, **values: object) -> str:
 
 def caption_text(drawing: Drawing) -> str:
     """Return the text of the file with the caption and the alternative text of a figure."""
-    return (
-        "\n\n".join(textwrap.fill(text, 100) for text in (drawing.caption, f"Alternative text: {drawing.alternative}"))
-        + "\n"
-    )
+    texts = drawing.caption, f"Alternative text: {drawing.alternative}"
+    return "\n\n".join(textwrap.fill(text, 100) for text in texts) + "\n"

@@ -19,16 +19,17 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
+from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, VERMILLION
 from study.ledger.codes import Codes
 from study.ledger.datafiles import expected_orders, read_csv, read_rates, read_table
 from study.ledger.files import UsageError
 from study.present import body, charts, contact
 from study.present.body import GAP
-from study.present.charts import Array, Chart, draw_chart
+from study.present.charts import Chart, draw_chart
 from study.present.drawing import SHEET, Drawing, caption, column_width, dots, entry, is_slide, legend, page_width
 from study.present.notation import counted
-from study.present.palette import BLACK, BLUE, DARK, FOUNDATION, FOUNDATION_EDGE, GREEN, GREY, RAMPS, VERMILLION, Style
-from study.present.picture import Picture, read_pictures
+from study.present.palette import FOUNDATION, FOUNDATION_EDGE, RAMPS, Style
+from study.present.picture import Array, Picture, read_pictures
 
 PICTURES: dict[str, tuple[Callable[[Picture], Figure], Callable[[Picture], str], str]] = {
     "body": (body.draw_body, body.caption_body, "The deformed body on its foundation, with stresses and contact"),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,6 @@ NAMED_CASES = {"advance-recede", "natural-front", "rough-trace", "moving-rough",
 """The cases that the papers name. If a run lacks one of them, the papers are not made from it."""
 
 
-@dataclass(frozen=True)
 class FullRun:
     """The contents of the data files of a full run; ``cases`` is indexed by the names of the cases.
 
@@ -30,21 +28,30 @@ class FullRun:
     rule in time. ``sensitivity`` has the smallest noticed defects. ``earlier`` has the tolerance windows of the first
     round of measurements and ``released`` those of the last release. These attributes are None if their files are
     missing.
+
+    Parameters:
+        directory: the result directory.
+        provenance, cases: the contents of ``provenance.json`` and of ``cases.csv``.
+
+    Raises:
+        DataError: a file is missing or lacks a column.
     """
 
-    rates: pd.DataFrame
-    claims: pd.DataFrame
-    cases: pd.DataFrame
-    bounds: pd.DataFrame
-    equivalence: pd.DataFrame
-    controls: pd.DataFrame
-    seeds: pd.DataFrame
-    provenance: dict[str, Any]
-    codes: Codes | None
-    marches: Codes | None
-    sensitivity: pd.DataFrame | None
-    earlier: pd.DataFrame | None
-    released: pd.DataFrame | None
+    def __init__(self, directory: Path, provenance: dict[str, Any], cases: pd.DataFrame) -> None:
+        file = "sensitivity.csv"
+        self.rates = read_rates(directory)
+        self.claims = read_claims(directory)
+        self.cases = cases.set_index("case", drop=False).rename_axis(None)
+        self.bounds = read_csv(directory, "bounds.csv", BOUNDS)
+        self.equivalence = read_csv(directory, "equivalence.csv", EQUIVALENCE)
+        self.controls = read_csv(directory, "controls.csv", CONTROLS)
+        self.seeds = read_csv(directory, "seeds.csv", SEEDS)
+        self.provenance = provenance
+        self.codes = Codes.read(directory)
+        self.marches = Codes.read(directory, MARCHES)
+        self.sensitivity = read_csv(directory, file, SENSITIVITY) if (directory / "data" / file).is_file() else None
+        self.earlier = earlier(directory)
+        self.released = earlier(directory, RELEASED)
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:
@@ -57,25 +64,9 @@ class FullRun:
         if not all(path.is_file() for path in needed):
             return None
         made = json.loads(needed[0].read_text(encoding="utf-8"))
-        cases = read_csv(directory, "cases.csv", CASES).set_index("case", drop=False).rename_axis(None)
-        if made.get("plan") != "full" or not set(cases["case"]) >= NAMED_CASES:
-            return None
-        file = "sensitivity.csv"
-        return cls(
-            rates=read_rates(directory),
-            claims=read_claims(directory),
-            cases=cases,
-            bounds=read_csv(directory, "bounds.csv", BOUNDS),
-            equivalence=read_csv(directory, "equivalence.csv", EQUIVALENCE),
-            controls=read_csv(directory, "controls.csv", CONTROLS),
-            seeds=read_csv(directory, "seeds.csv", SEEDS),
-            provenance=made,
-            codes=Codes.read(directory),
-            marches=Codes.read(directory, MARCHES),
-            sensitivity=read_csv(directory, file, SENSITIVITY) if (directory / "data" / file).is_file() else None,
-            earlier=earlier(directory),
-            released=earlier(directory, RELEASED),
-        )
+        cases = read_csv(directory, "cases.csv", CASES)
+        is_full = made.get("plan") == "full" and set(cases["case"]) >= NAMED_CASES
+        return cls(directory, made, cases) if is_full else None
 
     def rows(self, label: str, key: str, case: str | None = None) -> pd.DataFrame:
         """Return the rows of the ledger with a label and a key, of all cases or of one case.

@@ -8,17 +8,17 @@ import re
 import sys
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from manufactured.colours import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.fem.mesh import FAMILIES
 from study.ledger.chance import PROMISE, seeds_needed
 from study.ledger.codes import MADE, Codes
-from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_kinds, count_verdicts
+from study.ledger.datafiles import AlarmSummary, DataError, by_claim, count_caught, count_kinds, count_verdicts
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.text import above, below, cell, up
@@ -43,7 +43,6 @@ from study.present.drawing import caption_text, in_style
 from study.present.figures import drawings
 from study.present.full_run import FullRun
 from study.present.notation import counted, read_page, typeset
-from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import Picture, picture_path, read_record
 from study.present.report import PAGES
 from study.present.show import write_gif
@@ -70,9 +69,9 @@ def main() -> None:
     data = FullRun.read(directory)
     if data is None:
         raise DataError(f"{directory} has no full run: `make full`, `make controls` and `make seeds` make it")
-    picture = Picture.of(read_record(picture_path(directory, FILM)))
+    picture = Picture(read_record(picture_path(directory, FILM)))
     # Every second time is enough, and keeps the file below 120 kB.
-    picture = replace(picture, shown=range(0, len(picture.times), 2))
+    picture = picture.showing(range(0, len(picture.times), 2))
     with in_style():
         write_gif(directory / "figures" / f"{FILM}.gif", picture, lambda: None, FILM_DPI, FILM_COLOURS)
     for name, svg in badges(data, Path("pyproject.toml")).items():
@@ -255,7 +254,7 @@ def _beyond(data: FullRun) -> dict[str, Any]:
 
 def _alarms(data: FullRun) -> dict[str, Any]:
     """Return the values in the texts on noticed deliberate defects, and on false alarms on random meshes."""
-    (caught, injected), alarms = count_caught(data.controls), alarm_summary(data.seeds)
+    (caught, injected), alarms = count_caught(data.controls), AlarmSummary(data.seeds)
     by_tail = (
         f"a model of the distributions of all checks, which judges nothing, gives at most {100 * alarms.by_tail:.2f} %"
     )

@@ -8,15 +8,7 @@ from dataclasses import dataclass
 from itertools import cycle
 from typing import Literal
 
-from manufactured.colours import BLACK as BLACK
-from manufactured.colours import BLUE as BLUE
-from manufactured.colours import DARK as DARK
-from manufactured.colours import GREEN as GREEN
-from manufactured.colours import GREY as GREY
-from manufactured.colours import ORANGE as ORANGE
-from manufactured.colours import PURPLE as PURPLE
-from manufactured.colours import SKY as SKY
-from manufactured.colours import VERMILLION as VERMILLION
+from manufactured.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILLION
 
 OUTLINE, RIM, SURFACE = "0.35", "0.4", "0.6"
 FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"

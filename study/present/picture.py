@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from copy import copy
+from dataclasses import dataclass, fields
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -164,9 +165,11 @@ class Energy:
         return float(max(abs(values).max() for values in terms)) or 1.0
 
 
-@dataclass(frozen=True, eq=False)
 class Picture:
     """The data of one run: mesh, displacement, stress, contact faces and energy over time.
+
+    Parameters:
+        record: the content of the JSON file of the run.
 
     Attributes:
         case, family, level: the case, the mesh family and the level of the mesh.
@@ -179,48 +182,31 @@ class Picture:
         shown: the indices of the times at which figures show the body.
         faces: the contact faces.
         energy: the energy balance.
+        size: the longest side of the box around the undeformed body.
+        heading, place: the case, the mesh family and the level, as a title with TeX formulas, and as text for captions.
+
+    Raises:
+        KeyError, TypeError, ValueError: the content was not written by ``study run``, or the shapes of the
+            displacements or stresses do not agree with the mesh.
     """
 
-    case: str
-    family: str
-    level: int
-    times: Array
-    vertices: Array
-    cells: NDArray[np.int64]
-    displacement: Array
-    von_mises: Array
-    shown: Sequence[int]
-    faces: list[FaceHistory]
-    energy: Energy
-
-    @classmethod
-    def of(cls, record: Mapping[str, Any]) -> Picture:
-        """Return the data of a run from the content of its JSON file.
-
-        Raises:
-            KeyError, TypeError, ValueError: the content was not written by ``study run``, or the shapes of the
-                displacements or stresses do not agree with the mesh.
-        """
-        times, vertices = (np.array(record[name], dtype=float) for name in ("times", "vertices"))
-        cells = np.array(record["cells"], dtype=np.int64)
-        displacement, von_mises = (Packed.read(record[name]).values for name in ("displacement", "von_mises"))
-        sizes = (displacement, (len(times), *vertices.shape)), (von_mises, (len(times), cells.shape[1]))
+    def __init__(self, record: Mapping[str, Any]) -> None:
+        self.case, self.family, self.level = str(record["case"]), str(record["family"]), int(record["level"])
+        self.times, self.vertices = (np.array(record[name], dtype=float) for name in ("times", "vertices"))
+        self.cells = np.array(record["cells"], dtype=np.int64)
+        self.displacement, self.von_mises = (Packed.read(record[name]).values for name in ("displacement", "von_mises"))
+        count = len(self.times)
+        sizes = (self.displacement, (count, *self.vertices.shape)), (self.von_mises, (count, self.cells.shape[1]))
         for values, expected in sizes:
             if values.shape != expected:
                 raise ValueError(f"shape {values.shape}, expected {expected}")
-        return cls(
-            case=str(record["case"]),
-            family=str(record["family"]),
-            level=int(record["level"]),
-            times=times,
-            vertices=vertices,
-            cells=cells,
-            displacement=displacement,
-            von_mises=von_mises,
-            shown=[int(np.argmin(abs(times - time))) for time in record["shapes"]],
-            faces=[_face(face, times, cells, plane=len(vertices) == 2) for face in record["faces"]],
-            energy=Energy(**{field.name: read_values(record["energy"][field.name]) for field in fields(Energy)}),
-        )
+        plane = len(self.vertices) == 2
+        self.shown: Sequence[int] = [int(np.argmin(abs(self.times - time))) for time in record["shapes"]]
+        self.faces = [_face(face, self.times, self.cells, plane) for face in record["faces"]]
+        self.energy = Energy(**{field.name: read_values(record["energy"][field.name]) for field in fields(Energy)})
+        self.size = float(np.ptp(self.vertices, axis=1).max())
+        self.heading = f"{self.case} ({self.family}, $n={self.level}$)"
+        self.place = f"{self.case}, {self.family} mesh with n = {self.level}"
 
     @property
     def segments(self) -> list[Segment]:
@@ -232,24 +218,15 @@ class Picture:
         """The contact faces of a body in 3D; empty in 2D."""
         return [face for face in self.faces if isinstance(face, Polygon)]
 
-    @property
-    def size(self) -> float:
-        """The longest side of the box around the undeformed body."""
-        return float(np.ptp(self.vertices, axis=1).max())
+    def showing(self, instants: Sequence[int]) -> Picture:
+        """Return the data for figures that show the body at the times with these indices."""
+        found = copy(self)
+        found.shown = instants
+        return found
 
     def at_all_times(self) -> Picture:
         """Return the data for figures that show the body at all times."""
-        return replace(self, shown=range(len(self.times)))
-
-    @property
-    def heading(self) -> str:
-        """The case, the mesh family and the level as a title, with TeX formulas."""
-        return f"{self.case} ({self.family}, $n={self.level}$)"
-
-    @property
-    def place(self) -> str:
-        """The case, the mesh family and the level as text for captions."""
-        return f"{self.case}, {self.family} mesh with n = {self.level}"
+        return self.showing(range(len(self.times)))
 
     def clock(self, instant: int) -> str:
         """Return the time with the index ``instant`` as a title, with TeX formulas."""
@@ -332,7 +309,7 @@ def read_pictures(directory: Path) -> list[Picture]:
     for path in (picture_path(directory, name) for name in names):
         if path.is_file():
             try:
-                pictures.append(Picture.of(read_record(path)))
+                pictures.append(Picture(read_record(path)))
             except (KeyError, TypeError, ValueError) as error:
                 raise DataError(f"{path} is not a picture ({error!r}): make it again with `study run`") from error
     return pictures

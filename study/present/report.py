@@ -10,25 +10,17 @@ import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from manufactured import colours
 from study.ledger.datafiles import DataError, by_claim, count_verdicts, made_by, read_claims, read_csv, read_rates
 from study.ledger.files import write_text
 from study.ledger.pictures import Packed, short
 from study.ledger.text import significant
-from study.present import palette
 from study.present.body import ARROW, THICKNESS, BodyScale, shade
-from study.present.charts import (
-    Array,
-    Chart,
-    Subplot,
-    collapsed_chart,
-    convergence_chart,
-    enclosure_charts,
-    finest_orders,
-)
+from study.present.charts import Chart, Subplot, collapsed_chart, convergence_chart, enclosure_charts, finest_orders
 from study.present.notation import read_page, typeset, typeset_svg
 from study.present.outcome import conclusion, orders_text
-from study.present.palette import family_styles
-from study.present.picture import FaceHistory, Picture, Polygon, Segment, picture_path, read_record
+from study.present.palette import RAMPS, family_styles
+from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, picture_path, read_record
 from study.present.tables import BOUNDS, CONTROLS, EQUIVALENCE, LEDGER, RATES, STRESSES, Table, columns
 
 CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]
@@ -70,7 +62,7 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
     ]
     cases = case_pages(directory, claims, rates)
     page = PAGES.get_template("page.html").render(
-        palette=palette,
+        ramps=RAMPS,
         **TEXTS,
         counts=count_verdicts(claims),
         conclusion=conclusion(count_verdicts(claims), orders_text(directory)),
@@ -182,14 +174,13 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
     if not path.is_file():
         raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
     try:
-        record = read_record(path)
-        picture, stored = Picture.of(record).at_all_times(), Packed.read(record["displacement"])
+        picture = Picture(read_record(path)).at_all_times()
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(
             f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
             "version wrote it, make it anew with the same `study run`"
         ) from error
-    scale, displacement = BodyScale.of(picture), Packed.of(stored.values, SHOWN)
+    scale, displacement = BodyScale(picture), Packed.of(picture.displacement, SHOWN)
     shades = np.round(255 * shade(picture.von_mises / scale.stress)).astype(np.uint8)
     return {
         "times": picture.times.tolist(),
@@ -239,7 +230,7 @@ def svg_chart(chart: Chart) -> Markup:
         panels.append(_svg_shapes(subplot, top, top + height))
         top += height + BETWEEN
     template, ends = PAGES.get_template("chart.html"), {"left": LEFT, "right": RIGHT, "below": BELOW}
-    return Markup(template.render(chart=chart, panels=panels, palette=palette, **ends) + "\n")
+    return Markup(template.render(chart=chart, panels=panels, colours=colours, **ends) + "\n")
 
 
 def _svg_shapes(subplot: Subplot, top: float, bottom: float) -> dict[str, Any]:

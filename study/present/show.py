@@ -2,7 +2,6 @@
 
 import shutil
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -20,12 +19,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from PIL import Image
 
+from manufactured.colours import BLACK, SKY, VERMILLION
 from study.ledger.files import write_text, write_whole
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_keys, draw_shapes
 from study.present.contact import draw_map
 from study.present.drawing import dots, entry, in_style, page_width
-from study.present.palette import BLACK, RAMPS, RIM, SKY, VERMILLION
+from study.present.palette import RAMPS, RIM
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment
 
 MOMENTS, COLUMNS = 6, 3
@@ -40,37 +40,25 @@ PER_SECOND, HOLD = 8, 1000
 NO_FFMPEG = "ffmpeg is missing: install it, or `python -m pip install imageio-ffmpeg`, and run the command again"
 
 
-@dataclass(frozen=True)
-class Shown:
-    """The files that ``draw_show`` wrote, and the files that it left out with the reasons."""
-
-    written: list[Path]
-    left_out: list[str]
-
-
-def count_images(record: Mapping[str, Any]) -> int:
-    """Return the number of images that ``draw_show`` draws for a record: one storyboard, and all frames."""
-    return 1 + len(record["times"])
-
-
 def draw_show(
     record: Mapping[str, Any], series: MeshSeries, directory: Path, notify: Callable[[], object] = lambda: None
-) -> Shown:
+) -> tuple[list[Path], list[str]]:
     """Write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
 
     Parameters:
         record: the data of the run, as in ``data/pictures/CASE.json.gz``.
         series: the mesh with the fields for ParaView.
         directory: the directory.
-        notify: function that is called after each image.
+        notify: function that is called after each image: the storyboard, and a frame for each time.
 
     Returns:
-        The files that were written and left out; the animation in MP4 needs ffmpeg.
+        The files that were written; and the files that were left out, with the reasons. The animation in MP4 needs
+        ffmpeg.
 
     Raises:
         StoreError: the directory cannot be written.
     """
-    picture = Picture.of(record).at_all_times()
+    picture = Picture(record).at_all_times()
     with in_style():
         storyboard = draw_storyboard(picture)
         storyboard.set_dpi(STORYBOARD_DPI)
@@ -81,15 +69,15 @@ def draw_show(
         mp4 = write_mp4(directory / "animation.mp4", picture)
     written += [mp4] if mp4 else []
     left_out = [] if mp4 else [f"animation.mp4: {NO_FFMPEG}"]
-    return Shown([*written, *write_vtk(directory / "vtk", picture.case, series)], left_out)
+    return [*written, *write_vtk(directory / "vtk", picture.case, series)], left_out
 
 
 def draw_storyboard(picture: Picture) -> Figure:
     """Draw the deformed body with stress and contact at ``MOMENTS`` times, evenly spaced from the first to the last."""
     chosen = np.linspace(0, len(picture.shown) - 1, MOMENTS).round().astype(int)
-    picture = replace(picture, shown=[picture.shown[n] for n in chosen])
+    picture = picture.showing([picture.shown[n] for n in chosen])
     rows, width = MOMENTS // COLUMNS, (page_width() - 0.8) / COLUMNS
-    figure = Figure(figsize=(page_width(), 0.8 + rows * (0.2 + width * BodyScale.of(picture).aspect)))
+    figure = Figure(figsize=(page_width(), 0.8 + rows * (0.2 + width * BodyScale(picture).aspect)))
     draw_shapes(figure, figure.subplots(rows, COLUMNS).ravel(), picture, width, 4, fraction=0.04, shrink=0.8)
     return figure
 
@@ -154,7 +142,7 @@ def write_mp4(path: Path, picture: Picture) -> Path | None:
 
 def _film_figure(picture: Picture, dpi: int) -> Figure:
     """Return an empty figure for an animation, with space for the body and for axes for each contact face."""
-    body = 0.45 * page_width() * min(BodyScale.of(picture).aspect, 1.2)
+    body = 0.45 * page_width() * min(BodyScale(picture).aspect, 1.2)
     return Figure(figsize=(page_width(), 1.2 + max(body, 1.2 * len(picture.faces))), dpi=dpi)
 
 
@@ -164,7 +152,7 @@ def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
     Yields:
         Nothing, after each frame, so that the caller can save the frame.
     """
-    scale = BodyScale.of(picture)
+    scale = BodyScale(picture)
     grid = figure.add_gridspec(1, 2, width_ratios=(3, 2))
     left = figure.add_subplot(grid[0])
     panels = grid[1].subgridspec(len(picture.faces), 1).subplots(squeeze=False)[:, 0]

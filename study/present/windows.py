@@ -75,9 +75,8 @@ def release(directory: Path) -> Path:
     places = claimed.assign(cases=(claimed["case"] + family).str.replace(" ", "_"))
     columns = ["label", "key", "window_low", "window_high"]
     table = places.groupby(columns, sort=False, as_index=False)["cases"].agg(" ".join)
-    path = directory / "history" / RELEASED
-    write_csv(path, table.rename(columns={"window_low": "low", "window_high": "high"}))
-    return path
+    named = table.rename(columns={"window_low": "low", "window_high": "high"})
+    return write_csv(directory / "history" / RELEASED, named)
 
 
 def changes(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:

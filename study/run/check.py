@@ -45,7 +45,7 @@ def verify(directory: Path) -> str:
     """
     record = read_provenance(directory)
     again = f"make them again with `{made_by(directory)}`; finished measurements are kept"
-    expectation = Expectation.of(record, directory)
+    expectation = Expectation(record, directory)
     planned = _plan(directory, record, expectation, again)
     tables = read_tables(directory)
     for file, table in tables.items():
@@ -126,7 +126,7 @@ def planned_jobs(directory: Path) -> tuple[Job, ...]:
     Raises:
         UsageError: there are no data, or the file of a user's case no longer exists.
     """
-    expectation = Expectation.of(read_provenance(directory), directory)
+    expectation = Expectation(read_provenance(directory), directory)
     if expectation.plan is None:
         gone = ", ".join(sorted(expectation.gone))
         raise UsageError(f"--again needs the files of all cases; the files of {gone} no longer exist: put them back")

@@ -273,7 +273,6 @@ def _read(path: Path) -> str:
 
 PATIENCE = 10
 """Seconds within which the scheduler of a cluster must answer and have a worker."""
-START = "dask worker {address} --nworkers 2 --nthreads 1"
 
 
 @contextmanager
@@ -314,7 +313,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
 
 
 def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
-    start = START.format(address=address)
+    start = f"dask worker {address} --nworkers 2 --nthreads 1"
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError as error:

@@ -60,7 +60,7 @@ def stored_rows(jobs: Iterable[Job], store: Store) -> dict[DataFile, list[Row]]:
     for job in jobs:
         result = store.load(job.key, job.fingerprint())
         assert result is not None, job.key
-        for file, row in job.records(result):
+        for file, row in job.statement.records(job.setting, result):
             rows.setdefault(file, []).append(row)
     return rows
 

@@ -8,7 +8,7 @@ have.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,7 +20,7 @@ from manufactured.self_proof import Finding, SelfProofError, examine
 from study.fem.mesh import MeshError, boundary_parts
 from study.fem.naming import family_named, name_of, resolve
 from study.fem.quadrature import Line, rough_cells
-from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.datafiles import CsvFile
 from study.ledger.files import UsageError
 from study.run.fingerprint import fingerprint
 from study.statements import STATEMENTS
@@ -68,10 +68,6 @@ class Job:
     def run(self) -> Mapping[str, Any]:
         """Measure, and return the measured numbers by their names."""
         return self.statement.measure(self.setting)
-
-    def records(self, result: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """Yield the rows of data files that follow from the result of ``run``, as pairs (data file, row)."""
-        return self.statement.records(self.setting, result)
 
 
 @dataclass(frozen=True)

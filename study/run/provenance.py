@@ -18,7 +18,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from manufactured.case import Case
 from study.fem.naming import resolve
 from study.ledger.criterion import exactly
 from study.ledger.datafiles import DataError, made_by, nested_keys, planned_keys, read_uncompressed
@@ -135,32 +134,25 @@ class Complete:
         return row(self, "missing", quantity, at_most(0, f"of {len(planned)}"), judged, "all cases")
 
 
-@dataclass(frozen=True)
 class Expectation:
     """The data of a run that follow from its recorded scope without a measurement.
+
+    Parameters:
+        record: the content of ``provenance.json``.
+        directory: the result directory.
 
     Attributes:
         plan: the plan; None if the file of a user's case no longer exists.
         cases: name ↦ case, for the cases whose definition still exists.
         lines: the rows of ``cases.csv``.
+        gone: the names of users' cases whose files no longer exist.
+
+    Raises:
+        DataError: the provenance was written by an older version and lacks the scope.
+        UsageError: the file of a user's case exists, but no longer defines the case.
     """
 
-    plan: Plan | None
-    cases: dict[str, Case]
-    lines: list[dict[str, Any]]
-
-    @classmethod
-    def of(cls, record: Mapping[str, Any], directory: Path) -> Expectation:
-        """Return the data of a run that follow from its recorded scope.
-
-        Parameters:
-            record: the content of ``provenance.json``.
-            directory: the result directory.
-
-        Raises:
-            DataError: the provenance was written by an older version and lacks the scope.
-            UsageError: the file of a user's case exists, but no longer defines the case.
-        """
+    def __init__(self, record: Mapping[str, Any], directory: Path) -> None:
         if not {"scope", "own_cases"} <= set(record):
             raise DataError(
                 f"{directory}/data/provenance.json has no scope, because an older version wrote it: "
@@ -173,14 +165,10 @@ class Expectation:
             path = (directory / file).resolve()
             references.append(reference if not colon else f"{path}:{name}" if path.is_file() else None)
         cases = [resolve(reference) if reference else None for reference in references]
-        lines = [describe(case) if case else own[name] for case, name in zip(cases, scope["cases"], strict=True)]
-        plan = None if None in references else Plan.of(read_scope({**scope, "cases": tuple(references)}))
-        return cls(plan, {case.name: case for case in cases if case}, lines)
-
-    @property
-    def gone(self) -> set[str]:
-        """The names of users' cases whose files no longer exist."""
-        return {str(line["case"]) for line in self.lines} - set(self.cases)
+        self.lines = [describe(case) if case else own[name] for case, name in zip(cases, scope["cases"], strict=True)]
+        self.plan = None if None in references else Plan.of(read_scope({**scope, "cases": tuple(references)}))
+        self.cases = {case.name: case for case in cases if case}
+        self.gone = {str(line["case"]) for line in self.lines} - set(self.cases)
 
 
 def read_scope(values: Mapping[str, Any]) -> Scope:

@@ -1,8 +1,6 @@
 """Solves a case on one mesh for display: for pictures, and for files for ParaView. Used by ``study show``."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +8,6 @@ import numpy as np
 from manufactured.case import Case
 from manufactured.tensors import Array, full
 from study.fem.mesh import MeshFamily
-from study.ledger.files import write_text
 from study.ledger.pictures import MeshFields, MeshSeries
 from study.run import executor
 from study.solve.motion import Motion, von_mises
@@ -26,37 +23,24 @@ LEVELS = {2: pictures.LEVEL, 3: 9}
 face of the cube is divided."""
 
 
-@dataclass(frozen=True, eq=False)
-class Showcase:
-    """A solved case for display.
-
-    Attributes:
-        picture: data of its picture, in the format of ``pictures/CASE.json.gz``.
-        series: fields on the whole mesh over time.
-    """
-
-    picture: dict[str, Any]
-    series: MeshSeries
-
-
-def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[], object] = lambda: None) -> Showcase:
+def solve_showcase(
+    case: Case, family: MeshFamily, level: int, notify: Callable[[], object]
+) -> tuple[dict[str, Any], MeshSeries]:
     """Solve a case on one mesh for display.
 
     Parameters:
         case: the case.
-        level: number of cells of the mesh along a side.
-        directory: the directory in which results will be written. Here it is only tested whether it can be written.
+        family, level: the mesh family, and the number of cells of the mesh along a side.
         notify: called after each of the STEPS + 1 times.
 
+    Returns:
+        The data of a picture, in the format of ``pictures/CASE.json.gz``; and fields on the whole mesh over time.
+
     Raises:
-        UsageError: no mesh family can mesh the body, or there is not enough memory for this level.
-        StoreError: the directory cannot be written; raised before anything is solved.
         MeshError: the mesh of this level does not fit the body.
     """
-    family = affordable_family(case, level)
-    write_text(directory / ".writable", "").unlink()
     motion = Motion.of(case.solution, family, level, STEPS, notify)
-    return Showcase(pictures.record(case.name, motion, EVERY), mesh_series(motion, EVERY))
+    return pictures.record(case.name, motion, EVERY), mesh_series(motion, EVERY)
 
 
 def affordable_family(case: Case, level: int) -> MeshFamily:

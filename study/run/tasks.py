@@ -17,7 +17,7 @@ import numpy as np
 from manufactured.body import Kind
 from manufactured.tensors import Array
 from study.fem.space import means
-from study.ledger.files import StoreError, UsageError, write_text, write_whole
+from study.ledger.files import StoreError, write_text, write_whole
 from study.run.store import Store
 from study.statements.shared.tasks import Task
 
@@ -42,9 +42,8 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
     Parameters:
         task: case, mesh family and level.
         instants: the times, in [0, T].
-        scale: factor of all loads.
+        scale: factor of all loads, positive.
     """
-    require_instants(instants, task.solution.body.T)
     loads = [
         {
             "time": float(t),
@@ -59,18 +58,6 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
     return {**_head(task, "frozen", scale), "steps": loads, "judge": judge}
 
 
-def require_instants(instants: Sequence[float], T: float) -> None:
-    """Raise UsageError if no time is given, or if a time lies outside [0, T]."""
-    if not instants or min(instants) < 0 or max(instants) > T:
-        raise UsageError(f"--instants must lie in [0, {T:g}], got {', '.join(f'{t:g}' for t in instants)}")
-
-
-def require_scale(scale: float) -> None:
-    """Raise UsageError if the factor of the loads is not positive."""
-    if not 0 < scale < float("inf"):
-        raise UsageError(f"--scale must be a positive number, got {scale:g}")
-
-
 def march(task: Task, steps: int, scale: float = 1.0) -> Data:
     """Return the data of a file with a problem in time, for the midpoint rule with equal steps.
 
@@ -79,7 +66,7 @@ def march(task: Task, steps: int, scale: float = 1.0) -> Data:
     Parameters:
         task: case, mesh family and level.
         steps: number of time steps.
-        scale: factor of all loads.
+        scale: factor of all loads, positive.
     """
     problem, states = task.march(steps)
     k, judge, loads = problem.T / steps, [], []
@@ -114,7 +101,6 @@ def _judged(task: Task, time: float, balanced: float, reference: Array) -> Data:
 
 
 def _head(task: Task, mode: str, scale: float) -> Data:
-    require_scale(scale)
     space, law = task.space, task.solution.law
     mesh, clamped = space.mesh, [space.vertices(part) for part, _ in space.on(Kind.CLAMPED)]
     numbers: Data = {}
@@ -164,25 +150,17 @@ def oriented(points: Array, cells: Array) -> Array:
 
 
 def with_foundation(data: Data, segments: int) -> Data:
-    """Return the data of a problem with a mesh of the foundation below each contact face.
+    """Return the data of a problem in the plane with a mesh of the foundation below each contact face.
 
     Parameters:
         data: the data without foundations.
-        segments: number of segments of each foundation.
+        segments: number of segments of each foundation, 1 or more.
     """
     vertices = np.asarray(data["vertices"])
     pieces = [
         slab(vertices[np.unique(piece["facets"])], np.asarray(piece["normal"]), segments) for piece in data["contact"]
     ]
     return {**data, "foundation": pieces}
-
-
-def require_segments(segments: int, dim: int) -> None:
-    """Raise UsageError if the body is not plane, or if there is fewer than one segment."""
-    if dim != 2:
-        raise UsageError("--foundation meshes foundations in the plane only; leave it out for a body in space")
-    if segments < 1:
-        raise UsageError(f"--foundation must be 1 or more, got {segments}")
 
 
 def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
@@ -195,11 +173,7 @@ def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
 
     Returns:
         Arrays ``vertices`` (v, 2), ``cells`` (c, 3) and ``facets``, the segments towards the body, (s, 2).
-
-    Raises:
-        UsageError: the body is not plane, or there is fewer than one segment.
     """
-    require_segments(segments, face.shape[1])
     # The direction of the face and the inward normal are right-handed axes.
     along = np.array([-normal[1], normal[0]])
     s = face @ along

@@ -21,7 +21,7 @@ from study.bound.bounded import bounded_solution
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.certify import certified, checker
-from study.certify.certified import Making, write
+from study.certify.certified import check_certifiable, make_certificate, write
 from study.certify.statement import in_doubles, rational, rational_mesh, statement, voigt
 from study.certify.witnesses import admissible, value_of
 from study.cli.main import main
@@ -104,7 +104,7 @@ def constants_of_a_coarse_mesh() -> Iterator[None]:
 
 def test_what_is_proved_is_what_is_computed() -> None:
     data, family, refined = PROBLEMS["square"], OneDiagonal(), Refined(0, 1)
-    found = checker.verified(Making(data, family, MIDPOINT, refined).certificate(2, 2))
+    found = checker.verified(make_certificate(data, family, 2, MIDPOINT, 2, refined))
     computed = bounded_solution(data, None, family, 2, MIDPOINT, 2, refined).enclosure
     bounds = {"low": computed.lowest, "high": computed.highest, "last": computed.bound[-1]}
     assert bounds == pytest.approx(COMPUTED, rel=1e-6)
@@ -112,8 +112,7 @@ def test_what_is_proved_is_what_is_computed() -> None:
 
 
 def test_better_witnesses_prove_a_narrower_interval_for_the_same_error(plain: checker.Enclosure) -> None:
-    making = Making(PROBLEMS["square"], OneDiagonal(), MIDPOINT, Refined(1, 1))
-    narrow = checker.verified(making.certificate(2, 2))
+    narrow = checker.verified(make_certificate(PROBLEMS["square"], OneDiagonal(), 2, MIDPOINT, 2, Refined(1, 1)))
     assert plain.low < narrow.low < narrow.high < plain.high
 
 
@@ -126,14 +125,14 @@ def test_two_faces_of_contact_that_meet_are_served() -> None:
     kinds = [Kind.CONTACT, Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     body = polygon([(0, 0), (2, 0), (3, 1), (3, 2), (0, 2)], kinds)
     data = Data.formulas(body, LAW, f0=(0, -4 * t), f2={2: (-t, 0)})
-    found = checker.verified(Making(data, Unstructured(), MIDPOINT, Refined(0, 1)).certificate(3, 2))
+    found = checker.verified(make_certificate(data, Unstructured(), 3, MIDPOINT, 2, Refined(0, 1)))
     assert 0 < found.low < found.high
 
 
 def test_a_face_of_contact_whose_slope_is_irrational_costs_no_accuracy() -> None:
     body = polygon([(0, 0), (1, -(0.3**0.5)), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED])
     data, refined = Data.formulas(body, LAW, f0=(0, 0), f2={2: (0, -2 * t)}), Refined(0, 1)
-    found = checker.verified(Making(data, Unstructured(), MIDPOINT, refined).certificate(3, 2))
+    found = checker.verified(make_certificate(data, Unstructured(), 3, MIDPOINT, 2, refined))
     computed = bounded_solution(data, None, Unstructured(), 3, MIDPOINT, 2, refined).enclosure
     assert [float(x) for x in (found.low, found.high)] == pytest.approx([computed.lowest, computed.highest], rel=0.01)
 
@@ -170,7 +169,7 @@ REFUSED: dict[str, tuple[Data, str]] = {
 def test_what_is_not_served_is_refused_in_words_before_it_is_computed(name: str) -> None:
     data, message = REFUSED[name]
     with pytest.raises(BoundError, match=message):
-        Making(data, OneDiagonal(), MIDPOINT, Refined(0, 1)).check()
+        check_certifiable(data)
 
 
 def test_cases_are_refused_by_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

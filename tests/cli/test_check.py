@@ -289,7 +289,7 @@ TEXTS = ("a table", "a number of the README")
 @pytest.fixture(scope="module")
 def expectation(copy_of_committed: Path) -> Expectation:
     """What the plan of the committed run and the catalogue predict."""
-    return Expectation.of(read_provenance(copy_of_committed), copy_of_committed)
+    return Expectation(read_provenance(copy_of_committed), copy_of_committed)
 
 
 QUICK = ("a twin removed", "an error where none is known", "a row of statements twice", "a number of a picture")
@@ -310,7 +310,7 @@ def test_an_edit_of_the_committed_run_is_refused(
         texts = request.getfixturevalue("committed_texts")
         part = lambda _: check.compare_texts(texts)  # noqa: E731
     # No edit is one of provenance.json, and the plan takes most of the time.
-    monkeypatch.setattr(Expectation, "of", lambda *_: expectation)
+    monkeypatch.setattr("study.run.check.Expectation", lambda *_: expectation)
     change(committed)
     assert_refused(part, committed, message)
 
@@ -322,7 +322,7 @@ def test_the_committed_run_passes_and_every_file_is_compared_or_named(
     """A file of an unknown kind is named, too."""
     # Texts and predictions are those that the command makes, made once for all tests.
     monkeypatch.setattr(check, "expected_texts", lambda _: committed_texts)
-    monkeypatch.setattr(Expectation, "of", lambda *_: expectation)
+    monkeypatch.setattr("study.run.check.Expectation", lambda *_: expectation)
     write_text(committed / "new" / "kind.dat", "?")
     told = " ".join(refusal(committed, code=0).split())
     cases = len(pd.read_csv(committed / "data" / "cases.csv"))

@@ -21,7 +21,7 @@ import pytest
 from manufactured import examine
 from study.cli.main import main
 from study.controls.baselines import Equivalence, Sweep, turned
-from study.controls.contact_test import DEFECTS, OF_THE_PROGRAM, contact_tests, write_contact_test
+from study.controls.contact_test import DEFECTS, OF_THE_PROGRAM, contact_tests, defective, write_contact_test
 from study.controls.control import Control, patched
 from study.controls.replacements import no_contact
 from study.controls.run_controls import NO_DEFECT, Outcome, _key, alike, controls_text, outcomes, settings, work
@@ -315,7 +315,7 @@ def test_a_turned_body_carries_an_exact_solution() -> None:
 
 @lru_cache
 def place() -> Place:
-    return Place.of(Setting("advance-recede", "one-diagonal", 8))
+    return Place(Setting("advance-recede", "one-diagonal", 8))
 
 
 LOADS = "load f", "surface load f_2", "body force f_0", "contact load", "time t"
@@ -386,10 +386,10 @@ def plan_of(reference: str) -> Plan:
 def outcome(reference: str, directory: Path) -> tuple[pd.DataFrame, str]:
     """The rows of ``contact-test.csv``, and what a run prints about them."""
     plan, store = plan_of(reference), Store(directory)
-    (test,) = contact_tests(plan)
-    for job in (*test.jobs, *(job for defect in DEFECTS for job in test.defective(defect))):
+    (jobs,) = contact_tests(plan)
+    for job in (*jobs, *(job for defect in DEFECTS for job in defective(jobs, defect))):
         store.save(job.key, job.fingerprint(), dict(job.run()))
-    (path,) = write_contact_test([test], store)
+    (path,) = write_contact_test([jobs], store)
     return pd.read_csv(path, keep_default_na=False), " ".join(contact_test_text(directory).split())
 
 
@@ -413,13 +413,13 @@ def test_a_small_pressure_on_a_narrow_patch_is_a_weak_test_with_advice(cases: Pa
 
 def test_only_cases_of_users_that_touch_are_tested(cases: Path) -> None:
     assert contact_tests(plan_of("advance-recede")) == contact_tests(plan_of(f"{cases}:apart")) == []
-    assert resolve(contact_tests(plan_of(f"{cases}:solid"))[0].reference).solution.body.dim == 3
+    assert resolve(contact_tests(plan_of(f"{cases}:solid"))[0][0].setting.case).solution.body.dim == 3
 
 
 @pytest.mark.parametrize(("name", "defect"), [("good", "contact in places"), *(("arch", defect) for defect in DEFECTS)])
 def test_rows_about_the_program_do_not_count_and_the_defect_ends_with_the_job(cases: Path, name, defect) -> None:
     assert {"penetration", "pulling", "residual"} <= OF_THE_PROGRAM
-    job = contact_tests(plan_of(f"{cases}:{name}"))[0].defective(defect)[0]
+    job = defective(contact_tests(plan_of(f"{cases}:{name}"))[0], defect)[0]
     assert job.run() != super(type(job), job).run()
     assert vars(prop_5_4)["Experiment"] is vars(contact_force)["Experiment"] is Experiment
     assert len({job.key, super(type(job), job).key}) == 2

@@ -26,7 +26,7 @@ from study.controls.seeded import LIGHT, NOT_CLAIMED, WHOLE, claimed, costly, se
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
 from study.ledger.criterion import Criterion, exactly
-from study.ledger.datafiles import DataError, alarm_summary, read_csv
+from study.ledger.datafiles import AlarmSummary, DataError, read_csv
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_least, at_most
@@ -126,7 +126,7 @@ def test_seeds_judged_by_another_rule_count_for_nothing() -> None:
     table = tally(record)
     line = table[table["key"] == "order"].iloc[0]
     assert (line["rule"], line["seeds"], line["alarms"], line["since"]) == ("b", 3, 0, 11)
-    assert alarm_summary(table).seeds == 3
+    assert AlarmSummary(table).seeds == 3
     assert len(record.lines) == 2
 
 
@@ -141,7 +141,7 @@ def test_a_row_with_a_newer_rule_than_the_others_is_named() -> None:
 
 
 def test_rows_that_cost_little_are_counted_on_every_seed() -> None:
-    found = alarm_summary(tally(with_size(after([1.0, 1.2, 1.0], part=LIGHT), 1.3)))
+    found = AlarmSummary(tally(with_size(after([1.0, 1.2, 1.0], part=LIGHT), 1.3)))
     assert (found.rows, found.seeds, found.red, found.light_seeds, found.light_red) == (2, 1, 1, 4, 1)
     assert found.verdict == "fails"
 
@@ -150,7 +150,7 @@ def test_a_seed_that_is_begun_is_in_the_record_and_counts_for_nothing(tmp_path: 
     record = after([1.0]).drawn(7, LIGHT)
     record.write(tmp_path)
     assert Record.read(tmp_path).pending() == record.draws[-1]
-    assert alarm_summary(tally(record)).seeds == 1
+    assert AlarmSummary(tally(record)).seeds == 1
 
 
 def test_a_row_whose_tail_leaves_the_window_is_named() -> None:
@@ -160,7 +160,7 @@ def test_a_row_whose_tail_leaves_the_window_is_named() -> None:
     table = tally(record)
     assert table["alarms"].sum() == 0
     assert re.search(r"^Prop. 5.4, order +advance-recede +0 of 60", text(table), re.MULTILINE)
-    assert alarm_summary(table).by_tail > 1e-3
+    assert AlarmSummary(table).by_tail > 1e-3
 
 
 def with_line(change: Callable[[str], str]) -> Callable[[bytes], bytes]:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from study.ledger.codes import _table
 from study.ledger.compare import Tolerance, as_text, compare, difference
-from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, read_table
+from study.ledger.datafiles import ALL_ROWS, AlarmSummary, DataError, read_table
 from study.ledger.files import StoreError, write_whole
 from study.ledger.numbered import named
 from study.ledger.orders import RatesError, extrapolated_order, fit, limit, orders
@@ -56,7 +56,7 @@ def test_the_summary_of_alarms_counts_claimed_checks_without_the_rows_about_all(
     rates = {"rate_low": 0.0, "rate_high": 0.3, "rate_tail": 0.1}
     rows = [{**both, "key": "every"}, {**both, "key": "light"}]
     rows += [{**both, "label": "(1.1)", "key": str(i), "claimed": "yes" if i < 3 else "no"} for i in range(5)]
-    assert alarm_summary(pd.DataFrame(rows).assign(**rates)).rows == 3
+    assert AlarmSummary(pd.DataFrame(rows).assign(**rates)).rows == 3
 
 
 def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import re
 import runpy
 import shutil
 from collections import Counter
-from dataclasses import replace
+from copy import copy
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from study.controls.control import overridden
 from study.ledger.datafiles import DataError
 from study.ledger.verdict import ORDER, kind, window_share, worst_value
 from study.ledger.window import Window, around, at_least, at_most
@@ -173,7 +174,7 @@ def test_extremes_are_rounded_outwards_and_zero_is_zero(full: FullRun, claims: p
     assert max(shares) <= float(NUMBERS["allowedShare"]) < max(shares) + 0.01
     rows = (claims["label"] == "Prop. 5.4") & (claims["key"] == "order")
     rounded = claims.assign(low=claims["low"].mask(rows, 0.8999), high=claims["high"].mask(rows, 1.1001))
-    changed = replace(full, claims=rounded, equivalence=full.equivalence.assign(membership=0.0))
+    changed = overridden(copy(full), claims=rounded, equivalence=full.equivalence.assign(membership=0.0))
     found = macros(papers.macros(changed))
     assert (found["orderLevelMin"], found["orderLevelMax"], found["agreeMembership"]) == ("0.89", "1.11", "0")
 
@@ -301,6 +302,8 @@ def test_only_a_full_run_with_its_controls_makes_the_inputs_of_the_papers(lackin
 
 def test_a_row_that_a_paper_names_may_not_be_missing(full: FullRun, claims: pd.DataFrame) -> None:
     with pytest.raises(DataError, match="natural-front"):
-        replace(full, claims=claims[claims["case"] != "natural-front"]).rows("(5.36)", "order", "natural-front")
+        overridden(copy(full), claims=claims[claims["case"] != "natural-front"]).rows(
+            "(5.36)", "order", "natural-front"
+        )
     with pytest.raises(DataError, match=r"Thm 4\.2"):
-        papers.macros(replace(full, claims=claims[claims["label"] != "Thm 4.2"]))
+        papers.macros(overridden(copy(full), claims=claims[claims["label"] != "Thm 4.2"]))

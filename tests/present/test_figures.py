@@ -2,6 +2,7 @@
 
 import re
 import shutil
+from copy import copy
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,6 +16,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 from study.cli.main import main
+from study.controls.control import overridden
 from study.ledger.datafiles import DataError, read_rates
 from study.ledger.files import UsageError
 from study.present.body import DISPLACEMENT, caption_body, draw_body, magnification
@@ -107,7 +109,7 @@ def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]
 def with_faces(picture: Picture, **change) -> Picture:
     """A solid with other values on its contact faces."""
     values = {name: np.broadcast_to(value, getattr(picture.faces[0], name).shape) for name, value in change.items()}
-    return replace(picture, faces=[replace(face, **values) for face in picture.faces])
+    return overridden(copy(picture), faces=[replace(face, **values) for face in picture.faces])
 
 
 @pytest.mark.filterwarnings("error::UserWarning")
@@ -115,7 +117,7 @@ def with_faces(picture: Picture, **change) -> Picture:
 def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: Path, level: float) -> None:
     solid, pressure = read_pictures(measured)[-1], max(level, 0.0)
     pressures = {"pressure": pressure, "pressure_exact": pressure}
-    shown = with_faces(replace(solid, shown=solid.shown[:1]), level=level, **pressures, gap=0.0, gap_exact=0.0)
+    shown = with_faces(solid.showing(solid.shown[:1]), level=level, **pressures, gap=0.0, gap_exact=0.0)
     for draw, caption in ((draw_fronts, caption_fronts), (draw_maps, caption_maps), (draw_body, caption_body)):
         drawn(Drawing("extreme", partial(draw, shown), caption(shown), "An extreme case"))
         assert "nan" not in caption(shown)

@@ -27,7 +27,7 @@ NAMES = ("bounds", "equivalence", "ledger", "rates", "stresses")
 
 
 def draw_some(directory: Path) -> list[Path]:
-    return draw_figures(directory, lambda directory: drawings(directory)[::8])
+    return draw_figures(directory, drawings(directory)[::8])
 
 
 @pytest.fixture(scope="module")

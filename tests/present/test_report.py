@@ -169,7 +169,7 @@ def test_every_case_is_shown_in_motion(page: Page) -> None:
 
 def test_the_motion_on_the_page_passes_through_the_displacements_of_the_picture(directory: Path, page: Page) -> None:
     for case, content in zip((*PLANE, SOLID), page.data, strict=True):
-        film, picture = json.loads(content), Picture.of(read_record(picture_path(directory, case)))
+        film, picture = json.loads(content), Picture(read_record(picture_path(directory, case)))
         raw = np.frombuffer(base64.b64decode(film["displacement"]), dtype=np.int8)
         moving = film["unit"] * raw.reshape(picture.displacement.shape)
         np.testing.assert_allclose(moving, picture.displacement, atol=0.51 * film["unit"])

@@ -9,19 +9,21 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from manufactured.colours import VERMILLION
 from manufactured.tensors import full, mandel
 from study.cli.main import main
 from study.fem.mesh import FAMILIES
 from study.fem.naming import resolve
 from study.ledger.pictures import STEPS
-from study.present.palette import VERMILLION
 from study.present.picture import Picture
-from study.present.show import NO_FFMPEG, Shown, count_images, draw_show, mesh_of, write_mp4
-from study.run.showcase import EVERY, mesh_series, solve_showcase
+from study.present.show import NO_FFMPEG, draw_show, mesh_of, write_mp4
+from study.run.showcase import EVERY, affordable_family, mesh_series, solve_showcase
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures
 
 CASE = "corner"
+Shown = tuple[Path, list[Path], list[str]]
+"""The directory, the files that were written, and those that were left out with the reasons."""
 
 
 @pytest.fixture(scope="module")
@@ -30,31 +32,31 @@ def motion() -> Motion:
 
 
 def picture_of(motion: Motion) -> Picture:
-    return Picture.of(pictures.record("any", motion, EVERY)).at_all_times()
+    return Picture(pictures.record("any", motion, EVERY)).at_all_times()
 
 
 @pytest.fixture(scope="module")
-def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Shown]:
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Shown:
     """A case on a coarse mesh with few steps, where there is no ffmpeg."""
     directory, case, notified = tmp_path_factory.mktemp("shows"), resolve(CASE), []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("study.run.showcase.STEPS", 8)
         patch.setattr("study.present.show.find_ffmpeg", lambda: None)
-        solved = solve_showcase(case, 6, directory, lambda: notified.append("frame"))
-        found = draw_show(solved.picture, solved.series, directory, lambda: notified.append("image"))
-    assert notified == ["frame"] * 9 + ["image"] * count_images(solved.picture)
-    return directory, found
+        record, series = solve_showcase(case, affordable_family(case, 6), 6, lambda: notified.append("frame"))
+        files = draw_show(record, series, directory, lambda: notified.append("image"))
+    assert notified == ["frame"] * 9 + ["image"] * (1 + len(record["times"]))
+    return directory, *files
 
 
-def test_everything_written_is_reported_and_what_is_left_out_has_its_reason(shown: tuple[Path, Shown]) -> None:
-    directory, found = shown
-    assert sorted(found.written) == sorted(path for path in directory.rglob("*") if path.is_file())
-    names = {path.name for path in found.written}
+def test_everything_written_is_reported_and_what_is_left_out_has_its_reason(shown: Shown) -> None:
+    directory, written, left_out = shown
+    assert sorted(written) == sorted(path for path in directory.rglob("*") if path.is_file())
+    names = {path.name for path in written}
     assert {"storyboard.png", "animation.gif", f"{CASE}.pvd", f"{CASE}-004.vtu"} <= names
-    assert found.left_out == [f"animation.mp4: {NO_FFMPEG}"]
+    assert left_out == [f"animation.mp4: {NO_FFMPEG}"]
 
 
-def test_the_collection_lists_every_file_with_its_time(shown: tuple[Path, Shown]) -> None:
+def test_the_collection_lists_every_file_with_its_time(shown: Shown) -> None:
     folder = shown[0] / "vtk"
     root = ElementTree.parse(folder / f"{CASE}.pvd").getroot()
     assert (root.tag, root.get("type")) == ("VTKFile", "Collection")
@@ -90,7 +92,7 @@ def test_a_solid_has_tetrahedra_and_all_nine_stresses() -> None:
     assert {"gap", "pressure"} <= set(mesh.point_data)
 
 
-def test_the_animation_has_a_frame_for_every_time_and_moves(shown: tuple[Path, Shown]) -> None:
+def test_the_animation_has_a_frame_for_every_time_and_moves(shown: Shown) -> None:
     with Image.open(shown[0] / "animation.gif") as film_on_disk:
         assert film_on_disk.n_frames == 8 // EVERY + 1
         images = []

@@ -12,7 +12,7 @@ import pytest
 
 from manufactured.catalogue import NAMES
 from study.controls import alarms
-from study.controls.sensitivity import SENSITIVITY, sensitivity_text
+from study.controls.sensitivity import COLUMNS, sensitivity_text
 from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import SEEDS, read_claims, read_csv
 from study.ledger.verdict import HOLDS, REPORTED, UNCLAIMED
@@ -199,5 +199,5 @@ def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ()
 
 def test_what_is_printed_of_the_committed_seeds_and_small_defects_fits_80_columns() -> None:
     printed = alarms.text(read_csv(RESULTS, "seeds.csv", SEEDS)) + "\n"
-    printed += sensitivity_text(read_csv(RESULTS, "sensitivity.csv", SENSITIVITY.columns))
+    printed += sensitivity_text(read_csv(RESULTS, "sensitivity.csv", COLUMNS))
     assert [line for line in printed.splitlines() if len(line) > 80] == []

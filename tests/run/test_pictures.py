@@ -34,7 +34,7 @@ SOLIDS = [
 def solved(case: str) -> tuple[Motion, Picture]:
     """A motion on a coarse mesh, and its picture as a reader of the file has it."""
     motion = Motion.of(resolve(case).solution, pictures.SOLID_FAMILY, 3, 4)
-    return motion, Picture.of(json.loads(json.dumps(record(case, motion, 2))))
+    return motion, Picture(json.loads(json.dumps(record(case, motion, 2))))
 
 
 def vectors(x: Array, triangles: NDArray[np.int64]) -> Array:
@@ -99,7 +99,7 @@ def test_facets_cover_a_contact_face_and_the_exact_zone_is_known_on_their_quarte
 
 def test_lines_of_exact_values_do_not_stop_at_nodes() -> None:
     solution = resolve("advance-recede").solution
-    picture = Picture.of(json.loads(json.dumps(record("", Motion.of(solution, Unstructured(), 4, 4), 1))))
+    picture = Picture(json.loads(json.dumps(record("", Motion.of(solution, Unstructured(), 4, 4), 1))))
     (face,), (exact,) = picture.segments, solution.faces
     assert len(face.line) > 10 * len(face.s)
     assert (face.line[0], face.line[-1]) == (face.s.min(), face.s.max())

@@ -97,7 +97,7 @@ const ramp = (stops) => Array.from({ length: 256 }, (_, shade) => {
   const [from, to] = [stops[i], stops[i + 1]].map(channels);
   return `rgb(${from.map((c, k) => Math.round(c + (at - i) * (to[k] - c))).join(" ")})`;
 });
-const colours = Object.fromEntries(Object.entries({{ palette.RAMPS|tojson }}).map(([name, stops]) => [name, ramp(stops)]));
+const colours = Object.fromEntries(Object.entries({{ ramps|tojson }}).map(([name, stops]) => [name, ramp(stops)]));
 for (const [name, shades] of Object.entries(colours)) {
   document.documentElement.style.setProperty(`--${name}`, shades.filter((_, i) => i % 51 === 0).join(","));
 }
