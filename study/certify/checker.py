@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
 import sys
 import zlib
@@ -24,7 +25,6 @@ from fractions import Fraction as Q
 from functools import cache, reduce
 from itertools import accumulate, combinations, pairwise, product
 from operator import mul
-from os.path import isfile
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -1415,7 +1415,7 @@ def main(paths: Sequence[str]) -> int:
     proved: list[Enclosure] = []
     stated: Any = None
     names = [path if path.isascii() and path.isprintable() else ascii(path) for path in paths]
-    absent = [name for name, path in zip(names, paths, strict=True) if not isfile(path)]
+    absent = [name for name, path in zip(names, paths, strict=True) if not os.path.isfile(path)]
     if absent or not paths:
         reasons = [f"{name} is not a file" for name in absent] or ["no file was given"]
         print(*reasons, "usage: python checker.py CERTIFICATE.json.gz ...", sep="\n", file=sys.stderr)
@@ -1446,4 +1446,9 @@ def main(paths: Sequence[str]) -> int:
 if __name__ == "__main__":
     for stream in (sys.stdout, sys.stderr):
         stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # for terminals that cannot show ‖
-    sys.exit(main(sys.argv[1:]))
+    try:
+        code = main(sys.argv[1:])
+        sys.stdout.flush()
+    except (KeyboardInterrupt, BrokenPipeError) as error:  # They say nothing about the certificates.
+        os._exit(130 if isinstance(error, KeyboardInterrupt) else 141)
+    sys.exit(code)

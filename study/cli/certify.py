@@ -1,6 +1,7 @@
 """``study certify``: writes proofs of error bounds as files (certificates), and checks them."""
 
 import argparse
+import shlex
 from functools import partial
 
 from manufactured.body import Kind
@@ -8,7 +9,7 @@ from manufactured.static import Static
 from study.bound import bounded
 from study.bound.trajectory import Refined
 from study.certify import checker
-from study.certify.certified import check_certifiable, make_certificate, write
+from study.certify.certified import check_certifiable, make_certificate, refuse_other_problem, write
 from study.cli.common import tell_written, with_progress
 from study.cli.options import OK
 from study.fem.naming import choose, family_named, resolve_data
@@ -30,12 +31,15 @@ def do_certify(options: argparse.Namespace) -> int:
     if not data.body.of(Kind.CONTACT):
         raise UsageError(f"{name} has no contact side, for which there are no certificates: take `study bound`")
     check_certifiable(data)
+    if options.refine > checker.REFINEMENTS:
+        raise UsageError(f"--refine {options.refine}: a certificate allows at most {checker.REFINEMENTS} refinements")
     # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)
     paths, store = [], Store(options.out / name, written=(".",))
     with store.locked():
+        refuse_other_problem(store.directory, data)
         for level in options.levels:
             steps = options.steps or rate_steps(data.body.T, level)
             compute = partial(make_certificate, data, family, level, scheme, steps, refined)
@@ -44,5 +48,5 @@ def do_certify(options: argparse.Namespace) -> int:
     tell_written(paths, "; now they are checked\n")
     code = checker.main([str(path) for path in paths])
     print(f"\nto check them without this package, with a copy of {checker.__file__}:")
-    print(f"python checker.py {' '.join(map(str, paths))}")
+    print(f"python checker.py {shlex.join(map(str, paths))}")
     return code or OK

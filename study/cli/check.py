@@ -9,8 +9,8 @@ from study.cli.common import code_of, known_undecided, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS
 from study.controls.alarms import compare_record
 from study.ledger.codes import FOLDER, MARCHES
-from study.ledger.compare import ROUNDED, Tolerance, as_text, difference
-from study.ledger.datafiles import CsvFile, DataError, read_claims, table_text
+from study.ledger.compare import Tolerance, as_text, difference
+from study.ledger.datafiles import CsvFile, DataError, read_claims
 from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.ledger.verdict import Verdict
@@ -18,7 +18,7 @@ from study.present.outcome import ledger_text, write_junit
 from study.present.pages import expected_texts
 from study.run.check import compare_again, draw_jobs, expected_seconds, planned_jobs, verify
 from study.run.executor import Pool, Processes
-from study.run.judgement import claims, claims_file, data_files, verdicts
+from study.run.judgement import claims, claims_file, compare_claims, data_files, verdicts
 from study.run.provenance import compare_sums
 from study.run.store import Store
 
@@ -96,13 +96,9 @@ def as_written(directory: Path, found: Sequence[Verdict]) -> set[Path]:
     Raises:
         DataError: a file differs; the message names the first line, both texts, and the command that mends it.
     """
-    path, again = claims_file(directory), f"`study tables --out {directory}` writes it again"
-    if not path.is_file():
-        raise DataError(f"{path} is missing: {again}")
-    if differs := difference(path, table_text(claims(found)), frozenset(ROUNDED)):
-        raise DataError(f"{differs}: {again}")
+    compare_claims(directory, found)
     read_claims(directory)
-    return {path, *compare_texts(expected_texts(directory))}
+    return {claims_file(directory), *compare_texts(expected_texts(directory))}
 
 
 def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:

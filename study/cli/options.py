@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 OK, FAILED, USAGE, UNCLEAR, INTERRUPTED, CLOSED = 0, 1, 2, 3, 130, 141
 """Exit codes: success; a check or a job fails; bad usage or input; undecided; Ctrl-C; broken pipe."""
 SCHEMES = ("backward-euler", "midpoint", "bdf2")
-FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
+FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded", "alternating")
 MODES = ("frozen", "march")
 TOLERANCE = 1e-12
 """Default relative difference that ``study compare`` permits."""

@@ -2,6 +2,7 @@
 
 import argparse
 import shutil
+from contextlib import nullcontext
 
 from matplotlib import rcParams
 
@@ -13,7 +14,7 @@ from study.present.figures import drawings_of
 from study.present.report import write_report
 from study.present.tables import write_tables
 from study.run.executor import Processes
-from study.run.judgement import claims_file, judge
+from study.run.judgement import claims_file, compare_claims, judge, verdicts
 from study.run.provenance import read_provenance
 from study.run.store import Store
 
@@ -28,8 +29,9 @@ def do_tables(options: argparse.Namespace) -> int:
 
 
 def do_report(options: argparse.Namespace) -> int:
-    """Write the report, one HTML page; return 0."""
+    """Write the report, one HTML page, unless data and ``claims.csv`` contradict each other; return 0."""
     with Store(options.out).steady():
+        compare_claims(options.out, verdicts(options.out))
         print(write_report(options.out, read_provenance(options.out)))
     return OK
 
@@ -43,7 +45,9 @@ def do_figures(options: argparse.Namespace) -> int:
         raise UsageError(f"--format pgf needs {latex}, which is not installed: install LaTeX, or choose another format")
     data = options.data or options.out
     read_provenance(data)
-    with Processes(options.jobs) as executor, Store(data).steady():
+    # If the figures go into another directory, its files might belong to somebody else.
+    other = Store(options.out, written=("figures",)).locked() if options.data else nullcontext()
+    with other, Processes(options.jobs) as executor, Store(data).steady():
         found = drawings_of(data, options.case or (), options.only or (), options.use == "slides")
         chosen = [drawing for drawing in found if not (options.overview and drawing.case)]
         tell_written(draw(options.out, executor, chosen, output))

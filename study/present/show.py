@@ -68,6 +68,8 @@ def draw_show(
         written.append(write_gif(directory / "animation.gif", picture, notify))
         mp4 = write_mp4(directory / "animation.mp4", picture)
     written += [mp4] if mp4 else []
+    if not mp4:
+        (directory / "animation.mp4").unlink(missing_ok=True)  # It would show an earlier measurement.
     left_out = [] if mp4 else [f"animation.mp4: {NO_FFMPEG}"]
     return [*written, *write_vtk(directory / "vtk", picture.case, series)], left_out
 

@@ -232,7 +232,8 @@ def require(what: str, need: float, room: float) -> None:
     if need > room:
         raise UsageError(
             f"{what} needs about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} GiB are available; take coarser "
-            "levels with --levels (--level of `study show`), free memory, or take a machine with more"
+            "levels with --levels (--level of `study show`), fewer refinements with --refine (`study bound` and `study "
+            "certify`), free memory, or take a machine with more"
         )
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import pandas as pd
 
 from manufactured.catalogue import catalogue
+from study.ledger.compare import ROUNDED, difference
 from study.ledger.datafiles import (
     TEXT,
     CsvFile,
@@ -21,6 +22,7 @@ from study.ledger.datafiles import (
     read_csv,
     refuse_repeated,
     refuse_words,
+    table_text,
     write_csv,
 )
 from study.ledger.files import write_text
@@ -117,6 +119,15 @@ def judge(directory: Path) -> list[Verdict]:
 def claims_file(directory: Path) -> Path:
     """Return the path of ``claims.csv``, the table of all checks, in a result directory."""
     return directory / "data" / "claims.csv"
+
+
+def compare_claims(directory: Path, found: Sequence[Verdict]) -> None:
+    """Raise DataError if ``claims.csv`` is missing or differs from the checks that follow from the data."""
+    path, again = claims_file(directory), f"`study tables --out {directory}` writes it again"
+    if not path.is_file():
+        raise DataError(f"{path} is missing: {again}")
+    if differs := difference(path, table_text(claims(found)), frozenset(ROUNDED)):
+        raise DataError(f"{differs}: {again}")
 
 
 def claims(found: Sequence[Verdict]) -> pd.DataFrame:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import runpy
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -26,6 +27,7 @@ from study.certify.statement import in_doubles, rational, rational_mesh, stateme
 from study.certify.witnesses import admissible, value_of
 from study.cli.main import main
 from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.run.store import Store
 from study.solve.tableau import MIDPOINT
 
 ROOT = Path(__file__).parents[2]
@@ -183,6 +185,23 @@ def test_the_command_writes_certificates_and_checks_them(name: str, capsys: Any,
     assert main(["certify", f"{EXAMPLES / 'problems.py'}:{name}", *options]) == 0
     assert capsys.readouterr().out.count("cells, h = ") == 2
     assert (tmp_path / name / "certificate-3.json.gz").is_file()
+
+
+def test_certificates_of_another_problem_with_the_same_name_are_not_replaced(capsys: Any, tmp_path: Path) -> None:
+    (tmp_path / "square").mkdir()
+    shutil.copy(EXAMPLES / "square-4.json.gz", tmp_path / "square" / "certificate-4.json.gz")
+    text = (EXAMPLES / "problems.py").read_text()
+    (tmp_path / "problems.py").write_text(text.replace("def bracket(", "def square("))
+    Store(tmp_path / "square", written=(".",)).lock.parent.mkdir()
+    Store(tmp_path / "square", written=(".",)).lock.touch()
+    assert main(["certify", f"{tmp_path / 'problems.py'}:square", "--levels", "2", "--out", str(tmp_path)]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "certificate-4.json.gz is the certificate of another problem with the same name" in said
+
+
+def test_more_refinements_than_the_checker_accepts_are_refused(capsys: Any, tmp_path: Path) -> None:
+    assert main(["certify", f"{EXAMPLES / 'problems.py'}:square", "--refine", "9", "--out", str(tmp_path)]) == 2
+    assert "--refine 9: a certificate allows at most 8 refinements" in capsys.readouterr().err
 
 
 def test_doubles_are_read_as_the_fractions_that_are_meant() -> None:

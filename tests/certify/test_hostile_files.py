@@ -7,6 +7,8 @@ import json
 import math
 import os
 import re
+import subprocess
+import sys
 import time
 import tracemalloc
 from collections.abc import Callable, Iterator
@@ -357,6 +359,15 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path, capsys, monkeypatch) -> N
     monkeypatch.setattr(checker, "load", load)
     assert checker.main([str(EXAMPLE)]) == 2
     assert capsys.readouterr().err == f"{EXAMPLE} cannot be read: Permission denied\n"
+
+
+def test_a_reader_who_ends_early_does_not_make_a_certificate_refused() -> None:
+    command = [sys.executable, checker.__file__, str(EXAMPLE)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as check:
+        assert check.stdout and check.stderr  # noqa: PT018
+        check.stdout.close()
+        assert check.stderr.read() == ""
+    assert check.returncode == 141
 
 
 def test_names_of_files_do_not_reach_the_screen_as_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

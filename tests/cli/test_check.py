@@ -376,6 +376,7 @@ def test_a_case_whose_file_predicts_something_else_now_is_refused(own: Path, ref
 def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own: Path, refusal) -> None:
     edit("claims.csv", "observed", to("0.5"), rows=1)(own)
     assert "`study tables" in refusal(own)
+    assert main(["report", "--out", str(own)]) == 2
     assert main(["tables", "--out", str(own)]) == 0
     written = {path: path.stat().st_mtime_ns for path in own.rglob("*.*") if path.name != ".lock"}
     refusal(own, code=0)

@@ -56,6 +56,15 @@ def test_files_that_the_study_did_not_write_are_never_overwritten(command: str, 
     assert everything(tmp_path) == before
 
 
+def test_figures_of_other_data_do_not_overwrite_the_files_of_somebody_else(made: Path, tmp_path, told) -> None:
+    command = ["figures", "--data", str(made), "--only", "orders", "--format", "svg", "--jobs", "1", "--out"]
+    told(*command, str(tmp_path / "new"))
+    told(*command, str(tmp_path / "new"))
+    write_text(tmp_path / "mine" / "figures" / "orders.svg", "mine")
+    assert "orders.svg was not written by a study" in told(*command, str(tmp_path / "mine"))
+    assert list(everything(tmp_path / "mine").values()) == [b"mine"]
+
+
 SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
 OWNED = [
     (["bound", "ramp", "--levels", "4", *COARSE], "ramp"),
