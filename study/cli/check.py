@@ -26,9 +26,11 @@ IN_PART = (
     "data/provenance.json",
     "data/controls.csv",
     "data/sensitivity.csv",
+    "data/seeds/drawn.csv",
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )
-"""Files in which only some edits are noticed, by relations between columns, or because tables are made from them. The
+"""Files in which only some edits are noticed, by relations between columns, or because tables are made from them. In
+``drawn.csv`` these are all edits except edits of the seeds. The
 data tables of a run also belong to these files if its provenance has no checksums."""
 
 
@@ -44,6 +46,7 @@ def do_check(options: argparse.Namespace) -> int:
         raise UsageError("--seed chooses the rows of --again: give --again N with it")
     with Store(options.out).steady():
         verified = verify(options.out)
+        compared = compare_sums(options.out) | compare_record(options.out)
         found = verdicts(options.out)
         if options.junit:
             write_junit(options.junit, found)
@@ -51,8 +54,8 @@ def do_check(options: argparse.Namespace) -> int:
         code = code_of(found, options.undecided)
         if code == FAILED or (options.again is not None and _again(options) == FAILED):
             return FAILED
-        # Tables are checked after the data. Otherwise, a message might advise to write tables from damaged data.
-        compared = compare_sums(options.out) | compare_record(options.out) | as_written(options.out, found)
+        # Tables are compared after the data, because a message might advise to write tables from damaged data.
+        compared |= as_written(options.out, found)
     compared |= {options.out / "data" / "cases.csv"}
     inside = len([path for path in compared if options.out in path.parents])
     print(folded(f"{verified}; {len(found)} verdicts and {inside} files agree with the texts that this version writes"))
@@ -112,7 +115,10 @@ def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:
     """
     for file, (text, command) in expected.items():
         if differs := difference(file, text):
-            raise DataError(f"{differs}: `{command}` writes it again")
+            raise DataError(
+                f"{differs}: the file or the data from which it is made were changed; if the data are right, "
+                f"`{command}` writes the file again"
+            )
     return set(expected)
 
 

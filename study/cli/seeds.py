@@ -72,7 +72,8 @@ def do_seeds(options: argparse.Namespace) -> int:
             _fill(options.out, pool, time.monotonic() + 60 * options.minutes, most)
     record = Record.read(options.out)
     if not any(draw.judged >= 0 for draw in record.draws):
-        print("no seed was finished; run the same command again to finish the seed that was begun")
+        begun = "; the next call continues the seed that was begun" if record.pending() else ""
+        print(f"no seed was finished: give more time with --minutes{begun}")
         return UNCLEAR
     table = tally(record)
     written = write_csv(options.out / "data" / "seeds.csv", table)

@@ -162,7 +162,7 @@ def text(table: pd.DataFrame) -> str:
     weak = [
         (f"{one.label}, {one.key}", one.case, f"{one.alarms} of {one.seeds}")
         + (one.tail, f"{one.rate_tail:.1g}", one.claimed)
-        for one in named.sort_values("rate_tail", ascending=False).itertuples()
+        for one in named.sort_values("rate_tail", ascending=False, kind="stable").itertuples()
     ]
     return "\n".join(
         [
@@ -178,7 +178,7 @@ def text(table: pd.DataFrame) -> str:
 
 
 def compare_record(directory: Path) -> set[Path]:
-    """Check that the files of the record of random seeds agree with each other; return the compared files.
+    """Check that the files of the record of random seeds agree with each other; return the completely compared files.
 
     Every row of ``drawn.csv`` must have the number of checks, the number of false alarms and the rules that follow from
     ``places.csv.gz``. The table ``seeds.csv`` must follow from these two files.
@@ -199,12 +199,12 @@ def compare_record(directory: Path) -> set[Path]:
     if not any(draw.judged >= 0 for draw in record.draws):
         if table.exists():
             raise DataError(f"{table} has no record in {folder}: restore the record")
-        return {drawn, places}
+        return {places}
     if not table.is_file():
         raise DataError(f"{table} is missing: {again}")
     if found := difference(table, table_text(tally(record)), FITTED):
         raise DataError(f"{found}: {again}; restore the record, if that was changed")
-    return {table, drawn, places}
+    return {table, places}
 
 
 def _compare_counts(record: Record, drawn: Path, places: Path) -> None:

@@ -69,7 +69,7 @@ class Codes:
           constraints, divided by the error of this solution.
         * ``excess``: the error of the code's contact pressure, divided by the error of the pressure of this solution.
         """
-        finest = self.errors.sort_values("level").groupby(SERIES, sort=False).tail(1)
+        finest = self.errors.sort_values("level", kind="stable").groupby(SERIES, sort=False).tail(1)
         judged = self.classes[self.classes["class"] != NOT_EXPRESSED]
         found = judged.merge(finest, on=["series", *SERIES], validate="one_to_one")
         share, excess = found["distance"] / found["best"], found["pressure"] / found["best_pressure"]

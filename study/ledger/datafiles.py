@@ -34,7 +34,7 @@ TEXT = {
 """Columns that hold text, even if a cell looks like a number or is empty."""
 
 
-COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds"}
+COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds", "sensitivity.csv": "study sensitivity"}
 """Data file ↦ the command that writes it, for files that ``study run`` does not write."""
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from study.ledger.codes import Codes
+from study.ledger.codes import AGAIN, Codes
 from study.ledger.compare import Comparison, Tolerance, compare, difference
 from study.ledger.datafiles import CsvFile, DataError, line, made_by, read_csv, table_text, write_csv
 from study.ledger.files import UsageError
@@ -56,16 +56,17 @@ def verify(directory: Path) -> str:
     read_csv(directory, path.name, PREDICTED)
     if found := difference(path, table_text(pd.DataFrame(expectation.lines))):
         raise DataError(f"{found} from the catalogue or from the file of the case: {again}")
-    broken = [[*relation(tables, expectation)] for relation in RELATIONS]
     of_codes = [(codes, folder) for folder in FOLDERS if (codes := Codes.read(directory, folder))]
-    broken += [[*relation(*data)] for data in of_codes for relation in CODE_RELATIONS]
-    if count := sum(map(len, broken)):
-        said = "\n".join(breach for breaches in broken for breach in breaches[:SHOWN])
-        raise DataError(f"data in {directory} were edited or damaged, in {count} places such as\n{said}\n{again}")
+    measured = [[*relation(tables, expectation)] for relation in RELATIONS]
+    others = [[*relation(*data)] for data in of_codes for relation in CODE_RELATIONS]
+    for broken, mend in ((measured, again), (others, AGAIN)):
+        if count := sum(map(len, broken)):
+            said = "\n".join(breach for breaches in broken for breach in breaches[:SHOWN])
+            raise DataError(f"data in {directory} were edited or damaged, in {count} places such as\n{said}\n{mend}")
     rows, gone = sum(map(len, tables.values())), ", ".join(sorted(expectation.gone))
     return (
         f"{rows} rows in {len(tables)} files belong to the {len(planned)} planned measurements; "
-        f"{len(broken)} relations hold in all of them; "
+        f"{len(measured) + len(others)} relations hold in all of them; "
         f"the predictions of {len(expectation.cases)} cases agree with the definitions of the cases"
         f"{'; not compared, because their files no longer exist: ' if gone else ''}{gone}"
     )

@@ -21,7 +21,7 @@ from typing import Any
 from study.fem.naming import resolve
 from study.ledger.criterion import exactly
 from study.ledger.datafiles import DataError, made_by, nested_keys, planned_keys, read_uncompressed
-from study.ledger.files import UsageError
+from study.ledger.files import StoreError, UsageError
 from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import at_most
 from study.run.case_line import describe
@@ -86,7 +86,7 @@ def read_provenance(directory: Path) -> dict[str, Any]:
 
     Raises:
         UsageError: the directory has no such file.
-        StoreError: the file has another format or is damaged.
+        StoreError: the file has another format or is damaged, or a part of it has another type than expected.
     """
     path = directory / "data" / "provenance.json"
     if not path.is_file():
@@ -94,7 +94,20 @@ def read_provenance(directory: Path) -> dict[str, Any]:
     content = Store.read(path)
     require_format(path, content)
     assert content is not None
-    return {**content, "planned": planned_keys(content)}
+    try:
+        content.get(SUMS, {}).items()
+        return {**content, "planned": planned_keys(content)}
+    except (AttributeError, TypeError) as error:
+        raise damaged(directory, error) from error
+
+
+def damaged(directory: Path, error: Exception) -> StoreError:
+    """Return the error for a record of a run with entries of other types or names than expected."""
+    data = directory / "data"
+    return StoreError(
+        f"{data}/provenance.json is damaged, or another version wrote it ({error}): restore it, or remove {data} and "
+        "run again"
+    )
 
 
 def refuse_to_replace(plan: Plan, directory: Path) -> None:
@@ -149,6 +162,7 @@ class Expectation:
 
     Raises:
         DataError: the provenance was written by an older version and lacks the scope.
+        StoreError: the scope is damaged.
         UsageError: the file of a user's case exists, but no longer defines the case.
     """
 
@@ -159,6 +173,10 @@ class Expectation:
                 f"`{made_by(directory)}` with the same options writes it again; finished measurements are kept"
             )
         scope, own = record["scope"], record["own_cases"]
+        try:
+            read_scope(scope)
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            raise damaged(directory, error) from error
         references: list[str | None] = []
         for reference in scope["cases"]:
             file, colon, name = reference.rpartition(":")
@@ -175,7 +193,7 @@ def read_scope(values: Mapping[str, Any]) -> Scope:
     """Return a scope from its attributes in ``provenance.json``, in which tuples became lists."""
 
     def levels(fields: Mapping[str, Any]) -> Levels:
-        return Levels(tuple(fields["all"]), tuple(fields["first"]))
+        return Levels(tuple(map(int, fields["all"])), tuple(map(int, fields["first"])))
 
     lists = {name: tuple(values[name]) for name in ("equivalence", "solid_equivalence")}
     by_kind = {name: levels(values[name]) for name in ("plane", "rough", "solid")}
