@@ -118,7 +118,7 @@ def _finite(text: str) -> float:
 
 
 JSON = option("--json", action="store_true", help="print as JSON")
-JOBS = option("--jobs", type=int, within=POSITIVE, default=os.cpu_count() or 1,
+JOBS = option("--jobs", type=int, within=Range(1, "1 to 1024", 1024), default=os.cpu_count() or 1,
               help="number of processes (default: all cores)")  # fmt: skip
 UNDECIDED = option(
     "--undecided",
