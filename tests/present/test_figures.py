@@ -221,12 +221,10 @@ def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width
         pass
 
 
-def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(alone: Path, capsys) -> None:
+def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(alone: Path) -> None:
     assert {drawing.case for drawing in drawings_of(alone, [SMOOTH])} == {SMOOTH}
     with pytest.raises(UsageError, match=rf"--case nobody: {alone} has no such case, only {SMOOTH}"):
         drawings_of(alone, ["nobody"])
-    assert main(["figures", "--dpi", "1", "--out", str(alone)]) == 2
-    assert "--dpi must be 10 to 2400, got 1" in capsys.readouterr().err
 
 
 # What is computed from a picture before anything is drawn.

@@ -43,13 +43,6 @@ def test_a_scheme_differentiates_polynomials_of_its_order_exactly_where_it_takes
         assert (wrong < 1e-12) == (degree <= scheme.order)
 
 
-@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
-def test_a_scheme_starts_with_steps_whose_past_is_there(scheme: Tableau) -> None:
-    assert [len(scheme.of_step(n).past) <= n for n in range(1, 5)] == [True] * 4
-    assert scheme.of_step(1) is (scheme.starting or scheme)
-    assert scheme.of_step(len(scheme.past)) is scheme
-
-
 def test_steps_grow_with_level_and_pace_and_those_of_stresses_are_even() -> None:
     assert [rate_steps(1.0, n) for n in (8, 27, 64)] == [32, 72, 128]
     assert [stress_steps(1.0, n) for n in (8, 16)] == [32, 64]
