@@ -31,8 +31,7 @@ from manufactured import (
     t,
 )
 from manufactured.cases.laws import not_proportional
-from manufactured.compiled import function
-from manufactured.face_strain.fronts import SmoothFront
+from manufactured.face_strain.fronts import front
 from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt
 
@@ -41,10 +40,6 @@ QUARTER = sp.Rational(1, 4)
 ADVANCE = QUARTER + 2 * t * (1 - t)
 RETURN = sp.Rational(3, 10) + sp.Rational(7, 20) * sp.sin(sp.pi * t) ** 2
 """The motions of a front: a polynomial, and one that is none."""
-
-
-def smooth(level: sp.Expr) -> SmoothFront:
-    return SmoothFront(level, function((s, t), [level]), function((s, t), [sp.diff(level, t)]))
 
 
 @COSTLY
@@ -66,7 +61,7 @@ def test_the_strain_solves_its_differential_equation(pressure, place: float, tim
 
 def test_fronts_that_swing_many_times_are_passed_as_often_as_they_do() -> None:
     level = sp.sin(20 * t) / 4 + sp.Rational(1, 2) - s
-    for place, column in zip(PLACES[0], smooth(level).passes(PLACES, 2.0).T, strict=True):
+    for place, column in zip(PLACES[0], front(level, (s,)).passes(PLACES, 2.0).T, strict=True):
         roots = np.sort(column[(column > 1e-12) & (column < 2.0)])
         known = []
         if abs(place - 0.5) < 1 / 4:

@@ -104,18 +104,13 @@ def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]
         assert "nan" not in drawing.caption, drawing.name
 
 
-def with_faces(picture: Picture, **change) -> Picture:
-    """A solid with other values on its contact faces."""
-    values = {name: np.broadcast_to(value, getattr(picture.faces[0], name).shape) for name, value in change.items()}
-    return replace(picture, faces=[replace(face, **values) for face in picture.faces])
-
-
 @pytest.mark.filterwarnings("error::UserWarning")
 @pytest.mark.parametrize("level", [-1.0, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: Path, level: float) -> None:
     solid, pressure = read_pictures(measured)[-1], max(level, 0.0)
-    pressures = {"pressure": pressure, "pressure_exact": pressure}
-    shown = with_faces(replace(solid, shown=solid.shown[:1]), level=level, **pressures, gap=0.0, gap_exact=0.0)
+    given = {"level": level, "pressure": pressure, "pressure_exact": pressure, "gap": 0.0, "gap_exact": 0.0}
+    values = {name: np.broadcast_to(value, getattr(solid.faces[0], name).shape) for name, value in given.items()}
+    shown = replace(solid, shown=solid.shown[:1], faces=[replace(face, **values) for face in solid.faces])
     for draw, caption in ((draw_fronts, caption_fronts), (draw_maps, caption_maps), (draw_body, caption_body)):
         drawn(Drawing("extreme", partial(draw, shown), caption(shown), "An extreme case"))
         assert "nan" not in caption(shown)
