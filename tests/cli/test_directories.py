@@ -272,14 +272,6 @@ def test_a_word_in_place_of_a_number_is_named_by_file_line_and_column(command, c
     assert f"--levels 8 16 32 --out {own}`" in said
 
 
-@pytest.mark.parametrize(
-    ("word", "code", "said"), [("small", 2, "has 'small' as error, expected a number, in line 4"), ("nan", 1, "")]
-)
-def test_runs_are_compared_if_a_number_is_missing_but_not_if_it_is_a_word(word, code, said, made, own, told) -> None:
-    spoil(own, "error", word)
-    assert said in told("compare", str(made / "results"), str(own), code=code)
-
-
 def spoil(directory: Path, column: str, word: str) -> Path:
     path = directory / "data" / "rates.csv"
     table = pd.read_csv(path, dtype=str, keep_default_na=False)

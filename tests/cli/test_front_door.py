@@ -107,10 +107,7 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, ki
             "def mine():\n    named('hexagon')",
             "mine returned None, expected a manufactured.Case: add a return statement",
         ),
-        (
-            RIGHT.replace("pos(z, 3)", "I*pos(z, 3)"),
-            "has a number that is complex or not",
-        ),
+        (RIGHT.replace("pos(z, 3)", "I*pos(z, 3)"), "has a number that is complex or not"),
         (
             RIGHT.replace("Solution(body", "Solution(other"),
             "got 1 contact faces, of which face 1 is on no part Γ3 of this body",
@@ -119,10 +116,7 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(face, ki
             RIGHT.replace('isotropic(1, 1), "solid', 'skew, "solid'),
             "G is not symmetric, so Problem 3.2 and the stored energy are not defined",
         ),
-        (
-            RIGHT.replace("unit_square()", "low"),
-            "`profile=cutoff(depth)` of ContactFace lets it end above Γ1",
-        ),
+        (RIGHT.replace("unit_square()", "low"), "`profile=cutoff(depth)` of ContactFace lets it end above Γ1"),
     ],
     ids=["no return", "complex", "another body", "no potential", "a low body"],
 )
