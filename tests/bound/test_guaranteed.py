@@ -28,7 +28,6 @@ from study.fem.mesh import OneDiagonal, Unstructured
 from study.solve.tableau import MIDPOINT
 
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
-GRID = OneDiagonal()
 
 
 # ---- problems whose solutions are known and whose data are as rough as one likes

@@ -18,7 +18,6 @@ import pytest
 
 from study.cli import check
 from study.cli.main import main
-from study.controls.alarms import compare_record
 from study.ledger.datafiles import DataError, nested_keys, planned_keys, read_uncompressed, write_csv
 from study.ledger.files import write_packed, write_text
 from study.present import tables
@@ -277,14 +276,12 @@ COMMITTED: dict[str, tuple[Edit, str]] = {
     "a line of a course in time deleted": (shortened("data/enclosures.csv", 9), "restore it, or make it again with"),
     "a number of a picture": (shortened("data/pictures/hexagon.json.gz", 0), r"hexagon.json.gz was changed after the"),
     "a line of the defects deleted": (shortened("data/controls.csv", 40), r"tables/controls.\w+, line \d+"),
-    "a line of the seeds deleted": (shortened("data/seeds.csv", 40), r"seeds.csv, line 41, .*: `study seeds"),
     "a number of the README": (misreported, r"README.md, line \d+: found .*: .*`make pages` writes the file again"),
 }
 OTHER_PARTS: dict[str, Part] = {
     "a line of a course in time deleted": compare_sums,
     "a number of a picture": compare_sums,
     "a line of the defects deleted": tables_as_written,
-    "a line of the seeds deleted": compare_record,
 }
 """Parts of ``study check`` that refuse an edit, other than ``verify`` and the comparison of texts for readers."""
 TEXTS = ("a table", "a number of the README")

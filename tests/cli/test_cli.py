@@ -51,15 +51,7 @@ def case_file(tmp_path: Path):
         ("mine = isotropic(1, -5)", r"LawError.*not elliptic"),
         ("mine = 3", r"is a int, expected"),
         ("raise SystemExit(0)", r"SystemExit"),
-        ("mine = replace(case, order=float('nan'))", r"needs an order predicted before it is measured"),
-        ("mine = changed(gap=t * sympy.Symbol('x'))", r"FormulaError.*has x"),
         ("other = case", r"defines no 'mine'"),
-        (
-            "b = polygon([(0,0),(.3,0),(1,0),(1,1),(0,1)], [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, "
-            "Kind.LOADED]); p = b.of(Kind.CONTACT)[0]\n"
-            "mine = replace(case, solution=ExactSolution(b, case.solution.law, (replace(face, part=p),)))",
-            r"is not a vertex",
-        ),
     ],
 )
 def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(
@@ -93,23 +85,13 @@ def test_the_catalogue_is_listed_as_text_and_as_json(capsys) -> None:
 
 def test_a_users_case_goes_through_the_same_line_to_a_judged_table(made: Path) -> None:
     finished = made / "results"
-    rates = pd.read_csv(finished / "data" / "rates.csv")
-    first = (
-        "claim case family scheme dim level h dofs steps k error at interpolation_error discrete_error time_share order"
-    )
-    assert list(rates.columns)[:16] == first.split()
     claims = pd.read_csv(finished / "data" / "claims.csv")
-    of_claims = "label statement case quantity expected observed low high verdict key family window_low window_high"
-    assert list(claims.columns) == of_claims.split()
     # Its largest error comes at t = 0, and its shaken meshes are coarse.
     unclaimed = {"start-share", "order-dual-superclose", "order-pressure-random"}
     assert set(claims.loc[claims["verdict"] != "holds", "key"]) == unclaimed
     assert not set(claims["verdict"]) & {"fails", "undecided"}
     assert not claims.duplicated(["label", "key", "case", "family"]).any()
     assert list(dict.fromkeys(claims["label"])) == ["data", "Thm 4.2", "(5.23)", "Prop. 5.4", "contact force"]
-    equivalence = pd.read_csv(finished / "data" / "equivalence.csv")
-    compared = "case form level h steps displacement_gap stress_gap admissibility energy_gap"
-    assert list(equivalence.columns)[:9] == compared.split()
     for kind in ("pdf", "png", "svg"):
         assert list((finished / "figures").glob(f"*.{kind}"))
     assert not list(finished.rglob("*.part"))

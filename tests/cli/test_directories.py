@@ -21,7 +21,7 @@ import pytest
 from study.bound import bounded
 from study.cli import run
 from study.cli.main import CLOSED, INTERRUPTED, main
-from study.cli.options import FAMILIES, RESUMED, SCHEMES, STARTS_AGAIN, parser
+from study.cli.options import RESUMED, STARTS_AGAIN, parser
 from study.controls.baselines import Sweep
 from study.controls.control import Control
 from study.controls.run_controls import run_controls
@@ -292,14 +292,6 @@ def test_a_word_in_place_of_a_number_is_named_by_file_line_and_column(command, c
     assert f"--levels 8 16 32 --out {own}`" in said
 
 
-@pytest.mark.parametrize(
-    ("word", "code", "said"), [("small", 2, "has 'small' as error, expected a number, in line 4"), ("nan", 1, "")]
-)
-def test_runs_are_compared_if_a_number_is_missing_but_not_if_it_is_a_word(word, code, said, made, own, told) -> None:
-    spoil(own, "error", word)
-    assert said in told("compare", str(made / "results"), str(own), code=code)
-
-
 def spoil(directory: Path, column: str, word: str) -> Path:
     path = directory / "data" / "rates.csv"
     table = pd.read_csv(path, dtype=str, keep_default_na=False)
@@ -452,18 +444,3 @@ def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(made: Path, tmp
     assert re.search(rf"{counted}.* Conclusion: {concluded}$", " ".join(last))
     assert sum("written: " in line for line in last) == 1
     assert len(last) < 64, "a screen and the reported rows of the case"
-
-
-def test_help_names_schemes_and_families_in_80_columns_within_the_third_of_a_second() -> None:
-    printed, seconds = "", []
-    for _ in range(3):
-        before = os.times()
-        command = [sys.executable, "-m", "study", "--help"]
-        done = subprocess.run(command, capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "80"})
-        after, printed = os.times(), done.stdout
-        seconds.append(sum(after[2:4]) - sum(before[2:4]))
-    # Of its processor: others may have the machine meanwhile.
-    assert min(seconds) < 0.3
-    words = set(printed.replace(",", " ").replace(".", " ").split())
-    assert {*SCHEMES, *FAMILIES} <= words
-    assert max(map(len, printed.splitlines())) <= 80

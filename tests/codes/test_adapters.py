@@ -213,7 +213,6 @@ DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
     "law of another shape": (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
     "no answer": (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "u.txt is missing, expected"),
     "words in an answer": (put(f"{ANSWER}/u.txt", "a b"), "u.txt, line 1: 'a' is not a number"),
-    "decimal comma": (put(f"{ANSWER}/u.txt", "0,5 1,25"), "'0,5' has a comma, expected plain text"),
     "short answer": (put(f"{ANSWER}/u.txt", "1 2 3"), "has 1 line of 3 numbers, expected plain text: 1 line of 50"),
     "short report": (put(f"{ANSWER}/forces.txt", "1"), "forces.txt has 1 line of 1 number, expected"),
 }

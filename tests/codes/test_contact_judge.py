@@ -322,7 +322,6 @@ def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line
     ("options", "message"),
     [
         (["yield-and-release"], "not linear"),
-        (["full-contact", "--levels", "1"], "--levels"),
         (["full-contact", "--instants", "2"], "--instants"),
         (["full-contact", "--scale", "0"], "--scale"),
         (["full-contact", "--steps", "3"], "--steps"),

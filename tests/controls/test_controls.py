@@ -18,9 +18,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from manufactured import examine
 from study.cli.main import main
-from study.controls.baselines import Equivalence, Sweep, turned
+from study.controls.baselines import Equivalence, Sweep
 from study.controls.contact_test import DEFECTS, OF_THE_PROGRAM, contact_tests, defective, write_contact_test
 from study.controls.control import Control, patched
 from study.controls.replacements import no_contact
@@ -43,7 +42,7 @@ from study.statements.prop_5_4 import FirstOrder, Measurement
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import Levels
-from study.statements.thm_4_2 import Derived, SameMesh, Sides, StandsAlone, gaps, independence, magnitudes
+from study.statements.thm_4_2 import Derived, Sides, StandsAlone, independence
 
 HARMLESS = Control(
     "harmless", "a copy in place of the original", Equivalence("no-contact"), "", copy.copy, "alone-stress"
@@ -97,13 +96,6 @@ other codes | own-digits
 """Rows without a small setting, or never worse than undecided, each with its test in tests/statements."""
 
 
-def rows_by_tests() -> dict[tuple[str, str], str]:
-    """Label and key of a row ↦ its test in ``BY_TESTS``."""
-    heads, places = BY_TESTS.split("\n")[1:-1:2], BY_TESTS.split("\n")[2::2]
-    pairs = ((*head.split(" | "), place.strip()) for head, place in zip(heads, places, strict=True))
-    return {(label, key): place for label, keys, place in pairs for key in keys.split()}
-
-
 def test_every_kind_of_row_that_is_claimed_is_named_by_a_control_or_by_a_test() -> None:
     """By its statement, too: rows of two statements may have a key in common, and be judged by different code."""
     claims, caught = read_claims(RESULTS), pd.read_csv(RESULTS / "data" / "controls.csv", keep_default_na=False)
@@ -111,7 +103,9 @@ def test_every_kind_of_row_that_is_claimed_is_named_by_a_control_or_by_a_test() 
     labels = dict(zip(caught["defect"], caught["label"], strict=True))
     named = {(labels[control.name], key) for control in CONTROLS for key in control.keys}
     kinds = set(claimed[["label", "key"]].itertuples(index=False, name=None))
-    by_tests = rows_by_tests()
+    heads, places = BY_TESTS.split("\n")[1:-1:2], BY_TESTS.split("\n")[2::2]
+    pairs = [(*head.split(" | "), place.strip()) for head, place in zip(heads, places, strict=True)]
+    by_tests = {(label, key): place for label, keys, place in pairs for key in keys.split()}
     assert kinds - named == set(by_tests)
     for place in by_tests.values():
         file, _, name = place.partition("::")
@@ -231,14 +225,6 @@ def test_a_harmless_defect_is_not_caught_and_the_command_fails(monkeypatch, tmp_
     assert pd.read_csv(tmp_path / "data" / "controls.csv")["caught"].tolist()[1] == "no"
 
 
-def modules_after(code: str) -> set[str]:
-    """The modules that a fresh interpreter holds after some code."""
-    found = subprocess.run(
-        [sys.executable, "-c", f"{code}\nimport sys; print(*sys.modules)"], capture_output=True, text=True, check=True
-    )
-    return set(found.stdout.split())
-
-
 MARCH = """
 from manufactured import named
 from study.fem.error_norm import ErrorNorm
@@ -256,22 +242,13 @@ assert last.time == space.body.T
 
 def test_the_stress_problem_loads_no_solver_of_displacements_while_it_marches() -> None:
     """So it cannot call one, not even on a copy of the other problem, which no change of that one would show."""
-    loaded = modules_after(MARCH)
+    command = [sys.executable, "-c", f"{MARCH}\nimport sys; print(*sys.modules)"]
+    loaded = set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
     assert "clarabel" in loaded
     names = "signorini multigrid solver_choice evolution tableau fixed_point factorisation"
     solvers = {f"study.solve.{name}" for name in names.split()}
     assert all(map(find_spec, solvers))
     assert not loaded & solvers
-
-
-@pytest.mark.parametrize("name", ["yield-on-a-part", pytest.param("advance-recede", marks=pytest.mark.slow)])
-def test_both_sides_are_those_that_theorem_4_2_compares(name: str) -> None:
-    """``Sides.of`` and ``SameMesh.measure`` set up the same problems."""
-    case = resolve(name)
-    sides = Sides.of(case.solution, OneDiagonal(), 4)
-    found = gaps(sides.displacements, sides.stresses(sides.displacements), 8)
-    row, rounded = SameMesh().measure(Setting(name, "one-diagonal", 4)), magnitudes(found._asdict())
-    assert rounded == {column: row[column] for column in found._fields}
 
 
 @pytest.mark.parametrize(
@@ -306,11 +283,6 @@ def test_derived_stresses_agree_with_their_displacements_perfectly() -> None:
     agreement = [v for v in rows(control.setting, control) if v.key in ("displacement", "stress")]
     assert [v.verdict for v in agreement] == [FAILS, FAILS]
     assert max(v.observed for v in agreement) == 0
-
-
-def test_a_turned_body_carries_an_exact_solution() -> None:
-    for finding in examine(turned(resolve("full-contact").solution, 0.3)):
-        assert finding.passes, finding
 
 
 @lru_cache

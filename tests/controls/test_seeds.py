@@ -8,9 +8,9 @@ import shutil
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import cache
+from itertools import count
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -323,13 +323,20 @@ def few(seed: int, part: str = WHOLE) -> Plan:
     return Plan(whole.scope, tuple(replace(job, setting=replace(job.setting, family=family)) for job in jobs))
 
 
-def test_seeds_are_drawn_fresh_and_added_to_the_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    stopped_after(monkeypatch, EVERY)
+@pytest.fixture
+def quick(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Seeds of few measurements, and a clock that goes on by a second whenever somebody looks at it."""
+    monkeypatch.setattr(seeds, "seeded", few)
+    monkeypatch.setattr(seeds, "EVERY", EVERY)
+    monkeypatch.setattr(seeds, "time", SimpleNamespace(monotonic=count().__next__))
+
+
+@pytest.mark.usefixtures("quick")
+def test_seeds_are_drawn_fresh_and_added_to_the_record(tmp_path: Path) -> None:
     seeds_of(tmp_path, "--seeds", "2")
     first = Record.read(tmp_path)
     assert [(draw.part, draw.judged > 0, draw.alarms) for draw in first.draws] == [(LIGHT, True, 0)] * 2
-    stopped_after(monkeypatch, EVERY - 2)
-    seeds_of(tmp_path)
+    seeds_of(tmp_path, "--seeds", "1")
     record = Record.read(tmp_path)
     assert record.draws[:2] == first.draws
     assert [draw.part for draw in record.draws] == [LIGHT] * (EVERY - 1) + [WHOLE]
@@ -339,29 +346,31 @@ def test_seeds_are_drawn_fresh_and_added_to_the_record(tmp_path: Path, monkeypat
     assert not any((tmp_path / "seeds").iterdir())
 
 
-def test_an_interrupted_run_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The seed that was begun is finished first, from the jobs that it has: none is dropped for what it showed."""
-    stopped_after(monkeypatch, 0, jobs=1)
-    assert seeds_of(tmp_path) == 3
+@pytest.mark.usefixtures("quick")
+def test_an_interrupted_run_loses_nothing(tmp_path: Path) -> None:
+    """The seed that was begun is finished first, from the jobs that it has: none is dropped for what it showed.
+
+    The third look at the clock, after the beginning, comes when one job is done.
+    """
+    three_seconds = "--minutes", "0.05"
+    assert seeds_of(tmp_path, *three_seconds) == 3
     begun = Record.read(tmp_path).pending()
     assert begun is not None
     kept = [*tmp_path.glob("seeds/*/data/jobs/*.json")]
     assert len(kept) == 1
     written = kept[0].stat().st_mtime_ns
-    stopped_after(monkeypatch, 0, jobs=1)
-    seeds_of(tmp_path)
+    seeds_of(tmp_path, *three_seconds)
     assert kept[0].stat().st_mtime_ns == written
-    stopped_after(monkeypatch, 1)
-    seeds_of(tmp_path)
+    seeds_of(tmp_path, "--seeds", "1")
     (draw,) = Record.read(tmp_path).draws
     assert (draw.seed, draw.judged > 0) == (begun.seed, True)
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("quick")
 def test_a_seed_can_be_repeated_and_says_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
-    stopped_after(monkeypatch, 2)
     monkeypatch.setattr(seeds, "EVERY", 2)
-    seeds_of(tmp_path)
+    seeds_of(tmp_path, "--seeds", "2")
     before = Record.read(tmp_path)
     assert [draw.part for draw in before.draws] == [LIGHT, WHOLE]
     for draw in (before.draws[0], before.draws[-1]):
@@ -420,35 +429,6 @@ def test_rows_about_more_than_was_measured_have_no_rule(measured: tuple[Path, Pl
 
 def seeds_of(directory: Path, *options: str) -> int:
     return main(["seeds", *options, "--jobs", "1", "--out", str(directory)])
-
-
-def stopped_after(monkeypatch: pytest.MonkeyPatch, finished: int, jobs: int = 10**9) -> None:
-    """The time is up after so many seeds, or so many jobs."""
-    clock, ended, calls = [0.0], [0], [0]
-    monkeypatch.undo()
-    monkeypatch.setattr(seeds, "seeded", few)
-    monkeypatch.setattr(seeds, "EVERY", EVERY)
-    real = seeds.judged
-
-    def judged(*given: Any) -> list[Verdict]:
-        found = real(*given)
-        ended[0] += 1
-        clock[0] = 1e9 if ended[0] >= finished else 0.0
-        return found
-
-    def counting(notify: Callable[[float], None]) -> Callable[[float], None]:
-        def counted(cost: float) -> None:
-            calls[0] += 1
-            # The first call is about jobs that were done before.
-            clock[0] = 1e9 if calls[0] > jobs else 0.0
-            notify(cost)
-
-        return counted
-
-    real_watch = seeds.watch
-    monkeypatch.setattr(seeds, "judged", judged)
-    monkeypatch.setattr(seeds, "watch", lambda *given: counting(real_watch(*given)))
-    monkeypatch.setattr(seeds, "time", SimpleNamespace(monotonic=lambda: clock[0]))
 
 
 def test_rows_that_are_no_longer_in_the_ledger_do_not_count(committed: Record, counted: pd.DataFrame) -> None:

@@ -131,10 +131,7 @@ def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed(
         (lambda: Body(tuple(Part(p.kind, p.corners[:, ::-1]) for p in box().parts)), "counter-clockwise"),
         (lambda: Body((Part(LOADED, box().parts[0].corners + 0.1), *box().parts[1:])), "do not enclose"),
         (lambda: Body((*box().parts, *unit_square().parts)), "dimensions"),
-        (lambda: box(top=LOADED), "no part Γ1"),
-        (lambda: Body(box().parts, refine=((0.5, 0.0, 0.0),)), "not one of the vertices"),
         (lambda: Body(box().parts, interfaces=(Part(Kind.INTERFACE, box().parts[0].corners),)), "in a 2D body"),
-        (lambda: Body((Part(Kind.INTERFACE, box().parts[0].corners), *box().parts[1:])), "lies inside"),
     ],
 )
 def test_wrong_faces_and_bodies_are_refused(make, message: str) -> None:
@@ -354,39 +351,18 @@ def test_the_weights_of_contact_vertices_cover_a_face_except_next_to_gamma_1() -
     assert (space.mesh.p[2, at_left] < 0.5).all()
 
 
-@pytest.mark.parametrize("case", ["advance-recede", "travelling-patch", "yield-on-a-part", "rough-2"])
-def test_the_interpolant_of_an_admissible_displacement_is_admissible(case: str) -> None:
-    solution = named(case).solution
-    v_norm = ErrorNorm(solution, Space(Shaken()(solution.body, 12), solution.body))
-    for time in np.linspace(0, 1, 4):
-        assert (v_norm.space.N @ v_norm.sample(time).interpolant).max() <= 1e-14
-
-
 # ---- loads and the leading term of the interpolation error, by independent formulas
 
 
-def difference_of_loads(name: str, family, n: int, time: float, raised: int = 4) -> float:
-    """Return the relative difference of the load from the stress and the load from the forces, equal by (2.14)."""
-    solution = named(name).solution
-    v_norm = ErrorNorm(solution, Space(family(solution.body, n), solution.body), raised=raised)
-    load = v_norm.load(time)
-    difference = load - load_from_forces(solution, v_norm.space, time, v_norm.degree)
-    return float(np.linalg.norm(difference) / np.linalg.norm(load))
-
-
 @pytest.mark.parametrize("family", [OneDiagonal(), Shaken(), Unstructured()], ids=lambda f: f.name)
-def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(family) -> None:
-    for name in ("full-contact", "no-contact"):
-        assert difference_of_loads(name, family, 8, 0.7) < 1e-9
-
-
-@pytest.mark.parametrize(
-    ("name", "levels", "raised", "factor"),
-    [("advance-recede", (8, 32), 4, 4), pytest.param("cube-disc", (4, 12), 2, 2, marks=pytest.mark.slow)],
-)
-def test_the_two_loads_meet_under_refinement_if_the_force_jumps(name: str, levels, raised: int, factor: int) -> None:
-    coarse, fine = (difference_of_loads(name, Shaken(), n, 0.7, raised) for n in levels)
-    assert fine < min(coarse / factor, 0.02)
+@pytest.mark.parametrize("name", ["full-contact", "no-contact"])
+def test_the_load_from_stresses_is_the_load_from_forces_if_the_force_is_smooth(name: str, family) -> None:
+    """By (2.14)."""
+    solution = named(name).solution
+    v_norm = ErrorNorm(solution, Space(family(solution.body, 8), solution.body), raised=4)
+    load = v_norm.load(0.7)
+    difference = load - load_from_forces(solution, v_norm.space, 0.7, v_norm.degree)
+    assert np.linalg.norm(difference) < 1e-9 * np.linalg.norm(load)
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from manufactured import Body, BodyError, ExactSolution, Kind, examine, named, polygon, unit_square
+from manufactured import Body, BodyError, Kind, examine, named, polygon, unit_square
+from study.controls.baselines import turned
 from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
@@ -23,16 +24,14 @@ SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 def test_a_turned_body_has_the_errors_of_the_unturned_one(name: str, rounding: float, angle: float) -> None:
     """To round-off, which a singular strain magnifies near its front."""
     solution = named(name).solution
-    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-    body = polygon((turn @ unit_square().vertices + [[3.0], [-1.0]]).T.tolist(), SIDES)
-    turned = ExactSolution(body, solution.law, (replace(solution.faces[0], part=body.of(Kind.CONTACT)[0]),))
-    assert all(finding.passes for finding in examine(turned))
-    plain, other = (
+    other = turned(solution, angle)
+    assert all(finding.passes for finding in examine(other))
+    one, same = (
         measure(Experiment.of(item, OneDiagonal(), 8, MIDPOINT, 8)).row("", "one-diagonal", 8)
-        for item in (solution, turned)
+        for item in (solution, other)
     )
     for quantity in ("error", "interpolation_error", "discrete_error"):
-        assert other[quantity] == pytest.approx(plain[quantity], rel=rounding), quantity
+        assert same[quantity] == pytest.approx(one[quantity], rel=rounding), quantity
 
 
 def test_a_vertex_between_two_pieces_of_one_line_is_no_corner_and_has_one_constraint() -> None:

@@ -31,7 +31,6 @@ def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_p
     [
         ("rough-1.75", "w =", "the gap is", ["w ="]),
         ("rough-1.75", "Predicted order 1/4", "Predicted order 1/2", ["Predicted order 0.25: …"]),
-        ("rough-1.75", "Predicted order 1/4", "Order 1/4 was seen", ["Predicted order 0.25: …"]),
         ("rough-1.75", "H^{1+s}", "a larger space", ["H^{1+s}"]),
         ("re-entrant", "Predicted order 0.5445", "Predicted order 0.5446", ["Predicted order 0.5445: …"]),
         ("advance-recede", "(5.36)", "smoothness", ["(5.36)"]),

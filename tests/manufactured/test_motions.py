@@ -31,10 +31,7 @@ from manufactured import (
     t,
 )
 from manufactured.cases.laws import not_proportional
-from manufactured.compiled import function
-from manufactured.face_strain.contact_times import PressureTerm
-from manufactured.face_strain.fronts import SmoothFront
-from manufactured.face_strain.quadrature import Quadrature
+from manufactured.face_strain.fronts import front
 from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt
 
@@ -43,35 +40,6 @@ QUARTER = sp.Rational(1, 4)
 ADVANCE = QUARTER + 2 * t * (1 - t)
 RETURN = sp.Rational(3, 10) + sp.Rational(7, 20) * sp.sin(sp.pi * t) ** 2
 """The motions of a front: a polynomial, and one that is none."""
-
-
-def smooth(level: sp.Expr) -> SmoothFront:
-    return SmoothFront(level, function((s, t), [level]), function((s, t), [sp.diff(level, t)]))
-
-
-def test_a_polynomial_motion_gives_the_same_times_and_strains_either_way() -> None:
-    level, decay = (t - QUARTER / 2) * (1 - QUARTER / 2 - t) - (s - sp.Rational(3, 10) - t / 3) ** 2, 2.5
-    branch = 30 * level**3 * (1 + t) * (2 - s)
-    exact = PressureTerm.of((level,), branch, (s,), decay)
-    other = PressureTerm((smooth(level),), Quadrature(branch, (s,), decay))
-    begin, end = exact.intervals(PLACES, 1.0)
-    again = other.intervals(PLACES, 1.0)
-    used = begin < end
-    assert used.sum() > 15
-    mine = again[0] < again[1]
-    np.testing.assert_allclose(again[0][mine], begin[used], rtol=0, atol=1e-13)
-    np.testing.assert_allclose(again[1][mine], end[used], rtol=0, atol=1e-13)
-    points, every = PLACES[:, np.nonzero(used)[1]], np.arange(used.sum())
-    # Of ∂_s^i P: polynomials of t are expanded, which costs digits of P, not of its integral.
-    values = Jet(branch)(np.repeat(PLACES[..., None], 65, axis=2), np.linspace(0, 1, 65), 2)
-    sizes = {index: abs(value).max() for index, value in values.items()}
-    for share in (0.1, 0.7, 1.0):
-        upper = begin[used] + share * (end - begin)[used]
-        one, two = (
-            term.integral.started(points, begin[used], end[used], 2).upto(upper, every) for term in (exact, other)
-        )
-        for index, value in one.items():
-            np.testing.assert_allclose(two[index], value, rtol=0, atol=1e-14 * sizes[index])
 
 
 @COSTLY
@@ -86,11 +54,14 @@ def test_the_strain_solves_its_differential_equation(pressure, place: float, tim
     expected = -np.exp(-g / a * time) * p(0.0) / g - past
     assert strain[(0,)][0] == pytest.approx(expected, rel=1e-9, abs=1e-11)
     assert a * rate[(0,)][0] + g * strain[(0,)][0] == pytest.approx(-p(time), abs=1e-11)
+    (near,) = Memory(pressure, a, g, 1.0).at(place + np.array([[-1e-6, 0.0, 1e-6]]))(time, False, 1)
+    below, _, above = near[(0,)]
+    assert near[(1,)][1] == pytest.approx((above - below) / 2e-6, rel=1e-5, abs=1e-4)
 
 
 def test_fronts_that_swing_many_times_are_passed_as_often_as_they_do() -> None:
     level = sp.sin(20 * t) / 4 + sp.Rational(1, 2) - s
-    for place, column in zip(PLACES[0], smooth(level).passes(PLACES, 2.0).T, strict=True):
+    for place, column in zip(PLACES[0], front(level, (s,)).passes(PLACES, 2.0).T, strict=True):
         roots = np.sort(column[(column > 1e-12) & (column < 2.0)])
         known = []
         if abs(place - 0.5) < 1 / 4:

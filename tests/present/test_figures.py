@@ -106,18 +106,14 @@ def test_every_caption_says_what_to_see_with_numbers(figures: dict[str, Drawing]
         assert "nan" not in drawing.caption, drawing.name
 
 
-def with_faces(picture: Picture, **change) -> Picture:
-    """A solid with other values on its contact faces."""
-    values = {name: np.broadcast_to(value, getattr(picture.faces[0], name).shape) for name, value in change.items()}
-    return overridden(copy(picture), faces=[replace(face, **values) for face in picture.faces])
-
-
 @pytest.mark.filterwarnings("error::UserWarning")
 @pytest.mark.parametrize("level", [-1.0, pytest.param(1.0, marks=pytest.mark.slow)])
 def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(measured: Path, level: float) -> None:
     solid, pressure = read_pictures(measured)[-1], max(level, 0.0)
-    pressures = {"pressure": pressure, "pressure_exact": pressure}
-    shown = with_faces(solid.showing(solid.shown[:1]), level=level, **pressures, gap=0.0, gap_exact=0.0)
+    given = {"level": level, "pressure": pressure, "pressure_exact": pressure, "gap": 0.0, "gap_exact": 0.0}
+    values = {name: np.broadcast_to(value, getattr(solid.faces[0], name).shape) for name, value in given.items()}
+    faces = [replace(face, **values) for face in solid.faces]
+    shown = overridden(copy(solid.showing(solid.shown[:1])), faces=faces)
     for draw, caption in ((draw_fronts, caption_fronts), (draw_maps, caption_maps), (draw_body, caption_body)):
         drawn(Drawing("extreme", partial(draw, shown), caption(shown), "An extreme case"))
         assert "nan" not in caption(shown)
@@ -223,12 +219,10 @@ def test_a_style_file_replaces_entries_and_its_figure_size_sets_the_column_width
         pass
 
 
-def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(alone: Path, capsys) -> None:
+def test_figures_of_one_case_are_chosen_by_its_name_and_an_unknown_name_is_refused(alone: Path) -> None:
     assert {drawing.case for drawing in drawings_of(alone, [SMOOTH])} == {SMOOTH}
     with pytest.raises(UsageError, match=rf"--case nobody: {alone} has no such case, only {SMOOTH}"):
         drawings_of(alone, ["nobody"])
-    assert main(["figures", "--dpi", "1", "--out", str(alone)]) == 2
-    assert "--dpi must be 10 to 2400, got 1" in capsys.readouterr().err
 
 
 # What is computed from a picture before anything is drawn.

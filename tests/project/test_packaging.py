@@ -95,13 +95,10 @@ def test_a_command_without_its_extra_says_how_to_install_it(command, extra: str,
     assert f"'.[{extra}]'" in expected
 
 
-def test_the_wheel_has_the_mark_that_its_packages_are_typed() -> None:
+def test_the_wheel_says_that_its_packages_are_typed_and_has_the_texts_of_statements_without_a_measurement() -> None:
     for package in ("manufactured", "study"):
         assert "py.typed" in PYPROJECT["tool"]["setuptools"]["package-data"][package]
         assert (ROOT / package / "py.typed").is_file()
-
-
-def test_the_wheel_has_the_texts_of_statements_without_a_measurement() -> None:
     assert "*.toml" in PYPROJECT["tool"]["setuptools"]["package-data"]["study.statements"]
     assert [path.name for path in ROOT.glob("study/statements/**/*.toml")] == ["unmeasured.toml"]
 

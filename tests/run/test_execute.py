@@ -255,14 +255,7 @@ for job in pickle.load(sys.stdin.buffer):
     job.run()
     print(open('/proc/self/status').read())
 """
-
-
-def peaks(*jobs: Job) -> list[float]:
-    """The largest resident size of a new process after each of some jobs, in bytes."""
-    found = subprocess.run([sys.executable, "-c", PEAK], input=pickle.dumps(jobs), capture_output=True, check=True)
-    return [1024.0 * int(kibibytes) for kibibytes in re.findall(r"VmHWM:\s+(\d+) kB", found.stdout.decode())]
-
-
+"""Prints the largest resident size of its process after each of some jobs."""
 EVERY = [
     Job(FirstOrder(), RateSetting("cube-disc", "shaken", 9, "midpoint", 2)),
     Job(FirstOrder(), RateSetting("cube-disc", "one-diagonal", 18, "midpoint", 2)),
@@ -281,7 +274,9 @@ EVERY = [
 def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None:
     """The base is most of a small estimate. What grows with the level is compared over the same job at n = 2."""
     least = replace(job, setting=replace(job.setting, level=2))
-    base, whole = peaks(least, job)
+    jobs = pickle.dumps([least, job])
+    found = subprocess.run([sys.executable, "-c", PEAK], input=jobs, capture_output=True, check=True)
+    base, whole = (1024.0 * int(kibibytes) for kibibytes in re.findall(r"VmHWM:\s+(\d+) kB", found.stdout.decode()))
     assert whole <= job.memory
     assert 0.1 <= (whole - base) / (job.memory - least.memory) <= 1
 
@@ -513,12 +508,11 @@ def written(out: Path) -> dict[str, bytes]:
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """What an undisturbed run writes, here in this process."""
+    """What an undisturbed run writes."""
     out: Path = tmp_path_factory.mktemp("undisturbed")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("study.cli.common.draw_figures", lambda *arguments, **options: [])
-        patch.setattr("study.run.plan.Plan.check", lambda *arguments: None)
-        assert main([*RUN, str(out)]) in (0, 1)
+    run = started(out)
+    run.join()
+    assert run.exitcode in (0, 1)
     return written(out)
 
 

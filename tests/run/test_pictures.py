@@ -18,8 +18,7 @@ from study.ledger.pictures import FINE, STEPS
 from study.present.picture import Picture
 from study.solve.motion import Motion
 from study.statements import pictures
-from study.statements.pictures import Pictures, mesh_for, record
-from study.statements.shared.base import Setting
+from study.statements.pictures import mesh_for, record
 
 Array = NDArray[np.float64]
 SOLIDS = [
@@ -129,10 +128,3 @@ def test_a_solid_that_no_moderate_mesh_fits_is_refused_by_its_first_mesh() -> No
     family, level = mesh_for(body)
     with pytest.raises(MeshError, match="not a vertex of the mesh"):
         boundary_parts(family(body, level), body)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("case", SOLIDS)
-def test_the_picture_of_a_solid_has_at_most_100_kilobytes(case: str) -> None:
-    family, level = mesh_for(resolve(case).solution.body)
-    assert len(json.dumps(Pictures().measure(Setting(case, family.name, level)))) <= 100e3

@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 from measured_rows import quick_rows, verdicts
 
-from study.fem.naming import resolve
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED
 from study.run.plan import quick
@@ -16,14 +15,13 @@ from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
 from study.statements.constraint import Interpolant, VertexConstraint
 from study.statements.error_bounds import ErrorBounds
-from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn, Norms
 from study.statements.lipschitz import Lipschitz
 from study.statements.residual import Residual
 from study.statements.shared.base import ListedNumbers
-from study.statements.shared.meshes import EVERY, families, place, representing, space_of
+from study.statements.shared.meshes import EVERY, place, representing, space_of
 from study.statements.shared.scope import Levels, Scope
 from study.statements.uniqueness import OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
@@ -76,15 +74,6 @@ def test_every_judged_row_can_fail_and_without_a_quantity_its_row_is_undecided(s
     for wrong in (math.nan, 5.0 * rows["level"] ** 3):
         assert set(verdicts(statement, rows.assign(value=wrong)).values()) - {*UNCLAIMED} == {FAILS}
     assert UNDECIDED in verdicts(statement, rows[rows["quantity"] == rows["quantity"].iloc[0]]).values()
-
-
-@each([*STATEMENTS, FullyDiscrete()], dear=())
-def test_settings_are_different_and_name_families_that_mesh_their_bodies(statement: ListedNumbers) -> None:
-    for full in (False, True):
-        settings = statement.places(full)
-        assert len(set(settings)) == len(settings)
-        assert all(setting.family in families(resolve(setting.case)) for setting in settings)
-    assert settings
 
 
 def test_levels_are_moved_to_where_the_ends_of_parts_are_vertices() -> None:

@@ -62,12 +62,6 @@ the order cannot be observed: an interface at 0.391 (θ = 0.13, 0.26, 0.52, 0.05
 64; a front at 13/48 (θ = 1/6 at n = 8, 1/3 or 2/3 later) shows e∞ = 17 % from n = 8 and −1 % from n = 16."""
 
 
-def joint(seed: int, side: int = 1) -> Constants:
-    """All constants at once, each larger or smaller by FIFTH; side −1 reverses all signs."""
-    signs = np.random.default_rng(seed).choice([-1, 1], len(CONSTANTS))
-    return Constants(**dict(zip(CONSTANTS, (1 + side * FIFTH * signs).tolist(), strict=True)))
-
-
 def tied(case: Case, by: Constants) -> Constants:
     """The same constants, except those that follow from others or must stay."""
     by = replace(by, speed=min(by.speed, 1.0))
@@ -217,6 +211,7 @@ SLOW = [*(("natural-front", 0, 1), ("anisotropic", 0, 1)), *((name, 1, side) for
 )
 def test_no_alarm_for_constants_a_fifth_larger_or_smaller(name: str, seed: int, side: int) -> None:
     """All at once; both sides together have every constant larger and smaller."""
-    case = changed(named(name), joint(seed, side))
+    signs = np.random.default_rng(seed).choice([-1, 1], len(CONSTANTS))
+    case = changed(named(name), Constants(**dict(zip(CONSTANTS, (1 + side * FIFTH * signs).tolist(), strict=True))))
     m.prove(case.solution, name)
     assert alarms(case) == []

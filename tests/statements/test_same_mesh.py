@@ -9,7 +9,6 @@ import pytest
 
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
-from study.solve.steps import StepsError
 from study.solve.stress_problem import StressProblem, StressState
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.thm_4_2 import Gaps, gaps, magnitudes, problems
@@ -59,11 +58,6 @@ def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(nam
         now = found(lambda n, state, left=left: replace(state, gap=left[n - 1] if n else 0.0), name)
         assert now.displacement_bound == pytest.approx(np.sqrt(q * k) * R / size_u, rel=1e-9)
         assert now.stress_bound == pytest.approx(np.sqrt(largest[0] / k + largest[1]) * R / size_s, rel=1e-9)
-
-
-def test_steps_that_need_not_have_one_solution_are_refused() -> None:
-    with pytest.raises(StepsError, match="k = 1 need not have one solution"):
-        gaps(*both("softening"), steps=1)
 
 
 def test_an_error_as_large_as_the_bound_for_one_step_is_seen() -> None:

@@ -161,6 +161,15 @@ def test_the_constant_of_a_side_bounds_what_loads_can_do_and_not_by_much(shape: 
     assert least <= found <= SIDES_TOO * least
 
 
+def test_on_a_right_isosceles_triangle_constants_are_too_large_by_what_their_derivations_lose() -> None:
+    """The bound C² ≤ 4λ/3 of a cell loses an eighth or a seventh, the bound C² ≤ 2λ of a side a third."""
+    F, C = np.eye(2), np.eye(3)
+    for q, ratio in ((1, 1.12), (2, 1.15)):
+        assert cell(F, C, q) / on_cell(F, C, q, 3) == pytest.approx(ratio, abs=0.02)
+    for side, found in enumerate(sides(F, C)):
+        assert found / on_side(F, C, side, 3) == pytest.approx(1.32, abs=0.02)
+
+
 def test_loads_that_are_not_orthogonal_to_linear_ones_exceed_the_constant() -> None:
     """The comparison can fail: orthogonal to rigid motions and constants only, a load does more."""
     F, C = np.eye(2), np.eye(3)
