@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from .sequences import TOLERANCE, OrderError, OrderResult, observed_orders
 
 __all__ = ["OrderError", "OrderResult", "assert_order", "check_orders", "observed_orders"]
-Wish = float | Mapping[str, float] | None
+Wish = float | Mapping[Any, float] | None
 
 
 def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_least: Wish = None,
@@ -36,10 +36,8 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
         raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")
     columns = {str(name): errors[name] for name in errors}
     sizes = columns.pop(h) if isinstance(h, str) else h
-    two_sided, one_sided = (
-        wish if isinstance(wish, Mapping) else {} if wish is None else dict.fromkeys(columns, wish)
-        for wish in (expected, at_least)
-    )
+    wishes = (wish if isinstance(wish, Mapping) else dict.fromkeys(columns, wish) for wish in (expected, at_least))
+    two_sided, one_sided = ({str(name): order for name, order in wish.items()} for wish in wishes)
     if unknown := [name for name in (*two_sided, *one_sided) if name not in columns]:
         raise OrderError(f"an order is expected of {unknown[0]}, but the columns of errors are {', '.join(columns)}")
     return {

@@ -6,6 +6,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -197,6 +198,16 @@ def test_a_broken_solver_fails_the_assertion() -> None:
     found = check_orders(h, {"L2": np.square(h), "H1": h}, expected={"L2": 2, "H1": 1})
     assert [column.verdict for column in found.values()] == ["holds", "holds"]
     assert "<table>" in found["L2"]._repr_html_()
+
+
+def test_orders_are_expected_of_columns_with_numbers_as_names() -> None:
+    h = np.array([0.5, 0.25, 0.125, 0.0625])
+    for errors in ({1: h, 2: h**2}, pd.DataFrame({1: h, 2: h**2})):
+        found = check_orders(h, errors, expected={1: 1, 2: 2})
+        assert {name: column.verdict for name, column in found.items()} == {"1": "holds", "2": "holds"}
+        assert check_orders(h, errors, at_least={2: 1.9})["1"].verdict is None
+        with pytest.raises(OrderError, match="an order is expected of 3, but the columns of errors are 1, 2"):
+            check_orders(h, errors, expected={3: 1})
 
 
 def test_errors_without_names_and_complex_errors_are_refused_in_words() -> None:
