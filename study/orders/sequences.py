@@ -14,8 +14,8 @@ HOLDS, FAILS, UNDECIDED, HIGHER, SKIPPED = "holds", "fails", "undecided", "highe
 TOLERANCE = 0.15
 """Default for the accepted difference between an observed and an expected order."""
 STALLED = 0.2
-"""Errors stagnate if the orders on the finest meshes are at most this number, and grow if they are less than its
-negative."""
+"""Errors stagnate if the orders on the finest meshes are at most this number and not as expected, and grow if they are
+less than its negative."""
 CLEAR = 10.0
 """If errors stagnate at a floor, only errors above this multiple of the floor are judged. A floor of a tenth of an
 error changes the order by at most 0.15."""
@@ -294,7 +294,10 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
     orders, n = consecutive_orders(h, e), len(e)
     moving = np.flatnonzero(orders > STALLED)
     stall = int(moving[-1]) + 1 if moving.size else 0
-    if stall == n - 1 and e[-1] < e[0]:
+    first, verdict = _judge(h, e, expectation)
+    # Small orders may be as expected. But errors that do not fall at all stagnate, even if the tolerance includes 0.
+    falls_as_expected = verdict == HOLDS and (orders[first:] > 0).all()
+    if (stall == n - 1 or falls_as_expected) and e[-1] < e[0]:
         return None
     floor, start = float(np.median(e[stall:])), f"from h = {h[stall]:.5g} on"
     if floor <= ROUND_OFF * max(1.0, e[0]) and stall > 0:

@@ -200,6 +200,27 @@ def test_a_broken_solver_fails_the_assertion() -> None:
     assert "<table>" in found["L2"]._repr_html_()
 
 
+@pytest.mark.parametrize(
+    ("orders", "wish", "verdict"),
+    [
+        ([0.19] * 3, {"expected": 0.25}, "holds"),
+        ([0.18] * 3, {"at_least": 0.15}, "holds"),
+        ([0.1] * 3, {"expected": 0.1}, "holds"),
+        ([0.19] * 3, {"expected": 1}, "fails"),
+        ([0.01] * 3, {"expected": 0.25}, "fails"),
+        ([0.1, 0, 0, 0], {"expected": 0.1}, "fails"),
+        ([0.1, -0.01, -0.01, -0.01], {"expected": 0.1}, "fails"),
+        ([-2, 0.19, 0.19, 0.19], {"expected": 0.25}, "fails"),
+        ([0.19] * 3, {}, None),
+    ],
+)
+def test_errors_with_a_small_order_stagnate_unless_it_is_expected(orders, wish, verdict) -> None:
+    errors = 2.0 ** -np.cumsum([0, *orders])
+    found = observed_orders(2.0 ** -np.arange(len(errors)), errors, **wish)
+    assert found.verdict == verdict
+    assert (found.kind in ("stagnates", "grows")) == (verdict != "holds")
+
+
 def test_orders_are_expected_of_columns_with_numbers_as_names() -> None:
     h = np.array([0.5, 0.25, 0.125, 0.0625])
     for errors in ({1: h, 2: h**2}, pd.DataFrame({1: h, 2: h**2})):
