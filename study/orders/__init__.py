@@ -20,7 +20,7 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
 
     Parameters:
         h: mesh sizes, (levels,), or the name of their column in ``errors``.
-        errors: a dictionary or a DataFrame, name of a column ↦ errors, (levels,).
+        errors: a dictionary or a DataFrame, name of a column ↦ errors, (levels,); or a Series, which is one column.
         expected: expected order: one number for all columns, or name of a column ↦ number.
         at_least: smallest accepted order: one number for all columns, or name of a column ↦ number.
         tolerance: accepted difference from ``expected``.
@@ -29,12 +29,16 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
         Name of a column ↦ observed orders and verdict.
 
     Raises:
-        OrderError: ``errors`` has no names, an order is expected of an unknown column, or a column has no orders, as
-            described in ``observed_orders``.
+        OrderError: ``errors`` has no names, ``h`` or a name in ``expected`` or ``at_least`` is no column, or a column
+            has no orders, as described in ``observed_orders``.
     """
+    if hasattr(errors, "to_frame"):
+        errors = errors.to_frame()
     if not hasattr(errors, "keys"):
         raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")
     columns = {str(name): errors[name] for name in errors}
+    if isinstance(h, str) and h not in columns:
+        raise OrderError(f"there is no column {h} of mesh sizes; there are {', '.join(columns)}")
     sizes = columns.pop(h) if isinstance(h, str) else h
     wishes = (wish if isinstance(wish, Mapping) else dict.fromkeys(columns, wish) for wish in (expected, at_least))
     two_sided, one_sided = ({str(name): order for name, order in wish.items()} for wish in wishes)

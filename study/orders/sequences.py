@@ -39,7 +39,7 @@ class Expectation:
         tolerance: accepted difference between the observed order and ``expected``.
 
     Raises:
-        OrderError: both ``expected`` and ``at_least`` are given, or a number is not positive.
+        OrderError: both ``expected`` and ``at_least`` are given, or one of the three is not a positive number.
     """
 
     expected: float | None = None
@@ -49,11 +49,15 @@ class Expectation:
     def __post_init__(self) -> None:
         if self.expected is not None and self.at_least is not None:
             raise OrderError("give an expected order or a lower limit of the order, not both")
-        for what, value in (("expected order", self.expected), ("least order", self.at_least)):
-            if value is not None and not (math.isfinite(value) and value > 0):
-                raise OrderError(f"the {what} must be positive, got {value:g}")
-        if not (math.isfinite(self.tolerance) and self.tolerance > 0):
-            raise OrderError(f"the tolerance must be positive, got {self.tolerance:g}")
+        orders = (("expected order", self.expected), ("least order", self.at_least))
+        given = [(what, value) for what, value in orders if value is not None]
+        for what, value in (*given, ("tolerance", self.tolerance)):
+            try:
+                is_positive = math.isfinite(value) and value > 0
+            except (TypeError, OverflowError):
+                is_positive = False
+            if not is_positive:
+                raise OrderError(f"the {what} must be one positive number, got {value!r}")
 
     @property
     def window(self) -> tuple[float, float] | None:
@@ -208,7 +212,7 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
     """Compute the observed orders of errors, and judge whether they are as expected.
 
     Parameters:
-        h, errors: mesh sizes and errors, (levels,), in any order of the meshes.
+        h, errors: mesh sizes and errors, (levels,), in any order of the meshes. A masked number counts as NaN.
         expected: the order that theory predicts. The verdict is *holds* if the order differs by at most ``tolerance``.
         at_least: the smallest accepted order; only one of ``expected`` and ``at_least`` can be given.
         tolerance: accepted difference from ``expected``.
@@ -216,7 +220,7 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
 
     Raises:
         OrderError: the numbers of mesh sizes and errors differ, mesh sizes are not positive or are repeated, an error
-            is negative, or the expected order is not positive.
+            is negative, entries are not real numbers, or the expected order is not a positive number.
     """
     expectation = Expectation(expected, at_least, tolerance)
     sizes, e = _coarse_first(h, errors, name)
@@ -241,9 +245,7 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
     Raises:
         OrderError: an error or a mesh size cannot be used, or a mesh size is repeated.
     """
-    if np.iscomplexobj(errors):
-        raise OrderError(f"{name or 'error'}: the errors are complex numbers; give absolute values")
-    sizes, e = (np.asarray(values, dtype=float).ravel() for values in (h, errors))
+    sizes, e = _real_numbers(h, "h"), _real_numbers(errors, name or "errors")
     if sizes.shape != e.shape or not len(e):
         raise OrderError(f"{len(sizes)} sizes and {len(e)} errors: expected one error for each mesh")
     if not (np.isfinite(sizes).all() and (sizes > 0).all()):
@@ -256,6 +258,21 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
     if repeated.size:
         raise OrderError(f"the mesh size {sizes[repeated[0]]:.12g} occurs twice: give one error for each mesh")
     return sizes, e
+
+
+def _real_numbers(values: ArrayLike, what: str) -> Array:
+    """Return numbers as a flat array of floats, with NaN in place of masked numbers.
+
+    Raises:
+        OrderError: the numbers are not real, or not in a list or an array.
+    """
+    try:
+        if not np.iscomplexobj(values):
+            return np.ma.filled(np.ma.asarray(values, dtype=float), np.nan).ravel()
+        found = "complex numbers; give absolute values"
+    except (TypeError, ValueError, OverflowError) as error:
+        found = f"{type(values).__name__}: {error}"
+    raise OrderError(f"{what} must be real numbers in a list or an array, got {found}")
 
 
 def _text(orders: Array) -> str:

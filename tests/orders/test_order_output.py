@@ -231,12 +231,51 @@ def test_orders_are_expected_of_columns_with_numbers_as_names() -> None:
             check_orders(h, errors, expected={3: 1})
 
 
-def test_errors_without_names_and_complex_errors_are_refused_in_words() -> None:
+def test_errors_without_names_are_refused_in_words() -> None:
     for errors in ([4.0, 1.0], np.ones((2, 2))):
         with pytest.raises(OrderError, match="for one list use observed_orders"):
             check_orders([2, 1], errors)
-    with pytest.raises(OrderError, match="complex numbers; give absolute values"):
-        observed_orders([2, 1], np.array([4j, 1j]))
+
+
+H = [0.5, 0.25, 0.125, 0.0625]
+SQUARES = np.square(H)
+
+
+@pytest.mark.parametrize(
+    ("h", "errors", "wish", "said"),
+    [
+        (H, 1j * SQUARES, 2, "u must be real numbers .*, got complex numbers; give absolute values"),
+        (np.array(H) + 0j, SQUARES, 2, "h must be real numbers .*, got complex numbers; give absolute values"),
+        (H, (e for e in SQUARES), 2, "u must be real numbers in a list or an array, got generator"),
+        (map(float, H), SQUARES, 2, "h must be .* a list or an array, got map"),
+        (H, dict.fromkeys("abcd", 1.0).values(), 2, "u must be .* a list or an array, got dict_values"),
+        (H, ["1", "diverged", "1", "1"], 2, "u must be real numbers .*, got list: .*'diverged'"),
+        (H, [10**400, 3, 2, 1], 2, "u must be real numbers .*, got list: int too large"),
+        (H, [[1, 2], [3]], 2, "u must be real numbers .*, got list: "),
+        (np.ma.masked_less(H, 0.1), SQUARES, 2, "mesh sizes must be positive and finite, got .*nan"),
+        (H, SQUARES, "2", "the expected order must be one positive number, got '2'"),
+        (H, SQUARES, [2], r"the expected order must be one positive number, got \[2\]"),
+        pytest.param(H, SQUARES, 10**400, "the expected order must be one positive number, got 1000", id="10**400"),
+        (H, SQUARES, -2, "the expected order must be one positive number, got -2"),
+    ],
+)
+def test_what_is_no_number_is_refused_in_words(h, errors, wish, said: str) -> None:
+    with pytest.raises(OrderError, match=said):
+        observed_orders(h, errors, wish, name="u")
+
+
+def test_masked_numbers_are_missing() -> None:
+    found = observed_orders(H, np.ma.masked_less(SQUARES, 0.01), expected=2)
+    assert found.conclusion.startswith("fails: the error is not finite for h = 0.0625")
+
+
+def test_columns_of_pandas_are_judged_or_refused_by_name() -> None:
+    table = pd.DataFrame({"h": H, "L2": SQUARES, "note": ["fine"] * 4})
+    assert check_orders(H, table["L2"], {"L2": 2})["L2"].verdict == "holds"
+    with pytest.raises(OrderError, match="there is no column hh of mesh sizes; there are h, L2, note"):
+        check_orders("hh", table, 2)
+    with pytest.raises(OrderError, match=r"note must be real numbers .*, got Series: .*'fine'"):
+        check_orders("h", table, 2)
 
 
 @pytest.mark.parametrize("levels", [3, 4, 7])
