@@ -224,8 +224,9 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
     """
     expectation = Expectation(expected, at_least, tolerance)
     sizes, e = _coarse_first(h, errors, name)
-    diagnosis = _diagnose(sizes, e, expectation)
-    first, last, kind, sentence, verdict = diagnosis
+    first, last, kind, sentence, verdict = _diagnose(sizes, e, expectation)
+    if (sizes > 1).all() and (sizes % 1 == 0).all() and len(e) > 1 and (np.diff(e) > 0).all():
+        sentence += "; h seems to be the number n of cells: give h = 1/n"
     judged_h, judged = sizes[first:last], e[first:last]
     order, low, high, extrapolated, limit = math.nan, -math.inf, math.inf, math.nan, math.nan
     if len(judged) > 1 and (judged > 0).all() and np.isfinite(judged).all():

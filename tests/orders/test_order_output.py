@@ -264,6 +264,33 @@ def test_what_is_no_number_is_refused_in_words(h, errors, wish, said: str) -> No
         observed_orders(h, errors, wish, name="u")
 
 
+CELLS = "; h seems to be the number n of cells: give h = 1/n"
+
+
+@pytest.mark.parametrize(
+    ("h", "order", "said"),
+    [
+        ([4, 8, 16, 32], 2, True),
+        ([32, 16, 8, 4], 0.1, True),
+        ([4, 8], 2, True),
+        ([4, 8, 16, 32], -2, False),
+        ([4.5, 8.5, 16.5, 32.5], 2, False),
+        ([1, 2, 4, 8], 2, False),
+        ([4], 2, False),
+    ],
+)
+def test_numbers_of_cells_given_as_mesh_sizes_are_told(h: list[float], order: float, said: bool) -> None:
+    found = observed_orders(h, np.array(h, dtype=float) ** -order, expected=2)
+    assert (CELLS in found.conclusion) == said
+    assert (found.verdict == "holds") == (order < 0)
+
+
+def test_the_table_of_a_column_h_with_numbers_of_cells_says_so(tmp_path, capsys) -> None:
+    (tmp_path / "t.csv").write_text("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n")
+    assert main(["rates", str(tmp_path / "t.csv"), "--expected", "2"]) == 1
+    assert CELLS in " ".join(capsys.readouterr().out.split())
+
+
 def test_masked_numbers_are_missing() -> None:
     found = observed_orders(H, np.ma.masked_less(SQUARES, 0.01), expected=2)
     assert found.conclusion.startswith("fails: the error is not finite for h = 0.0625")
