@@ -20,10 +20,12 @@ PREFIX = "convergence of "
 
 
 def _orders() -> ModuleType:
-    """Import the package ``study.orders`` that was installed together with this plugin, and return it."""
-    if MODULE in sys.modules:
-        return sys.modules[MODULE]
+    """Return the package ``study.orders`` that was installed together with this plugin; import it if necessary."""
     folder = Path(__file__).parent / "study" / "orders"
+    for name in ("study.orders", MODULE):
+        # If the tests import ``study.orders`` themselves, results must be instances of the classes that they know.
+        if getattr(sys.modules.get(name), "__file__", None) == str(folder / "__init__.py"):
+            return sys.modules[name]
     spec = spec_from_file_location(MODULE, folder / "__init__.py", submodule_search_locations=[str(folder)])
     assert spec is not None
     assert spec.loader is not None
@@ -55,7 +57,7 @@ def convergence_orders(request: pytest.FixtureRequest) -> Any:
         try:
             result = orders.observed_orders(h, errors, name=name, **options)
         except (TypeError, ValueError) as error:
-            pytest.fail(f"{name}: {error}", pytrace=False)
+            raise pytest.fail.Exception(f"{name}: {error}", pytrace=False) from None
         # pytest's fixture ``record_property`` is not used, because it warns in projects with the default JUnit format.
         properties = request.node.user_properties
         properties += [(f"{PREFIX}{name}", result.conclusion), (f"order of {name}", f"{result.order:.4g}")]
@@ -72,9 +74,9 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
     They are taken from the test reports, so that checks in other processes of pytest-xdist are included.
     """
     reports = [report for reports in terminalreporter.stats.values() for report in reports]
-    properties = [
-        entry for report in reports if getattr(report, "when", "") == "call" for entry in report.user_properties
-    ]
+    # The last report of a test, which is on its teardown, has the properties of its setup and its call, too.
+    last = [report for report in reports if getattr(report, "when", "") == "teardown"]
+    properties = [entry for report in last for entry in report.user_properties]
     lines = [f"{key.removeprefix(PREFIX)}: {value}" for key, value in properties if key.startswith(PREFIX)]
     if lines:
         terminalreporter.section("observed orders")

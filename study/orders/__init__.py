@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from .sequences import TOLERANCE, OrderError, OrderResult, observed_orders
 
 __all__ = ["OrderError", "OrderResult", "assert_order", "check_orders", "observed_orders"]
-Wish = float | Mapping[str, float] | None
+Wish = float | Mapping[Any, float] | None
 
 
 def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_least: Wish = None,
@@ -20,7 +20,7 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
 
     Parameters:
         h: mesh sizes, (levels,), or the name of their column in ``errors``.
-        errors: a dictionary or a DataFrame, name of a column ↦ errors, (levels,).
+        errors: a dictionary or a DataFrame, name of a column ↦ errors, (levels,); or a Series, which is one column.
         expected: expected order: one number for all columns, or name of a column ↦ number.
         at_least: smallest accepted order: one number for all columns, or name of a column ↦ number.
         tolerance: accepted difference from ``expected``.
@@ -29,17 +29,19 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
         Name of a column ↦ observed orders and verdict.
 
     Raises:
-        OrderError: ``errors`` has no names, an order is expected of an unknown column, or a column has no orders, as
-            described in ``observed_orders``.
+        OrderError: ``errors`` has no names, ``h`` or a name in ``expected`` or ``at_least`` is no column, or a column
+            has no orders, as described in ``observed_orders``.
     """
+    if hasattr(errors, "to_frame"):
+        errors = errors.to_frame()
     if not hasattr(errors, "keys"):
         raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")
     columns = {str(name): errors[name] for name in errors}
+    if isinstance(h, str) and h not in columns:
+        raise OrderError(f"there is no column {h} of mesh sizes; there are {', '.join(columns)}")
     sizes = columns.pop(h) if isinstance(h, str) else h
-    two_sided, one_sided = (
-        wish if isinstance(wish, Mapping) else {} if wish is None else dict.fromkeys(columns, wish)
-        for wish in (expected, at_least)
-    )
+    wishes = (wish if isinstance(wish, Mapping) else dict.fromkeys(columns, wish) for wish in (expected, at_least))
+    two_sided, one_sided = ({str(name): order for name, order in wish.items()} for wish in wishes)
     if unknown := [name for name in (*two_sided, *one_sided) if name not in columns]:
         raise OrderError(f"an order is expected of {unknown[0]}, but the columns of errors are {', '.join(columns)}")
     return {

@@ -14,8 +14,8 @@ HOLDS, FAILS, UNDECIDED, HIGHER, SKIPPED = "holds", "fails", "undecided", "highe
 TOLERANCE = 0.15
 """Default for the accepted difference between an observed and an expected order."""
 STALLED = 0.2
-"""Errors stagnate if the orders on the finest meshes are at most this number, and grow if they are less than its
-negative."""
+"""Errors stagnate if the orders on the finest meshes are at most this number and not as expected, and grow if they are
+less than its negative."""
 CLEAR = 10.0
 """If errors stagnate at a floor, only errors above this multiple of the floor are judged. A floor of a tenth of an
 error changes the order by at most 0.15."""
@@ -39,7 +39,7 @@ class Expectation:
         tolerance: accepted difference between the observed order and ``expected``.
 
     Raises:
-        OrderError: both ``expected`` and ``at_least`` are given, or a number is not positive.
+        OrderError: both ``expected`` and ``at_least`` are given, or one of the three is not a positive number.
     """
 
     expected: float | None = None
@@ -49,11 +49,15 @@ class Expectation:
     def __post_init__(self) -> None:
         if self.expected is not None and self.at_least is not None:
             raise OrderError("give an expected order or a lower limit of the order, not both")
-        for what, value in (("expected order", self.expected), ("least order", self.at_least)):
-            if value is not None and not (math.isfinite(value) and value > 0):
-                raise OrderError(f"the {what} must be positive, got {value:g}")
-        if not (math.isfinite(self.tolerance) and self.tolerance > 0):
-            raise OrderError(f"the tolerance must be positive, got {self.tolerance:g}")
+        orders = (("expected order", self.expected), ("least order", self.at_least))
+        given = [(what, value) for what, value in orders if value is not None]
+        for what, value in (*given, ("tolerance", self.tolerance)):
+            try:
+                is_positive = math.isfinite(value) and value > 0
+            except (TypeError, OverflowError):
+                is_positive = False
+            if not is_positive:
+                raise OrderError(f"the {what} must be one positive number, got {value!r}")
 
     @property
     def window(self) -> tuple[float, float] | None:
@@ -208,7 +212,7 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
     """Compute the observed orders of errors, and judge whether they are as expected.
 
     Parameters:
-        h, errors: mesh sizes and errors, (levels,), in any order of the meshes.
+        h, errors: mesh sizes and errors, (levels,), in any order of the meshes. A masked number counts as NaN.
         expected: the order that theory predicts. The verdict is *holds* if the order differs by at most ``tolerance``.
         at_least: the smallest accepted order; only one of ``expected`` and ``at_least`` can be given.
         tolerance: accepted difference from ``expected``.
@@ -216,12 +220,13 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
 
     Raises:
         OrderError: the numbers of mesh sizes and errors differ, mesh sizes are not positive or are repeated, an error
-            is negative, or the expected order is not positive.
+            is negative, entries are not real numbers, or the expected order is not a positive number.
     """
     expectation = Expectation(expected, at_least, tolerance)
     sizes, e = _coarse_first(h, errors, name)
-    diagnosis = _diagnose(sizes, e, expectation)
-    first, last, kind, sentence, verdict = diagnosis
+    first, last, kind, sentence, verdict = _diagnose(sizes, e, expectation)
+    if (sizes > 1).all() and (sizes % 1 == 0).all() and len(e) > 1 and (np.diff(e) > 0).all():
+        sentence += "; h seems to be the number n of cells: give h = 1/n"
     judged_h, judged = sizes[first:last], e[first:last]
     order, low, high, extrapolated, limit = math.nan, -math.inf, math.inf, math.nan, math.nan
     if len(judged) > 1 and (judged > 0).all() and np.isfinite(judged).all():
@@ -241,9 +246,7 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
     Raises:
         OrderError: an error or a mesh size cannot be used, or a mesh size is repeated.
     """
-    if np.iscomplexobj(errors):
-        raise OrderError(f"{name or 'error'}: the errors are complex numbers; give absolute values")
-    sizes, e = (np.asarray(values, dtype=float).ravel() for values in (h, errors))
+    sizes, e = _real_numbers(h, "h"), _real_numbers(errors, name or "errors")
     if sizes.shape != e.shape or not len(e):
         raise OrderError(f"{len(sizes)} sizes and {len(e)} errors: expected one error for each mesh")
     if not (np.isfinite(sizes).all() and (sizes > 0).all()):
@@ -256,6 +259,21 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
     if repeated.size:
         raise OrderError(f"the mesh size {sizes[repeated[0]]:.12g} occurs twice: give one error for each mesh")
     return sizes, e
+
+
+def _real_numbers(values: ArrayLike, what: str) -> Array:
+    """Return numbers as a flat array of floats, with NaN in place of masked numbers.
+
+    Raises:
+        OrderError: the numbers are not real, or not in a list or an array.
+    """
+    try:
+        if not np.iscomplexobj(values):
+            return np.ma.filled(np.ma.asarray(values, dtype=float), np.nan).ravel()
+        found = "complex numbers; give absolute values"
+    except (TypeError, ValueError, OverflowError) as error:
+        found = f"{type(values).__name__}: {error}"
+    raise OrderError(f"{what} must be real numbers in a list or an array, got {found}")
 
 
 def _text(orders: Array) -> str:
@@ -294,7 +312,10 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
     orders, n = consecutive_orders(h, e), len(e)
     moving = np.flatnonzero(orders > STALLED)
     stall = int(moving[-1]) + 1 if moving.size else 0
-    if stall == n - 1 and e[-1] < e[0]:
+    first, verdict = _judge(h, e, expectation)
+    # Small orders may be as expected. But errors that do not fall at all stagnate, even if the tolerance includes 0.
+    falls_as_expected = verdict == HOLDS and (orders[first:] > 0).all()
+    if (stall == n - 1 or falls_as_expected) and e[-1] < e[0]:
         return None
     floor, start = float(np.median(e[stall:])), f"from h = {h[stall]:.5g} on"
     if floor <= ROUND_OFF * max(1.0, e[0]) and stall > 0:

@@ -76,6 +76,44 @@ def test_errors_that_cannot_be_judged_fail_with_a_sentence_and_no_traceback(conv
         assert not failed.value.pytrace
 
 
+CHECKS = """
+import numpy as np
+import pytest
+
+from study.orders import OrderResult
+
+H = np.array([4, 2, 1]) / 8
+
+
+@pytest.fixture
+def solved(convergence_orders, request):
+    convergence_orders("setup", H, H ** request.param, expected=2)
+    yield
+    convergence_orders("teardown", H, H, expected=2)
+
+
+@pytest.mark.parametrize("solved", [1, 2], indirect=True)
+def test_orders(solved, convergence_orders):
+    assert isinstance(convergence_orders("call", H, H), OrderResult)
+
+
+def test_negative_errors(convergence_orders):
+    convergence_orders("negative", H, -H)
+"""
+
+
+@pytest.mark.parametrize("options", [[], pytest.param(["-n", "1"], marks=pytest.mark.slow)])
+def test_checks_in_fixtures_are_listed_and_refusals_printed_once(options: list[str], tmp_path: Path) -> None:
+    (tmp_path / "test_it.py").write_text(CHECKS)
+    done = run(tmp_path, sys.executable, "-m", "pytest", "-p", "no:cacheprovider", *options)
+    assert "= 1 failed, 1 passed, 2 errors in" in done.stdout, done.stdout
+    listed = done.stdout.partition("= observed orders =")[2]
+    found = re.findall(r"^(\w+): (?:(?:fails|holds): )?converges with order (\d)", listed, re.MULTILINE)
+    assert sorted(found) == [("call", "1"), ("setup", "1"), ("setup", "2"), ("teardown", "1")]
+    assert "During handling" not in done.stdout
+    assert done.stdout.count("errors must not be negative") == 2, "once as the failure, once in pytest's summary"
+
+
 @pytest.mark.slow
 def test_options_of_the_action_may_have_quotes(project: Path) -> None:
     (project / "errors.csv").write_text("h,||u - u_h||\n.4,.16\n.2,.04\n.1,.01\n")

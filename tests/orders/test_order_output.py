@@ -6,6 +6,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -199,12 +200,109 @@ def test_a_broken_solver_fails_the_assertion() -> None:
     assert "<table>" in found["L2"]._repr_html_()
 
 
-def test_errors_without_names_and_complex_errors_are_refused_in_words() -> None:
+@pytest.mark.parametrize(
+    ("orders", "wish", "verdict"),
+    [
+        ([0.19] * 3, {"expected": 0.25}, "holds"),
+        ([0.18] * 3, {"at_least": 0.15}, "holds"),
+        ([0.1] * 3, {"expected": 0.1}, "holds"),
+        ([0.19] * 3, {"expected": 1}, "fails"),
+        ([0.01] * 3, {"expected": 0.25}, "fails"),
+        ([0.1, 0, 0, 0], {"expected": 0.1}, "fails"),
+        ([0.1, -0.01, -0.01, -0.01], {"expected": 0.1}, "fails"),
+        ([-2, 0.19, 0.19, 0.19], {"expected": 0.25}, "fails"),
+        ([0.19] * 3, {}, None),
+    ],
+)
+def test_errors_with_a_small_order_stagnate_unless_it_is_expected(orders, wish, verdict) -> None:
+    errors = 2.0 ** -np.cumsum([0, *orders])
+    found = observed_orders(2.0 ** -np.arange(len(errors)), errors, **wish)
+    assert found.verdict == verdict
+    assert (found.kind in ("stagnates", "grows")) == (verdict != "holds")
+
+
+def test_orders_are_expected_of_columns_with_numbers_as_names() -> None:
+    h = np.array([0.5, 0.25, 0.125, 0.0625])
+    for errors in ({1: h, 2: h**2}, pd.DataFrame({1: h, 2: h**2})):
+        found = check_orders(h, errors, expected={1: 1, 2: 2})
+        assert {name: column.verdict for name, column in found.items()} == {"1": "holds", "2": "holds"}
+        assert check_orders(h, errors, at_least={2: 1.9})["1"].verdict is None
+        with pytest.raises(OrderError, match="an order is expected of 3, but the columns of errors are 1, 2"):
+            check_orders(h, errors, expected={3: 1})
+
+
+def test_errors_without_names_are_refused_in_words() -> None:
     for errors in ([4.0, 1.0], np.ones((2, 2))):
         with pytest.raises(OrderError, match="for one list use observed_orders"):
             check_orders([2, 1], errors)
-    with pytest.raises(OrderError, match="complex numbers; give absolute values"):
-        observed_orders([2, 1], np.array([4j, 1j]))
+
+
+H = [0.5, 0.25, 0.125, 0.0625]
+SQUARES = np.square(H)
+
+
+@pytest.mark.parametrize(
+    ("h", "errors", "wish", "said"),
+    [
+        (H, 1j * SQUARES, 2, "u must be real numbers .*, got complex numbers; give absolute values"),
+        (np.array(H) + 0j, SQUARES, 2, "h must be real numbers .*, got complex numbers; give absolute values"),
+        (H, (e for e in SQUARES), 2, "u must be real numbers in a list or an array, got generator"),
+        (map(float, H), SQUARES, 2, "h must be .* a list or an array, got map"),
+        (H, dict.fromkeys("abcd", 1.0).values(), 2, "u must be .* a list or an array, got dict_values"),
+        (H, ["1", "diverged", "1", "1"], 2, "u must be real numbers .*, got list: .*'diverged'"),
+        (H, [10**400, 3, 2, 1], 2, "u must be real numbers .*, got list: int too large"),
+        (H, [[1, 2], [3]], 2, "u must be real numbers .*, got list: "),
+        (np.ma.masked_less(H, 0.1), SQUARES, 2, "mesh sizes must be positive and finite, got .*nan"),
+        (H, SQUARES, "2", "the expected order must be one positive number, got '2'"),
+        (H, SQUARES, [2], r"the expected order must be one positive number, got \[2\]"),
+        pytest.param(H, SQUARES, 10**400, "the expected order must be one positive number, got 1000", id="10**400"),
+        (H, SQUARES, -2, "the expected order must be one positive number, got -2"),
+    ],
+)
+def test_what_is_no_number_is_refused_in_words(h, errors, wish, said: str) -> None:
+    with pytest.raises(OrderError, match=said):
+        observed_orders(h, errors, wish, name="u")
+
+
+CELLS = "; h seems to be the number n of cells: give h = 1/n"
+
+
+@pytest.mark.parametrize(
+    ("h", "order", "said"),
+    [
+        ([4, 8, 16, 32], 2, True),
+        ([32, 16, 8, 4], 0.1, True),
+        ([4, 8], 2, True),
+        ([4, 8, 16, 32], -2, False),
+        ([4.5, 8.5, 16.5, 32.5], 2, False),
+        ([1, 2, 4, 8], 2, False),
+        ([4], 2, False),
+    ],
+)
+def test_numbers_of_cells_given_as_mesh_sizes_are_told(h: list[float], order: float, said: bool) -> None:
+    found = observed_orders(h, np.array(h, dtype=float) ** -order, expected=2)
+    assert (CELLS in found.conclusion) == said
+    assert (found.verdict == "holds") == (order < 0)
+
+
+def test_the_table_of_a_column_h_with_numbers_of_cells_says_so(tmp_path, capsys) -> None:
+    (tmp_path / "t.csv").write_text("h,e\n4,1\n8,.25\n16,.0625\n32,.015625\n")
+    assert main(["rates", str(tmp_path / "t.csv"), "--expected", "2"]) == 1
+    assert CELLS in " ".join(capsys.readouterr().out.split())
+
+
+def test_masked_numbers_are_missing() -> None:
+    found = observed_orders(H, np.ma.masked_less(SQUARES, 0.01), expected=2)
+    assert found.conclusion.startswith("fails: the error is not finite for h = 0.0625")
+
+
+def test_columns_of_pandas_are_judged_or_refused_by_name() -> None:
+    table = pd.DataFrame({"h": H, "L2": SQUARES, "note": ["fine"] * 4})
+    assert check_orders(H, table["L2"], {"L2": 2})["L2"].verdict == "holds"
+    with pytest.raises(OrderError, match="there is no column hh of mesh sizes; there are h, L2, note"):
+        check_orders("hh", table, 2)
+    with pytest.raises(OrderError, match=r"note must be real numbers .*, got Series: .*'fine'"):
+        check_orders("h", table, 2)
 
 
 @pytest.mark.parametrize("levels", [3, 4, 7])
