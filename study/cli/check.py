@@ -30,8 +30,8 @@ IN_PART = (
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )
 """Files in which only some edits are noticed, by relations between columns, or because tables are made from them. In
-``drawn.csv`` these are all edits except edits of the seeds. The
-data tables of a run also belong to these files if its provenance has no checksums."""
+``drawn.csv`` only edits of the seeds are not noticed. The data tables of a run also belong to these files if its
+provenance has no checksums."""
 
 
 def do_check(options: argparse.Namespace) -> int:
