@@ -162,9 +162,6 @@ def test_a_factor_that_overflows_or_underflows_in_the_ranges_does_not_hide_the_o
 # ---- ranges of series
 
 
-BALLISTIC = [{"pos": lambda x, a: np.where(x > 0, np.maximum(x, 1e-300) ** a, 0.0)}, "numpy"]
-
-
 FORMULAS = [
     t * exp(-4 * (x1 - 0.3) ** 2 - 4 * (x2 - 0.4) ** 2),
     sin(3 * x1 * t) * cos(x2) / (1 + x1**2),
@@ -181,11 +178,12 @@ FORMULAS = [
 def test_taylor_coefficients_lie_in_their_ranges(formula: Expr, variables: tuple[sp.Symbol, ...]) -> None:
     boxes, random_points = random_boxes(variables, 4, 40)
     found = boxes(formula)
+    modules = [{"pos": lambda x, a: np.where(x > 0, np.maximum(x, 1e-300) ** a, 0.0)}, "numpy"]
     for key, low, high in zip(boxes.keys, found.low, found.high, strict=True):
         derivative = formula
         for variable, times in zip(variables, key, strict=True):
             derivative = sp.diff(derivative, variable, times) / sp.factorial(times)
-        values = sp.lambdify((x1, x2, t), derivative, modules=BALLISTIC)
+        values = sp.lambdify((x1, x2, t), derivative, modules)
         for _ in range(10):
             with np.errstate(over="ignore"):
                 assert_between(low, values(*random_points()) * np.ones(40), high, str(key))

@@ -406,9 +406,6 @@ def test_tables_writes_what_check_asks_for_and_check_writes_nothing(own: Path, r
     assert "claims.csv is missing: `study tables" in refusal(own)
 
 
-ALL = "1000"
-
-
 @pytest.fixture
 def checked(told) -> Callable[..., str]:
     """``study check`` in one process, with further options."""
@@ -439,7 +436,7 @@ def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> 
         write_csv(path, table)
     assert "was changed after the run that wrote it" in checked("--out", str(own), code=2)
     recorded(lambda made: made.pop("sha256"))(own)
-    said = checked("--again", ALL, "--out", str(own), code=1)
+    said = checked("--again", "1000", "--out", str(own), code=1)
     for file, (column, _) in changes.items():
         assert f"{file}: differs" in said
         assert re.search(rf"{column}: 1 of \d+ differ, 1 beyond tolerance", said)

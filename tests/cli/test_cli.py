@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -32,16 +31,6 @@ def changed(**c): return replace(case, solution=replace(case.solution, faces=(re
 """
 
 
-@pytest.fixture
-def case_file(tmp_path: Path):
-    def write(line: str) -> str:
-        path = tmp_path / "mine.py"
-        path.write_text(HEAD + line + "\n")
-        return f"{path}:mine"
-
-    return write
-
-
 @pytest.mark.parametrize(
     ("line", "message"),
     [
@@ -54,12 +43,11 @@ def case_file(tmp_path: Path):
         ("other = case", r"defines no 'mine'"),
     ],
 )
-def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(
-    told, tmp_path, case_file, line, message
-) -> None:
+def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(told, tmp_path, line, message) -> None:
     resolve.cache_clear()
-    out = tmp_path / "r"
-    said = told("run", "--case", case_file(line), "--levels", "8", "16", "32", "--out", str(out))
+    path, out = tmp_path / "mine.py", tmp_path / "r"
+    path.write_text(HEAD + line + "\n")
+    said = told("run", "--case", f"{path}:mine", "--levels", "8", "16", "32", "--out", str(out))
     assert re.search(message, said, re.DOTALL)
     assert not out.exists()
 
@@ -109,7 +97,6 @@ def spoil(data: Path, change: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (lambda data: (data / "rates.csv").unlink(), "rates.csv is missing"),
         (lambda data: (data / "equivalence.csv").write_text(""), "equivalence.csv is not a table"),
         (lambda data: spoil(data, lambda t: t.drop(columns="time_share")), "lacks the columns time_share"),
         (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), "rates.csv was changed after the run"),
@@ -193,11 +180,6 @@ def test_undecided_rows_are_accepted_if_exactly_these_are_listed(tmp_path, verdi
     assert capsys.readouterr().err == (row if code == 3 else "")
 
 
-def test_without_a_list_an_undecided_row_and_no_row_at_all_are_undecided() -> None:
-    assert code_of([replace(ROW, verdict=UNDECIDED, observed=math.nan)], None) == 3
-    assert code_of([], None) == 3
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -212,14 +194,11 @@ def test_a_list_without_reasons_or_columns_or_without_a_file_is_refused(tmp_path
         code_of([ROW], tmp_path / "none.csv" if text is None else listed(tmp_path, text))
 
 
-COST = 100
-
-
 @pytest.fixture
 def bar(monkeypatch: pytest.MonkeyPatch) -> Iterator[ProgressBar]:
     """A progress bar whose clock stands still until a test sets it."""
     monkeypatch.setattr("tqdm.std.time", lambda: 0.0)
-    with progress_bar(COST) as shown:
+    with progress_bar(100) as shown:
         yield shown
 
 

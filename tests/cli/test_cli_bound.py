@@ -30,12 +30,6 @@ def wrong_part():
 """
 
 
-@pytest.fixture
-def user(tmp_path: Path) -> str:
-    resolve_data.cache_clear()
-    return str(write_text(tmp_path / "mine.py", USER))
-
-
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory) -> tuple[Path, str]:
     out = tmp_path_factory.mktemp("bounds")
@@ -119,9 +113,10 @@ def test_the_trajectory_is_on_disk_with_its_mesh_and_times(finished) -> None:
         (["{}:missing"], "defines no 'missing'"),
     ],
 )
-def test_what_cannot_be_bounded_is_refused_with_the_reason(told, tmp_path, user, arguments, message: str) -> None:
+def test_what_cannot_be_bounded_is_refused_with_the_reason(told, tmp_path, arguments, message: str) -> None:
+    resolve_data.cache_clear()
     problem, *options = arguments
-    out = tmp_path / "out"
+    user, out = write_text(tmp_path / "mine.py", USER), tmp_path / "out"
     assert re.search(message, told("bound", problem.format(user), *options, "--out", str(out)), re.DOTALL)
     assert not out.exists()
 

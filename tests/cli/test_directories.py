@@ -122,12 +122,9 @@ def hold(store: Store | TaskStore) -> None:
     lock.__enter__()
 
 
-RUN = ["run", "--case", "full-contact", "--levels", "2", "4"]
-
-
 @pytest.mark.parametrize(
     ("store", "command", "folder"),
-    [(Store, *OWNED[0]), (TaskStore, *OWNED[2]), (Store, RUN, "")],
+    [(Store, *OWNED[0]), (TaskStore, *OWNED[2]), (Store, ["run", "--case", "full-contact", "--levels", "2", "4"], "")],
     ids=["bound", "export", "run"],
 )
 def test_two_commands_on_one_directory_are_refused_by_name_until_the_first_one_ends(
@@ -275,18 +272,13 @@ WORDS = [("error", "small"), ("error", "nan"), ("order", "steep"), ("error", "")
     [*(("check", *cell) for cell in WORDS), *((command, *WORDS[0]) for command in ("tables", "figures", "report"))],
 )
 def test_a_word_in_place_of_a_number_is_named_by_file_line_and_column(command, column, word, own: Path, told) -> None:
-    path = spoil(own, column, word)
-    said = told(command, "--out", str(own))
-    assert f"{path}, line 4, column {column}: found {word!r}, expected a number" in said
-    assert f"--levels 8 16 32 --out {own}`" in said
-
-
-def spoil(directory: Path, column: str, word: str) -> Path:
-    path = directory / "data" / "rates.csv"
+    path = own / "data" / "rates.csv"
     table = pd.read_csv(path, dtype=str, keep_default_na=False)
     table.loc[2, column] = word
     table.to_csv(path, index=False)
-    return path
+    said = told(command, "--out", str(own))
+    assert f"{path}, line 4, column {column}: found {word!r}, expected a number" in said
+    assert f"--levels 8 16 32 --out {own}`" in said
 
 
 def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(tmp_path, told, monkeypatch) -> None:
@@ -310,7 +302,7 @@ def test_no_more_processes_are_started_than_there_is_work(tmp_path, told, monkey
 
     monkeypatch.setattr("study.cli.run.Processes", counted)
     small = ["--case", "full-contact", "--levels", "2", "4", "8", "--out", str(tmp_path)]
-    told("run", *small, "--jobs", "9999")
+    told("run", *small, "--jobs", "1024")
     told("run", *small, "--jobs", "2")
     assert 2 < started[0] < 40
     assert started[1] == 2

@@ -14,7 +14,6 @@ from typing import Any
 from xml.etree import ElementTree
 
 import common
-import contact_judge
 import contact_judge as judge
 import drive
 import faults
@@ -58,7 +57,7 @@ def test_an_adapter_whose_code_is_here_is_exact_in_the_plane_and_in_space(
 
 
 def test_a_task_that_a_code_cannot_express_is_named_with_the_reason(directory: Path) -> None:
-    tasks = contact_judge.read_tasks(directory)
+    tasks = judge.read_tasks(directory)
 
     def make(task: Any) -> Any:
         raise common.CannotExpressError("no springs in this code")
@@ -107,10 +106,10 @@ def test_committed_classes_are_those_of_the_committed_errors(folder: str, grades
     codes, seen = Codes.read(RESULTS, folder), set()
     assert codes is not None
     classes = codes.classes.set_index(KEY)["class"]
-    columns = [field.name for field in fields(contact_judge.Errors) if field.name in codes.errors]
+    columns = [field.name for field in fields(judge.Errors) if field.name in codes.errors]
     for name, rows in codes.errors.sort_values("level").groupby(KEY):
-        errors = [contact_judge.Errors(**row) for row in rows[columns].to_dict("records")]
-        assert classes[name] == contact_judge.classify(list(rows["h"]), errors), name
+        errors = [judge.Errors(**row) for row in rows[columns].to_dict("records")]
+        assert classes[name] == judge.classify(list(rows["h"]), errors), name
         seen.add(classes[name])
     assert seen >= grades
 
@@ -132,9 +131,6 @@ def test_results_without_other_codes_have_none_and_half_a_table_is_refused(tmp_p
     (tmp_path / "codes" / "errors.csv").write_text("code,version\na,1\n")
     with pytest.raises(DataError, match="make codes"):
         Codes.read(tmp_path)
-
-
-SCHEMAS = Path(__file__).parents[2] / "docs" / "reference"
 
 
 @pytest.fixture(scope="module")
@@ -173,21 +169,18 @@ def change_task(place: Path, change: Callable[[dict[str, Any]], Any]) -> None:
     path.with_suffix("").write_text(json.dumps(data if result is None else result))
 
 
-def append(text: str) -> Callable[[Path], Any]:
-    def damage(place: Path) -> None:
-        with (place / "tasks" / "SHA256SUMS").open("a") as sums:
-            sums.write(text)
-
-    return damage
-
-
 def task_with(**changes: Any) -> Callable[[Path], None]:
     return lambda place: change_task(place, lambda data: data | changes)
 
 
-def put(name: str, text: str) -> Callable[[Path], Any]:
-    """Write another file of the tasks, or of the answer."""
-    return lambda place: ((place if "/" in name else place / "tasks") / name).write_text(text)
+def put(name: str, text: str, mode: str = "w") -> Callable[[Path], Any]:
+    """Write another file of the tasks, or of the answer, or append to it."""
+
+    def damage(place: Path) -> None:
+        with ((place if "/" in name else place / "tasks") / name).open(mode) as file:
+            file.write(text)
+
+    return damage
 
 
 def unpacked_as_well(place: Path) -> None:
@@ -197,7 +190,7 @@ def unpacked_as_well(place: Path) -> None:
 
 ANSWER = "answers/full-contact-one-diagonal-frozen-4"
 DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
-    "word in the sums": (append("mine\n"), "SHA256SUMS, line 2: stands 'mine'"),
+    "word in the sums": (put("SHA256SUMS", "mine\n", "a"), "SHA256SUMS, line 2: stands 'mine'"),
     "deleted task": (lambda place: next(place.glob("tasks/*.xz")).unlink(), "which is missing"),
     "no tasks": (lambda place: [path.unlink() for path in place.glob("tasks/*")], "holds no *.json.xz"),
     "JSON list": (put("a.json", "[1, 2]"), "a holds a JSON list"),
@@ -270,7 +263,7 @@ def test_junit_has_a_case_for_each_series(place: Path, tmp_path: Path) -> None:
 
 
 def fits(value: Any, name: str) -> list[str]:
-    schema = json.loads((SCHEMAS / name).read_text(encoding="utf-8"))
+    schema = json.loads((RESULTS.parent / "docs" / "reference" / name).read_text(encoding="utf-8"))
     return faults_of(value, schema, schema)
 
 

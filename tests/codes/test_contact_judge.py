@@ -74,15 +74,6 @@ def test_springs_that_no_mesh_makes_stiffer_stagnate_and_their_order_in_v_does_n
     assert found.errors[-1].pressure > 5 * found.errors[-1].best_pressure
 
 
-@pytest.mark.parametrize(
-    "change",
-    [lambda task, u: 3 * u, lambda task, u: u * (1 + 0.01 / task.data["h"])],
-    ids=["three times as large", "worse on every mesh"],
-)
-def test_what_is_far_or_grows_is_wrong(tasks: list[Any], change: Any) -> None:
-    assert judged(doctored(change), *tasks).verdict == "wrong"
-
-
 ON_ONE_MESH = {
     "1000 times": lambda u: 1000 * u,
     "half": lambda u: u / 2,
@@ -289,16 +280,13 @@ def test_exponents_of_fortran_are_read(tmp_path: Path) -> None:
     assert (judge.read_answer(tmp_path, one) == u).all()
 
 
-EXPORT = ["export", "full-contact", "--levels", "4", "--instants", "0.5"]
-
-
 def test_the_command_writes_the_same_bytes_again_and_their_sums_and_names_a_line_that_is_none(
     tmp_path: Path, capsys: Any
 ) -> None:
     def files() -> dict[str, bytes]:
         return {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
 
-    command = [*EXPORT, "--to", str(tmp_path)]
+    command = ["export", "full-contact", "--levels", "4", "--instants", "0.5", "--to", str(tmp_path)]
     assert main(command) == 0
     before = files()
     assert main(command) == 0

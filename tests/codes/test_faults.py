@@ -96,9 +96,8 @@ def test_a_fault_of_the_history_of_one_step_or_of_the_load_is_named(cause: str) 
         assert (found.verdict, found.cause) == ("exact for P1", "")
 
 
-def kept(solve: Any) -> Any:
-    """A contact solver that stores the result of ``solve`` in the first step and calls it no more."""
-    return lambda W, free, memory: memory.setdefault("kept", solve(W, free))
+def forces_kept(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+    return memory.setdefault("kept", judge.active_set(W, free))
 
 
 def vertices_kept(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
@@ -111,7 +110,7 @@ def not_in_the_first_step(W: np.ndarray, free: np.ndarray, memory: dict) -> np.n
 
 FIRST_STEP = {
     "contact is missing in the first step": not_in_the_first_step,
-    "the contact forces of the first step are kept in all steps": kept(judge.active_set),
+    "the contact forces of the first step are kept in all steps": forces_kept,
     "the vertices in contact are found in the first step only and kept": vertices_kept,
 }
 

@@ -44,11 +44,6 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import Levels
 from study.statements.thm_4_2 import Derived, Sides, StandsAlone, independence
 
-HARMLESS = Control(
-    "harmless", "a copy in place of the original", Equivalence("no-contact"), "", copy.copy, "alone-stress"
-)
-"""No defect at all, which nobody can catch."""
-
 
 @cache
 def rows(setting, control=None) -> list[Verdict]:
@@ -220,7 +215,9 @@ def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_
 
 
 def test_a_harmless_defect_is_not_caught_and_the_command_fails(monkeypatch, tmp_path, capsys) -> None:
-    assert run(monkeypatch, tmp_path, HARMLESS) == 1
+    """A copy in place of the original is no defect at all."""
+    harmless = Control("harmless", "a copy", Equivalence("no-contact"), "", copy.copy, "alone-stress")
+    assert run(monkeypatch, tmp_path, harmless) == 1
     assert "NOT NOTICED" in capsys.readouterr().out
     assert pd.read_csv(tmp_path / "data" / "controls.csv")["caught"].tolist()[1] == "no"
 

@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -49,16 +50,13 @@ from study.ledger.window import Window, around, at_least, at_most, between, posi
 LEVELS = (8, 16, 32, 64)
 
 
-class Claim:
-    label, claim = "(0.0)", "a claim"
-
-
 def levels(values: object, count: int = len(LEVELS)) -> pd.DataFrame:
     return pd.DataFrame({"h": 1 / np.array(LEVELS), "e": np.broadcast_to(values, len(LEVELS))}).head(count)
 
 
 def judged(rule: Rule, *families: pd.DataFrame) -> Verdict:
-    return rule.verdict(Claim(), "a", {str(i): family for i, family in enumerate(families)})
+    claim = SimpleNamespace(label="(0.0)", claim="a claim")
+    return rule.verdict(claim, "a", {str(i): family for i, family in enumerate(families)})
 
 
 FIRST = 1 / np.array(LEVELS)

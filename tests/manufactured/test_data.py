@@ -159,15 +159,10 @@ def test_loads_of_a_wrong_shape_are_refused() -> None:
         wrong.check()
 
 
-def stating(monotonicity: float) -> Yield:
-    """An operator that states any constant of monotonicity."""
-    kind = type("Stating", (Yield,), {"monotonicity": monotonicity})
-    return kind(1.0, FrobeniusBall(1.0))
-
-
 @pytest.mark.parametrize("constant", [float("nan"), -float("inf")])
 def test_a_law_without_a_usable_monotonicity_constant_is_refused_before_time_is_spent(constant: float) -> None:
-    law = KelvinVoigt(isotropic(1, 1), stating(constant), "my law")
+    stating = type("Stating", (Yield,), {"monotonicity": constant})
+    law = KelvinVoigt(isotropic(1, 1), stating(1.0, FrobeniusBall(1.0)), "my law")
     plain = Data.formulas(SQUARE, law, f0=(0, 0))
     with pytest.raises(BoundError, match=r"my law: G has the monotonicity constant .*a finite one, −L_G"):
         Discretisation(plain, OneDiagonal()(SQUARE, 2))

@@ -331,8 +331,6 @@ def test_a_gap_that_is_open_where_contact_meets_the_clamp_is_no_solution() -> No
 # Every condition of the self-proof can fail, and what is not a number fails it.
 
 
-OFF = 1e-6
-"""A relative defect that no condition may let pass."""
 LAYERS, PATCH = named("layered-unmet").solution, named("travelling-patch").solution
 
 
@@ -345,7 +343,7 @@ def test_the_conditions_on_gamma_3_are_looked_at_all_along_it(name: str, apart: 
 
 
 def off_by_a_millionth(values: np.ndarray) -> np.ndarray:
-    return (1 + OFF) * values
+    return (1 + 1e-6) * values
 
 
 def no_number_at_one_point(values: np.ndarray) -> np.ndarray:

@@ -47,11 +47,7 @@ from study.fem.mesh import Shaken
 from study.fem.naming import resolve
 from study.fem.space import Space
 
-
-def points(seed: int = 0, count: int = 50) -> np.ndarray:
-    return np.random.default_rng(seed).uniform(0.05, 0.95, (2, count))
-
-
+POINTS = np.random.default_rng(0).uniform(0.05, 0.95, (2, 50))
 FIELDS = "displacement", "velocity", "strain", "strain_rate"
 WITH_FORCES = *FIELDS, "strain_gradient", "stress", "body_force"
 
@@ -77,7 +73,7 @@ def test_williams_fields_need_no_force_where_nothing_cuts_them_off(name: str) ->
     solution = named(name).solution
     face = solution.faces[0]
     plain = replace(solution, faces=(replace(face, field=replace(face.field, depth=None)),))
-    fields = plain.at(points())
+    fields = plain.at(POINTS)
     assert abs(fields.body_force(0.7)).max() < 1e-10 * abs(fields.stress(0.7)).max() / 0.05
 
 
@@ -106,7 +102,7 @@ def test_the_landing_jumps_in_velocity_but_not_in_load() -> None:
     space = Space(Shaken()(solution.body, 6), solution.body)
     v_norm = ErrorNorm(solution, space)
     before, after = 0.7 - 1e-9, 0.7 + 1e-9
-    fields = solution.at(points())
+    fields = solution.at(POINTS)
     jump = fields.velocity(after) - fields.velocity(before)
     assert abs(jump).max() > 0.5
     assert abs(v_norm.load(after) - v_norm.load(before)).max() < 1e-6 * abs(v_norm.load(after)).max()

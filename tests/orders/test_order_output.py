@@ -19,11 +19,13 @@ from study.orders.columns import Options, read_series
 from study.orders.sequences import fitted_order, grid_convergence
 
 GOOD, LOW, BENT = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08]
+H = np.array([0.5, 0.25, 0.125, 0.0625])
+SQUARES = H**2
 SCHEMA = json.loads((Path(__file__).parents[2] / "docs/reference/rates.schema.json").read_text(encoding="utf-8"))
 
 
 def table(path: Path, **columns: list[float]) -> str:
-    rows = zip([0.5, 0.25, 0.125, 0.0625], *columns.values(), strict=True)
+    rows = zip(H.tolist(), *columns.values(), strict=True)
     path.write_text("\n".join([",".join(["h", *columns]), *(",".join(map(str, row)) for row in rows)]))
     return str(path)
 
@@ -60,15 +62,12 @@ def test_exit_codes_are_ordered_2_1_3_0(columns, options, code, tmp_path, capsys
     assert bool(captured.err) == (code == 2)
 
 
-NAMED = 'h,"L2(0,T;H1)","e, max",p = 1\n.4,.4,.4,.4\n.2,.1,.2,.1\n.1,.025,.1,.025\n'
-
-
 @pytest.mark.parametrize(
     ("expected", "code"),
     [("e, max=1,L2(0,T;H1)=2", 0), ("L2(0,T;H1)=2,e, max=1", 0), ("L2(0,T;H1) = 1", 1), ("p = 1=2", 0)],
 )
 def test_names_with_commas_and_equal_signs_can_be_expected(expected: str, code: int, tmp_path) -> None:
-    (tmp_path / "t.csv").write_text(NAMED)
+    (tmp_path / "t.csv").write_text('h,"L2(0,T;H1)","e, max",p = 1\n.4,.4,.4,.4\n.2,.1,.2,.1\n.1,.025,.1,.025\n')
     assert main(["rates", str(tmp_path / "t.csv"), "--expected", expected]) == code
 
 
@@ -191,11 +190,10 @@ def test_the_grid_convergence_index_is_the_published_one(cells, values, kind, or
 
 
 def test_a_broken_solver_fails_the_assertion() -> None:
-    h = [0.5, 0.25, 0.125, 0.0625]
-    assert assert_order(h, np.square(h), expected=2).order == pytest.approx(2)
+    assert assert_order(H, SQUARES, expected=2).order == pytest.approx(2)
     with pytest.raises(AssertionError, match="fails"):
-        assert_order(h, h, expected=2)
-    found = check_orders(h, {"L2": np.square(h), "H1": h}, expected={"L2": 2, "H1": 1})
+        assert_order(H, H, expected=2)
+    found = check_orders(H, {"L2": SQUARES, "H1": H}, expected={"L2": 2, "H1": 1})
     assert [column.verdict for column in found.values()] == ["holds", "holds"]
     assert "<table>" in found["L2"]._repr_html_()
 
@@ -222,13 +220,12 @@ def test_errors_with_a_small_order_stagnate_unless_it_is_expected(orders, wish, 
 
 
 def test_orders_are_expected_of_columns_with_numbers_as_names() -> None:
-    h = np.array([0.5, 0.25, 0.125, 0.0625])
-    for errors in ({1: h, 2: h**2}, pd.DataFrame({1: h, 2: h**2})):
-        found = check_orders(h, errors, expected={1: 1, 2: 2})
+    for errors in ({1: H, 2: SQUARES}, pd.DataFrame({1: H, 2: SQUARES})):
+        found = check_orders(H, errors, expected={1: 1, 2: 2})
         assert {name: column.verdict for name, column in found.items()} == {"1": "holds", "2": "holds"}
-        assert check_orders(h, errors, at_least={2: 1.9})["1"].verdict is None
+        assert check_orders(H, errors, at_least={2: 1.9})["1"].verdict is None
         with pytest.raises(OrderError, match="an order is expected of 3, but the columns of errors are 1, 2"):
-            check_orders(h, errors, expected={3: 1})
+            check_orders(H, errors, expected={3: 1})
 
 
 def test_errors_without_names_are_refused_in_words() -> None:
@@ -237,15 +234,11 @@ def test_errors_without_names_are_refused_in_words() -> None:
             check_orders([2, 1], errors)
 
 
-H = [0.5, 0.25, 0.125, 0.0625]
-SQUARES = np.square(H)
-
-
 @pytest.mark.parametrize(
     ("h", "errors", "wish", "said"),
     [
         (H, 1j * SQUARES, 2, "u must be real numbers .*, got complex numbers; give absolute values"),
-        (np.array(H) + 0j, SQUARES, 2, "h must be real numbers .*, got complex numbers; give absolute values"),
+        (H + 0j, SQUARES, 2, "h must be real numbers .*, got complex numbers; give absolute values"),
         (H, (e for e in SQUARES), 2, "u must be real numbers in a list or an array, got generator"),
         (map(float, H), SQUARES, 2, "h must be .* a list or an array, got map"),
         (H, dict.fromkeys("abcd", 1.0).values(), 2, "u must be .* a list or an array, got dict_values"),

@@ -336,10 +336,8 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, rates) -> No
         ((b"1" * 1_990 + b" ") * 100, "100 columns, but no line above names them"),
         (b"|1" * 20_000, "20000 columns, but no line above names them"),
         (b"h: 1 " * 10_000, "no table was recognised"),
-        (b"cells,error\n8,.1\n16,.05\n", "give --dim"),
         (b"Zellen,error\n32,.16\n128,.04\n512,.01\n", "column Zellen is a count"),
         ("h,Größe\n.4,32\n.2,128\n.1,512\n".encode(), "among h (size), Größe (growing): name one with --columns"),
-        (b"level,error\n1,.1\n2,.05\n", "give --ratio 2"),
         (b"h,order\n1,-\n.5,2\n", "no column of errors among h (size), order (order)"),
         (
             b"h,L2,H1\n1,.1,.2\n.5,.05,\n",

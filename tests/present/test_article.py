@@ -121,9 +121,6 @@ def test_every_reference_is_cited_and_every_citation_has_one() -> None:
     assert Counter(listed) == Counter(cited)
 
 
-STATEMENTS = r"(theorem|lemma|proposition|corollary)"
-
-
 def whole(name: str) -> str:
     """A document with everything that it inputs from its own directory."""
     found = text(PAPER / f"{name}.tex")
@@ -136,9 +133,9 @@ def test_every_statement_has_one_proof_and_every_reference_a_label_in_the_paper_
     labels = re.findall(r"\\label\{([^}]*)\}", source)
     assert len(set(labels)) == len(labels)
     assert set(re.findall(r"\\(?:eq)?ref\{([^}]*)\}", source)) <= set(labels)
-    begins = [match.start() for match in re.finditer(rf"\\begin\{{{STATEMENTS}\}}", source)] + [len(source)]
-    assert len(begins) > 10
-    for start, following in pairwise(begins):
+    begins = [match.start() for match in re.finditer(r"\\begin\{(theorem|lemma|proposition|corollary)\}", source)]
+    assert len(begins) > 9
+    for start, following in pairwise([*begins, len(source)]):
         (label,) = re.findall(r"\\label\{((?:thm|lem|prop|cor):[\w-]+)\}", source[start:following])
         after = len(re.findall(r"\\begin\{proof\}(?!\[Proof of)", source[start:following]))
         named = len(re.findall(rf"\\begin\{{proof\}}\[Proof of \w+~\\ref\{{{label}\}}\]", source))

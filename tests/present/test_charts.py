@@ -31,11 +31,6 @@ from study.present.report import BETWEEN, HEIGHTS, LEFT, RIGHT, TOP, svg_chart
 
 
 @pytest.fixture(scope="module")
-def errors() -> pd.DataFrame:
-    return read_rates(RESULTS).query(f"case == {SMOOTH!r} and level <= 32")
-
-
-@pytest.fixture(scope="module")
 def enclosed() -> pd.DataFrame:
     rows = pd.read_csv(RESULTS / "data" / "enclosures.csv")
     rows = rows.query(f"trajectory == 'enclosure' and case == {SMOOTH!r} and family == 'shaken'")
@@ -43,7 +38,8 @@ def enclosed() -> pd.DataFrame:
 
 
 @pytest.fixture(scope="module")
-def charts(errors: pd.DataFrame, enclosed: pd.DataFrame) -> dict[str, Chart]:
+def charts(enclosed: pd.DataFrame) -> dict[str, Chart]:
+    errors = read_rates(RESULTS).query(f"case == {SMOOTH!r} and level <= 32")
     return {
         "convergence": convergence_chart(errors, 1.0),
         "enclosure": enclosure_chart(enclosed, "advance-recede, shaken"),

@@ -49,11 +49,6 @@ def files(directory: Path) -> list[str]:
     return sorted(path.name for path in directory.iterdir())
 
 
-def replace(path: Path, old: str, new: str) -> None:
-    write = write_packed if path.suffix == ".gz" else write_text
-    write(path, read_uncompressed(path).decode().replace(old, new))
-
-
 def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over(data: Path) -> None:
     write_tables(data)
     draw_some(data)
@@ -234,7 +229,9 @@ def test_a_missing_file_is_named_with_the_command_that_makes_it(data: Path, pres
     ],
 )
 def test_a_damaged_file_is_named(data: Path, present, name: str, old: str, new: str, complaint: str) -> None:
-    replace(data / "data" / name, old, new)
+    path = data / "data" / name
+    write = write_packed if path.suffix == ".gz" else write_text
+    write(path, read_uncompressed(path).decode().replace(old, new))
     with pytest.raises(DataError, match=complaint):
         present(data)
     assert files(data) == ["data"]

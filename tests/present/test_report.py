@@ -27,7 +27,6 @@ from study.statements.pictures import Pictures
 
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
 HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
-FILES = [*(f"{name}.csv" for name in TABLES), "pictures/corner.json.gz"]
 
 
 def write_data(directory: Path) -> Path:
@@ -197,7 +196,7 @@ def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_defect
     assert again.partition('id="defects"')[:2] == page.content.partition('id="defects"')[:2]
 
 
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", [*(f"{name}.csv" for name in TABLES), "pictures/corner.json.gz"])
 def test_missing_data_are_named_with_the_command_that_makes_them(data: Path, name: str) -> None:
     (data / "data" / name).unlink()
     with pytest.raises(DataError, match=rf"{re.escape(name)} is missing: make it with `study run --full --out"):

@@ -39,21 +39,18 @@ class Browser(webdriver.Chrome):
         self.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
 
-def programs() -> tuple[str, str]:
-    """Chromium and its driver; without them tests are skipped, or fail where ``BROWSER_TESTS`` is "required"."""
-    found = [shutil.which(name) for name in ("chromium", "chromedriver")]
-    if not all(found):
+@pytest.fixture(scope="module")
+def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    """One browser for all tests, with a profile of its own.
+
+    Without Chromium and its driver tests are skipped, or fail where ``BROWSER_TESTS`` is "required".
+    """
+    browser, driver = (shutil.which(name) or "" for name in ("chromium", "chromedriver"))
+    if not (browser and driver):
         reason = "chromium and chromedriver are not installed (Debian: apt-get install chromium chromium-driver)"
         if os.environ.get("BROWSER_TESTS") == "required":
             pytest.fail(reason)
         pytest.skip(reason)
-    return str(found[0]), str(found[1])
-
-
-@pytest.fixture(scope="module")
-def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    """One browser for all tests, with a profile of its own."""
-    browser, driver = programs()
     options = webdriver.ChromeOptions()
     options.binary_location = browser
     for argument in (*ARGUMENTS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):

@@ -109,14 +109,6 @@ LISTS = [
 ]
 
 
-def committed_numbers(statement: ListedNumbers) -> dict[Setting, pd.Series]:
-    """The committed numbers of each plane setting of a statement, by quantity; all settings of the full study."""
-    mine = STATEMENT_NUMBERS[STATEMENT_NUMBERS["label"] == statement.label].groupby(["case", "family", "level"])
-    found = {Setting(*key): rows.set_index("quantity")["value"] for key, rows in mine}
-    assert {*found} == {*statement.planned(full())}
-    return {place: values for place, values in found.items() if place.dim == 2}
-
-
 def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series]) -> Iterator[Setting]:
     """Yield settings that together have all quantities: the cheapest of the settings with most new quantities."""
     missing = {quantity for values in numbers.values() for quantity in values.index}
@@ -129,14 +121,18 @@ def fewest_settings(statement: ListedNumbers, numbers: dict[Setting, pd.Series])
 @pytest.mark.parametrize("statement", LISTS)
 def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(statement: ListedNumbers) -> None:
     """Every quantity on one setting in the plane; what is rounding on one machine is rounding on another."""
-    numbers, again = committed_numbers(statement), set[str]()
+    committed = STATEMENT_NUMBERS[STATEMENT_NUMBERS["label"] == statement.label]
+    groups = committed.groupby(["case", "family", "level"])
+    everywhere = {Setting(*key): rows.set_index("quantity")["value"] for key, rows in groups}
+    assert {*everywhere} == {*statement.planned(full())}
+    numbers = {place: values for place, values in everywhere.items() if place.dim == 2}
+    again = set[str]()
     for place in fewest_settings(statement, numbers):
         for _, row in statement.records(place, statement.measure(place)):
             expected = numbers[place][row["quantity"]]
             assert row["value"] == pytest.approx(expected, rel=1e-5, abs=1e-9), (place, row["quantity"])
             again.add(row["quantity"])
-    committed = STATEMENT_NUMBERS[STATEMENT_NUMBERS["label"] == statement.label]["quantity"]
-    assert again == set(committed)
+    assert again == set(committed["quantity"])
 
 
 @pytest.mark.parametrize("case", ["advance-recede", pytest.param("corner", marks=pytest.mark.slow)])

@@ -54,19 +54,10 @@ from study.statements.thm_4_2 import SameMesh
 from study.statements.thm_4_2_own_space import OwnSpace
 
 
-def small() -> Scope:
-    levels = Levels((2, 4))
-    few = replace(quick(), cases=("advance-recede",), plane=levels, rough=levels, equivalence=(2,))
-    return replace(few, every_family=False, statements=False)
-
-
-ROOMY = 64 * GIB
-
-
 def ignore(cost: float) -> None: ...
 
 
-def pool(executor: Executor, workers: int = 2, together: float = ROOMY) -> Pool:
+def pool(executor: Executor, workers: int = 2, together: float = 64 * GIB) -> Pool:
     return Pool(executor, workers, together, together)
 
 
@@ -95,9 +86,12 @@ class AtOnce(Executor):
 
 
 def test_another_executor_gives_the_same_files_byte_for_byte(tmp_path) -> None:
+    levels = Levels((2, 4))
+    few = replace(quick(), cases=("advance-recede",), plane=levels, rough=levels, equivalence=(2,))
+    small = replace(few, every_family=False, statements=False)
     with Processes(2) as executor:
-        by_processes = computed(small(), tmp_path / "processes", executor)
-    assert computed(small(), tmp_path / "here", AtOnce()) == by_processes
+        by_processes = computed(small, tmp_path / "processes", executor)
+    assert computed(small, tmp_path / "here", AtOnce()) == by_processes
     assert any(name.startswith("data/jobs/rates__advance-recede") for name in by_processes)
 
 
@@ -281,14 +275,6 @@ def test_no_job_takes_more_memory_than_estimated_nor_much_less(job: Job) -> None
     assert 0.1 <= (whole - base) / (job.memory - least.memory) <= 1
 
 
-def groups(root: Path, line: str, files: dict[str, str]) -> Path:
-    """A Linux system with control groups, as far as they are read."""
-    for name, text in {"proc/self/cgroup": line, **{f"sys/fs/cgroup/{name}": files[name] for name in files}}.items():
-        (root / name).parent.mkdir(parents=True, exist_ok=True)
-        (root / name).write_text(text + "\n")
-    return root
-
-
 @pytest.mark.parametrize(
     ("line", "prefix", "files", "expected"),
     [
@@ -300,7 +286,12 @@ def groups(root: Path, line: str, files: dict[str, str]) -> Path:
     ids=["version 2", "version 1"],
 )  # fmt: skip
 def test_memory_is_what_the_tightest_control_group_allows(tmp_path, line, prefix, files, expected: int) -> None:
-    assert available(groups(tmp_path, line, {prefix + name: text for name, text in files.items()})) == expected
+    """Below another root lie the files of a Linux system that are read."""
+    groups = {f"sys/fs/cgroup/{prefix}{name}": text for name, text in files.items()}
+    for name, text in {"proc/self/cgroup": line, **groups}.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text + "\n")
+    assert available(tmp_path) == expected
 
 
 def test_memory_is_what_the_machine_has_without_control_groups(tmp_path) -> None:

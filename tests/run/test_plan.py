@@ -269,22 +269,19 @@ REST = (
 CACHED = ("code_hash", "measuring_code", "_modules", "_imported", "_code")
 
 
-@pytest.fixture
-def copied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Some modules of the project below another root, of which the hash is computed."""
-    for module in (*COMPUTE, *REST):
+def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_not(tmp_path, monkeypatch) -> None:
+    """Of a copy of some modules of the project, below another root."""
+    every = (*COMPUTE, *REST)
+    for module in every:
         (tmp_path / module).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / module, tmp_path / module)
     monkeypatch.setattr(keys, "ROOT", tmp_path)
     for name in CACHED:
         monkeypatch.setattr(keys, name, cache(getattr(keys, name).__wrapped__))
-    return tmp_path
 
-
-def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_not(copied: Path) -> None:
     def keys_after(old: str, new: str, *modules: str) -> tuple[str, str]:
         """The cache keys of a measurement, and of all that depends on any code, after a change of modules."""
-        texts = {copied / module: (copied / module).read_text(encoding="utf-8") for module in modules}
+        texts = {tmp_path / module: (tmp_path / module).read_text(encoding="utf-8") for module in modules}
         for path, text in texts.items():
             assert old in text, (path, old)
             path.write_text(text.replace(old, new, 1), encoding="utf-8")
@@ -295,7 +292,6 @@ def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_n
             path.write_text(text, encoding="utf-8")
         return found
 
-    every = (*COMPUTE, *REST)
     before = keys_after("", "")
     assert keys_after('"""', '"""In other words: ', *every) == before
     assert keys_after("\n\n", "\n# A comment.\n\n", *every) == before
@@ -336,7 +332,7 @@ from functools import cache
 from manufactured import named
 
 FACTOR = 1
-mine = replace(named("advance-recede"), name="mine", pace=PACE)
+mine = replace(named("advance-recede"), name="mine", pace=3)
 """
 
 
@@ -349,10 +345,8 @@ def test_a_users_case_is_known_by_its_value_and_its_file_wherever_it_lies(tmp_pa
             cached.cache_clear()
         return fingerprint(FirstOrder(), RateSetting(f"{file}:mine", "shaken", 4, "midpoint", 8))
 
-    text = MINE.replace("PACE", "3")
-    before = key_of("here", text)
-    assert key_of("there", text) == before
-    assert key_of("here", "# A comment." + text) == before
-    for other in (text.replace("FACTOR = 1", "FACTOR = 2"), text.replace("pace=3", "pace=2")):
-        assert key_of("here", other) != before
-    assert key_of("here", text.replace("advance-recede", "travelling-patch")) != before
+    before = key_of("here", MINE)
+    assert key_of("there", MINE) == before
+    assert key_of("here", "# A comment." + MINE) == before
+    for old, new in (("FACTOR = 1", "FACTOR = 2"), ("pace=3", "pace=2"), ("advance-recede", "travelling-patch")):
+        assert key_of("here", MINE.replace(old, new)) != before

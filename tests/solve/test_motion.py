@@ -16,11 +16,10 @@ from study.fem.mesh import FAMILIES, OneDiagonal, Shaken, Unstructured
 from study.fem.naming import resolve
 from study.solve import stress_problem
 from study.solve.energy_balance import density
-from study.solve.evolution import SemiDiscrete
 from study.solve.interior_point import Accuracy
 from study.solve.motion import Motion, von_mises
 from study.solve.steps import StepsError
-from study.solve.stress_problem import StressError, StressProblem
+from study.solve.stress_problem import StressError
 from study.statements.shared.base import Setting
 from study.statements.thm_4_2 import StandsAlone, beyond, gaps, problems
 
@@ -83,15 +82,11 @@ def test_von_mises_is_the_stress_of_a_pull_ignores_pressure_and_is_least_in_the_
     assert float(von_mises(mandel(plane))) == pytest.approx(von_mises(mandel(solid)).min(), abs=1e-4)
 
 
-def case_on(name: str, family, n: int) -> tuple[SemiDiscrete, StressProblem]:
-    return problems(named(name).solution, family, n)
-
-
 @pytest.mark.parametrize("name", ["advance-recede", pytest.param("yield-and-release", marks=pytest.mark.slow)])
 def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name: str, monkeypatch) -> None:
     """With gaps of 1e-4 the solutions differ by 1e-6 and more of their size, and by no more than the gap allows."""
     monkeypatch.setattr(stress_problem, "AIM", Accuracy(1e-4, stress_problem.AIM.feasibility))
-    found = gaps(*case_on(name, Shaken(), 6), steps=12)
+    found = gaps(*problems(named(name).solution, Shaken(), 6), steps=12)
     assert 1e-6 <= found.displacement_gap <= found.displacement_bound
     assert 1e-6 <= found.stress_gap <= found.stress_bound
 
@@ -107,14 +102,14 @@ def test_an_interior_point_that_rounding_breaks_off_is_asked_for_less(monkeypatc
 
 @pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
 def test_the_history_of_strains_is_compatible_though_it_knows_no_displacement(name: str) -> None:
-    _, stresses = case_on(name, Shaken(), 6)
+    _, stresses = problems(named(name).solution, Shaken(), 6)
     for state in stresses.march(10):
         strain = stresses.space.strain(state.u)
         assert abs(state.strain - strain).max() <= 1e-7 * max(abs(strain).max(), 1e-3)
 
 
 def test_the_distance_from_the_admissible_set_is_zero_for_contact_forces_only() -> None:
-    displacements, _ = case_on("advance-recede", OneDiagonal(), 4)
+    displacements, _ = problems(named("advance-recede").solution, OneDiagonal(), 4)
     N = displacements.N
     push = np.linspace(0, 1, N.shape[0])
     assert beyond(N.T @ push, N) <= 1e-12
@@ -125,7 +120,7 @@ def test_the_distance_from_the_admissible_set_is_zero_for_contact_forces_only() 
 
 
 def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused() -> None:
-    _, stresses = case_on("advance-recede", OneDiagonal(), 4)
+    _, stresses = problems(named("advance-recede").solution, OneDiagonal(), 4)
     with pytest.raises(StepsError, match="one step or more"):
         list(stresses.march(0))
 

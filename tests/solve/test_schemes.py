@@ -153,9 +153,6 @@ def test_errors_agree_with_an_independent_prototype_to_four_digits(n: int, error
     assert float(f"{max(interpolated):.4g}") == interpolation
 
 
-FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
-
-
 @cache
 def trajectory(name: str, scheme, steps: int):
     """Return a problem and its solution, computed once for all comparisons; tests only read it."""
@@ -174,7 +171,7 @@ def test_a_scheme_converges_in_time_with_its_order(name: str, scheme, low: float
     assert low <= np.log2(errors[0] / errors[1]) / 2 <= high
 
 
-@pytest.mark.parametrize("family", FOR_SQUARES, ids=lambda f: f.name)
+@pytest.mark.parametrize("family", [f for f in FAMILIES if f.serves(unit_square())], ids=lambda f: f.name)
 def test_a_midpoint_step_of_a_nonlinear_law_takes_at_most_six_solves_on_the_coarsest_mesh_of_its_sweep(family) -> None:
     """There steps are longest. Backward Euler and BDF2 take more: the share of G in a step is twice as large."""
     case = named("yield-and-release")

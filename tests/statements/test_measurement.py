@@ -1,7 +1,6 @@
 """The evidence for the error of a row: u^h on Γ1, the parallelogram law, the leading term, and a second solver."""
 
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 import pandas as pd
@@ -103,23 +102,17 @@ def test_contact_forces_that_the_second_solver_does_not_have_differ_by_all_of_th
     assert gaps(setup, plain, without_forces, found)["multipliers"] == 1
 
 
-@lru_cache
-def small_run(case: str) -> dict[CsvFile, pd.DataFrame]:
-    """Both data files of one case on one mesh."""
-    known, place = resolve(case), Setting(case, "one-diagonal", 8)
-    setup = Experiment.at(place, MIDPOINT, rate_steps(known.solution.body.T, place.level, known.pace))
-    row = measure(setup).row(case, place.family, place.level)
-    again = {name: row[name] for name in ("case", "family", "scheme", "level", "h")} | recompute(setup)
-    return {RATES: pd.DataFrame([row]), Recomputed.file: pd.DataFrame([again])}
-
-
 def recomputed(tables: dict[CsvFile, pd.DataFrame]) -> dict[str, str]:
     return {verdict.key: verdict.verdict for verdict in Recomputed().judge(joined(Recomputed(), tables))}
 
 
 @pytest.mark.parametrize("case", ["yield-and-release", "natural-front", pytest.param("corner", marks=pytest.mark.slow)])
 def test_both_ways_agree_and_a_reported_size_that_is_missing_or_wrong_by_a_factor_is_caught(case: str) -> None:
-    tables = small_run(case)
+    known, place = resolve(case), Setting(case, "one-diagonal", 8)
+    setup = Experiment.at(place, MIDPOINT, rate_steps(known.solution.body.T, place.level, known.pace))
+    row = measure(setup).row(case, place.family, place.level)
+    again = {name: row[name] for name in ("case", "family", "scheme", "level", "h")} | recompute(setup)
+    tables = {RATES: pd.DataFrame([row]), Recomputed.file: pd.DataFrame([again])}
     assert set(recomputed(tables).values()) == {HOLDS}
     for column, change in (("error", 0.01), ("interpolation_error", 0.01), ("discrete_error", 0.05)):
         for factor in (1 - change, 1 + change):

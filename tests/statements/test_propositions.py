@@ -348,7 +348,6 @@ def test_a_time_share_of_the_contact_force_says_nothing_about_the_errors() -> No
 # Verdicts on random meshes depend little on chance, and still notice defects.
 
 
-RESULTS = Path(__file__).parents[2] / "results"
 H = 1 / np.array([8.0, 16.0, 32.0])
 
 
@@ -368,7 +367,7 @@ def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_f
 @pytest.fixture
 def rates() -> pd.DataFrame:
     """Committed rows on shaken meshes."""
-    found = read_rates(RESULTS).assign(expected_order=1.0)
+    found = read_rates(Path(__file__).parents[2] / "results").assign(expected_order=1.0)
     return found[(found["claim"] == "Prop. 5.4") & (found["family"] == "shaken")].copy()
 
 

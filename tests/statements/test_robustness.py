@@ -160,10 +160,6 @@ def resting_end(part: m.Part, body: m.Body) -> float:
     return part.measure if any(other.contains(part.end, 1e-9) for other in others) else 0.0
 
 
-JUDGES = (FirstOrder(), SizeOfInterpolation(), Convergence())
-"""The statements that judge the errors of a case."""
-
-
 def alarms(case: Case) -> list[str]:
     """The rows of the ledger that do not hold at the levels of the quick study.
 
@@ -176,7 +172,8 @@ def alarms(case: Case) -> list[str]:
         for n in quick().levels_of(case).all
     ]
     table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
-    verdicts = [verdict for statement in JUDGES for verdict in statement.judge(table)]
+    statements = FirstOrder(), SizeOfInterpolation(), Convergence()
+    verdicts = [verdict for statement in statements for verdict in statement.judge(table)]
     assert case.proposition in {verdict.label for verdict in verdicts}
     bad = [verdict for verdict in verdicts if verdict.verdict not in (HOLDS, REPORTED)]
     return [f"{v.quantity}: {v.observed:.4g} in [{v.low:.4g}, {v.high:.4g}]" for v in bad]
