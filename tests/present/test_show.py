@@ -37,8 +37,9 @@ def picture_of(motion: Motion) -> Picture:
 
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory: pytest.TempPathFactory) -> Shown:
-    """A case on a coarse mesh with few steps, where there is no ffmpeg."""
+    """A case on a coarse mesh with few steps, where there is no ffmpeg any more."""
     directory, case, notified = tmp_path_factory.mktemp("shows"), resolve(CASE), []
+    (directory / "animation.mp4").touch()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("study.run.showcase.STEPS", 8)
         patch.setattr("study.present.show.find_ffmpeg", lambda: None)
