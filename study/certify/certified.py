@@ -3,7 +3,6 @@
 import json
 import math
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -21,7 +20,7 @@ from study.certify.constants import constants, reference_element
 from study.certify.statement import Twins, in_doubles, rational_mesh, statement
 from study.certify.witnesses import COARSE, DISPLACEMENT, FINE, StressEncoder, bits_below, rounded
 from study.fem.mesh import MeshFamily, Unstructured
-from study.ledger.files import StoreError, write_packed
+from study.ledger.files import write_packed
 from study.solve.evolution import Scheme
 
 CONSTANTS_LEVEL = 12
@@ -46,21 +45,6 @@ def check_certifiable(data: Data) -> None:
         checker.Problem(stated)
     except checker.RefusedError as refusal:
         raise BoundError(f"no certificate can be made of this problem: {refusal}") from refusal
-
-
-def refuse_other_problem(directory: Path, data: Data) -> None:
-    """Raise StoreError if a directory has a certificate of another problem, which the new ones would replace.
-
-    Files that the checker refuses prove nothing, so they may be replaced.
-    """
-    stated = json.loads(json.dumps(statement(data)))
-    for path in filter(Path.is_file, sorted(directory.glob("certificate-*.json.gz"))):
-        with suppress(checker.RefusedError, KeyError, TypeError):
-            if checker.load(path)["problem"] != stated:
-                raise StoreError(
-                    f"{path} is the certificate of another problem with the same name: give another directory with "
-                    "--out, rename the problem, or remove the file"
-                )
 
 
 def make_certificate(

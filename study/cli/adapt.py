@@ -24,7 +24,7 @@ from study.ledger.text import up
 from study.present.drawing import draw_one
 from study.present.figures import adapted_mesh
 from study.run.executor import GIB, available
-from study.run.fingerprint import of_problem
+from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
 from study.solve.steps import MOST
 from study.solve.tableau import SCHEMES
@@ -49,6 +49,7 @@ def do_adapt(options: argparse.Namespace) -> int:
     store = Store(options.out / name, written=(".",))
     results: list[dict[str, Any]] = []
     with store.locked():
+        store.require_problem(name, of_data(data))
         while True:
             number = len(results)
             # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used

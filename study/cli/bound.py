@@ -27,7 +27,7 @@ from study.ledger.text import folded
 from study.present.drawing import draw_one
 from study.present.figures import enclosure
 from study.run.executor import available, require
-from study.run.fingerprint import of_problem
+from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
 from study.statements.shared import estimates
@@ -54,6 +54,7 @@ def do_bound(options: argparse.Namespace) -> int:
         prove(case.solution, f"case {case.name}")
     store = Store(directory, written=(".",))
     with store.locked():
+        store.require_problem(name, of_data(data))
         rows = [store.cached(one.key, one.cache_key, one.compute, *one.files) for one in displacements]
         table = bounded.levels([row["row"] for row in rows])
         over_time = pd.concat([pd.DataFrame(row["series"]) for row in rows])

@@ -9,12 +9,13 @@ from manufactured.static import Static
 from study.bound import bounded
 from study.bound.trajectory import Refined
 from study.certify import checker
-from study.certify.certified import check_certifiable, make_certificate, refuse_other_problem, write
+from study.certify.certified import check_certifiable, make_certificate, write
 from study.cli.common import tell_written, with_progress
 from study.cli.options import OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import UsageError
 from study.run.executor import available, require
+from study.run.fingerprint import of_data
 from study.run.store import Store
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
@@ -39,7 +40,7 @@ def do_certify(options: argparse.Namespace) -> int:
     bounded.check_bound(data, family, options.levels, options.steps, refined)
     paths, store = [], Store(options.out / name, written=(".",))
     with store.locked():
-        refuse_other_problem(store.directory, data)
+        store.require_problem(name, of_data(data))
         for level in options.levels:
             steps = options.steps or rate_steps(data.body.T, level)
             compute = partial(make_certificate, data, family, level, scheme, steps, refined)

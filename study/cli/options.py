@@ -239,7 +239,7 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
         option("--levels", nargs="+", type=int, within=FROM_2, default=[8, 16, 32], metavar="N",
                help="cells along a side (default 8 16 32)"),
         option("--family", nargs="+", metavar="NAME",
-               help=f"meshes: {', '.join(FAMILIES)} (default: those on which `study run` measures the case)"),
+               help=f"meshes: {', '.join(FAMILIES)} (default: those on which `study run --quick` measures the case)"),
         option("--mode", choices=MODES, default="frozen",
                help="frozen: static problems (default); march: a problem with time steps"),
         option("--instants", nargs="+", type=_finite, metavar="T",

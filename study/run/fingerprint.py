@@ -66,6 +66,11 @@ def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
     return _hash([_value_of(data, case), by_value(list(setting))])
 
 
+def of_data(data: Data) -> str:
+    """Return a hash of the data of a problem alone, which distinguishes problems with the same name."""
+    return hashlib.sha256(repr(_value_of(data, None)).encode()).hexdigest()[:16]
+
+
 def of_everything() -> str:
     """Return the cache key of a result that depends on all code of the project, tolerance windows included."""
     return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py"), windows=True))

@@ -141,6 +141,21 @@ class Store:
         changes = any(os.access(path, os.W_OK) for path in (self.data, self.lock))
         return self.locked() if changes else nullcontext()
 
+    def require_problem(self, name: str, problem: str) -> None:
+        """Raise StoreError if the directory has results of another problem with the same name.
+
+        Parameters:
+            name: the name of the problem.
+            problem: a hash of its data, which is stored for later calls.
+        """
+        path = self.data / "problem.txt"
+        if path.is_file() and path.read_text(encoding="utf-8") != problem:
+            raise StoreError(
+                f"{self.directory} has results of another problem with the name {name}, which would be mixed with the "
+                "new ones: give another directory with --out, rename the problem, or remove this directory"
+            )
+        write_text(path, problem)
+
     def save(self, key: str, fingerprint: str, result: Mapping[str, Any]) -> None:
         """Write the result of a finished job into its file.
 

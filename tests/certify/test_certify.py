@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import runpy
-import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -27,7 +26,6 @@ from study.certify.statement import in_doubles, rational, rational_mesh, stateme
 from study.certify.witnesses import admissible, value_of
 from study.cli.main import main
 from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.run.store import Store
 from study.solve.tableau import MIDPOINT
 
 ROOT = Path(__file__).parents[2]
@@ -180,16 +178,20 @@ def test_the_command_writes_certificates_and_checks_them(name: str, capsys: Any,
     assert (tmp_path / name / "certificate-3.json.gz").is_file()
 
 
-def test_certificates_of_another_problem_with_the_same_name_are_not_replaced(capsys: Any, tmp_path: Path) -> None:
-    (tmp_path / "square").mkdir()
-    shutil.copy(EXAMPLES / "square-4.json.gz", tmp_path / "square" / "certificate-4.json.gz")
+def test_results_of_another_problem_with_the_same_name_are_not_replaced(capsys: Any, tmp_path: Path) -> None:
     text = (EXAMPLES / "problems.py").read_text()
-    (tmp_path / "problems.py").write_text(text.replace("def bracket(", "def square("))
-    Store(tmp_path / "square", written=(".",)).lock.parent.mkdir()
-    Store(tmp_path / "square", written=(".",)).lock.touch()
-    assert main(["certify", f"{tmp_path / 'problems.py'}:square", "--levels", "2", "--out", str(tmp_path)]) == 2
-    said = " ".join(capsys.readouterr().err.split())
-    assert "certificate-4.json.gz is the certificate of another problem with the same name" in said
+    (tmp_path / "problems.py").write_text(
+        text.replace("def square(", "def other(").replace("def bracket(", "def square(")
+    )
+    options = ["--levels", "2", "--steps", "2", "--refine", "0", "--shorter", "1", "--out", str(tmp_path)]
+    for command in ("certify", "bound"):
+        first = [command, f"{EXAMPLES / 'problems.py'}:square", *options, "--family", "one-diagonal"]
+        assert [main(first), main(first)] == [0, 0]
+        before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
+        assert main([command, f"{tmp_path / 'problems.py'}:square", *options]) == 2
+        said = " ".join(capsys.readouterr().err.split())
+        assert f"{tmp_path}/square has results of another problem with the name square" in said
+        assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before
 
 
 def test_more_refinements_than_the_checker_accepts_are_refused(capsys: Any, tmp_path: Path) -> None:

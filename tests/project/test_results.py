@@ -19,6 +19,7 @@ from study.ledger.verdict import HOLDS, REPORTED, UNCLAIMED
 from study.run.judgement import judge
 from study.run.plan import full
 from study.run.provenance import Complete
+from study.solve import solver_choice
 from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
 from study.statements.enclosure import BOUNDED, KEY, PARTS, Bounds
@@ -58,7 +59,9 @@ def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int
         again = measure_case(resolve(case), family_named(row["family"]), row["level"], MIDPOINT, row["steps"])
         assert again["dofs"] == row["dofs"]
         for column in MEASURED:
-            assert again[column] == pytest.approx(row[column], rel=1e-5, abs=1e-9), (row["family"], column)
+            # Multigrid, in space, stops when this residual is reached; another processor may need another iteration.
+            solved = max(1e-9, solver_choice.residual(row["dim"], row["dofs"]))
+            assert again[column] == pytest.approx(row[column], rel=1e-5, abs=solved), (row["family"], column)
 
 
 WITH_SEVERAL_LAWS = ("advance-recede", "layered", "softening", "yield-on-a-part")
