@@ -1,4 +1,4 @@
-"""Solve the problem of bracket.py in README.md with scikit-fem and write the displacement into mine.npz."""
+"""Solve the problem of clip.py in README.md with scikit-fem and write the displacement into mine.npz."""
 
 import numpy as np
 from scipy.optimize import lsq_linear
