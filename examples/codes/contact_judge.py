@@ -362,7 +362,7 @@ def _is_number(word: str) -> bool:
 
 
 def _no_number(word: str) -> tuple[str, str]:
-    """Return what a word that is no number is, and how to mend it."""
+    """Return a description of a word that is not a number, and how to mend it."""
     short = repr(word if len(word) < 30 else f"{word[:30]}…")
     if "*" in word:
         return f"{short} stands for a number that needs more room", "use a wider format, such as ES25.16 in Fortran"

@@ -262,7 +262,7 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
 
 
 def _real_numbers(values: ArrayLike, what: str) -> Array:
-    """Return numbers as a flat array of floats, with NaN in place of masked numbers.
+    """Return numbers as a flat array of floats. Masked numbers become NaN.
 
     Raises:
         OrderError: the numbers are not real, or not in a list or an array.

@@ -67,10 +67,12 @@ def draw_show(
         notify()
         written.append(write_gif(directory / "animation.gif", picture, notify))
         mp4 = write_mp4(directory / "animation.mp4", picture)
-    written += [mp4] if mp4 else []
-    if not mp4:
+    left_out = []
+    if mp4:
+        written.append(mp4)
+    else:
         (directory / "animation.mp4").unlink(missing_ok=True)  # It would show an earlier measurement.
-    left_out = [] if mp4 else [f"animation.mp4: {NO_FFMPEG}"]
+        left_out.append(f"animation.mp4: {NO_FFMPEG}")
     return [*written, *write_vtk(directory / "vtk", picture.case, series)], left_out
 
 

@@ -13,7 +13,7 @@ import inspect
 import os
 import platform
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -172,19 +172,19 @@ class Expectation:
                 f"{directory}/data/provenance.json has no scope, because an older version wrote it: "
                 f"`{made_by(directory)}` with the same options writes it again; finished measurements are kept"
             )
-        scope, own = record["scope"], record["own_cases"]
+        own = record["own_cases"]
         try:
-            read_scope(scope)
+            scope = read_scope(record["scope"])
         except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise damaged(directory, error) from error
         references: list[str | None] = []
-        for reference in scope["cases"]:
+        for reference in scope.cases:
             file, colon, name = reference.rpartition(":")
             path = (directory / file).resolve()
             references.append(reference if not colon else f"{path}:{name}" if path.is_file() else None)
         cases = [resolve(reference) if reference else None for reference in references]
-        self.lines = [describe(case) if case else own[name] for case, name in zip(cases, scope["cases"], strict=True)]
-        self.plan = None if None in references else Plan.of(read_scope({**scope, "cases": tuple(references)}))
+        self.lines = [describe(case) if case else own[name] for case, name in zip(cases, scope.cases, strict=True)]
+        self.plan = None if None in references else Plan.of(replace(scope, cases=tuple(filter(None, references))))
         self.cases = {case.name: case for case in cases if case}
         self.gone = {str(line["case"]) for line in self.lines} - set(self.cases)
 

@@ -215,7 +215,7 @@ def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_
 
 
 def test_a_harmless_defect_is_not_caught_and_the_command_fails(monkeypatch, tmp_path, capsys) -> None:
-    """A copy in place of the original is no defect at all."""
+    """A copy that replaces the original is not a defect."""
     harmless = Control("harmless", "a copy", Equivalence("no-contact"), "", copy.copy, "alone-stress")
     assert run(monkeypatch, tmp_path, harmless) == 1
     assert "NOT NOTICED" in capsys.readouterr().out

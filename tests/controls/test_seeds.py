@@ -348,7 +348,7 @@ def test_seeds_are_drawn_fresh_and_added_to_the_record(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("quick")
 def test_an_interrupted_run_loses_nothing(tmp_path: Path) -> None:
-    """The seed that was begun is finished first, from the jobs that it has: none is dropped for what it showed.
+    """The seed that was begun is finished first, and the results of its finished jobs are used.
 
     The third look at the clock, after the beginning, comes when one job is done.
     """

@@ -41,7 +41,7 @@ class Browser(webdriver.Chrome):
 
 @pytest.fixture(scope="module")
 def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    """One browser for all tests, with a profile of its own.
+    """One browser for all tests, with a separate profile.
 
     Without Chromium and its driver tests are skipped, or fail where ``BROWSER_TESTS`` is "required".
     """

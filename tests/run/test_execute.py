@@ -499,7 +499,7 @@ def written(out: Path) -> dict[str, bytes]:
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """What an undisturbed run writes."""
+    """The files that an undisturbed run writes."""
     out: Path = tmp_path_factory.mktemp("undisturbed")
     run = started(out)
     run.join()
