@@ -176,7 +176,7 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
         force.
     """
     k, multipliers, extremes = setup.problem.T / steps, [], []
-    for state in setup.scheme.march(setup.problem, steps):
+    for state in setup.march(steps):
         pulling = -state.multipliers.min(initial=0.0)
         extremes.append([forces.penetration(state.u), abs(state.u).max(), pulling, abs(state.multipliers).max()])
         multipliers.append(state.multipliers)

@@ -156,13 +156,13 @@ def measure(experiment: Experiment) -> Measurement:
 
     The result also has the distance of the two discrete solutions.
     """
-    v_norm, problem, M = experiment.v_norm, experiment.problem, experiment.problem.M
-    coarse = experiment.scheme.march(problem, experiment.steps)
+    v_norm, M = experiment.v_norm, experiment.problem.M
+    coarse = experiment.march(experiment.steps)
     history: list[tuple[float, ...]] = []
     drifts: list[float] = []
     residuals: list[float] = []
     largest = 0.0
-    for n, state in enumerate(experiment.scheme.march(problem, 2 * experiment.steps)):
+    for n, state in enumerate(experiment.march(2 * experiment.steps)):
         sample = v_norm.sample(state.time)
         interpolant, discrete = sample.interpolant, sample.interpolant - state.u
         measured = [v_norm.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
@@ -196,12 +196,26 @@ class Measurement:
     residual: float
     worst: State
 
-    def row(self, case: str, family: str, level: int) -> dict[str, Any]:
-        """Return the errors and diagnostics as a row of ``rates.csv``."""
-        experiment, space, drift = self.experiment, self.experiment.space, self.drift
+    def errors(self) -> dict[str, float]:
+        """Return the largest errors, the times at which they occur, and the share of the error in time."""
         times, error, interpolation, discrete, _ = self.history
         first, second, third = (int(np.argmax(values)) for values in (error, interpolation, discrete))
         return {
+            "error": float(error[first]),
+            "at": float(times[first]),
+            "interpolation_error": float(interpolation[second]),
+            "discrete_error": float(discrete[third]),
+            "time_share": self.drift / float(error[first]),
+            "interpolation_at": float(times[second]),
+            "discrete_at": float(times[third]),
+            "initial_error": float(error[0]),
+            "discrete_time_share": self.drift / float(discrete[third]),
+        }
+
+    def row(self, case: str, family: str, level: int) -> dict[str, Any]:
+        """Return the errors and diagnostics as a row of ``rates.csv``."""
+        experiment, space = self.experiment, self.experiment.space
+        found = {
             "case": case,
             "family": family,
             "scheme": experiment.scheme.name,
@@ -211,21 +225,14 @@ class Measurement:
             "dofs": space.dofs,
             "steps": experiment.steps,
             "k": experiment.problem.T / experiment.steps,
-            "error": float(error[first]),
-            "at": float(times[first]),
-            "interpolation_error": float(interpolation[second]),
-            "discrete_error": float(discrete[third]),
-            "time_share": drift / float(error[first]),
-            "interpolation_at": float(times[second]),
+            **self.errors(),
             "predicted_interpolation": LeadingTerm(experiment.solution, space).largest(),
-            "discrete_at": float(times[third]),
-            "initial_error": float(error[0]),
-            "discrete_time_share": drift / float(discrete[third]),
             "residual": self.residual,
             "quadrature_change": self.quadrature_change(),
             "clamped": self.clamped(),
             "parallelogram": self.parallelogram(),
         }
+        return {name: found[name] for name in COLUMNS}
 
     def clamped(self) -> float:
         """Return the largest |u^h| on the clamped boundary Γ1 divided by the largest |u^h|; the result must be 0.

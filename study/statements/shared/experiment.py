@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -10,7 +11,7 @@ from study.fem.error_norm import ErrorNorm, gaps_at_vertices
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.solve.evolution import Scheme, SemiDiscrete
+from study.solve.evolution import Scheme, SemiDiscrete, State
 from study.solve.tableau import Tableau
 from study.statements.shared.base import Setting
 
@@ -19,7 +20,7 @@ from study.statements.shared.base import Setting
 class Experiment:
     """The semi-discrete problem (Problem 5.1) whose exact solution is known, on one mesh, with a time scheme.
 
-    Tests with deliberate defects replace one attribute by a wrong value.
+    Deliberate faults replace one attribute by a wrong value.
 
     Attributes:
         solution: the exact solution. The data follow from it, and computed displacements are compared with it.
@@ -27,6 +28,8 @@ class Experiment:
         v_norm: computes the load and the errors in the norm of V.
         problem: the semi-discrete problem that is solved.
         scheme, steps: time scheme and number of time steps.
+        solved: the problem that is solved; None stands for ``problem``. A deliberate fault sets it, so that errors are
+            still measured in the norm of ``problem``.
     """
 
     solution: ExactSolution
@@ -35,6 +38,11 @@ class Experiment:
     problem: SemiDiscrete
     scheme: Scheme
     steps: int
+    solved: SemiDiscrete | None = None
+
+    def march(self, steps: int) -> Iterator[State]:
+        """Solve the problem with time steps of length T/steps, and yield the states at the time nodes."""
+        return self.scheme.march(self.solved or self.problem, steps)
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> Experiment:

@@ -1,0 +1,580 @@
+"""Deliberate faults of the discrete problem, each named after the equation of the paper that it violates.
+
+A fault changes the problem that is solved, or its data. The exact solution, the norm and the measurement of errors stay
+right. ``study.controls.matrix`` measures in which cases a fault is noticed.
+
+Most faults have a size δ: a relative change of a datum, a coefficient of friction, an angle. The fault of size 0 is no
+fault.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sps
+
+from manufactured.body import Kind, Part
+from manufactured.law import Yield, isotropic_matrix
+from manufactured.tensors import Array, Points
+from study.fem.error_norm import ErrorNorm, gaps_at_vertices
+from study.fem.independent import work_on
+from study.fem.space import Space, means
+from study.solve.evolution import SemiDiscrete, remainder
+from study.solve.signorini import Signorini
+from study.statements.shared.experiment import Experiment
+
+Change = Callable[[Experiment, float], Experiment | None]
+"""Function of an experiment and a size δ that returns the experiment with the fault; None where it cannot occur."""
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A deliberate fault.
+
+    Attributes:
+        name: the fault in a few words.
+        equation: the equation or condition of the paper that the faulty program violates.
+        change: makes the fault.
+        sizes: the sizes δ that are tried, from large to small.
+        single: whether the fault concerns single vertices. Orders do not notice these faults, because a point has no
+            capacity; contact forces and the constraint itself do.
+    """
+
+    name: str
+    equation: str
+    change: Change
+    sizes: tuple[float, ...] = (1.0,)
+    single: bool = False
+
+
+def solving(setup: Experiment, **changes: Any) -> Experiment:
+    """Return an experiment in which a problem with changed attributes is solved."""
+    return replace(setup, solved=replace(setup.solved or setup.problem, **changes))
+
+
+# ---- (2.1), (3.1), (3.2): the law
+
+
+def with_viscosity(setup: Experiment, matrix: Array, factor: Array) -> Experiment:
+    """Return an experiment that is solved with another viscosity: a tensor (D, D) times a factor on cells (cells,)."""
+    return solving(setup, M=setup.space.form(matrix, factor))
+
+
+def with_elasticity(setup: Experiment, matrix: Array, factor: Array) -> Experiment | None:
+    """Return an experiment that is solved with another linear elasticity; None if G is nonlinear."""
+    if setup.problem.remainder is not None:
+        return None
+    return solving(setup, reference=setup.space.form(matrix, factor))
+
+
+def tensor_fault(name: str, change: Callable[[Array, float], Array]) -> Change:
+    """Return the fault that changes the constant tensor of A or G, by a function of the tensor and the size δ."""
+    make = with_viscosity if name == "A" else with_elasticity
+
+    def faulty(setup: Experiment, size: float) -> Experiment | None:
+        tensor = getattr(setup.solution.law, name)
+        return make(setup, change(tensor.reference, size), means(setup.space, tensor.factor))
+
+    return faulty
+
+
+def factor_fault(change: Callable[[Space, Array], Array]) -> Change:
+    """Return the fault that changes the material factors of A and G on the cells; it needs a factor that varies."""
+
+    def faulty(setup: Experiment, size: float) -> Experiment | None:
+        law, space = setup.solution.law, setup.space
+        factors = [means(space, tensor.factor) for tensor in (law.A, law.G)]
+        if not any(np.ptp(factor) > 0 for factor in factors):
+            return None
+        viscous, elastic = (change(space, factor) for factor in factors)
+        faulty = with_viscosity(setup, law.A.reference, viscous)
+        return with_elasticity(faulty, law.G.reference, elastic) or faulty
+
+    return faulty
+
+
+def exchanged(matrix: Array, size: float) -> Array:
+    """Return a tensor in which the fraction δ of μ and λ is exchanged; with λ = μ nothing changes.
+
+    In a tensor that is not isotropic, the entry (1, 2) counts as λ and half of the last entry as μ.
+    """
+    mu, lam, dim = matrix[-1, -1] / 2, matrix[0, 1], 2 if len(matrix) == 3 else 3
+    return matrix + size * (isotropic_matrix(lam, mu, dim) - isotropic_matrix(mu, lam, dim))
+
+
+def axes_exchanged(matrix: Array, size: float) -> Array:
+    """Return a tensor with the axes 1 and 2 exchanged."""
+    order = [1, 0, 2] if len(matrix) == 3 else [1, 0, 2, 4, 3, 5]
+    return matrix[np.ix_(order, order)]
+
+
+def shear_scaled(matrix: Array, size: float) -> Array:
+    """Return a tensor with the factor 1 + δ at its rows and columns of shear; δ = √2 − 1 mistakes Voigt for Mandel."""
+    d = 2 if len(matrix) == 3 else 3
+    weights = np.where(np.arange(len(matrix)) < d, 1.0, 1.0 + size)
+    return weights[:, None] * matrix * weights
+
+
+def elasticity_scaled(setup: Experiment, size: float) -> Experiment:
+    """Solve with (1 + δ) G, for a linear or a nonlinear G."""
+    problem = setup.problem
+    nonlinear = problem.remainder
+    scaled = None if nonlinear is None else lambda v: (1 + size) * nonlinear(v)
+    return solving(setup, reference=(1 + size) * problem.reference, remainder=scaled)
+
+
+def yield_radius(setup: Experiment, size: float) -> Experiment | None:
+    """Solve with a convex set K in (3.3) whose radius is 1 + δ times as large."""
+    G = setup.solution.law.G
+    plastic = G if isinstance(G, Yield) else None
+    if plastic is None:
+        return None
+    larger = replace(plastic, convex=replace(plastic.convex, radius=(1 + size) * plastic.convex.radius))  # type: ignore[type-var]
+    factor = means(setup.space, larger.factor)
+    return solving(setup, remainder=remainder(setup.space, larger, factor))
+
+
+def linear_part_only(setup: Experiment, size: float) -> Experiment | None:
+    """Solve with the constant reference tensor in place of a nonlinear G."""
+    return None if setup.problem.remainder is None else solving(setup, remainder=None)
+
+
+def cell_missing(setup: Experiment, size: float) -> Experiment:
+    """Leave the cell nearest to the centre of the body out of both stiffness matrices."""
+    space, law = setup.space, setup.solution.law
+    centres = space.mesh.p[:, space.mesh.t].mean(axis=1)
+    middle = space.mesh.p.mean(axis=1)
+    missing = np.linalg.norm(centres - middle[:, None], axis=0).argmin()
+    present = np.arange(centres.shape[1]) != missing
+    faulty = with_viscosity(setup, law.A.reference, present * means(space, law.A.factor))
+    return with_elasticity(faulty, law.G.reference, present * means(space, law.G.factor)) or faulty
+
+
+# ---- (2.2), (2.4): body force and traction
+
+
+def added_load(part: Callable[[Experiment, float], Array]) -> Change:
+    """Return the fault that adds δ times a vector to the load; ``part`` returns it for an experiment and a time."""
+
+    def faulty(setup: Experiment, size: float) -> Experiment:
+        right = setup.problem.load
+        return solving(setup, load=lambda time: right(time) + size * part(setup, time))
+
+    return faulty
+
+
+def whole_load(setup: Experiment, time: float) -> Array:
+    return setup.problem.load(time)
+
+
+@lru_cache(maxsize=4096)
+def traction_load(setup: Experiment, time: float) -> Array:
+    """Return the load vector of f_2 at a time, (dofs,)."""
+    return work_on(Kind.LOADED, setup.solution, setup.space, time)
+
+
+def body_load(setup: Experiment, time: float) -> Array:
+    """Return the load vector of f_0 at a time, (dofs,)."""
+    return setup.problem.load(time) - traction_load(setup, time)
+
+
+def contact_dofs(setup: Experiment) -> Array:
+    """Return for every unknown whether its vertex lies on Γ3, (dofs,)."""
+    space = setup.space
+    vertices = np.concatenate([numbers for _, numbers in space.contact])
+    return np.isin(space.free // space.dim, vertices)
+
+
+def load_at_contact(setup: Experiment, time: float) -> Array:
+    """Return the load at the vertices of Γ3, 0 elsewhere, (dofs,)."""
+    return np.where(contact_dofs(setup), setup.problem.load(time), 0.0)
+
+
+def tangential_load(setup: Experiment, time: float) -> Array:
+    """Return the tangential part of the load at the vertices of Γ3, (dofs,)."""
+    T = tangents(setup.space)
+    return np.asarray(T.T @ (T @ setup.problem.load(time)))
+
+
+def late(setup: Experiment, size: float) -> Experiment:
+    """Take the load of the time t − δT, and of t = 0 before."""
+    right, delay = setup.problem.load, size * setup.problem.T
+    return solving(setup, load=lambda time: right(max(time - delay, 0.0)))
+
+
+# ---- (2.3): the clamped boundary
+
+
+@dataclass(frozen=True, eq=False)
+class Loosened(Space):
+    """V^h without the condition v = 0 at every second vertex of Γ1."""
+
+    @cached_property
+    def free(self) -> Array:
+        fixed = np.zeros(self.count, dtype=bool)
+        for part in self.body.of(Kind.CLAMPED):
+            fixed[self.vertices(part)[::2]] = True
+        return np.flatnonzero(np.repeat(~fixed, self.dim))
+
+
+def partly_clamped(setup: Experiment, size: float) -> Experiment:
+    """Hold only every second vertex of Γ1; the load of the free vertices has no reaction of Γ1."""
+    solution, space = setup.solution, Loosened(setup.space.mesh, setup.space.body)
+    v_norm = ErrorNorm(solution, space)
+
+    def load(time: float) -> Array:
+        return v_norm.load(time) - work_on(Kind.CLAMPED, solution, space, time)
+
+    start = v_norm.sample(0.0).interpolant
+    problem = SemiDiscrete.of(space, solution.law, load, start, gaps_at_vertices(solution, space))
+    return replace(setup, space=space, v_norm=v_norm, problem=problem)
+
+
+# ---- (2.5): contact
+
+
+def components(space: Space, directions: Callable[[Part], Array], once: bool = True) -> sps.csr_array:
+    """Return the matrix from displacements to components at the vertices of Γ3, in the order of the rows of N.
+
+    Args:
+        space: the space V^h.
+        directions: returns for a contact part the directions of the components, (d, k).
+        once: whether vertices that lie on several parts are left out.
+    """
+    every = np.concatenate([numbers for _, numbers in space.contact])
+    repeated = [number for number in every if (every == number).sum() > 1] if once else []
+    rows = []
+    for part, numbers in space.contact:
+        single = np.setdiff1d(numbers, repeated)
+        rows += [(SimpleNamespace(normal=direction), single) for direction in directions(part).T]
+    return space.normal_components(rows)  # type: ignore[arg-type]
+
+
+def tangents(space: Space) -> sps.csr_array:
+    """Return the matrix from displacements to tangential components at the vertices of Γ3, without corners."""
+    return components(space, lambda part: part.frame[:, :-1])
+
+
+def areas(space: Space) -> Array:
+    """Return the share of the vertices of Γ3 in the area of their part, in the order of the rows of N, (m,)."""
+    found = []
+    for part, numbers in space.contact:
+        facets = space.mesh.facets[:, space.facets(part)]
+        corners = space.mesh.p[:, facets]
+        edges = corners[:, 1:] - corners[:, :1]
+        gram = np.einsum("dkf,dlf->fkl", edges, edges)
+        measure = np.sqrt(np.linalg.det(gram)) / (1.0 if space.dim == 2 else 2.0)
+        shares = np.bincount(facets.ravel(), np.tile(measure / space.dim, space.dim), space.count)
+        found.append(shares[numbers])
+    return np.concatenate(found)
+
+
+def along_contact(setup: Experiment, name: str, size: float, first_only: bool = False) -> Experiment | None:
+    """Solve with springs ("reference") or dashpots ("M") along Γ3.
+
+    Their stiffness for an area is δ times the normal modulus of G or A, divided by a unit length.
+    """
+    space, law = setup.space, setup.solution.law
+    if first_only and space.dim == 2:
+        return None
+    tensor = law.A if name == "M" else law.G
+    T = components(space, lambda part: part.frame[:, :1] if first_only else part.frame[:, :-1])
+    weights = tangential_areas(space, 1 if first_only else space.dim - 1)
+    modulus = np.linalg.eigvalsh(tensor.reference)[-1]
+    stiffness = T.T @ sps.diags_array(size * modulus * weights) @ T
+    matrix = getattr(setup.problem, name)
+    return solving(setup, **{name: sps.csc_array(matrix + stiffness)})
+
+
+def tangential_areas(space: Space, directions: int) -> Array:
+    """Return the areas of the rows of ``tangents``, (rows,)."""
+    every = np.concatenate([numbers for _, numbers in space.contact])
+    single = np.array([(every == number).sum() == 1 for number in every])
+    ends = np.cumsum([0, *(len(numbers) for _, numbers in space.contact)])
+    share = areas(space)
+    parts = [share[a:b][single[a:b]] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return np.concatenate([np.tile(part, directions) for part in parts])
+
+
+class Frictional:
+    """Solves the contact problem of one step with Coulomb friction, |σ_τ| ≤ μ |σ_ν|, on the total displacement.
+
+    The bound of the friction force is taken from the last contact forces until both agree. With μ = ∞ the body is glued
+    to the foundation where it is in contact.
+
+    Args:
+        S, N, x, gap: as for ``Signorini``.
+        tangents: the matrix T from displacements to their tangential components at the vertices of Γ3.
+        owners: for each row of T, the row of N of the same vertex.
+        friction: the coefficient μ.
+    """
+
+    def __init__(
+        self, S: sps.csc_array, N: sps.csr_array, T: sps.csr_array, owners: Array, friction: float, gap: Array | float
+    ) -> None:
+        self.m, self.owners, self.friction = N.shape[0], owners, friction
+        self.gap = np.concatenate([np.broadcast_to(gap, self.m), np.zeros(T.shape[0])])
+        self.both = Signorini(S, sps.csr_array(sps.vstack([N, T])))
+        self.normal = Signorini(S, N)
+
+    def __call__(self, b: Array) -> tuple[Array, Array]:
+        solver, m = self.both, self.m
+        W, y = solver.W, solver.factor.forward(b)
+        free = y[solver.contact] @ solver.Y - self.gap
+        pressure, shear = np.zeros(m), np.zeros(len(free) - m)
+        for _ in range(100):
+            before = pressure
+            pressure = self.normal.complementarity(free[:m] - W[:m, m:] @ shear)
+            on = pressure[self.owners]
+            bound = np.where(on > 0, self.friction * np.maximum(on, np.finfo(float).tiny), 0.0)
+            shear = bounded(W[m:, m:], free[m:] - W[m:, :m] @ pressure, bound, shear)
+            if abs(pressure - before).max(initial=0.0) <= 1e-12 * abs(pressure).max(initial=0.0):
+                break
+        y[solver.contact] -= solver.Y @ np.concatenate([pressure, shear])
+        return solver.factor.backward(y), pressure
+
+
+def bounded(W: Array, free: Array, bound: Array, start: Array) -> Array:
+    """Return the forces λ with |λ| ≤ bound that minimise ½ λᵀWλ − free·λ, by a primal–dual active set method."""
+    forces = np.clip(start, -bound, bound)
+    sides = np.full(len(forces), np.nan)
+    for _ in range(50):
+        trial = forces + (free - W @ forces) / W.diagonal()
+        following = np.where(bound == 0, 1.0, np.where(trial > bound, 1.0, np.where(trial < -bound, -1.0, 0.0)))
+        if (following == sides).all():
+            break
+        sides = following
+        inside = sides == 0
+        forces = np.where(inside, 0.0, sides * np.where(inside, 0.0, bound))
+        if inside.any():
+            rest = free[inside] - W[np.ix_(inside, ~inside)] @ forces[~inside]
+            forces[inside] = np.linalg.solve(W[np.ix_(inside, inside)], rest)
+    return forces
+
+
+def friction(setup: Experiment, size: float) -> Experiment:
+    """Solve with Coulomb friction of the coefficient δ; δ = ∞ glues the body where it is in contact."""
+    space = setup.space
+    every = np.concatenate([numbers for _, numbers in space.contact])
+    owners = np.flatnonzero([(every == number).sum() == 1 for number in every])
+    starts = np.cumsum([0, *(len(numbers) for _, numbers in space.contact)])
+    parts = [owners[(owners >= a) & (owners < b)] for a, b in zip(starts[:-1], starts[1:], strict=True)]
+    owner_rows = np.concatenate([np.tile(part, space.dim - 1) for part in parts])
+    T = tangents(space)
+
+    def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Frictional:
+        return Frictional(S, N, T, owner_rows, size, gap)
+
+    return solving(setup, solver=solver)
+
+
+def normals_changed(change: Callable[[Experiment, float], sps.csr_array | None]) -> Change:
+    """Return the fault that replaces the matrix N of the constraint."""
+
+    def faulty(setup: Experiment, size: float) -> Experiment | None:
+        N = change(setup, size)
+        return None if N is None else solving(setup, N=N)
+
+    return faulty
+
+
+def tilted(setup: Experiment, size: float) -> sps.csr_array:
+    """Return the normal components for normals that are turned by the angle δ towards the first tangent."""
+    turned: Callable[[Part], Array] = lambda part: (
+        np.cos(size) * part.normal[:, None] + np.sin(size) * part.frame[:, :1]
+    )
+    return components(setup.space, turned, once=False)
+
+
+def normals_of_next_part(setup: Experiment, size: float) -> sps.csr_array | None:
+    """Return the normal components with the normal of the next contact part; None if there is one part only."""
+    contact = setup.space.contact
+    parts = [part for part, _ in contact]
+    if len(parts) < 2:
+        return None
+    following = dict(zip(map(id, parts), [*parts[1:], parts[0]], strict=True))
+    return components(setup.space, lambda part: following[id(part)].normal[:, None], once=False)
+
+
+def unconstrained(which: str) -> Change:
+    """Return the fault that leaves vertices of Γ3 without a constraint: "first", "middle", "last", "every other"."""
+
+    def faulty(setup: Experiment, size: float) -> Experiment:
+        count = setup.problem.N.shape[0]
+        place = {"first": [0], "middle": [count // 2], "last": [count - 1], "every other": range(0, count, 2), "all": range(count)}
+        held = np.setdiff1d(np.arange(count), place[which])
+
+        def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Any:
+            if not len(held):
+                factor = Signorini(S, N).factor
+                return lambda b: (factor(b), np.zeros(count))
+            part = Signorini(S, N[held], gap=np.broadcast_to(gap, count)[held])
+            return lambda b: spread(part(b), held, count)
+
+        return solving(setup, solver=solver)
+
+    return faulty
+
+
+def spread(found: tuple[Array, Array], held: Array, count: int) -> tuple[Array, Array]:
+    """Return a displacement and contact forces at all vertices, 0 where no constraint is held."""
+    forces = np.zeros(count)
+    forces[held] = found[1]
+    return found[0], forces
+
+
+def other_forces(rule: Callable[[Signorini, Array], Array]) -> Change:
+    """Return the fault that computes contact forces by another rule, from the penetration without contact forces."""
+
+    def faulty(setup: Experiment, size: float) -> Experiment:
+        points = setup.space.free_points
+
+        class Faulty(Signorini):
+            def complementarity(self, gap: Array) -> Array:
+                return rule(self, gap)
+
+        return solving(setup, solver=lambda S, N, gap=0.0: Faulty(S, N, points, gap))
+
+    return faulty
+
+
+def tied(solver: Signorini, gap: Array) -> Array:
+    return solver.multipliers_on(np.ones_like(solver.active), gap)
+
+
+def springs(setup: Experiment, size: float) -> Experiment:
+    """Replace the foundation by springs that resist penetration; δ is their compliance.
+
+    A spring of an area has the stiffness of the largest modulus of G per unit length, divided by δ.
+    """
+    space = setup.space
+    modulus = np.linalg.eigvalsh(setup.solution.law.A.reference)[-1]
+    compliance = size / (modulus * areas(space))
+
+    class Springs(Signorini):
+        def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None, gap: Array | float = 0.0):
+            super().__init__(S, N, x, gap)
+            self.W = self.W + np.diag(compliance)
+
+    return solving(setup, solver=lambda S, N, gap=0.0: Springs(S, N, space.free_points, gap))
+
+
+def relaxed(setup: Experiment, size: float) -> Experiment:
+    """Permit a penetration of δ."""
+    problem = setup.problem
+    return solving(setup, gap=np.broadcast_to(problem.gap, problem.N.shape[0]) + size)
+
+
+def gap_fault(change: Callable[[Array], Array]) -> Change:
+    """Return the fault that changes the initial gaps of the vertices of each contact part, sorted along the part.
+
+    It is None for cases without an initial gap.
+    """
+
+    def faulty(setup: Experiment, size: float) -> Experiment | None:
+        if not np.any(setup.problem.gap):
+            return None
+        gap = np.array(setup.problem.gap)
+        first = 0
+        for part, numbers in setup.space.contact:
+            s, _ = part.coordinates(setup.space.mesh.p[:, numbers])
+            order = first + np.lexsort(s)
+            gap[order] = change(gap[order])
+            first += len(numbers)
+        return solving(setup, gap=gap)
+
+    return faulty
+
+
+def opposite_faces(setup: Experiment, size: float) -> Experiment | None:
+    """Find the faces of Γ2 in contact as well: u_ν ≤ 0 there."""
+    space = setup.space
+    taken = np.concatenate([numbers for _, numbers in space.contact])
+    free = space.free[:: space.dim] // space.dim
+    more = []
+    for part in space.body.of(Kind.LOADED):
+        more.append((part, np.setdiff1d(np.intersect1d(space.vertices(part), free), taken)))
+        taken = np.concatenate([taken, more[-1][1]])
+    if not sum(len(numbers) for _, numbers in more):
+        return None
+    further = space.normal_components(more)
+    count = setup.problem.N.shape[0]
+
+    def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Any:
+        gaps = np.concatenate([np.broadcast_to(gap, count), np.zeros(further.shape[0])])
+        whole = Signorini(S, sps.csr_array(sps.vstack([N, further])), gap=gaps)
+
+        def solve(b: Array) -> tuple[Array, Array]:
+            u, forces = whole(b)
+            return u, forces[:count]
+
+        return solve
+
+    return solving(setup, solver=solver)
+
+
+# ---- (2.6): the initial condition
+
+
+def start_scaled(setup: Experiment, size: float) -> Experiment | None:
+    """Start from (1 + δ) u_0; None if the body starts at rest."""
+    u0 = setup.problem.u0
+    return solving(setup, u0=(1 + size) * u0) if u0.any() else None
+
+
+A_TOO_LARGE = tensor_fault("A", lambda matrix, size: (1 + size) * matrix)
+FAULTS = (
+    Fault("A too large", "(2.1)", A_TOO_LARGE, (0.5, 0.05)),
+    Fault("G too large", "(2.1)", elasticity_scaled, (0.5, 0.05)),
+    Fault("G left out", "(2.1)", lambda setup, size: elasticity_scaled(setup, -1.0)),
+    Fault("λ and μ exchanged in A", "(2.1)", tensor_fault("A", exchanged), (0.5, 0.1)),
+    Fault("λ and μ exchanged in G", "(2.1)", tensor_fault("G", exchanged), (0.5, 0.1)),
+    Fault("axes exchanged in A", "(2.1)", tensor_fault("A", axes_exchanged)),
+    Fault("axes exchanged in G", "(2.1)", tensor_fault("G", axes_exchanged)),
+    Fault("shear scaled in A", "(2.1)", tensor_fault("A", shear_scaled), (0.414, 0.05)),
+    Fault("shear scaled in G", "(2.1)", tensor_fault("G", shear_scaled), (0.414, 0.05)),
+    Fault("factors replaced by their means", "(3.1), (3.2)", factor_fault(lambda space, f: 0 * f + space.volumes @ f / space.volumes.sum())),
+    Fault("factors off by one cell", "(3.1), (3.2)", factor_fault(lambda space, f: np.roll(f, 1))),
+    Fault("yield radius too large", "(3.3)", yield_radius, (0.5, 0.05)),
+    Fault("nonlinear part of G left out", "(3.2)", linear_part_only),
+    Fault("a cell missing", "(2.2)", cell_missing),
+    Fault("f too large", "(3.7)", added_load(whole_load), (0.2, 0.02)),
+    Fault("f_0 too large", "(2.2)", added_load(body_load), (0.2, 0.02)),
+    Fault("f_2 too large", "(2.4)", added_load(traction_load), (0.2, 0.02)),
+    Fault("loads at Γ3 left out", "(2.2)", added_load(lambda setup, time: -load_at_contact(setup, time))),
+    Fault("loads at Γ3 doubled", "(2.2)", added_load(load_at_contact)),
+    Fault("tangential loads at Γ3 left out", "(2.2)", added_load(lambda setup, time: -tangential_load(setup, time))),
+    Fault("load late by δT", "(3.7)", late, (0.1, 0.02)),
+    Fault("every second vertex of Γ1 free", "(2.3)", partly_clamped),
+    Fault("no contact", "(2.5) u_ν ≤ 0", unconstrained("all")),
+    Fault("every second vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("every other")),
+    Fault("penetration of δ permitted", "(2.5) u_ν ≤ 0", relaxed, (0.1, 0.01)),
+    Fault("first vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("first"), single=True),
+    Fault("middle vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("middle"), single=True),
+    Fault("last vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("last"), single=True),
+    Fault("springs of compliance δ", "(2.5) u_ν ≤ 0", springs, (0.1, 0.01)),
+    Fault("no lift-off", "(2.5) σ_ν ≤ 0", other_forces(tied)),
+    Fault("contact forces scaled", "(2.5) σ_ν ≤ 0", lambda setup, size: other_forces(lambda solver, gap: (1 + size) * Signorini.complementarity(solver, gap))(setup, size), (0.1, 0.02)),
+    Fault("opposite faces in contact", "(2.5) σ_ν u_ν = 0", opposite_faces),
+    Fault("glued on Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", size), (1e6,)),
+    Fault("glued where in contact", "(2.5) σ_τ = 0", lambda setup, size: friction(setup, np.inf)),
+    Fault("Coulomb friction δ", "(2.5) σ_τ = 0", friction, (0.3, 0.1)),
+    Fault("springs along Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", size), (0.3, 0.1)),
+    Fault("dashpots along Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "M", size), (0.3, 0.1)),
+    Fault("one tangent of Γ3 held", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", 1e6, True)),
+    Fault("normals tilted by δ", "(2.5) u_ν", normals_changed(tilted), (0.35, 0.035)),
+    Fault("normals of the next part", "(2.5) u_ν", normals_changed(normals_of_next_part)),
+    Fault("normals inwards", "(2.5) u_ν", normals_changed(lambda setup, size: -setup.problem.N)),
+    Fault("initial gap left out", "(2.5) gap", gap_fault(lambda gap: 0 * gap)),
+    Fault("initial gap reversed", "(2.5) gap", gap_fault(lambda gap: gap[::-1])),
+    Fault("initial gap shifted", "(2.5) gap", gap_fault(lambda gap: np.roll(gap, 1))),
+    Fault("initial gap sorted", "(2.5) gap", gap_fault(np.sort)),
+    Fault("start at 0", "(2.6)", lambda setup, size: start_scaled(setup, -1.0)),
+    Fault("start too large", "(2.6)", start_scaled, (0.2, 0.05)),
+)
+"""All faults of the equations and data, in the order of the paper."""
