@@ -406,7 +406,13 @@ def unconstrained(which: str) -> Change:
 
     def faulty(setup: Experiment, size: float) -> Experiment:
         count = setup.problem.N.shape[0]
-        place = {"first": [0], "middle": [count // 2], "last": [count - 1], "every other": range(0, count, 2), "all": range(count)}
+        place = {
+            "first": [0],
+            "middle": [count // 2],
+            "last": [count - 1],
+            "every other": range(0, count, 2),
+            "all": range(count),
+        }
         held = np.setdiff1d(np.arange(count), place[which])
 
         def solver(S: sps.csc_array, N: sps.csr_array, gap: Array | float = 0.0) -> Any:
@@ -538,7 +544,11 @@ FAULTS = (
     Fault("axes exchanged in G", "(2.1)", tensor_fault("G", axes_exchanged)),
     Fault("shear scaled in A", "(2.1)", tensor_fault("A", shear_scaled), (0.414, 0.05)),
     Fault("shear scaled in G", "(2.1)", tensor_fault("G", shear_scaled), (0.414, 0.05)),
-    Fault("factors replaced by their means", "(3.1), (3.2)", factor_fault(lambda space, f: 0 * f + space.volumes @ f / space.volumes.sum())),
+    Fault(
+        "factors replaced by their means",
+        "(3.1), (3.2)",
+        factor_fault(lambda space, f: 0 * f + space.volumes @ f / space.volumes.sum()),
+    ),
     Fault("factors off by one cell", "(3.1), (3.2)", factor_fault(lambda space, f: np.roll(f, 1))),
     Fault("yield radius too large", "(3.3)", yield_radius, (0.5, 0.05)),
     Fault("nonlinear part of G left out", "(3.2)", linear_part_only),
@@ -559,7 +569,14 @@ FAULTS = (
     Fault("last vertex of Γ3 free", "(2.5) u_ν ≤ 0", unconstrained("last"), single=True),
     Fault("springs of compliance δ", "(2.5) u_ν ≤ 0", springs, (0.1, 0.01)),
     Fault("no lift-off", "(2.5) σ_ν ≤ 0", other_forces(tied)),
-    Fault("contact forces scaled", "(2.5) σ_ν ≤ 0", lambda setup, size: other_forces(lambda solver, gap: (1 + size) * Signorini.complementarity(solver, gap))(setup, size), (0.1, 0.02)),
+    Fault(
+        "contact forces scaled",
+        "(2.5) σ_ν ≤ 0",
+        lambda setup, size: other_forces(lambda solver, gap: (1 + size) * Signorini.complementarity(solver, gap))(
+            setup, size
+        ),
+        (0.1, 0.02),
+    ),
     Fault("opposite faces in contact", "(2.5) σ_ν u_ν = 0", opposite_faces),
     Fault("glued on Γ3", "(2.5) σ_τ = 0", lambda setup, size: along_contact(setup, "reference", size), (1e6,)),
     Fault("glued where in contact", "(2.5) σ_τ = 0", lambda setup, size: friction(setup, np.inf)),

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from study.ledger.chance import promise_verdict
 from study.ledger.files import write_packed, write_text
-from study.ledger.verdict import HOLDS, KINDS, VERDICTS, Verdict, kind
+from study.ledger.verdict import HOLDS, VERDICTS, CheckKind, Verdict
 from study.orders.sequences import consecutive_orders
 
 SERIES = ["claim", "case", "family", "scheme"]
@@ -29,7 +29,7 @@ LEDGER = [field.name for field in fields(Verdict)]
 TEXT = {
     *SERIES, "label", "statement", "quantity", "verdict", "form", "summary", "law", "zone", "regularity", "statements",
     "reason", "twin", "trajectory", "key", "expected", "defect", "what", "setting", "caught", "claimed", "seen_by",
-    "levels", "noticed_by", "rule", "part", "tail", "code", "version", "variant", "class",
+    "levels", "kind", "equation", "fault", "evidence", "noticed_by", "rule", "part", "tail", "code", "version", "variant", "class",
 }  # fmt: skip
 """Columns that hold text, even if a cell looks like a number or is empty."""
 
@@ -366,9 +366,9 @@ def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
 
 
 def count_kinds(claims: pd.DataFrame) -> dict[str, int]:
-    """Return the number of checks that hold, for each kind of check (orders, sizes, bounds, …)."""
-    kinds = claims[claims["verdict"] == HOLDS].apply(kind, axis=1)
-    return {name: int((kinds == name).sum()) for name in KINDS}
+    """Return the number of checks that hold, for each kind of check (``CheckKind``)."""
+    kinds = claims.loc[claims["verdict"] == HOLDS, "kind"]
+    return {str(name): int((kinds == name).sum()) for name in CheckKind}
 
 
 def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:

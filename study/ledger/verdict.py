@@ -12,12 +12,12 @@ reported   nothing is claimed about the value
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Protocol
 
 import pandas as pd
 
 from study.ledger.numbered import named
-from study.ledger.theorems import EXACT_QUOTIENTS, THEOREMS
 from study.ledger.window import Window, is_two_sided, position
 
 HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
@@ -27,15 +27,6 @@ ROW_KEY = ("label", "key", "case", "family")
 """The columns of ``claims.csv`` that identify a row."""
 UNCLAIMED = (REPORTED, MISSED)
 """Verdicts on checks for which no statement makes a claim."""
-ORDER, SIZE, ONE_SIDED = "two-sided orders", "two-sided sizes", "one-sided bounds"
-THEOREM, IDENTITY = "proved relations", "identities"
-KINDS = (ORDER, SIZE, ONE_SIDED, THEOREM, IDENTITY)
-"""Kinds of checks, from the strongest evidence for a claim to checks that can only fail if the program is wrong."""
-CAN_FAIL = (ORDER, SIZE, ONE_SIDED)
-"""Kinds of checks that can fail although the program is correct."""
-EXACT = 1e-6
-"""A check is an identity if the upper end or the width of its window is at most this number. Then the window allows
-only for rounding and for the tolerance of the solver."""
 NOWHERE = (-math.inf, math.inf)
 """The range (lowest, highest value) of a quantity that could not be measured."""
 BECAUSE = "; undecided, because "
@@ -44,6 +35,20 @@ Span = tuple[float, float]
 """The range of a quantity: smallest value, largest value."""
 Found = tuple[float, Span, str]
 """The result of a check: observed value, its range over meshes, and the verdict."""
+
+
+class CheckKind(StrEnum):
+    """What a check tests.
+
+    CLAIM: a claim of the paper. CONSEQUENCE: a prediction that follows from the theory of the paper or of this study.
+    ACCURACY: other errors are small. IDENTITY: a relation that is proved for every mesh, so that it
+    fails only if the program or the proof is wrong.
+    """
+
+    CLAIM = "claim"
+    CONSEQUENCE = "consequence"
+    ACCURACY = "accuracy"
+    IDENTITY = "identity"
 
 
 class Named(Protocol):
@@ -70,6 +75,7 @@ class Verdict:
         verdict: holds, fails, undecided, missed or reported.
         key: short name of the quantity, which never changes.
         family: the mesh family; empty for a check about all families.
+        kind: what the check tests: claim, consequence, accuracy or identity; empty if nothing is measured.
         window_low, window_high: the ends of the window. Most checks hold if the whole range from ``low`` to ``high``
             lies in it. Some judge only the observed value, and a few another number, which ``expected`` names.
     """
@@ -85,6 +91,7 @@ class Verdict:
     verdict: str
     key: str
     family: str
+    kind: str
     window_low: float
     window_high: float
 
@@ -95,7 +102,15 @@ class Verdict:
 
 
 def row(
-    of: Named, key: str, quantity: str, window: Window, found: Found, case: str, family: str = "", expected: str = ""
+    of: Named,
+    key: str,
+    quantity: str,
+    window: Window,
+    found: Found,
+    case: str,
+    family: str = "",
+    expected: str = "",
+    kind: str = "",
 ) -> Verdict:
     """Return a check from its parts.
 
@@ -104,11 +119,14 @@ def row(
         key, quantity, window, case, family: as described in ``Verdict``.
         found: observed value, its range (low, high), and the verdict.
         expected: the expected value in words; by default the text of the window.
+        kind: what the check tests.
     """
     observed, (low, high), verdict = found
     words = f"{quantity}, {family} meshes" if family else quantity
     numbers, ends = (observed, low, high), (window.low, window.high)
-    return Verdict(of.label, of.claim, case, words, expected or window.text, *numbers, verdict, key, family, *ends)
+    return Verdict(
+        of.label, of.claim, case, words, expected or window.text, *numbers, verdict, key, family, str(kind), *ends
+    )
 
 
 def exit_code(verdicts: Sequence[Verdict]) -> int:
@@ -118,31 +136,6 @@ def exit_code(verdicts: Sequence[Verdict]) -> int:
     """
     found = {verdict.verdict for verdict in verdicts}
     return 1 if FAILS in found else 3 if UNDECIDED in found or not found else 0
-
-
-def kind(row: pd.Series) -> str:
-    """Return the kind of a check: one of ``KINDS``.
-
-    The kind follows from the tolerance window and from the lists in ``study.ledger.theorems``. A check is
-
-    * an identity if its window only allows for rounding (``EXACT``) or if it is listed as an exact quotient;
-    * a proved relation if it is listed as a theorem;
-    * a one-sided bound if an end of the window is infinite, or the lower end is 0 or negligible next to the upper end;
-    * a two-sided order or size otherwise: an order if its key or quantity contains this word.
-
-    Parameters:
-        row: a row of ``claims.csv``.
-    """
-    label, key = str(row["label"]), str(row["key"])
-    low, high = float(row["window_low"]), float(row["window_high"])
-    one_sided = not is_two_sided(low, high) or high == 0
-    if high - low <= EXACT or (one_sided and high <= EXACT) or key in EXACT_QUOTIENTS.get(label, ()):
-        return IDENTITY
-    if key in THEOREMS.get(label, ()):
-        return THEOREM
-    if one_sided:
-        return ONE_SIDED
-    return ORDER if "order" in f"{key} {row['quantity']}" or "-in-" in key else SIZE
 
 
 def is_of_the_paper(label: str) -> bool:

@@ -61,7 +61,7 @@ class Window:
         In a window with two ends, the worst value is the one farthest from the middle. If only large values are bad, it
         is the largest one; if only small values are bad, the smallest one. NaN is worse than any number.
         """
-        if math.isinf(self.high):
+        if math.isinf(self.high) and math.isfinite(self.low):
             distances = [-value for value in values]
         elif self.low > SMALL * self.high or -math.inf < self.low < 0 or self.predicted:
             distances = [abs(value - (self.low + self.high) / 2) for value in values]

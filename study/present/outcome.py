@@ -17,10 +17,8 @@ from study.ledger.verdict import (
     BECAUSE,
     FAILS,
     HOLDS,
-    IDENTITY,
     MISSED,
     REPORTED,
-    THEOREM,
     UNDECIDED,
     VERDICTS,
     Verdict,
@@ -104,7 +102,7 @@ def ledger_text(claims: pd.DataFrame, orders: str = "") -> str:
         f"{count[MISSED]} missed (our own prediction was wrong), {count[REPORTED]} reported without a claim"
     )
     kinds = ", ".join(f"{number} {name}" for name, number in count_kinds(claims).items())
-    evidence = f"evidence of the checks that hold: {kinds} ({THEOREM} and {IDENTITY} fail only if the code is broken)"
+    evidence = f"checks that hold, by kind: {kinds} (an identity fails only if the program is wrong)"
     for text in (counts, *([evidence] if count[HOLDS] else []), conclusion(count, orders)):
         lines += textwrap.wrap(text, width(), break_on_hyphens=False)
     return "\n".join(lines) + "\n"

@@ -23,20 +23,14 @@ from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.text import above, below, cell, up
 from study.ledger.verdict import (
-    CAN_FAIL,
     FAILS,
     HOLDS,
-    IDENTITY,
     MISSED,
-    ONE_SIDED,
-    ORDER,
     REPORTED,
-    SIZE,
-    THEOREM,
     UNCLAIMED,
     UNDECIDED,
+    CheckKind,
     is_of_the_paper,
-    kind,
 )
 from study.present.article import joined, numbers, of_checks, two_digits_up, without_5_36
 from study.present.drawing import caption_text, in_style
@@ -205,17 +199,9 @@ def _values(data: FullRun) -> dict[str, Any]:
 
 def _counts(data: FullRun) -> dict[str, Any]:
     """Return the numbers of checks and predictions in the texts that say what was tested."""
-    claimed = data.claims[data.claims["verdict"].isin(CLAIMED)]
-    of_paper = claimed[claimed["label"].map(is_of_the_paper)]
-    counts = count_kinds(of_paper)
     unclaimed = data.claims.loc[data.claims["verdict"].isin(UNCLAIMED), "expected"]
     return {
-        "decisive": counts[ORDER] + counts[SIZE] + counts[ONE_SIDED],
-        "orders": counts[ORDER],
-        "sizes": counts[SIZE],
-        "one_sided": counts[ONE_SIDED],
-        "relations": counts[THEOREM] + counts[IDENTITY],
-        "others": len(claimed) - len(of_paper),
+        **{f"kind_{name}": count for name, count in count_kinds(data.claims).items()},
         "holding": verdicts_in_words(data.claims, "checks").partition("; ")[0].capitalize(),
         "predictions": unclaimed.str.startswith("predicted ").sum(),
         "misprints": (data.claims["label"] == MISPRINTS).sum(),
@@ -287,7 +273,7 @@ def _verdict(data: FullRun, label: str, keys: Sequence[str] = (), noun: str = "c
     count = count_verdicts(tests)
     text = next((f"{one}: {verdicts_in_words(tests, noun)}" for one in CLAIMED if count[one]), REPORTED)
     holding = tests[tests["verdict"] == HOLDS]
-    safe = int((~holding.apply(kind, axis=1).isin(CAN_FAIL)).sum()) if len(holding) else 0
+    safe = int((holding["kind"] == CheckKind.IDENTITY).sum())
     judged = sum(count[verdict] for verdict in CLAIMED)  # Rows without a verdict are not counted in the sentence.
     if safe:
         text += f"; {'they' if safe == judged else f'{safe} of them'} can fail only if the program is wrong"

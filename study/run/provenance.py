@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Any
 
 from study.fem.naming import resolve
-from study.ledger.criterion import exactly
 from study.ledger.datafiles import DataError, made_by, nested_keys, planned_keys, read_uncompressed
 from study.ledger.files import StoreError, UsageError
 from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
@@ -143,7 +142,8 @@ class Complete:
         """
         missing = sorted(planned - measured)
         quantity = "missing measurements" + (f", first {' '.join(missing[0])}" if missing else "")
-        judged = *exactly(len(missing)), UNDECIDED if missing else HOLDS
+        count = float(len(missing))
+        judged = count, (count, count), UNDECIDED if missing else HOLDS
         return row(self, "missing", quantity, at_most(0, f"of {len(planned)}"), judged, "all cases")
 
 

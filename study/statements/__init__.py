@@ -3,27 +3,20 @@
 Statements that go beyond the paper come last.
 """
 
-from study.statements.admissibility import Admissibility
 from study.statements.advancing_front import AdvancingFront
 from study.statements.backward_euler import BackwardEuler
 from study.statements.boundary import NaturalConditions
-from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
-from study.statements.constraint import Interpolant, VertexConstraint
 from study.statements.contact_force import ContactForce
 from study.statements.contact_work import WorkOfContact
 from study.statements.edge_work import EdgeWork
 from study.statements.enclosure import BoundedError, EnclosedError
 from study.statements.error_bounds import ErrorBounds
-from study.statements.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
+from study.statements.from_rates import RegularityNeeded, SizeOfInterpolation
 from study.statements.fully_discrete import FullyDiscrete
-from study.statements.green import Green
-from study.statements.growing_errors import GrowingErrors
-from study.statements.hypercircle import Hypercircle
 from study.statements.initial_gap import InitialGap
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
-from study.statements.korn import Korn, Norms
+from study.statements.korn import Korn
 from study.statements.landings import Landings
-from study.statements.lipschitz import Lipschitz
 from study.statements.no_potential import NoPotential
 from study.statements.nodal_start import NodalStart
 from study.statements.norms_in_time import LoadInTime, TractionInTime
@@ -32,16 +25,11 @@ from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder
 from study.statements.recomputed import Recomputed
-from study.statements.residual import Residual
 from study.statements.residual_bound import ResidualBound
-from study.statements.resolvent import Resolvent
 from study.statements.rollers import Rollers
-from study.statements.separation import Separation
 from study.statements.shared.base import Statement
 from study.statements.solution_divergence import SolutionDivergence
-from study.statements.steps_of_the_estimate import StepsOfTheEstimate
-from study.statements.superclose import Superclose
-from study.statements.thm_4_2 import SameMesh, StandsAlone
+from study.statements.thm_4_2 import SameMesh
 from study.statements.thm_4_2_own_space import OwnSpace
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.unmeasured import Misprints, Untested, WithoutRow
@@ -49,13 +37,11 @@ from study.statements.wellposed import BoundedVelocity, Dependence
 
 STATEMENTS: tuple[Statement, ...] = (
     # The order is the order of the paper: first the problem, its data, existence and uniqueness.
-    *(Green(), Korn(), Dependence(), SolutionDivergence(), Viscosity(), ElasticityOperator(), Projection(), Norms()),
-    *(LoadInTime(), Admissibility(), BoundedVelocity(), OneTrajectory(), SameMesh(), StandsAlone(), OwnSpace()),
-    *(OneStress(), Lipschitz(), Resolvent(), TractionInTime(), NaturalConditions(), Separation(), Hypercircle()),
+    *(Korn(), Dependence(), SolutionDivergence(), LoadInTime(), BoundedVelocity(), OneTrajectory()),
+    *(SameMesh(), OwnSpace(), OneStress(), TractionInTime(), NaturalConditions()),
     # Then the discretisation, the error estimate and convergence.
-    *(VertexConstraint(), Interpolant(), StepsOfTheEstimate(), ErrorBounds(), GrowingErrors(), InterpolationInV()),
-    *(SizeOfInterpolation(), InterpolationOnContact(), ResidualBound(), Convergence(), NodalStart(), FirstOrder()),
-    *(RegularityNeeded(), Turned(), Superclose(), Residual()),
+    *(ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact(), ResidualBound()),
+    *(Convergence(), NodalStart(), FirstOrder(), RegularityNeeded()),
     # The paper does not compute contact forces; comparisons with other solvers and codes test the program.
     *(ContactForce(), Recomputed(), OtherCodes()),
     # Theorems and experiments of this study, which the paper does not have.

@@ -38,7 +38,8 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.independent import load_from_forces
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import ENOUGH, between_levels, largest, order
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check, CheckKind
 from study.ledger.window import STEEPER, around, between, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -75,12 +76,39 @@ class AdvancingFront(ListedNumbers):
     label = "beyond: advancing front"
     claim = "‖u − u^h‖ ~ h at an advancing natural front, where the order 1/2 is proved"
     outside_catalogue = True
-    rules = (
-        between_levels("order", "order of ‖u − u^h‖ over two refinements", INTERPOLATION, "error", 2, ENOUGH),
-        order("rate", "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}", SINGULAR, "rate", last=2),
-        order("excess", "order of the excess ‖u^h − u^h_lin‖ over the linear problem", TRAIL, "excess"),
-        largest("time", "change of u^h with half the time step / error", NEGLIGIBLE, "time share"),
-        largest("quadrature", FINER_QUADRATURE, NEGLIGIBLE, "quadrature"),
+    checks = (
+        Check(
+            "order",
+            "order of ‖u − u^h‖ over two refinements",
+            quantities.over_refinements("error", 2),
+            INTERPOLATION,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+        ),
+        Check(
+            "rate",
+            "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}",
+            quantities.fitted("rate", last=2),
+            SINGULAR,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+        ),
+        Check(
+            "excess",
+            "order of the excess ‖u^h − u^h_lin‖ over the linear problem",
+            quantities.fitted("excess"),
+            TRAIL,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+        ),
+        Check(
+            "time",
+            "change of u^h with half the time step / error",
+            quantities.values("time share"),
+            NEGLIGIBLE,
+            CheckKind.ACCURACY,
+        ),
+        Check("quadrature", FINER_QUADRATURE, quantities.values("quadrature"), NEGLIGIBLE, CheckKind.ACCURACY),
     )
     # No shaken meshes, because observed orders depend on the random size of the cells that the singular front passes.
     quick = grid((NAME,), ("unstructured",), (8, 16, 32))

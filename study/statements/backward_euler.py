@@ -28,7 +28,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from study.ledger.criterion import ROUNDING, Criterion, Measured, among, change, every, largest, or_none
+from manufactured.tensors import Array
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, ROUNDING, Check, CheckKind
 from study.ledger.orders import fit
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.gradient_flow import GradientFlow
@@ -62,8 +64,8 @@ ALL_TIMES = "midpoint rule: error in time at all t / (largest error at the nodes
 CHANGE = f"change of the reference solution u^h from {FINEST // 2} to {FINEST} steps / smallest error in time"
 
 
-def order_in_k(key: str, quantity: str, window: Window, counts: Sequence[int], columns: Sequence[str]) -> Criterion:
-    """Return the criterion for the observed order of an error in the time step k.
+def order_in_k(key: str, quantity: str, window: Window, counts: Sequence[int], columns: Sequence[str]) -> Check:
+    """Return the check of the observed order of an error in the time step k.
 
     The orders on all meshes must lie in the window; the order on the finest mesh is displayed.
 
@@ -73,11 +75,10 @@ def order_in_k(key: str, quantity: str, window: Window, counts: Sequence[int], c
         columns: for each number of steps, the name of the column with the error.
     """
 
-    def measure(levels: pd.DataFrame) -> Measured:
-        orders = np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
-        return among(orders[-1], orders)
+    def orders(levels: pd.DataFrame) -> Array:
+        return np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
 
-    return Criterion(key, quantity, window, or_none(measure), tuple(columns))
+    return Check(key, quantity, orders, window, CheckKind.CONSEQUENCE, finest=True)
 
 
 class BackwardEuler(ListedNumbers):
@@ -86,15 +87,40 @@ class BackwardEuler(ListedNumbers):
     label = "beyond: O(h + k)"
     effort = 60
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 2 Var f) for backward Euler, for every h"
-    rules = (
-        largest("data", f"{ERROR} / its bound from the data", PROVED, *COLUMNS["by data"]),
-        largest("solution", f"{ERROR} / its bound from the computed values U_n", PROVED, *COLUMNS["by solution"]),
-        largest("constant", f"{ERROR_OF_CONSTANT} / its bound", PROVED, *COLUMNS["constant"]),
-        every("between", INTERPOLATION, BETWEEN, *COLUMNS["between"]),
-        largest("midpoint", ALL_TIMES, PROVED, *COLUMNS["midpoint"]),
+    checks = (
+        Check(
+            "data",
+            f"{ERROR} / its bound from the data",
+            quantities.values(*COLUMNS["by data"]),
+            PROVED,
+            CheckKind.IDENTITY,
+        ),
+        Check(
+            "solution",
+            f"{ERROR} / its bound from the computed values U_n",
+            quantities.values(*COLUMNS["by solution"]),
+            PROVED,
+            CheckKind.IDENTITY,
+        ),
+        Check(
+            "constant",
+            f"{ERROR_OF_CONSTANT} / its bound",
+            quantities.values(*COLUMNS["constant"]),
+            PROVED,
+            CheckKind.IDENTITY,
+        ),
+        Check("between", INTERPOLATION, quantities.values(*COLUMNS["between"]), BETWEEN, CheckKind.CONSEQUENCE),
+        Check("midpoint", ALL_TIMES, quantities.values(*COLUMNS["midpoint"]), PROVED, CheckKind.IDENTITY),
         order_in_k("order", f"order in k of the {ERROR}", IN_K, COUNTS, COLUMNS["error"]),
-        change("uniform", f"{ERROR}, {LAST} steps: finest / coarsest mesh", UNIFORM, f"{LAST} error"),
-        largest("reference", CHANGE, SAME_SOLUTION, "reference"),
+        Check(
+            "uniform",
+            f"{ERROR}, {LAST} steps: finest / coarsest mesh",
+            quantities.change(f"{LAST} error"),
+            UNIFORM,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+        ),
+        Check("reference", CHANGE, quantities.values("reference"), SAME_SOLUTION, CheckKind.ACCURACY),
     )
     quick = grid(("advance-recede",), ("shaken",), (4, 8, 16))
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))

@@ -30,7 +30,8 @@ from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, tracti
 from study.fem.error_norm import DEGREE, FACET_POINTS, rules
 from study.fem.quadrature import facet_rule
 from study.fem.space import on_cells
-from study.ledger.criterion import Observation, order, weighted
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check, CheckKind
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
@@ -58,12 +59,48 @@ class NaturalConditions(ListedNumbers):
 
     label = "(4.13)"
     claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
-    rules = (
-        order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", STRONG, "loaded"),
-        order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
-        Observation(order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"), ON_TRIANGLES),
-        weighted("loaded-weakly", "order of σν − f_2 on Γ2, tested with smooth v", WEAK, "loaded, weakly", CELLS),
-        weighted("tangential-weakly", "order of σ_τ on Γ3, tested with smooth v", WEAK, "tangential, weakly", CELLS),
+    checks = (
+        Check(
+            "loaded",
+            "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))",
+            quantities.fitted("loaded"),
+            STRONG,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+        ),
+        Check(
+            "contact",
+            "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))",
+            quantities.fitted("contact"),
+            STRONG,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+        ),
+        Check(
+            "tangential",
+            "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))",
+            quantities.fitted("tangential"),
+            SUPERCLOSE,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+            if_missed=ON_TRIANGLES,
+        ),
+        Check(
+            "loaded-weakly",
+            "order of σν − f_2 on Γ2, tested with smooth v",
+            quantities.fitted("loaded, weakly", power=CELLS),
+            WEAK,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+        ),
+        Check(
+            "tangential-weakly",
+            "order of σ_τ on Γ3, tested with smooth v",
+            quantities.fitted("tangential, weakly", power=CELLS),
+            WEAK,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+        ),
     )
     quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))
     full = grid(("advance-recede", "travelling-patch", "yield-and-release"), FAMILIES, (12, 24, 48))

@@ -56,7 +56,8 @@ from manufactured.tensors import Array
 from study.fem.naming import is_own, name_of
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, finest, largest, order
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check, CheckKind, Groups
 from study.ledger.datafiles import CsvFile
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
@@ -208,15 +209,26 @@ NO_BOUND = "a face meets Γ1, so that the dual norm does not bound the error of 
 
 The order would follow from the dual norm with v_ν = 1. But v = 0 on Γ1, so no v ∈ V has v_ν = 1 on the whole face."""
 STRIP = between(1, 1.5, 0.15, 0.7, "from the cells along Γ3; piecewise linear functions reach at most 2")
-PRESSURE = order("order-pressure", "order of ‖p − p^h‖_{L²(Γ3)}", STRIP, "pressure")
+PRESSURE = Check(
+    "order-pressure", "order of ‖p − p^h‖_{L²(Γ3)}", quantities.fitted("pressure"), STRIP, CheckKind.CONSEQUENCE, ENOUGH
+)
 OF_CHANCE = replace(PRESSURE, key="order-pressure-random", quantity=f"{PRESSURE.quantity}, random meshes")
 FEW_EDGES = "on random meshes the pressure error depends on a few long edges where p has a kink"
 SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "the order of ‖Π^h u − u^h‖_V on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "the order of ‖Π^h u − u^h‖_V on other meshes")
 DUAL = "order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h"
 DUAL_ORDERS = {
-    True: order("order-dual-superclose", f"{DUAL}, superclose", SUPERCLOSE, "dual"),
-    False: order("order-dual-other", f"{DUAL}, other families", OTHERS, "dual"),
+    True: Check(
+        "order-dual-superclose",
+        f"{DUAL}, superclose",
+        quantities.fitted("dual"),
+        SUPERCLOSE,
+        CheckKind.CONSEQUENCE,
+        ENOUGH,
+    ),
+    False: Check(
+        "order-dual-other", f"{DUAL}, other families", quantities.fitted("dual"), OTHERS, CheckKind.CONSEQUENCE, ENOUGH
+    ),
 }
 """The criteria for the order of the dual norm, on one-diagonal meshes (True) and on all others (False)."""
 RESULTANT = at_least(1, "the order of the dual norm; 2 if the contact zone is known")
@@ -226,16 +238,41 @@ It has no upper end: parts of the error of the resultant may cancel, so its orde
 SIZE = at_most(0.05, "of the exact resultant, on the finest level")
 TIME = at_most(0.5, "of each error; half as many steps show the error in time")
 NORMS = (
-    order("order-resultant", "order of the error of the contact resultant on each face", RESULTANT, "resultant"),
-    finest("resultant", "error of the contact resultant on each face", SIZE, "resultant"),
+    Check(
+        "order-resultant",
+        "order of the error of the contact resultant on each face",
+        quantities.fitted("resultant"),
+        RESULTANT,
+        CheckKind.CONSEQUENCE,
+        ENOUGH,
+    ),
+    Check(
+        "resultant",
+        "error of the contact resultant on each face",
+        quantities.finest("resultant"),
+        SIZE,
+        CheckKind.CONSEQUENCE,
+    ),
     # The error in time of the resultant is not judged: it can only lower the order, whose window has no upper end, and
     # on symmetric meshes the error in space may vanish, so that no error in time is small against it.
-    largest("time-share", "error in time / error, for both norms of p − p^h", TIME, *SHARES[:2]),
+    Check(
+        "time-share",
+        "error in time / error, for both norms of p − p^h",
+        quantities.values(*SHARES[:2]),
+        TIME,
+        CheckKind.ACCURACY,
+    ),
 )
 ROUND_OFF = at_most(1e-10, "only rounding, because faces are straight and elements linear")
 EXACT = (
-    largest("penetration", "max (u^h_ν)_+ between vertices / max |u^h|", ROUND_OFF, "penetration"),
-    largest("pulling", "max λ_− / max |λ|", ROUND_OFF, "pulling"),
+    Check(
+        "penetration",
+        "max (u^h_ν)_+ between vertices / max |u^h|",
+        quantities.values("penetration"),
+        ROUND_OFF,
+        CheckKind.IDENTITY,
+    ),
+    Check("pulling", "max λ_− / max |λ|", quantities.values("pulling"), ROUND_OFF, CheckKind.IDENTITY),
 )
 
 
@@ -276,11 +313,11 @@ class ContactForce(Statement):
         case = name_of(setting.case)
         return {"case": case, "family": setting.family, "level": setting.level, **measure_contact(setup)}
 
-    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
         norms, clamped = [], any(table["clamped"].any() for table in groups.values())
         for rule in NORMS:
             if clamped and rule.key == "order-resultant":
-                yield Observation(rule, NO_BOUND), groups
+                yield replace(rule, if_missed=NO_BOUND), groups
             else:
                 norms.append((rule, groups))
         random, others = split_random(groups)
@@ -289,13 +326,13 @@ class ContactForce(Statement):
         if random and case == LANDS:
             norms.append((OF_CHANCE, random))
         elif random:
-            yield Observation(OF_CHANCE, FEW_EDGES), random
+            yield replace(OF_CHANCE, if_missed=FEW_EDGES), random
         for superclose, rule in DUAL_ORDERS.items():
             if mine := split_superclose(groups)[superclose]:
                 norms.append((rule, mine))
         for rule, mine in norms:
             jump = around(0.5, 0.2, "k^{1/2}") if rule.key.startswith("order") else Window()
-            yield Observation(replace(rule, window=jump), NO_ORDER) if case == LANDS else rule, mine
+            yield replace(replace(rule, window=jump), if_missed=NO_ORDER) if case == LANDS else rule, mine
         yield from ((rule, groups) for rule in EXACT)
 
     def steps(self, setting: Setting) -> int:

@@ -53,7 +53,8 @@ from study.fem.naming import family_named, resolve
 from study.fem.refining import inclusion_of, refined
 from study.fem.seminorm import composite_gauss
 from study.fem.space import Space
-from study.ledger.criterion import ENOUGH, Criterion, Groups, Observation, Rule, consecutive, exactly
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check, CheckKind, Groups
 from study.ledger.window import Window, around, at_least
 from study.solve.evolution import SemiDiscrete
 from study.solve.steps import rate_steps
@@ -187,29 +188,37 @@ COARSE = 32
 """The coarsest level on which there are wave trains of all widths from h/2 to 4h."""
 
 
-def from_32(key: str, quantity: str, column: str, window: Window) -> Criterion:
+def from_32(key: str, quantity: str, column: str, window: Window) -> Check:
     """Return the criterion for the observed orders of a column from level to level, without levels below n = 32."""
-    found = consecutive(key, f"{quantity}, level by level from n = 32", window, column)
-    return replace(found, measure=lambda group: found.measure(group[group["level"] >= COARSE]), levels=ENOUGH)
+    found = Check(
+        key,
+        f"{quantity}, level by level from n = 32",
+        quantities.level_by_level(column),
+        window,
+        CheckKind.CONSEQUENCE,
+        ENOUGH,
+        finest=True,
+    )
+    return replace(found, value=lambda levels: found.value(levels[levels["level"] >= COARSE]))
 
 
 ROOT = "order of ‖R(·; Π^h u − u)‖^{1/2}"
 FIRST_ORDER = around(1, 0.15, "there are wave trains of all widths from h/2 to 4h")
 HALF = around(0.5, 0.15, "the edges contribute to R like independent random numbers")
 NOT_RESOLVED = "a mesh resolves a wave train of width ℓ only for h < ℓ/10"
-WORK_SHARE = Criterion(
+WORK_SHARE = Check(
     "share",
     "smallest ‖R‖^{1/2} / error",
+    quantities.quotients("work", "error"),
     at_least(0.02, "cases with a few smooth fronts have only 1e-6 to 1e-3"),
-    lambda group: exactly((group["work"] / group["error"]).to_numpy().min()),
-    ("work", "error"),
+    CheckKind.CONSEQUENCE,
 )
-EXCESS_SHARE = Criterion(
+EXCESS_SHARE = Check(
     "excess-share",
     "largest ‖u^h − u^h_lin‖_V / error",
+    quantities.quotients("excess", "error"),
     Window(),
-    lambda group: exactly((group["excess"] / group["error"]).to_numpy().max()),
-    ("excess", "error"),
+    CheckKind.CONSEQUENCE,
 )
 ON_GRIDS = (
     from_32("order", f"{ROOT}, on grids", "work", FIRST_ORDER),
@@ -218,11 +227,11 @@ ON_GRIDS = (
     WORK_SHARE,
 )
 SINGLE = from_32("order-irregular", f"{ROOT}, on single irregular meshes", "work", FIRST_ORDER)
-ON_IRREGULAR_MESHES = Observation(SINGLE, "on irregular meshes single orders depend on chance")
+ON_IRREGULAR_MESHES = replace(SINGLE, if_missed="on irregular meshes single orders depend on chance")
 ON_ALL_MESHES = (
-    Observation(from_32("error", "order of ‖u − u^h‖_V", "error", Window()), NOT_RESOLVED),
-    Observation(EXCESS_SHARE, "the study has no bound of this excess in V"),
-    Observation(from_32("excess", "order of ‖u^h − u^h_lin‖_V", "excess", Window()), NOT_RESOLVED),
+    replace(from_32("error", "order of ‖u − u^h‖_V", "error", Window()), if_missed=NOT_RESOLVED),
+    replace(EXCESS_SHARE, if_missed="the study has no bound of this excess in V"),
+    replace(from_32("excess", "order of ‖u^h − u^h_lin‖_V", "excess", Window()), if_missed=NOT_RESOLVED),
 )
 
 
@@ -267,7 +276,7 @@ class WorkOfContact(ListedNumbers):
             found |= {"mean work": math.sqrt(np.mean(works)), "spread": float(np.std(works) / np.mean(works))}
         return with_h(space.h, found)
 
-    def rules_of(self, case: str, groups: Groups) -> list[tuple[Rule, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> list[tuple[Check, Groups]]:
         irregular, on_grid = split_irregular(groups)
         judged = (on_grid, ON_GRIDS), (irregular, (ON_IRREGULAR_MESHES,)), (groups, ON_ALL_MESHES)
         return [(rule, tables) for tables, rules in judged for rule in rules]

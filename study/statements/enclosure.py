@@ -28,7 +28,8 @@ from study.bound.enclosing import Enclosure, enclose, known_error, order_interva
 from study.bound.trajectory import Refined, SmoothedInTime, Trajectory, compute
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
-from study.ledger.criterion import Groups, Observation, Rule, every, largest
+from study.ledger import quantities
+from study.ledger.check import Check, CheckKind, Groups
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.orders import orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Span, Verdict, row
@@ -278,14 +279,45 @@ class Bounds(Statement):
 
 # The quotient error / upper bound must be positive. The quotient lower bound / error may be 0, because the lower bound
 # may be 0 on coarse meshes.
-ABOVE = largest("above", "largest error / upper bound", positive_at_most(1.0, "at every sampled time"), "above")
-BELOW = largest("below", "largest lower bound / error", at_most(1.0, "at every sampled time"), "below")
+ABOVE = Check(
+    "above",
+    "largest error / upper bound",
+    quantities.values("above"),
+    positive_at_most(1.0, "at every sampled time"),
+    CheckKind.IDENTITY,
+)
+BELOW = Check(
+    "below",
+    "largest lower bound / error",
+    quantities.values("below"),
+    at_most(1.0, "at every sampled time"),
+    CheckKind.IDENTITY,
+)
 ONLY_SHOWN = "this shows how sharp the bound is; the claim is only that the error never exceeds it"
-REACH = Observation(largest("upper", "largest upper bound / error over [T/2, T]", Window(), "upper"), ONLY_SHOWN)
+REACH = Check(
+    "upper",
+    "largest upper bound / error over [T/2, T]",
+    quantities.values("upper"),
+    Window(),
+    CheckKind.CONSEQUENCE,
+    if_missed=ONLY_SHOWN,
+)
 HERE = f"at n = {CHECKED_LEVEL}"
 TIGHT = (
-    every("tight-above", f"upper bound / error {HERE}", Window(1.0, 1.15, "over [T/2, T]"), "upper"),
-    every("tight-below", f"lower bound / error {HERE}", Window(0.85, 1.0, "over [T/2, T]"), "lower"),
+    Check(
+        "tight-above",
+        f"upper bound / error {HERE}",
+        quantities.values("upper"),
+        Window(1.0, 1.15, "over [T/2, T]"),
+        CheckKind.CONSEQUENCE,
+    ),
+    Check(
+        "tight-below",
+        f"lower bound / error {HERE}",
+        quantities.values("lower"),
+        Window(0.85, 1.0, "over [T/2, T]"),
+        CheckKind.CONSEQUENCE,
+    ),
 )
 ROOM = 0.15
 """Tolerance around a predicted order. Other statements use the same tolerance for orders between levels."""
@@ -299,7 +331,7 @@ class BoundedError(Bounds):
 
     label = "bound"
     claim = "‖u(t) − u_h(t)‖_V ≤ y(t), where y is computed from u_h and an admissible stress alone"
-    rules = ABOVE, REACH
+    checks = ABOVE, REACH
 
     def by_case(self, rows: pd.DataFrame) -> list[tuple[str, Groups]]:
         mine = rows[(rows["trajectory"] == self.label) & rows["known"]]
@@ -316,7 +348,7 @@ class EnclosedError(Bounds):
         found: list[Verdict] = []
         for case, mine in rows[rows["trajectory"] == self.label].groupby("case", sort=False):
             known, checked = bool(mine["known"].iloc[0]), mine[mine["level"] == CHECKED_LEVEL]
-            rules: list[tuple[Rule, pd.DataFrame]] = [(rule, mine) for rule in (ABOVE, BELOW, REACH) if known]
+            rules: list[tuple[Check, pd.DataFrame]] = [(rule, mine) for rule in (ABOVE, BELOW, REACH) if known]
             rules += [(rule, checked) for rule in TIGHT if case == CHECKED and len(checked)]
             found += [rule.verdict(self, str(case), {"": table}) for rule, table in rules]
             for (family, _), series in mine.groupby(["family", "scheme"], sort=False):

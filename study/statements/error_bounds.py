@@ -51,13 +51,15 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 
 from manufactured.case import Case
 from manufactured.law import KelvinVoigt
 from study.fem.error_norm import FACET_POINTS
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, change, exactly, largest, of_errors
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check, CheckKind, Groups
 from study.ledger.orders import fit
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.steps import rate_steps
@@ -101,7 +103,7 @@ class ErrorBounds(ListedNumbers):
         setup = Experiment.at(setting, MIDPOINT, steps)
         return with_h(setup.space.h, {**sides(setup), **predicted(case)})
 
-    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
         """Yield two criteria for each of the bounds, which depend on the predicted exponent γ of the case."""
         (table, *_) = groups.values()
         names = *EXPONENTS.values(), LOGARITHM
@@ -109,22 +111,30 @@ class ErrorBounds(ListedNumbers):
         for bound, column in EXPONENTS.items():
             number, gamma = bound.strip("()"), known[column]
             quantity = f"right-hand side of {bound} / error: change under refinement"
-            # The column with the prediction γ is required, so that the check is undecided if there is no prediction.
-            steady = replace(change(f"steady-{number}", quantity, STEADY, bound), columns=(bound, column))
+            growth = changing(bound, column)
+            steady = Check(f"steady-{number}", quantity, growth, STEADY, CheckKind.CONSEQUENCE, ENOUGH)
             if gamma > 0:
                 term = RATE if gamma == known[EXPONENTS["(5.21)"]] else TRACE
                 lower = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
                 window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
-                criterion = of_errors(
-                    f"growth-{number}", lower, window, term, ENOUGH, lambda h, ratio: exactly(-fit(h, ratio))
-                )
-                yield criterion, groups
+                power = quantities.of_errors(term, lambda h, ratio: -fit(h, ratio))
+                yield Check(f"growth-{number}", lower, power, window, CheckKind.CONSEQUENCE, ENOUGH), groups
             elif bound == "(5.42)" and known[LOGARITHM] > 0:
-                changing = replace(steady, quantity=f"{quantity}, of lower order by |log h|^{{1/4}}")
-                yield Observation(changing, "a few levels cannot show a logarithm"), groups
+                lower = f"{quantity}, of lower order by |log h|^{{1/4}}"
+                yield replace(steady, quantity=lower, if_missed="a few levels cannot show a logarithm"), groups
             else:
                 yield steady, groups
-            yield largest(f"constant-{number}", f"error / (c · right side of {bound})", PROVED, f"{bound}, c"), groups
+            share = f"error / (c · right side of {bound})"
+            yield Check(f"constant-{number}", share, quantities.values(f"{bound}, c"), PROVED, CheckKind.CLAIM), groups
+
+
+def changing(bound: str, prediction: str) -> quantities.Value:
+    """Return the function for the change of a bound under refinement; it needs the column with the prediction γ."""
+
+    def value(table: pd.DataFrame) -> float:
+        return float(table[bound].iloc[-1] / table[bound].iloc[0] + 0 * table[prediction].iloc[0])
+
+    return value
 
 
 def predicted(case: Case) -> dict[str, float]:

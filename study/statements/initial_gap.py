@@ -21,7 +21,7 @@ criteria of Proposition 5.3. If g is forgotten or has the wrong sign, the error 
 from collections.abc import Iterator
 
 from manufactured.case import INITIAL_GAP
-from study.ledger.criterion import Groups, Rule
+from study.ledger.check import Check, Groups
 from study.statements.from_rates import SizeOfInterpolation
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder, Rates
@@ -35,7 +35,7 @@ class InitialGap(Rates):
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h) for K = {v : v_ν ≤ g on Γ3}; the paper has g = 0"
     initial_gap = True
 
-    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
         smooth = value_of_case(groups, "expected_order") >= 1
         for statement in (FirstOrder(), SizeOfInterpolation()) if smooth else (Convergence(),):
-            yield from statement.rules_of(case, groups)
+            yield from statement.checks_of(case, groups)

@@ -12,7 +12,6 @@ H^τ for τ < α + 1/2, and the predicted order is min(2, α + 1/2).
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -24,7 +23,8 @@ from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, between_levels, consecutive, order, weighted
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check, CheckKind, Groups
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
@@ -67,6 +67,10 @@ def smooth(body: Body) -> Field:
 # (5.23): interpolation in V.
 
 
+SHARP = around(1.0, ROOM)
+"""Tolerance window of the order in V, which is 1 for piecewise linear functions."""
+
+
 class InterpolationInV(ListedNumbers):
     """Measures the interpolation error ‖v − Π^h v‖_V for solutions in H² on each cell, and judges its order.
 
@@ -91,15 +95,19 @@ class InterpolationInV(ListedNumbers):
         errors = {v: v_norm.distance(sample, sample.interpolant) for v, sample in samples.items()}
         return with_h(space.h, {**errors, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
 
-    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
         by_cells = around(1.0, ROOM, "least squares, weighted by the number of cells")
         random, others = split_random(groups)
         for key, v in FIELDS.items():
             quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
+            by_level = quantities.level_by_level(v)
             if others:
-                yield consecutive(key, f"{quantity}, level by level", around(1.0, ROOM), v), others
+                check = Check(key, f"{quantity}, level by level", by_level, SHARP, CheckKind.CLAIM, ENOUGH, finest=True)
+                yield check, others
             if random:
-                yield weighted(f"{key}-random", f"{quantity}, random meshes, fitted", by_cells, v, CELLS), random
+                fitted = quantities.fitted(v, power=CELLS)
+                quantity = f"{quantity}, random meshes, fitted"
+                yield Check(f"{key}-random", quantity, fitted, by_cells, CheckKind.CLAIM, ENOUGH), random
 
 
 def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
@@ -145,7 +153,7 @@ class InterpolationOnContact(ListedNumbers):
             found |= {TRACE.format(v, i): error for v, error in on_face(case.solution, space, face).items()}
         return with_h(space.h, found)
 
-    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
         """Yield the criteria for the orders on all faces, in the mesh size on the face.
 
         For τ > 2 the paper claims the order 2. Otherwise min(2, τ) is predicted.
@@ -159,15 +167,15 @@ class InterpolationOnContact(ListedNumbers):
                 continue
             tau, quantity = math.inf if v == SMOOTH else of_solution, f"order of ‖v_ν − Π^h v_ν‖, v = {column}"
             if tau >= 2.5:
-                rule = consecutive(key, f"{quantity}, level by level", claimed, column)
+                text, value, window = "level by level", quantities.level_by_level(column), claimed
             elif tau > 2:
                 # Two refinements are judged together: the error in the cell of the front depends on where it is cut.
-                rule = between_levels(key, f"{quantity}, over two refinements", claimed, column, 2, ENOUGH)
+                text, value, window = "over two refinements", quantities.over_refinements(column, 2), claimed
             else:
-                rule = order(key, f"{quantity}, fitted", around(tau, 0.3), column)
-            sized = {family: table.assign(h=table.get(size, math.nan)) for family, table in groups.items()}
-            in_size = replace(rule, columns=(column, size))
-            yield (in_size if tau > 2 else Observation(in_size, NOT_IN_H2)), sized
+                text, value, window = "fitted", quantities.fitted(column), around(tau, 0.3)
+            unclaimed = "" if tau > 2 else NOT_IN_H2
+            check = Check(key, f"{quantity}, {text}", value, window, CheckKind.CLAIM, ENOUGH, tau >= 2.5, unclaimed)
+            yield check, {family: table.assign(h=table[size]) for family, table in groups.items() if size in table}
 
 
 def induced_size(space: Space, part: Part) -> float:

@@ -17,12 +17,11 @@ import math
 
 import pandas as pd
 
-from study.fem.naming import resolve
-from study.ledger.criterion import BOUND, ENOUGH, ROUNDING, Criterion, Measured, change, exactly, greatest_ratio
-from study.ledger.criterion import largest as largest_of
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, ROUNDING, Check, CheckKind
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
-from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded
+from study.statements.shared.eigen import h1_product, smallest, strain_product
 from study.statements.shared.meshes import place, representing, space_of
 from study.statements.shared.scope import REGULAR
 
@@ -40,7 +39,7 @@ SETTLED = Window(0.75, 1.25)
 It excludes powers of h: even h^{1/2} would change by the factor 0.71 or 1.41."""
 
 
-def extrapolated(table: pd.DataFrame) -> Measured:
+def extrapolated(table: pd.DataFrame) -> float:
     """Return the extrapolated limit of the eigenvalue for h → 0, divided by its value on the finest level.
 
     The limit is computed by Aitken's extrapolation of the last three values. It is −∞ if their differences do not
@@ -48,7 +47,7 @@ def extrapolated(table: pd.DataFrame) -> Measured:
     """
     first, second, last = table[VALUE].to_numpy()[-3:]
     before, drop = first - second, second - last
-    return exactly((last - drop**2 / (before - drop)) / last if before > drop else -math.inf)
+    return float((last - drop**2 / (before - drop)) / last if before > drop else -math.inf)
 
 
 class Korn(ListedNumbers):
@@ -56,9 +55,16 @@ class Korn(ListedNumbers):
 
     label = "(2.17)"
     claim = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
-    rules = (
-        greatest_ratio("falling", f"{VALUE} / value on the next coarser level", FALLING, VALUE, 2),
-        Criterion("limit", f"limit of the {VALUE} for h → 0", LIMIT, extrapolated, (VALUE,), ENOUGH),
+    checks = (
+        Check(
+            "falling",
+            f"{VALUE} / value on the next coarser level",
+            quantities.ratios(VALUE),
+            FALLING,
+            CheckKind.IDENTITY,
+            2,
+        ),
+        Check("limit", f"limit of the {VALUE} for h → 0", extrapolated, LIMIT, CheckKind.CLAIM, ENOUGH),
     )
 
     def places(self, full: bool) -> list[Setting]:
@@ -68,26 +74,3 @@ class Korn(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         space = space_of(setting)
         return with_h(space.h, {VALUE: smallest(strain_product(space), h1_product(space))})
-
-
-class Norms(ListedNumbers):
-    """Measures the smallest and the largest ‖v‖_V² / ‖v‖_{H_1}² over V^h, for each body and viscosity."""
-
-    label = "(3.6)"
-    claim = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h, by (2.17) and (3.1)"
-    rules = (
-        largest_of("lower", "m_A C_K² / smallest eigenvalue", BOUND, "lower bound"),
-        largest_of("upper", "largest eigenvalue / ‖A‖", BOUND, "upper bound"),
-        *(change(f"settled-{end}", f"{end} {OVER}", SETTLED, end, since=-2) for end in ("smallest", "largest")),
-    )
-
-    def places(self, full: bool) -> list[Setting]:
-        cases = representing("body", "body with viscosity")
-        return place(cases, REGULAR, (8, 16, 32), (2, 4, 8)) if full else place(cases, REGULAR, (4, 8, 16))
-
-    def measure(self, setting: Setting) -> dict[str, float]:
-        space, law = space_of(setting), resolve(setting.case).solution.law
-        M, product = unloaded(space, law).M, h1_product(space)
-        low, high, korn = smallest(M, product), largest(M, product), smallest(strain_product(space), product)
-        bounds = {"lower bound": law.A.ellipticity * korn / low, "upper bound": high / law.A.lipschitz}
-        return with_h(space.h, {"smallest": low, "largest": high, **bounds})

@@ -41,7 +41,8 @@ import scipy.sparse as sps
 
 from manufactured.tensors import Array
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, Observation, among, every, or_none
+from study.ledger import quantities
+from study.ledger.check import Check, CheckKind
 from study.ledger.orders import fit
 from study.ledger.window import Window, around
 from study.solve.evolution import Scheme, SemiDiscrete
@@ -93,7 +94,7 @@ def rolling(space: Space) -> Callable[[float], Array]:
     return lambda t: np.asarray(normal @ (1 - 5 * np.sin(2 * np.pi * (2 * s - 4 * t))))
 
 
-def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -> Observation:
+def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -> Check:
     """Return the criterion for the order of a time scheme in the step k under a load.
 
     The orders on all levels must lie in the window; the order farthest from its middle is displayed.
@@ -106,13 +107,11 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
     """
     columns = tuple(f"{load} {scheme.name} {count}" for count in counts)
 
-    def measure(group: pd.DataFrame) -> Measured:
-        found = np.array([fit(1 / np.array(counts), row) for row in group[list(columns)].to_numpy()])
-        middle = (window.low + window.high) / 2
-        return among(found[abs(found - middle).argmax()], found)
+    def orders(levels: pd.DataFrame) -> Array:
+        return np.array([fit(1 / np.array(counts), row) for row in levels[list(columns)].to_numpy()])
 
     quantity = f"{scheme.name}: order in k from {counts[0]} to {counts[-1]} steps, {LOADS[load]}"
-    return Observation(Criterion(f"{scheme.name}-{load}", quantity, window, or_none(measure), columns), NO_THEORY)
+    return Check(f"{scheme.name}-{load}", quantity, orders, window, CheckKind.CONSEQUENCE, if_missed=NO_THEORY)
 
 
 class Landings(ListedNumbers):
@@ -124,9 +123,15 @@ class Landings(ListedNumbers):
     label = "beyond: landings"
     effort = 300
     claim = "if a vertex that lands lifts a loaded neighbour, second-order schemes have only order 1 in k"
-    rules = (
+    checks = (
         *(
-            every(f"{name}-two", f"{name}: {TWO_UNKNOWNS}", PROVED, *(f"two {name} {count}" for count in COUNTS))
+            Check(
+                f"{name}-two",
+                f"{name}: {TWO_UNKNOWNS}",
+                quantities.values(*(f"two {name} {count}" for count in COUNTS)),
+                PROVED,
+                CheckKind.IDENTITY,
+            )
             for name in (BACKWARD_EULER.name, MIDPOINT.name)
         ),
         order_of(BDF2, "rolling", LAST, LEFT),

@@ -46,7 +46,8 @@ from scipy.interpolate import make_interp_spline
 
 from manufactured.no_potential import NAME
 from manufactured.tensors import Array
-from study.ledger.criterion import change, every, largest, order
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check, CheckKind
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.euler_bounds import EulerBounds, backward_euler
 from study.solve.evolution import SemiDiscrete
@@ -106,17 +107,61 @@ class NoPotential(ListedNumbers):
     effort = 150
     claim = "max_t ‖u^h − û^{hk}‖_V ≤ c(κ, T, ‖u̇^h(0+)‖, Var f) k for backward Euler under (3.2) alone, for every h"
     outside_catalogue = True
-    rules = (
-        largest("data-equal", f"{OF_BOUND} data, equal steps", PROVED, *columns("equal", "by data")),
-        largest("data-unequal", f"{OF_BOUND} data, unequal steps", PROVED, *columns("unequal", "by data")),
-        largest("solution-equal", f"{OF_BOUND} solution, equal steps", PROVED, *columns("equal", "by solution")),
-        largest("solution-unequal", f"{OF_BOUND} solution, unequal steps", PROVED, *columns("unequal", "by solution")),
+    checks = (
+        Check(
+            "data-equal",
+            f"{OF_BOUND} data, equal steps",
+            quantities.values(*columns("equal", "by data")),
+            PROVED,
+            CheckKind.IDENTITY,
+        ),
+        Check(
+            "data-unequal",
+            f"{OF_BOUND} data, unequal steps",
+            quantities.values(*columns("unequal", "by data")),
+            PROVED,
+            CheckKind.IDENTITY,
+        ),
+        Check(
+            "solution-equal",
+            f"{OF_BOUND} solution, equal steps",
+            quantities.values(*columns("equal", "by solution")),
+            PROVED,
+            CheckKind.IDENTITY,
+        ),
+        Check(
+            "solution-unequal",
+            f"{OF_BOUND} solution, unequal steps",
+            quantities.values(*columns("unequal", "by solution")),
+            PROVED,
+            CheckKind.IDENTITY,
+        ),
         order_in_k("order-equal", f"{ORDER}, equal steps", IN_K, COUNTS, columns("equal", "error")),
         order_in_k("order-unequal", f"{ORDER}, unequal steps", IN_K, COUNTS, columns("unequal", "error")),
-        change("uniform", f"{ERROR} with {COUNTS[-1]} steps, finest mesh / coarsest mesh", UNIFORM, SHORTEST),
-        order("order-both", f"order of max_n ‖u − U_n‖ in h for k = T/({PER_CELL}n)", IN_H, "fully discrete"),
-        every("rotation", "error of a rotation in the plane / its bound from the data", BEST, "rotation"),
-        largest("reference", HALF_STEPS, SMALL, "reference"),
+        Check(
+            "uniform",
+            f"{ERROR} with {COUNTS[-1]} steps, finest mesh / coarsest mesh",
+            quantities.change(SHORTEST),
+            UNIFORM,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+        ),
+        Check(
+            "order-both",
+            f"order of max_n ‖u − U_n‖ in h for k = T/({PER_CELL}n)",
+            quantities.fitted("fully discrete"),
+            IN_H,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+        ),
+        Check(
+            "rotation",
+            "error of a rotation in the plane / its bound from the data",
+            quantities.values("rotation"),
+            BEST,
+            CheckKind.CONSEQUENCE,
+        ),
+        Check("reference", HALF_STEPS, quantities.values("reference"), SMALL, CheckKind.ACCURACY),
     )
     quick = grid((NAME,), ("one-diagonal",), (6, 8, 12))
     full = grid((NAME,), ("one-diagonal", "unstructured"), (6, 12, 24))

@@ -30,7 +30,8 @@ import numpy as np
 from manufactured.law import Linear
 from manufactured.tensors import Array, Points, dyad
 from study.fem.naming import resolve
-from study.ledger.criterion import consecutive, every, finest, largest
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check, CheckKind
 from study.ledger.window import Window, around, at_least, positive_at_most
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
@@ -50,11 +51,37 @@ class NodalStart(ListedNumbers):
 
     label = "beyond: nodal start"
     claim = "the remark after (5.35) is false: ‖u_0 − Π^h u_0‖_V grows like h^{−1/2} for a u_0 ∈ K ∩ C(Ω̄)"
-    rules = (
-        every("size", "‖Π^h u_0‖_V / ((3μ + λ)(n − 4))^{1/2}", PREDICTED, "size / predicted"),
-        largest("proved", "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V", positive_at_most(1.0, "proved"), "proved / size"),
-        consecutive("growth", "order in h of ‖Π^h u_0‖_V − ‖u_0‖_V ≤ ‖u_0 − Π^h u_0‖_V", GROWS, "error from below"),
-        finest("worse", "(‖Π^h u_0‖_V − ‖u_0‖_V) / ‖u_0‖_V", WORSE, "error / start at 0"),
+    checks = (
+        Check(
+            "size",
+            "‖Π^h u_0‖_V / ((3μ + λ)(n − 4))^{1/2}",
+            quantities.values("size / predicted"),
+            PREDICTED,
+            CheckKind.CONSEQUENCE,
+        ),
+        Check(
+            "proved",
+            "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V",
+            quantities.values("proved / size"),
+            positive_at_most(1.0, "proved"),
+            CheckKind.IDENTITY,
+        ),
+        Check(
+            "growth",
+            "order in h of ‖Π^h u_0‖_V − ‖u_0‖_V ≤ ‖u_0 − Π^h u_0‖_V",
+            quantities.level_by_level("error from below"),
+            GROWS,
+            CheckKind.CONSEQUENCE,
+            ENOUGH,
+            finest=True,
+        ),
+        Check(
+            "worse",
+            "(‖Π^h u_0‖_V − ‖u_0‖_V) / ‖u_0‖_V",
+            quantities.finest("error / start at 0"),
+            WORSE,
+            CheckKind.CONSEQUENCE,
+        ),
     )
     quick = grid(("full-contact",), ("one-diagonal",), (8, 16, 32, 64))
     full = grid(("full-contact",), ("one-diagonal", "alternating"), (8, 16, 32, 64, 128))

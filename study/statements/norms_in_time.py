@@ -33,12 +33,14 @@ from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
+import pandas as pd
 
 from manufactured.catalogue import catalogue
 from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import ENOUGH, ROUNDING, Criterion, Groups, Rule, change, every, exactly
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, ROUNDING, Check, CheckKind, Groups
 from study.ledger.window import Window, around
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
@@ -65,10 +67,17 @@ class LoadInTime(ListedNumbers):
 
     label = "(3.8), (5.9)"
     claim = "f ∈ W^{1,1}(0,T;V), and f^h ∈ W^{1,1}(0,T;V^h) uniformly in h"
-    rules = (
-        every("variation", VARIATION, SETTLES, "variation"),
-        every("increments", INCREMENTS, CONTINUOUS, "increments"),
-        change("uniform", "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh / coarsest mesh", UNIFORM, "norm", levels=2),
+    checks = (
+        Check("variation", VARIATION, quantities.values("variation"), SETTLES, CheckKind.CLAIM),
+        Check("increments", INCREMENTS, quantities.values("increments"), CONTINUOUS, CheckKind.CONSEQUENCE),
+        Check(
+            "uniform",
+            "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh / coarsest mesh",
+            quantities.change("norm"),
+            UNIFORM,
+            CheckKind.CLAIM,
+            2,
+        ),
     )
     not_judged = MappingProxyType({"moving-rough": WITHOUT})
     quick = grid(("lift-and-land",), ("unstructured",), (8, 16))
@@ -99,14 +108,26 @@ UNBOUNDED = "junction"
 """The case whose traction σν is not square integrable on the boundary."""
 
 
-SETTLED = change("bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh", BOUNDED, "norm", since=-2)
-GROWING = Criterion(
+def last_increments(levels: pd.DataFrame) -> float:
+    """Return the last over the previous increment of max_t ‖σν‖² under refinement."""
+    increments = np.diff(levels["norm"].to_numpy() ** 2)
+    return float(increments[-1] / increments[-2])
+
+
+SETTLED = Check(
+    "bounded",
+    "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh",
+    quantities.change("norm", since=-2),
+    BOUNDED,
+    CheckKind.CLAIM,
+    ENOUGH,
+)
+GROWING = Check(
     "unbounded",
     "σν ∉ L²(Γ): last / previous increment of max_t ‖σν‖²_{L²(Γ)} under refinement",
+    last_increments,
     LOGARITHM,
-    # The quotient is 1 if the squared norm grows like log 1/h.
-    lambda group: exactly((increments := np.diff(group["norm"].to_numpy() ** 2))[-1] / increments[-2]),
-    ("norm",),
+    CheckKind.CONSEQUENCE,
     ENOUGH,
 )
 
@@ -133,5 +154,5 @@ class TractionInTime(ListedNumbers):
             squares.append(sum(np.sum(exact.surface_load(part, time) ** 2 * w) for part, exact, w in sides))
         return with_h(space.h, {"norm": math.sqrt(maximum(squares))})
 
-    def rules_of(self, case: str, groups: Groups) -> list[tuple[Rule, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> list[tuple[Check, Groups]]:
         return [(GROWING if case == UNBOUNDED else SETTLED, groups)]

@@ -31,7 +31,6 @@ import pandas as pd
 
 from study.fem.naming import family_named, resolve
 from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
-from study.ledger.criterion import greatest
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Found, Verdict, row
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import LISTED, ListedNumbers, Setting, grid, with_h
@@ -119,7 +118,8 @@ class OtherCodes(ListedNumbers):
         missing = len(rows[PROBLEM].drop_duplicates()) - len(mine)
         judged: Found = float("nan"), NOWHERE, UNDECIDED
         if len(run):
-            value, span = greatest((run[ERROR] / run["value"] - 1).abs().to_numpy())
+            differences = (run[ERROR] / run["value"] - 1).abs().to_numpy()
+            value, span = float(differences.max()), (float(differences.min()), float(differences.max()))
             verdict = FAILS if not peer.window.contains(*span) else UNDECIDED if missing else HOLDS
             judged = value, span, verdict
         short = f"{BECAUSE}{missing} problems lack an error" if missing else ""
@@ -139,7 +139,7 @@ class OtherCodes(ListedNumbers):
         parts = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
         judged: Found = float("nan"), NOWHERE, UNDECIDED
         if len(parts):
-            value, span = greatest(parts)
+            value, span = float(parts.max()), (float(parts.min()), float(parts.max()))
             judged = value, span, HOLDS if OWN.contains(*span) else FAILS
         quantity = "share of problems in which two codes have the same distance from the solution in K^h"
         return row(self, "own-digits", quantity, OWN, judged, ALL)

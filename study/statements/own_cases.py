@@ -25,7 +25,7 @@ import numpy as np
 import pandas as pd
 
 from manufactured.case import INITIAL_GAP
-from study.ledger.criterion import ENOUGH, Groups, by_family
+from study.ledger.check import ENOUGH, Groups, by_family
 from study.ledger.datafiles import since_before
 from study.ledger.orders import Array
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Verdict

@@ -13,18 +13,10 @@ a corner the order must be 1.
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
-from study.ledger.criterion import (
-    ENOUGH,
-    Criterion,
-    Groups,
-    Measure,
-    Observation,
-    Rule,
-    between_levels,
-    exactly,
-    greatest_ratio,
-)
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check, CheckKind, Groups
 from study.ledger.orders import limit
 from study.ledger.window import STEEPER, Window, around, at_most
 from study.statements.prop_5_4 import EVIDENCE, SIZES, Rates
@@ -49,31 +41,40 @@ class Convergence(Rates):
     label = proposition = "Prop. 5.3"
     claim = "‖u − u^h‖_{L∞(0,T;V)} → 0"
 
-    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
         expected, (uniform, graded) = value_of_case(groups, "expected_order"), split(groups, lambda mesh: mesh.uniform)
         falling = at_most(0.999, "on every level")
-        yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
+        ratios = quantities.ratios("error")
+        yield Check("falling", "ratio of consecutive errors", ratios, falling, CheckKind.CLAIM, LEVELS), groups
         by_chance, others = split_random(uniform)
         steeper = f"s is {STEEPER:g} above the predicted order, the largest s that the check of the order allows"
         if others:
             yield _limit("limit", LIMIT, expected), others
-            yield Observation(_limit("limit-steeper", Window(), expected + STEEPER), steeper), others
+            yield replace(_limit("limit-steeper", Window(), expected + STEEPER), if_missed=steeper), others
         if by_chance:
-            yield Observation(_limit("limit-random", Window(), expected), "the limit varies with the seed"), by_chance
-        window = around(expected, STEEPER, NO_RATE)
-        yield between_levels("order", "observed order", window, "error", 2, LEVELS), uniform
+            unjudged = _limit("limit-random", Window(), expected)
+            yield replace(unjudged, if_missed="the limit varies with the seed"), by_chance
+        order = Check(
+            "order",
+            "observed order",
+            quantities.over_refinements("error", 2),
+            around(expected, STEEPER, NO_RATE),
+            CheckKind.CONSEQUENCE,
+            LEVELS,
+        )
+        yield order, uniform
         if graded:
-            first = around(1.0, STEEPER, NO_RATE)
-            yield between_levels("order-graded", "observed order on graded meshes", first, "error", 2, LEVELS), graded
+            of_graded = replace(order, key="order-graded", quantity="observed order on graded meshes")
+            yield replace(of_graded, window=around(1.0, STEEPER, NO_RATE)), graded
         yield from ((criterion, groups) for criterion in (SIZES, *EVIDENCE))
 
 
-def _limit(key: str, window: Window, expected: float) -> Criterion:
-    """Return the criterion for the limit e∞ of the error for h → 0, which must be small.
+def _limit(key: str, window: Window, expected: float) -> Check:
+    """Return the check of the limit e∞ of the error for h → 0, which must be small.
 
     The limit is computed from the last four levels with the predicted order s. These levels cannot determine both the
     limit and the order, so another check judges the order.
     """
     quantity = "limit e∞ of the error e for h → 0, from e = e∞ + C h^s"
-    measure: Measure = lambda of: exactly(limit(of["h"].to_numpy(), of["error"].to_numpy(), expected))  # noqa: E731
-    return Criterion(key, quantity, window, measure, ("error",), LEVELS)
+    value = quantities.of_errors("error", lambda h, error: limit(h, error, expected))
+    return Check(key, quantity, value, window, CheckKind.CLAIM, LEVELS)

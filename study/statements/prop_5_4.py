@@ -1,6 +1,6 @@
 """Proposition 5.4: the error of the semi-discrete solution is of first order, ‖u − u^h‖_{L∞(0,T;V)} = O(h).
 
-**Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on every mesh family that can mesh
+**float.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on every mesh family that can mesh
 its body, on finer and finer meshes. A row of ``rates.csv`` is one mesh. It holds the maxima over time of the error
 ‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the discrete error ‖Π^h u − u^h‖_V. Diagnostics show that
 other errors are negligible: the error of time steps, the quadrature error, the residual of the contact solver, and u^h
@@ -44,23 +44,8 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
-from study.ledger.criterion import (
-    ENOUGH,
-    ROUNDING,
-    Criterion,
-    Groups,
-    Measure,
-    Measured,
-    Observation,
-    Rule,
-    between_levels,
-    consecutive,
-    exactly,
-    extrapolated,
-    greatest,
-    largest,
-    order,
-)
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, ROUNDING, Check, CheckKind, Groups
 from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
 from study.ledger.verdict import FAILS, Named, Verdict
 from study.ledger.window import Window, around, at_most, between, positive_at_most
@@ -291,15 +276,15 @@ class Measurement:
 # quadrature and solver is small. Every diagnostic must be positive, except u^h on Γ1, which is zero by construction.
 # Two numbers of steps, two quadratures or two ways to compute a norm differ at least by rounding, so a time share of
 # exactly 0 means that a solution was compared with itself.
-def over(key: str, quantity: str, window: Window, above: str, below: str) -> Criterion:
-    """Return the criterion for the quotient of two columns, ``above`` / ``below``, on the finest level."""
-    measure: Measure = lambda group: exactly(group[above].iloc[-1] / group[below].iloc[-1])  # noqa: E731
-    return Criterion(key, quantity, window, measure, (above, below))
+def residual_shares(levels: pd.DataFrame) -> Array:
+    """Return the residual of the contact solver, divided by its tolerance for the number of unknowns."""
+    return (levels["residual"] / [*map(solver_choice.residual, levels["dim"], levels["dofs"])]).to_numpy()
 
 
-def residual_share(group: pd.DataFrame) -> Measured:
-    """Return the largest residual of the contact solver, divided by its tolerance for the number of unknowns."""
-    return greatest((group["residual"] / [*map(solver_choice.residual, group["dim"], group["dofs"])]).to_numpy())
+def size(levels: pd.DataFrame) -> float:
+    """Return (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ on the finest level."""
+    finest = levels.iloc[-1]
+    return float(np.hypot(finest["error"], finest["discrete_error"]) / finest["interpolation_error"])
 
 
 PARALLELOGRAM = positive_at_most(1e-3, "an identity, up to rounding and the quadrature of the factor of A")
@@ -307,20 +292,33 @@ SMALL = positive_at_most(0.02, "of the error")
 TOLERANCE = f"{solver_choice.ROUNDING:g} for a factorisation, {solver_choice.SHARE:g} h² for multigrid"
 RESIDUAL, ACCEPTED = positive_at_most(1.0, TOLERANCE), "residual of the contact solves / largest accepted residual"
 SIZE = around(1, 0.1, "u − u^h and Π^h u − u^h are nearly orthogonal (Pythagoras)")
-SIZES = Criterion(
+SIZES = Check(
     "size",
     "size of the error: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖",
+    size,
     SIZE,
-    # On the finest level.
-    lambda group: exactly((np.hypot(group["error"], group["discrete_error"]) / group["interpolation_error"]).iloc[-1]),
-    ("error", "discrete_error", "interpolation_error"),
+    CheckKind.CONSEQUENCE,
 )
 EVIDENCE = (
-    largest("parallelogram", "parallelogram law of u − u^h and u − Π^h u", PARALLELOGRAM, "parallelogram"),
-    largest("time-share", "time share: error in time / error", SMALL, "time_share"),
-    Criterion("residual", ACCEPTED, RESIDUAL, residual_share, ("dim", "dofs", "residual")),
-    largest("clamped", "u^h = 0 on Γ1", at_most(1e-10, "rounding"), "clamped"),
-    largest("quadrature", "change of the error under finer quadrature", SMALL, "quadrature_change"),
+    Check(
+        "parallelogram",
+        "parallelogram law of u − u^h and u − Π^h u",
+        quantities.values("parallelogram"),
+        PARALLELOGRAM,
+        CheckKind.IDENTITY,
+    ),
+    Check(
+        "time-share", "time share: error in time / error", quantities.values("time_share"), SMALL, CheckKind.ACCURACY
+    ),
+    Check("residual", ACCEPTED, residual_shares, RESIDUAL, CheckKind.ACCURACY),
+    Check("clamped", "u^h = 0 on Γ1", quantities.values("clamped"), at_most(1e-10, "rounding"), CheckKind.ACCURACY),
+    Check(
+        "quadrature",
+        "change of the error under finer quadrature",
+        quantities.values("quadrature_change"),
+        SMALL,
+        CheckKind.ACCURACY,
+    ),
 )
 
 # Further criteria, which hold only with the regularity that Proposition 5.4 assumes.
@@ -331,13 +329,29 @@ On irregular meshes orders are orders in the leading term of the interpolation e
 SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
 PAIR = "order of ‖u − Π^h u‖_V, finest pair"
 SOLIDS = (
-    between_levels("order-finest", "order of the error, finest pair", SOLID, "error", 1, ENOUGH),
-    between_levels("interpolation-order-finest", PAIR, SOLID, "interpolation_error", 1, ENOUGH),
+    Check(
+        "order-finest",
+        "order of the error, finest pair",
+        quantities.over_refinements("error", 1),
+        SOLID,
+        CheckKind.CLAIM,
+        ENOUGH,
+    ),
+    Check(
+        "interpolation-order-finest",
+        PAIR,
+        quantities.over_refinements("interpolation_error", 1),
+        SOLID,
+        CheckKind.CONSEQUENCE,
+        ENOUGH,
+    ),
 )
 """Additional criteria in 3D: there are few levels, so the order on the two finest levels must be closer to 1."""
 OF_THE_TERM = around(1, 0.15, "least squares; on irregular meshes this term replaces h")
 TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes"
-LEADING_ORDER = order("leading-order", TERM, OF_THE_TERM, LEADING, ENOUGH + 1)
+LEADING_ORDER = Check(
+    "leading-order", TERM, quantities.fitted(LEADING, last=ENOUGH + 1), OF_THE_TERM, CheckKind.ACCURACY, ENOUGH
+)
 """A criterion for irregular meshes: the leading term of the interpolation error must be of order h.
 
 This is necessary, because the leading term replaces h on these meshes."""
@@ -345,8 +359,22 @@ SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "u^h is superclose to Π^h u on one-diago
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
 DISCRETE = "order of ‖Π^h u − u^h‖_V"
 DISCRETE_ORDERS = {
-    True: order("discrete-order-superclose", f"{DISCRETE}, superclose", SUPERCLOSE, "discrete_error", ENOUGH),
-    False: order("discrete-order-others", f"{DISCRETE}, other families", OTHERS, "discrete_error", ENOUGH),
+    True: Check(
+        "discrete-order-superclose",
+        f"{DISCRETE}, superclose",
+        quantities.fitted("discrete_error", last=ENOUGH),
+        SUPERCLOSE,
+        CheckKind.CONSEQUENCE,
+        ENOUGH,
+    ),
+    False: Check(
+        "discrete-order-others",
+        f"{DISCRETE}, other families",
+        quantities.fitted("discrete_error", last=ENOUGH),
+        OTHERS,
+        CheckKind.CONSEQUENCE,
+        ENOUGH,
+    ),
 }
 """Criteria for the order of the discrete error on one-diagonal meshes (True) and on others (False).
 
@@ -356,8 +384,14 @@ SHARE = positive_at_most(0.6, "then, by Pythagoras, u^h and Π^h u have the same
 TIME = positive_at_most(0.3, "of the discrete error")
 DISCRETE_TIME = "time share of ‖Π^h u − u^h‖_V: error in time / discrete error"
 DISCRETE_SIZES = (
-    over("discrete-share", "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V", SHARE, "discrete_error", "interpolation_error"),
-    largest("discrete-time-share", DISCRETE_TIME, TIME, "discrete_time_share"),
+    Check(
+        "discrete-share",
+        "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V",
+        quantities.finest_quotient("discrete_error", "interpolation_error"),
+        SHARE,
+        CheckKind.CONSEQUENCE,
+    ),
+    Check("discrete-time-share", DISCRETE_TIME, quantities.values("discrete_time_share"), TIME, CheckKind.ACCURACY),
 )
 NOT_AT_START = 0.99
 """Upper bound of (error at t = 0) / (largest error) for which the largest error counts as attained after t = 0."""
@@ -365,12 +399,12 @@ EXPECTED_AT_START = Window(0.8, 1 + ROUNDING, "by Pythagoras: a discrete share o
 AT_START = (
     "‖u − Π^h u‖_V is largest near t = 0, where nothing is solved; the checks of ‖Π^h u − u^h‖_V test the solution"
 )
-AFTER_START = Criterion(
+AFTER_START = Check(
     "start-share",
     "error at t = 0 / largest error",
+    quantities.quotients("initial_error", "error"),
     at_most(NOT_AT_START, "the largest error must occur after t = 0, where nothing is solved"),
-    lambda group: exactly(np.max((group["initial_error"] / group["error"]).to_numpy())),
-    ("initial_error", "error"),
+    CheckKind.ACCURACY,
 )
 
 
@@ -397,7 +431,8 @@ class StartShare:
         at_start = rows[~(rows["initial_error"] <= NOT_AT_START * rows["error"])]
         shares = at_start["initial_error"] / at_start["interpolation_error"]
         if found.verdict == FAILS and EXPECTED_AT_START.contains(*shares):
-            return Observation(replace(AFTER_START, window=Window()), AT_START).verdict(of, case, groups, family)
+            reported = replace(AFTER_START, window=Window(), if_missed=AT_START)
+            return reported.verdict(of, case, groups, family)
         return found
 
 
@@ -407,13 +442,34 @@ class FirstOrder(Rates):
     label = proposition = "Prop. 5.4"
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
 
-    def rules_of(self, case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+    def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
         expected = value_of_case(groups, "expected_order")
         in_h, (irregular, _) = in_leading_term(groups), split_irregular(groups)
         by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
         limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
-        yield consecutive("order", "order of the error, level by level", by_level, "error"), in_h
-        yield extrapolated("order-extrapolated", "order of the error, extrapolated", limit, "error"), in_h
+        yield (
+            Check(
+                "order",
+                "order of the error, level by level",
+                quantities.level_by_level("error"),
+                by_level,
+                CheckKind.CLAIM,
+                ENOUGH,
+                finest=True,
+            ),
+            in_h,
+        )
+        yield (
+            Check(
+                "order-extrapolated",
+                "order of the error, extrapolated",
+                quantities.extrapolated("error"),
+                limit,
+                CheckKind.CLAIM,
+                ENOUGH,
+            ),
+            in_h,
+        )
         yield SIZES, in_h
         for superclose, criterion in DISCRETE_ORDERS.items():
             if mine := split_superclose(groups)[superclose]:

@@ -23,10 +23,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from study.fem.naming import resolve
-from study.ledger.criterion import Criterion, Measured, among, largest
+from study.ledger import quantities
+from study.ledger.check import Check, CheckKind
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.tableau import MIDPOINT
@@ -95,7 +95,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
     return found
 
 
-def ratio(column: str, norm: str, window: Window) -> Criterion:
+def ratio(column: str, norm: str, window: Window) -> Check:
     """Return the criterion for the quotient (error in ``rates.csv``) / (recomputed error), on every level.
 
     Args:
@@ -105,12 +105,9 @@ def ratio(column: str, norm: str, window: Window) -> Criterion:
     """
     reported = f"{column}{REPORTED}"
 
-    def measure(group: pd.DataFrame) -> Measured:
-        values = (group[reported] / group[column]).to_numpy()
-        return among(window.worst(list(values)), values)
-
     quantity = f"{norm} in rates.csv / computed again"
-    return Criterion(column.replace("_", "-"), quantity, window, measure, (column, reported))
+    shares = quantities.quotients(reported, column)
+    return Check(column.replace("_", "-"), quantity, shares, window, CheckKind.ACCURACY)
 
 
 SAME = around(1, 0.005, "quadrature")
@@ -120,13 +117,41 @@ ALIKE = "both with the same load"
 STOPPED = positive_at_most(1e-9, "of ‖u^h‖_V; tolerances of both solvers")
 STOPPED_FORCES = at_most(1e-9, "of λ; tolerances of both solvers")
 TRAJECTORIES = (
-    largest("start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding"), "start"),
-    largest(
-        "displacement", DISPLACEMENTS, at_most(2e-3, "of ‖u^h‖_V; the load is integrated by two rules"), "displacement"
+    Check(
+        "start",
+        "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V",
+        quantities.values("start"),
+        at_most(1e-10, "of ‖Π^h u_0‖_V; only rounding"),
+        CheckKind.ACCURACY,
     ),
-    largest("multipliers", FORCES, at_most(0.01, "of λ; the load is integrated by two rules"), "multipliers"),
-    largest("displacement-same-load", f"{DISPLACEMENTS}, {ALIKE}", STOPPED, "displacement_same_load"),
-    largest("multipliers-same-load", f"{FORCES}, {ALIKE}", STOPPED_FORCES, "multipliers_same_load"),
+    Check(
+        "displacement",
+        DISPLACEMENTS,
+        quantities.values("displacement"),
+        at_most(2e-3, "of ‖u^h‖_V; the load is integrated by two rules"),
+        CheckKind.ACCURACY,
+    ),
+    Check(
+        "multipliers",
+        FORCES,
+        quantities.values("multipliers"),
+        at_most(0.01, "of λ; the load is integrated by two rules"),
+        CheckKind.ACCURACY,
+    ),
+    Check(
+        "displacement-same-load",
+        f"{DISPLACEMENTS}, {ALIKE}",
+        quantities.values("displacement_same_load"),
+        STOPPED,
+        CheckKind.ACCURACY,
+    ),
+    Check(
+        "multipliers-same-load",
+        f"{FORCES}, {ALIKE}",
+        quantities.values("multipliers_same_load"),
+        STOPPED_FORCES,
+        CheckKind.ACCURACY,
+    ),
 )
 NARROW = ("travelling-patch",)
 """Cases whose contact patch is only two or three cells wide on the coarsest meshes."""
@@ -140,7 +165,7 @@ class Recomputed(Statement):
     file = CsvFile("recomputed.csv", RATES.key, (*RATES.key, "h", *ERRORS, *GAPS, *SAME_LOAD))
     joined_file = RATES
     per_step = 120.0, 600.0
-    rules = (
+    checks = (
         ratio("error", "‖u − u^h‖_V", SAME),
         ratio("interpolation_error", "‖u − Π^h u‖_V", SAME),
         ratio("discrete_error", "‖Π^h u − u^h‖_V", around(1, 0.01, "quadrature, also of the load")),

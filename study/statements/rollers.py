@@ -4,7 +4,7 @@ A *roller* is an exact solution in which a contact patch of width ℓ moves alon
 On every mesh ℓ = 2h, so the patch is two cells wide, however fine the mesh is.
 
 Proposition 5.4 assumes u̇(t) ∈ H². A theorem of this study (proof in paper/velocity.tex) proves the order s/2 for
-u ∈ L¹(0,T;H^{1+s}), without a logarithm. Measured is an older bound, formula (17) of paper/theory.tex, for
+u ∈ L¹(0,T;H^{1+s}), without a logarithm. float is an older bound, formula (17) of paper/theory.tex, for
 u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
 
     ‖u − u^h‖_V ≤ e^{κT} (E_h + ‖u_0 − Π^hu_0‖_V + 2ΘM_h + (2D_h‖ϑ‖_{L¹(0,T)})^{1/2}).
@@ -20,7 +20,7 @@ The symbols are
 
 For s = 1, M_h is of order h. So this bound is of order 1/2, up to a logarithm.
 
-**Measured** are
+**float** are
 
 * both sides of the bound, with all constants. E_h, J_h and the error are evaluated at 33 times, M_h at all time nodes.
 * the *excess*, the largest ‖u^h − u^h_lin‖_V over time. Here u^h_lin solves the linear problem in which the exact
@@ -94,19 +94,8 @@ from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.seminorm import gram
 from study.fem.space import Space, form
-from study.ledger.criterion import (
-    ENOUGH,
-    Criterion,
-    Groups,
-    Measure,
-    Measured,
-    Observation,
-    Rule,
-    among,
-    greatest,
-    largest_quotient,
-    order,
-)
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check, CheckKind, Groups
 from study.ledger.window import Window, around, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
@@ -314,14 +303,14 @@ NEAR_PATCH = "order of the nodal errors of P_hu next to the patch, one or two di
 FEW_MESHES = "eight meshes determine a standard deviation only up to a quarter"
 
 
-def change_by_half_steps(group: pd.DataFrame) -> Measured | None:
+def change_by_half_steps(group: pd.DataFrame) -> float | None:
     """Return the relative change of the excess ‖u^h − u^h_lin‖_V when the time step is halved.
 
     The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction. The
     result is None if no level was measured with half the time step.
     """
     both = group.dropna()
-    return greatest(abs(both["excess, k/2"] / both["excess"] - 1).to_numpy()) if len(both) else None
+    return abs(both["excess, k/2"] / both["excess"] - 1).to_numpy() if len(both) else None
 
 
 def over_seeds(groups: Groups) -> pd.DataFrame:
@@ -392,7 +381,7 @@ class Rollers(ListedNumbers):
         """Divide measured rows by kinds of rollers, which are the names of the cases without the level."""
         return super().by_case(rows.assign(case=rows["case"].str.rpartition("-")[0]))
 
-    def rules_of(self, kind: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+    def checks_of(self, kind: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
         """Yield the criteria for a kind of roller, each with the measurements on the mesh families that it judges.
 
         The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction.
@@ -403,14 +392,43 @@ class Rollers(ListedNumbers):
             return {name: groups.get(name, pd.DataFrame()) for name in families}
 
         proved = at_most(1.0, "proved")
-        yield largest_quotient("bound", "error / right side of the bound", proved, "error", "right side"), groups
+        yield (
+            Check(
+                "bound",
+                "error / right side of the bound",
+                quantities.quotients("error", "right side"),
+                proved,
+                CheckKind.IDENTITY,
+            ),
+            groups,
+        )
         if kind == STANDING:
             excess, fixed = f"{EXCESS}, patches that do not move", {k: v for k, v in groups.items() if k not in SEEDS}
-            yield order("order-standing", excess, ONE, "excess"), fixed
-            single = order("order-standing-shaken", f"{excess}, single shaken meshes", ONE, "excess")
-            yield Observation(single, "the order depends on the cells around few vertices"), on(SEEDS[0])
+            yield (
+                Check("order-standing", excess, quantities.fitted("excess"), ONE, CheckKind.CONSEQUENCE, ENOUGH),
+                fixed,
+            )
+            single = Check(
+                "order-standing-shaken",
+                f"{excess}, single shaken meshes",
+                quantities.fitted("excess"),
+                ONE,
+                CheckKind.CONSEQUENCE,
+                ENOUGH,
+            )
+            yield replace(single, if_missed="the order depends on the cells around few vertices"), on(SEEDS[0])
             return
-        yield order("order-alternating", f"{EXCESS}, alternating diagonals", HALF, "excess"), on(ALTERNATING)
+        yield (
+            Check(
+                "order-alternating",
+                f"{EXCESS}, alternating diagonals",
+                quantities.fitted("excess"),
+                HALF,
+                CheckKind.CONSEQUENCE,
+                ENOUGH,
+            ),
+            on(ALTERNATING),
+        )
         if kind != ROLLER:
             return
         plain, shaken = on(*PLAIN), {SEEDS[0]: over_seeds(groups)}
@@ -424,14 +442,24 @@ class Rollers(ListedNumbers):
             ("scatter", SCATTER, SUM, "scatter", shaken, FEW_MESHES),
             ("best", BEST, LINEAR, "E_h", groups, "a logarithm changes the order from level to level"),
         ):
-            criterion = order(key, quantity, window, column)
-            yield Observation(criterion, reason) if reason else criterion, mine
-        share = largest_quotient("share", "largest excess / error", Window(), "excess", "error")
-        yield Observation(share, "the study has no bound of this excess in V"), groups
+            criterion = Check(key, quantity, quantities.fitted(column), window, CheckKind.CONSEQUENCE, ENOUGH)
+            yield replace(criterion, if_missed=reason) if reason else criterion, mine
+        share = Check(
+            "share", "largest excess / error", quantities.quotients("excess", "error"), Window(), CheckKind.CONSEQUENCE
+        )
+        yield replace(share, if_missed="the study has no bound of this excess in V"), groups
         columns = "excess", "excess, k/2"
         halved = {name: table for name, table in groups.items() if columns[1] in table}
-        yield Criterion("time", "change of the excess with half the step", STEPS, change_by_half_steps, columns), halved
+        yield (
+            Check("time", "change of the excess with half the step", change_by_half_steps, STEPS, CheckKind.ACCURACY),
+            halved,
+        )
         # The growth from every level to the next must lie in the window; the last one is displayed.
-        growth: Measure = lambda group: among((steps := np.diff(group["|q|²"].to_numpy()))[-1], steps)  # noqa: E731
         quantity = "growth of |q|²_{1/2,Γ3} with every halving of ℓ"
-        yield Criterion("step", quantity, JUMP, growth, ("|q|²",), ENOUGH), on(PLAIN[0])
+        growth = Check("step", quantity, growth_of_trace, JUMP, CheckKind.ACCURACY, ENOUGH, finest=True)
+        yield growth, on(PLAIN[0])
+
+
+def growth_of_trace(table: pd.DataFrame) -> Array:
+    """Return the growth of |q|²_{1/2,Γ3} from every level to the next."""
+    return np.diff(table["|q|²"].to_numpy())

@@ -30,16 +30,26 @@ from itertools import islice
 import numpy as np
 from scipy.linalg import eigh, null_space
 
-from manufactured.law import Combined, Elasticity, Indefinite, KelvinVoigt, Linear, Yield, isotropic, isotropic_matrix
-from manufactured.tensors import Array, size
+from manufactured.law import (
+    AtPoints,
+    Combined,
+    Elasticity,
+    Indefinite,
+    KelvinVoigt,
+    Linear,
+    Yield,
+    isotropic,
+    isotropic_matrix,
+)
+from manufactured.tensors import Array, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space, form
-from study.ledger.criterion import every, largest
+from study.ledger import quantities
+from study.ledger.check import Check, CheckKind
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.constitutive_law import derivative
 from study.statements.shared.base import SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment, with_cached_loads
 from study.statements.shared.norms import maximum, norm
@@ -59,6 +69,18 @@ ATTAINED = Window(1 - 1e-7, 1 + 1e-7, "equality up to rounding, because B = −�
 GROWTH = "measured growth rate of ‖u − v‖_V / predicted rate"
 DISTANCE = "largest ‖u − v‖_V / its bound, u and v with different loads or initial displacements"
 ALL = "for every ω and T"
+
+
+def derivative(operator: AtPoints, strain: Tensors) -> Array:
+    """Return the derivative of an operator at n strain tensors, as one D × D matrix for each tensor, (n, D, D).
+
+    Args:
+        operator: the operator.
+        strain: the strain tensors, with D components each, (D, n).
+    """
+    units = np.eye(len(strain))
+    columns = [operator.derivative(strain, np.broadcast_to(unit[:, None], strain.shape)) for unit in units]
+    return np.moveaxis(np.stack(columns, axis=1), 2, 0)
 
 
 def column(law: str, what: str, omega: float, T: float) -> str:
@@ -83,11 +105,35 @@ class SolutionDivergence(ListedNumbers):
         "if G softens, the distance of two solutions may grow like e^{ct} with a computable rate c, and it never grows "
         "faster than e^{ωt} with ω = L_G/m_A"
     )
-    rules = (
-        every("rate", f"{GROWTH} c, scaled law of the case, {ALL}", SEEN, *columns("own", "rate")),
-        every("rate-even", f"{GROWTH} ω, law G = −ωA, {ALL}", SEEN, *columns("even", "rate")),
-        largest("bound", f"{DISTANCE}, scaled law of the case, {ALL}", NEVER, *columns("own", "bound")),
-        every("bound-even", f"{DISTANCE}, law G = −ωA, {ALL}", ATTAINED, *columns("even", "bound")),
+    checks = (
+        Check(
+            "rate",
+            f"{GROWTH} c, scaled law of the case, {ALL}",
+            quantities.values(*columns("own", "rate")),
+            SEEN,
+            CheckKind.CONSEQUENCE,
+        ),
+        Check(
+            "rate-even",
+            f"{GROWTH} ω, law G = −ωA, {ALL}",
+            quantities.values(*columns("even", "rate")),
+            SEEN,
+            CheckKind.CONSEQUENCE,
+        ),
+        Check(
+            "bound",
+            f"{DISTANCE}, scaled law of the case, {ALL}",
+            quantities.values(*columns("own", "bound")),
+            NEVER,
+            CheckKind.CLAIM,
+        ),
+        Check(
+            "bound-even",
+            f"{DISTANCE}, law G = −ωA, {ALL}",
+            quantities.values(*columns("even", "bound")),
+            ATTAINED,
+            CheckKind.IDENTITY,
+        ),
     )
     quick = grid(("softening",), ("shaken",), (4,))
     full = grid(SOFTENING, ("unstructured",), (6, 12))

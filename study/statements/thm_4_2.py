@@ -34,10 +34,9 @@ process without a displacement solver.
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
 from itertools import pairwise
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sps
@@ -49,15 +48,16 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space, on_cells
-from study.ledger.criterion import Criterion, every, greatest, largest, largest_quotient
+from study.ledger import quantities
+from study.ledger.check import Check, CheckKind
 from study.ledger.datafiles import CsvFile
 from study.ledger.text import power_of_ten
-from study.ledger.window import around, at_most, positive_at_most
+from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.steps import step_size
-from study.solve.stress_problem import AIM, StressError, StressProblem, StressState
+from study.solve.stress_problem import StressError, StressProblem
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.shared.base import ListedNumbers, Setting, Statement, grid, with_h
+from study.statements.shared.base import Setting, Statement
 from study.statements.shared.scope import Scope
 
 
@@ -203,13 +203,39 @@ class SameMesh(Statement):
     file = EQUIVALENCE
     of_every_case = True
     per_step = 70.0, 1000.0
-    rules = (
-        largest_quotient("displacement", f"displacement {OF_BOUND}", PROVED, "displacement_gap", "displacement_bound"),
-        largest_quotient("stress", f"stress {OF_BOUND}", PROVED, "stress_gap", "stress_bound"),
-        Criterion("allowed", ALLOWED, SHARP, lambda of: greatest(of[[*BOUNDS]].to_numpy().max(axis=1)), BOUNDS),
-        largest("admissibility", "violation of σ^h ∈ Σ^h(t)", AGREEMENT, "admissibility"),
-        largest("energy", "violation of (σ, ε(u))_Q = (f, u)_V, (4.14)", AGREEMENT, "energy_gap"),
-        largest("membership", "violation of u ∈ K^h, which Problem 3.2 does not impose", INSIDE, "membership"),
+    checks = (
+        Check(
+            "displacement",
+            f"displacement {OF_BOUND}",
+            quantities.quotients("displacement_gap", "displacement_bound"),
+            PROVED,
+            CheckKind.CLAIM,
+        ),
+        Check(
+            "stress", f"stress {OF_BOUND}", quantities.quotients("stress_gap", "stress_bound"), PROVED, CheckKind.CLAIM
+        ),
+        Check("allowed", ALLOWED, lambda of: of[[*BOUNDS]].to_numpy().max(axis=1), SHARP, CheckKind.ACCURACY),
+        Check(
+            "admissibility",
+            "violation of σ^h ∈ Σ^h(t)",
+            quantities.values("admissibility"),
+            AGREEMENT,
+            CheckKind.IDENTITY,
+        ),
+        Check(
+            "energy",
+            "violation of (σ, ε(u))_Q = (f, u)_V, (4.14)",
+            quantities.values("energy_gap"),
+            AGREEMENT,
+            CheckKind.IDENTITY,
+        ),
+        Check(
+            "membership",
+            "violation of u ∈ K^h, which Problem 3.2 does not impose",
+            quantities.values("membership"),
+            INSIDE,
+            CheckKind.CLAIM,
+        ),
     )
 
     def settings(self, scope: Scope) -> list[Setting]:
@@ -230,105 +256,3 @@ class SameMesh(Statement):
     def steps(self, setting: Setting) -> int:
         """Return the number of time steps, two for every cell along a side."""
         return 2 * setting.level
-
-
-@dataclass(frozen=True, eq=False)
-class Sides:
-    """The displacement problem (3.1) and the stress problem (3.2) for a test of the sensitivity of their comparison.
-
-    Attributes:
-        displacements: the displacement problem.
-        stresses: the function that returns the stress problem with which a given displacement problem is compared. The
-            correct stress problem does not depend on the displacement problem. A test with a deliberate defect replaces
-            this function by one whose stress problem is computed from the displacement problem.
-    """
-
-    displacements: SemiDiscrete
-    stresses: Callable[[SemiDiscrete], StressProblem]
-
-    @classmethod
-    def of(cls, solution: ExactSolution, family: MeshFamily, level: int) -> Self:
-        """Return both problems of an exact solution on one mesh."""
-        displacements, stresses = problems(solution, family, level)
-        return cls(displacements, lambda _: stresses)
-
-
-@dataclass(frozen=True, eq=False)
-class Derived(StressProblem):
-    """A deliberately wrong stress problem (3.2): its stresses are computed from the solution of a displacement problem.
-
-    Attributes:
-        displacements: the displacement problem.
-    """
-
-    displacements: SemiDiscrete
-
-    @classmethod
-    def compared(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Self:
-        """Return the wrong stress problem: the data of a correct one, and the solution of a displacement problem."""
-        return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
-
-    def march(self, steps: int) -> Iterator[StressState]:
-        """Yield the solutions of the displacement problem by backward Euler, as if they solved the stress problem.
-
-        Their duality gap is set to the value of a converged interior-point method.
-        """
-        k, law, old = self.displacements.T / steps, on_cells(self.space, self.law), self.space.strain(self.u0)
-        yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, np.full(self.N.shape[0], np.nan), 0.0)
-        for _, state in pairwise(BACKWARD_EULER.march(self.displacements, steps)):
-            strain = self.space.strain(state.u)
-            stress = law.stress((strain - old) / k, strain)
-            yield StressState(state.time, stress, strain, state.u, state.multipliers, AIM.gap)
-            old = strain
-
-
-def independence(sides: Sides, steps: int) -> dict[str, float]:
-    """Return which fraction of a deliberate mistake the comparison of the displacement and stress problems shows.
-
-    The mistake is that the displacement problem has flipped normals, while the stress problem is correct. The fraction
-    is a quotient. Its numerator is the difference between the solutions of the stress problem and of the wrong
-    displacement problem. Its denominator is the difference between the solutions of the correct and of the wrong
-    displacement problem. The fraction is 1 if the comparison shows the full size of the mistake. The function ``gaps``
-    measures both differences. If ``gaps`` compared a solution with itself, the fraction would not be 1.
-
-    Returns:
-        The fractions for displacements in ‖·‖_V, "displacement_shown", and for stresses in ‖·‖_Q, "stress_shown".
-    """
-    wrong = replace(sides.displacements, N=-sides.displacements.N)
-    stresses = sides.stresses(wrong)
-    opened = gaps(wrong, stresses, steps)
-    mistake = gaps(wrong, Derived.compared(stresses, sides.displacements), steps)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        displacement, stress = np.divide(opened[:2], mistake[:2])
-    return {"displacement_shown": float(displacement), "stress_shown": float(stress)}
-
-
-CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
-ALONE = around(1, 0.001, "its full size")
-"""Window of (shown difference) / (size of the mistake).
-
-The ratio differs from 1 by at most (difference of both correct solutions) / (size of the mistake). Flipped normals
-change the solution by a tenth, so this check also notices correct solutions that differ by 1e-4."""
-OVER_DEFECT = "difference between both problems / size of a deliberate defect in Problem 3.1 alone"
-
-
-class StandsAlone(ListedNumbers):
-    """Tests that a mistake in the displacement problem shows fully in its comparison with the stress problem.
-
-    Judged is the ratio (difference that the comparison shows) / (size of the mistake). If the mistake is missing, the
-    ratio is 0/0 and the check fails.
-    """
-
-    label = "Thm 4.2"
-    claim = "the comparison shows the full size of a deliberate defect in Problem 3.1 alone"
-    rules = (
-        every("alone-displacement", f"displacement {OVER_DEFECT}", ALONE, "displacement_shown"),
-        every("alone-stress", f"stress {OVER_DEFECT}", ALONE, "stress_shown"),
-    )
-    quick = grid(CASES, ("one-diagonal",), (4,))
-    full = grid(CASES, ("one-diagonal", "shaken"), (4, 8))
-
-    def measure(self, setting: Setting) -> dict[str, float]:
-        sides = Sides.of(resolve(setting.case).solution, family_named(setting.family), setting.level)
-        shown = independence(sides, 2 * setting.level)
-        return with_h(sides.stresses(sides.displacements).space.h, shown)

@@ -54,8 +54,10 @@ from study.fem.mesh import Graded, MeshFamily, size
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Observation, Rule, among, growth, largest, order, weighted
+from study.ledger import quantities
+from study.ledger.check import Check, CheckKind
 from study.ledger.datafiles import CsvFile
+from study.ledger.orders import weighted_order
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, at_least, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete, velocities
@@ -437,27 +439,61 @@ def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
     return s, min(s, away.rate_smoothness)
 
 
-def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
+def checks_of(regularity: Regularity, family: str) -> Iterator[Check]:
     """Yield the criteria for a solution with the given regularity on a mesh family."""
     random, orders_of = family_named(family).random, predicted(regularity, family)
     for name, orders in orders_of.items():
         parts = CELLS if name in IN_CELLS else ALONG
         window = orders.window(CHANCE if parts == ALONG and random else 0.0)
-        yield weighted(f"order-{name}", f"order of {QUANTITIES[name]}", window, name, parts, JUDGED, PAIR)
+        yield Check(
+            f"order-{name}",
+            f"order of {QUANTITIES[name]}",
+            quantities.fitted(name, last=JUDGED, power=parts),
+            window,
+            CheckKind.CONSEQUENCE,
+            PAIR,
+        )
     # The ratio on the finest level is displayed, because it matters most.
-    ratios = Criterion("ratio", RATIO, at_least(1), lambda of: among(of["ratio"].iloc[-1], of["ratio"]), ("ratio",))
-    yield Observation(ratios, "the best polynomials come from a larger space")
+    ratios = Check("ratio", RATIO, quantities.values("ratio"), at_least(1), CheckKind.CONSEQUENCE, finest=True)
+    yield replace(ratios, if_missed="the best polynomials come from a larger space")
     scatter = at_most(1.35, "bounded; two standard deviations are added for random meshes")
     grown = f"growth of {RATIO}, from the coarsest to the finest mesh, fitted"
-    yield growth("growth", grown, scatter if random else at_most(1.25, "bounded"), "ratio", CELLS, PAIR)
-    yield largest("admissible", ADMISSIBLE, positive_at_most(1e-9), "admissibility")
-    yield largest("time-share", "error of time steps and quadrature / ‖σ − σ^h‖_Q", TIME, "time_share")
+    yield Check(
+        "growth",
+        grown,
+        quantities.of_errors("ratio", growth),
+        scatter if random else at_most(1.25, "bounded"),
+        CheckKind.CONSEQUENCE,
+        PAIR,
+    )
+    yield Check(
+        "admissible", ADMISSIBLE, quantities.values("admissibility"), positive_at_most(1e-9), CheckKind.IDENTITY
+    )
+    yield Check(
+        "time-share",
+        "error of time steps and quadrature / ‖σ − σ^h‖_Q",
+        quantities.values("time_share"),
+        TIME,
+        CheckKind.ACCURACY,
+    )
     # On other meshes theory predicts the same order for the largest error in time as for the error in L²(0,T).
     window = Window()
     if "stress" in orders_of and not random:
         window = replace(orders_of["stress"].window(), why="the same order as for the norm in L²(0,T)")
-    at_worst = order("order-sup", "order of max_n ‖σ − σ^h‖_Q", window, "stress_sup", JUDGED, PAIR)
-    yield Observation(at_worst, BY_CHANCE) if random else at_worst
+    at_worst = Check(
+        "order-sup",
+        "order of max_n ‖σ − σ^h‖_Q",
+        quantities.fitted("stress_sup", last=JUDGED),
+        window,
+        CheckKind.CONSEQUENCE,
+        PAIR,
+    )
+    yield replace(at_worst, if_missed=BY_CHANCE) if random else at_worst
+
+
+def growth(h: Array, ratio: Array) -> float:
+    """Return the growth of a ratio from the coarsest to the finest mesh, by a fit with the weights h^−2."""
+    return float((h[-1] / h[0]) ** weighted_order(h, ratio, CELLS))
 
 
 class OwnSpace(Statement):
@@ -487,8 +523,8 @@ class OwnSpace(Statement):
         found: list[Verdict] = []
         for (case, family), series in rows.groupby(["case", "family"], sort=False):
             levels = series.sort_values("h", ascending=False).assign(ratio=series["stress"] / series["best"])
-            rules = rules_of(resolve(str(case)).regularity, str(family))
-            found += [rule.verdict(self, str(case), {str(family): levels}, str(family)) for rule in rules]
+            checks = checks_of(resolve(str(case)).regularity, str(family))
+            found += [rule.verdict(self, str(case), {str(family): levels}, str(family)) for rule in checks]
         return found
 
     def memory(self, setting: Setting) -> float:

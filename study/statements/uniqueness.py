@@ -15,7 +15,8 @@ from scipy.optimize import nnls
 
 from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import size as mesh_size
-from study.ledger.criterion import Criterion, largest
+from study.ledger import quantities
+from study.ledger.check import Check, CheckKind
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
@@ -42,7 +43,7 @@ WAYS = {
 """Other ways to solve a problem, by their names in columns: each in words, with the window of the difference."""
 
 
-def differences(of: str, *ways: str, on: str = "") -> tuple[Criterion, ...]:
+def differences(of: str, *ways: str, on: str = "") -> tuple[Check, ...]:
     """Return the criteria for the relative differences of solutions that other solvers give.
 
     Args:
@@ -51,7 +52,10 @@ def differences(of: str, *ways: str, on: str = "") -> tuple[Criterion, ...]:
         on: text to add to the description of the interior point method.
     """
     texts = {name: f"difference of the {of} {WAYS[name][0]}{on if name == 'interior point' else ''}" for name in ways}
-    return tuple(largest(name.replace(" ", "-"), text, WAYS[name][1], name) for name, text in texts.items())
+    return tuple(
+        Check(name.replace(" ", "-"), text, quantities.values(name), WAYS[name][1], CheckKind.CONSEQUENCE)
+        for name, text in texts.items()
+    )
 
 
 class OneTrajectory(ListedNumbers):
@@ -66,7 +70,7 @@ class OneTrajectory(ListedNumbers):
 
     label = "Thm 4.1, 5.2"
     claim = "different initial guesses, solvers and splittings give one solution in V^h: a test of the solvers"
-    rules = differences("solutions", *WAYS)
+    checks = differences("solutions", *WAYS)
     quick = grid((*EVOLVING, *SOFTENING), ("shaken",), (6,))
     full = (
         *grid((*EVOLVING, *SOFTENING), ("one-diagonal",), (6, 12)),
@@ -158,7 +162,7 @@ class OneStress(ListedNumbers):
 
     label = "Thm 4.3"
     claim = "different initial guesses and solvers give one stress in Σ^h: a test of the solvers"
-    rules = differences("stresses", *RIVALS, on=" on all unknowns")
+    checks = differences("stresses", *RIVALS, on=" on all unknowns")
     quick = grid(("advance-recede",), ("shaken",), (4,))
     full = grid(("advance-recede", "corner", "anisotropic"), ("unstructured",), (4, 8))
 

@@ -10,7 +10,8 @@ import numpy as np
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import every, finest, largest
+from study.ledger import quantities
+from study.ledger.check import Check, CheckKind
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.factorisation import Cholesky
@@ -42,9 +43,21 @@ class BoundedVelocity(ListedNumbers):
 
     label = "(4.1)"
     claim = "u^h ∈ W^{1,∞}(0,T;V) uniformly in h and k, for solutions with a bounded u̇"
-    rules = (
-        every("bounded", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k", Window(0.5, 1.5, "for all h and k"), *STEPS),
-        finest("limit", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k", LIMIT, list(STEPS)[-1]),
+    checks = (
+        Check(
+            "bounded",
+            "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k",
+            quantities.values(*STEPS),
+            Window(0.5, 1.5, "for all h and k"),
+            CheckKind.CLAIM,
+        ),
+        Check(
+            "limit",
+            "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k",
+            quantities.finest(list(STEPS)[-1]),
+            LIMIT,
+            CheckKind.CONSEQUENCE,
+        ),
     )
     quick = grid(FEW, ("shaken",), (8, 16))
     full = grid((*EVOLVING, "lift-and-land", *SOFTENING), ("unstructured",), (8, 16, 32))
@@ -101,10 +114,16 @@ class Dependence(ListedNumbers):
 
     label = "Thm 2.2"
     claim = "u^h depends continuously on f and u_0, with the rate ω = L_G/m_A: what Thm 2.2 gives on V^h"
-    rules = (
-        largest("bound", "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A", NEVER, "bound"),
-        largest("monotone", UNDAMPED, NEVER, "monotone"),
-        every("first-step", AFTER_ONE_STEP, SHARP, "first step"),
+    checks = (
+        Check(
+            "bound",
+            "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A",
+            quantities.values("bound"),
+            NEVER,
+            CheckKind.CLAIM,
+        ),
+        Check("monotone", UNDAMPED, quantities.values("monotone"), NEVER, CheckKind.CLAIM),
+        Check("first-step", AFTER_ONE_STEP, quantities.values("first step"), SHARP, CheckKind.CONSEQUENCE),
     )
     quick = grid(FEW, ("unstructured",), (6,))
     full = (

@@ -5,14 +5,14 @@ on one mesh. Criteria compare the measured numbers with tolerance windows.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
 import pandas as pd
 
 from study.fem.naming import resolve
-from study.ledger.criterion import Criterion, Groups, Observation, Rule, by_case, by_family
+from study.ledger.check import Check, Groups, by_case, by_family
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.verdict import Verdict
 from study.solve.steps import stress_steps
@@ -57,7 +57,7 @@ class Statement:
         file: the data file with the rows from which the statement is judged.
         joined_file: a second data file or None. Its columns are added to the rows of ``file`` that have the same key,
             under the names ``NAME_reported``.
-        rules: the criteria. Each gives one check for every case, that is, one row of the ledger.
+        checks: the checks. Each gives one check for every case, that is, one row of the ledger.
         not_judged: the cases whose checks are reported and not judged, with the reason.
         quick, full: the settings of the quick and of the full study.
         of_every_case: whether the statement is measured on every case of a run, including the cases of users.
@@ -72,7 +72,7 @@ class Statement:
     claim: str
     file: DataFile
     joined_file: CsvFile | None = None
-    rules: Sequence[Rule] = ()
+    checks: Sequence[Check] = ()
     not_judged: Mapping[str, str] = MappingProxyType({})
     quick: Sequence[Any] = ()
     full: Sequence[Any] = ()
@@ -118,23 +118,23 @@ class Statement:
         Args:
             rows: the measured rows of the data file, with the predicted orders of their cases as further columns.
         """
-        judged = ((case, pair) for case, groups in self.by_case(rows) for pair in self.rules_of(case, groups))
+        judged = ((case, pair) for case, groups in self.by_case(rows) for pair in self.checks_of(case, groups))
         return [rule.verdict(self, case, groups) for case, (rule, groups) in judged]
 
     def by_case(self, rows: pd.DataFrame) -> Iterable[tuple[str, Groups]]:
         """Divide measured rows, and return pairs of a case and its tables of levels, by mesh family."""
         return [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
 
-    def rules_of(self, case: str, groups: Groups) -> Iterable[tuple[Rule, Groups]]:
-        """Return the criteria for a case, each with the tables that it judges. By default ``rules`` judge all tables.
+    def checks_of(self, case: str, groups: Groups) -> Iterable[tuple[Check, Groups]]:
+        """Return the criteria for a case, each with the tables that it judges. By default ``checks`` judge all tables.
 
         Args:
             case: the name of the case.
             groups: the tables of levels of this case, by mesh family.
         """
         if reason := self.not_judged.get(case):
-            return [(Observation(rule, reason), groups) for rule in self.rules if isinstance(rule, Criterion)]
-        return [(rule, groups) for rule in self.rules]
+            return [(replace(rule, if_missed=reason), groups) for rule in self.checks]
+        return [(rule, groups) for rule in self.checks]
 
     def cost(self, setting: Any) -> float:
         """Return the expected run time of ``measure`` in µs.

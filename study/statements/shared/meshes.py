@@ -25,7 +25,7 @@ from manufactured.catalogue import catalogue
 from study.fem.mesh import MeshError, MeshFamily, boundary_parts
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.ledger.criterion import Groups
+from study.ledger.check import Groups
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import serving
 

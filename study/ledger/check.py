@@ -1,0 +1,134 @@
+"""Checks: each computes a quantity from measurements and compares it with its tolerance window.
+
+A check gives one row of the ledger for each case.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from study.ledger.orders import Array, RatesError
+from study.ledger.quantities import Value
+from study.ledger.verdict import (
+    FAILS,
+    HOLDS,
+    MISSED,
+    NOWHERE,
+    REPORTED,
+    UNDECIDED,
+    CheckKind,
+    Named,
+    Verdict,
+    agreement,
+    row,
+)
+from study.ledger.window import Window
+
+Groups = dict[str, pd.DataFrame]
+"""Mesh family ↦ table of its levels, coarse to fine, with the columns level, h and the measured quantities."""
+ENOUGH = 3
+"""Least number of levels for an observed order."""
+ROUNDING = 1e-9
+"""Tolerance for rounding errors in bounds that hold exactly."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """A quantity that must lie in a tolerance window.
+
+    Attributes:
+        key: short name of the check.
+        quantity: the quantity in words.
+        value: computes the quantity from the levels of one mesh family.
+        window: the tolerance window.
+        kind: what the check tests.
+        levels: the least number of levels; with fewer levels the check is undecided.
+        finest: whether only the last value decides between *holds* and *fails*. If other values lie outside the window,
+            the check is undecided.
+        if_missed: why nothing is claimed; empty if something is claimed. The window is then a prediction of this study,
+            and a wrong prediction gives the verdict *missed*. Without a window the value is only reported.
+    """
+
+    key: str
+    quantity: str
+    value: Value
+    window: Window
+    kind: CheckKind
+    levels: int = 1
+    finest: bool = False
+    if_missed: str = ""
+
+    def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
+        """Judge the measurements of one case.
+
+        Parameters:
+            of: the statement, with its label and claim.
+            case: name of the case.
+            groups: mesh family ↦ table of its levels, coarse to fine.
+            family: the mesh family, if the check is about one family only.
+        """
+        found = [self._values(table) for table in groups.values()]
+        values = [each for each in found if each is not None]
+        fewest = min(map(len, groups.values()), default=0)
+        if not values or len(values) < len(groups):
+            observed, span, verdict = math.nan, NOWHERE, UNDECIDED
+        else:
+            every = np.concatenate(values)
+            decisive = [float(each[-1]) if self.finest else self.window.worst(each.tolist()) for each in values]
+            observed = self.window.worst(decisive)
+            span = float(every.min()), float(every.max())
+            verdict = HOLDS if self.window.contains(*every) else UNDECIDED
+            verdict = verdict if self.window.contains(*decisive) else FAILS
+        expected = self.window.text
+        if fewest < self.levels:
+            expected += f"; undecided, because the check needs {self.levels} levels, and has {fewest}"
+        judged = observed, span, verdict
+        result = row(of, self.key, self.quantity, self.window, judged, case, family, expected, self.kind)
+        return result if not self.if_missed else self._without_claim(result)
+
+    def _values(self, table: pd.DataFrame) -> Array | None:
+        """Return the values of one mesh family, (n,); None if levels or columns are missing, NaN without an order."""
+        if len(table) < self.levels:
+            return None
+        try:
+            found = np.atleast_1d(np.asarray(self.value(table), dtype=float))
+            return found if found.size else None
+        except KeyError:
+            return None
+        except RatesError:
+            return np.array([math.nan])
+
+    def _without_claim(self, judged: Verdict) -> Verdict:
+        """Return the row of a check about which nothing is claimed: *missed* if a prediction is wrong."""
+        if self.window == Window():
+            return replace(judged, verdict=REPORTED, expected=f"no claim: {self.if_missed}")
+        missed = judged.verdict == FAILS and not math.isnan(judged.observed)
+        judged = replace(judged, verdict=MISSED if missed else REPORTED)
+        text = f"predicted {self.window.text} ({agreement(judged)}); no claim, because {self.if_missed}"
+        return replace(judged, expected=text)
+
+
+def by_family(rows: pd.DataFrame) -> Groups:
+    """Divide a table by mesh families, and return a dictionary: name of the family ↦ its rows, coarse to fine."""
+    return {str(name): table.sort_values("h", ascending=False) for name, table in rows.groupby("family", sort=False)}
+
+
+def by_case(rows: pd.DataFrame) -> Iterator[tuple[str, Groups]]:
+    """Divide a table by cases, and yield each case with its measurements on each mesh family.
+
+    Parameters:
+        rows: a table with one number in each row: columns case, family, level, h, quantity, value.
+
+    Yields:
+        Pairs (case, tables). The dictionary has for each mesh family a table with one row for each level and one column
+        for each quantity.
+    """
+    for case, of_case in rows.groupby("case", sort=False):
+        groups = {}
+        for family, of_family in of_case.groupby("family", sort=False):
+            table = of_family.pivot(index=["level", "h"], columns="quantity", values="value")
+            groups[str(family)] = table.reset_index().sort_values("h", ascending=False)
+        yield str(case), groups
