@@ -1,20 +1,21 @@
-"""The matrix fault × case × check: in which cases the errors of Propositions 5.3 and 5.4 notice a deliberate fault.
+"""The matrix fault × case × check: which checks notice a deliberate fault, and in which cases.
 
-For each fault (``study.controls.faults``) two numbers are measured:
+For each fault (``study.controls.faults``), size and case three things are measured:
 
-* S = max_t ‖u^h − u^h_δ‖_V on the finest level, the distance of the right from the faulty discrete solution. The errors
-  of the faulty program stagnate at about S, so the fault is *invisible* in a case if S is 0, and it is noticed on a
-  level as soon as S exceeds a known part of the error.
-* the checks of the propositions that fail. A fault is *noticed* in a case if a check of the order or of the size of the
-  error fails.
+* S = max_t ‖u^h − u^h_δ‖_V on the finest level, the distance of the right from the faulty discrete solution. If the
+  faulty problem is well posed, the errors of the faulty program stagnate at about S. So the fault is *invisible* to
+  orders in a case where S is 0, and it is noticed on a level as soon as S exceeds a known part of the error.
+* The checks of the order and of the size of the error that fail (Propositions 5.3 and 5.4, initial gap).
+* The other checks that fail: contact forces, the comparison with Problem 3.2 (Theorem 4.2), and the evidence that the
+  computation is accurate.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -22,99 +23,146 @@ import pandas as pd
 from threadpoolctl import threadpool_limits
 
 from study.controls.faults import FAULTS, Fault
-from study.fem.naming import family_named, resolve
-from study.ledger.verdict import FAILS
+from study.fem.naming import resolve
+from study.ledger.verdict import FAILS, CheckKind, Verdict
 from study.run.plan import quick
-from study.solve.steps import rate_steps
-from study.solve.tableau import MIDPOINT
+from study.statements.contact_force import ContactForce, touches
 from study.statements.from_rates import SizeOfInterpolation
 from study.statements.initial_gap import InitialGap
 from study.statements.prop_5_3 import Convergence
-from study.statements.prop_5_4 import FirstOrder, measure
+from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting, measure
+from study.statements.shared.base import Setting, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.scope import regular
+from study.statements.shared.scope import Scope, regular
+from study.statements.thm_4_2 import SameMesh
 
-OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation(), InitialGap()
-"""The statements that are judged by the errors of displacements."""
-EVIDENCE = {"residual", "clamped", "parallelogram", "quadrature", "time-share"}
-"""Checks that the computation is accurate. They do not count as noticing a fault of an equation."""
-COLUMNS = ["equation", "fault", "size", "case", "distance", "error", "noticed_by", "evidence"]
+OF_RATES: dict[str, tuple[Statement, ...]] = {
+    statement.proposition: (statement, SizeOfInterpolation())
+    for statement in (FirstOrder(), Convergence(), InitialGap())
+}
+"""Label of a proposition ↦ the statements that are judged by its rows in ``rates.csv``."""
+BY_ORDER_OR_SIZE = (CheckKind.CLAIM, CheckKind.CONSEQUENCE)
+"""The kinds of the checks of errors that count as noticing a fault; the others show that a computation is accurate."""
+COLUMNS = ["equation", "fault", "size", "single", "case", "dim", "distance", "error", "by_error", "by_others"]
 
 
 @dataclass(frozen=True)
-class Sweep:
-    """One case on the levels of the quick study, measured without a fault.
+class Measured:
+    """A statement that is measured on a case without a fault, on the meshes of one family.
 
     Attributes:
-        case: name of the case.
-        setups: the experiments, coarse to fine; their loads are cached.
-        rows: the rows of ``rates.csv`` without a fault.
+        statement: the statement.
+        settings: the settings, coarse to fine.
     """
 
-    case: str
-    setups: tuple[Experiment, ...]
-    rows: tuple[dict[str, Any], ...]
+    statement: Statement
+    settings: tuple[Any, ...]
 
-    @classmethod
-    def of(cls, name: str, levels: tuple[int, ...]) -> Sweep:
-        case = resolve(name)
-        family = regular(case)
-        setups = []
-        for level in levels:
-            steps = rate_steps(case.solution.body.T, level, case.pace)
-            setups.append(cached(Experiment.of(case.solution, family_named(family.name), level, MIDPOINT, steps)))
-        measured = zip(setups, levels, strict=True)
-        rows = tuple(measure(setup).row(case.name, family.name, level) for setup, level in measured)
-        return cls(name, tuple(setups), rows)
+    @cached_property
+    def setups(self) -> list[Experiment]:
+        """The experiments of the settings. Their loads and exact values are computed once for each time."""
+        return [cached(self.statement.setup(setting)) for setting in self.settings]
 
-    def failing(self, rows: list[dict[str, Any]]) -> list[str]:
-        """Return the keys of the checks that fail for some rows of ``rates.csv``."""
-        case = resolve(self.case)
-        table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
-        verdicts = [verdict for statement in OF_RATES for verdict in statement.judge(table)]
-        return sorted({verdict.key for verdict in verdicts if verdict.verdict == FAILS})
+    @cached_property
+    def right(self) -> list[Mapping[str, Any]]:
+        """The measured numbers without a fault."""
+        return [self.statement.measure(setup) for setup in self.setups]
 
-    def noticed(self, fault: Fault, size: float) -> dict[str, Any] | None:
-        """Return the row of the matrix for a fault of one size; None if the fault cannot occur in this case."""
-        rows = []
-        for setup, right in zip(self.setups, self.rows, strict=True):
-            faulty = fault.change(setup, size)
+    def failing(self, fault: Fault | None = None, size: float = 0.0) -> list[Verdict] | None:
+        """Return the checks that fail with a fault, or without; None if the fault cannot occur here."""
+        measured = []
+        for setup, right in zip(self.setups, self.right, strict=True):
+            faulty = fault.change(setup, size) if fault else setup
             if faulty is None:
                 return None
-            try:
-                with np.errstate(all="ignore"):
-                    rows.append({**right, **errors(faulty)})
-            except (ArithmeticError, np.linalg.LinAlgError, RuntimeError) as error:
-                return self._row(fault, size, math.inf, [type(error).__name__])
-        distance = distance_of_solutions(self.setups[-1], faulty)
-        return self._row(fault, size, distance, self.failing(rows))
+            measured.append({**right, **self._again(faulty)} if fault else right)
+        return [verdict for verdict in self._judged(measured) if verdict.verdict == FAILS]
 
-    def _row(self, fault: Fault, size: float, distance: float, failing: list[str]) -> dict[str, Any]:
-        noticed = [key for key in failing if key not in EVIDENCE]
-        evidence = [key for key in failing if key in EVIDENCE]
-        return {
-            "equation": fault.equation,
-            "fault": fault.name,
-            "size": size,
-            "case": self.case,
-            "distance": distance,
-            "error": self.rows[-1]["error"],
-            "noticed_by": " ".join(noticed),
-            "evidence": " ".join(evidence),
-        }
+    def _again(self, faulty: Experiment) -> Mapping[str, Any]:
+        """Return the numbers that a fault can change."""
+        if not isinstance(self.statement, Rates):
+            return self.statement.measure(faulty)
+        found = measure(faulty)
+        return {**found.errors(), "residual": found.residual, "clamped": found.clamped()}
+
+    def _judged(self, measured: Sequence[Mapping[str, Any]]) -> list[Verdict]:
+        case = resolve(self.settings[0].case)
+        pairs = zip(self.settings, measured, strict=True)
+        rows = [row for setting, found in pairs for _, row in self.statement.records(setting, found)]
+        table = pd.DataFrame(rows).assign(expected_order=case.order)
+        judges = OF_RATES[case.proposition] if isinstance(self.statement, Rates) else (self.statement,)
+        return [verdict for judge in judges for verdict in judge.judge(table)]
+
+
+def measured_on(name: str) -> list[Measured]:
+    """Return the statements of the matrix on a case, in the settings of the quick study."""
+    case, scope = resolve(name), quick()
+    family, levels = regular(case).name, scope.levels_of(case).all
+    rates, _ = OF_RATES[case.proposition]
+    steps = [RateSetting(name, family, n, scope.scheme, scope.steps(case, n)) for n in levels]
+    found = [Measured(rates, tuple(steps))]
+    if case.proposition == "Prop. 5.4" and touches(case.solution):
+        found.append(Measured(ContactForce(), tuple(Setting(name, family, n) for n in levels)))
+    if not case.solution.has_initial_gap:
+        found.append(Measured(SameMesh(), (Setting(name, family, coarsest(scope, case.solution.body.dim)),)))
+    return found
+
+
+def coarsest(scope: Scope, dim: int) -> int:
+    """Return the coarsest level on which Theorem 4.2 is tested."""
+    return (scope.equivalence if dim == 2 else scope.solid_equivalence)[0]
+
+
+def rows_of(name: str, faults: Sequence[Fault] = FAULTS) -> Iterator[dict[str, Any]]:
+    """Yield the rows of the matrix for one case.
+
+    Raises:
+        ValueError: a check fails without a fault, so that nothing can be concluded from its failing with one.
+    """
+    with threadpool_limits(1), np.errstate(all="ignore"):
+        rates, *others = measured = measured_on(name)
+        wrong = [verdict for one in measured for verdict in one.failing() or []]
+        if wrong:
+            raise ValueError(f"{name}: without a fault these checks fail: {', '.join(v.key for v in wrong)}")
+        for fault in faults:
+            for size in fault.sizes:
+                row = row_of(rates, others, fault, size)
+                if row is not None:
+                    yield row
+
+
+def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: float) -> dict[str, Any] | None:
+    """Return the row of the matrix for one fault, size and case; None if the fault cannot occur in this case."""
+    case, right = resolve(rates.settings[0].case), rates.setups[-1]
+    faulty = fault.change(right, size)
+    if faulty is None:
+        return None
+    row = {
+        "equation": fault.equation,
+        "fault": fault.name,
+        "size": size,
+        "single": fault.single,
+        "case": case.name,
+        "dim": case.solution.body.dim,
+        "error": rates.right[-1]["error"],
+    }
+    try:
+        row["distance"] = distance_of_solutions(right, faulty)
+        failing = rates.failing(fault, size) or []
+        of_others = [verdict for one in others for verdict in one.failing(fault, size) or []]
+    except (ArithmeticError, np.linalg.LinAlgError, RuntimeError) as error:
+        return {**row, "distance": math.inf, "by_error": type(error).__name__, "by_others": ""}
+    by_error = [verdict.key for verdict in failing if verdict.kind in BY_ORDER_OR_SIZE]
+    evidence = [verdict for verdict in failing if verdict.kind not in BY_ORDER_OR_SIZE]
+    by_others = [f"{verdict.label} {verdict.key}" for verdict in (*evidence, *of_others)]
+    return {**row, "by_error": "; ".join(by_error), "by_others": "; ".join(by_others)}
 
 
 def cached(setup: Experiment) -> Experiment:
     """Return an experiment whose loads and exact values are computed once for each time."""
-    v_norm = setup.v_norm
+    v_norm, load = setup.v_norm, setup.problem.load
     v_norm.sample = lru_cache(maxsize=None)(v_norm.sample)  # type: ignore[method-assign]
-    return replace(setup, problem=replace(setup.problem, load=lru_cache(maxsize=None)(setup.problem.load)))
-
-
-def errors(setup: Experiment) -> dict[str, float]:
-    """Return the columns of ``rates.csv`` that a fault can change."""
-    found = measure(setup)
-    return {**found.errors(), "residual": found.residual, "clamped": found.clamped()}
+    return replace(setup, problem=replace(setup.problem, load=lru_cache(maxsize=None)(load)))
 
 
 def distance_of_solutions(right: Experiment, faulty: Experiment) -> float:
@@ -124,26 +172,8 @@ def distance_of_solutions(right: Experiment, faulty: Experiment) -> float:
     """
     if right.space is not faulty.space:
         return math.nan
-    largest = 0.0
+    squares = []
     for one, other in zip(right.march(right.steps), faulty.march(faulty.steps), strict=True):
         difference = one.u - other.u
-        largest = max(largest, float(difference @ (right.problem.M @ difference)))
-    return math.sqrt(largest)
-
-
-def levels_of(name: str) -> tuple[int, ...]:
-    """Return the levels of a case in the quick study."""
-    return quick().levels_of(resolve(name)).all
-
-
-def rows_of(name: str, faults: tuple[Fault, ...] = FAULTS) -> Iterator[dict[str, Any]]:
-    """Yield the rows of the matrix for one case."""
-    with threadpool_limits(1):
-        sweep = Sweep.of(name, levels_of(name))
-        if failing := sweep.failing(list(sweep.rows)):
-            raise ValueError(f"{name}: without a fault the checks {', '.join(failing)} fail")
-        for fault in faults:
-            for size in fault.sizes:
-                row = sweep.noticed(fault, size)
-                if row is not None:
-                    yield row
+        squares.append(difference @ (right.problem.M @ difference))
+    return float(np.sqrt(np.max(squares)))

@@ -67,7 +67,7 @@ class Job:
 
     def run(self) -> Mapping[str, Any]:
         """Measure, and return the measured numbers by their names."""
-        return self.statement.measure(self.setting)
+        return self.statement.run(self.setting)
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,8 @@ from study.fem.independent import load_from_forces
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind
+from study.ledger.check import ENOUGH, Check
+from study.ledger.verdict import CheckKind
 from study.ledger.window import STEEPER, around, between, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky

@@ -30,8 +30,9 @@ import pandas as pd
 
 from manufactured.tensors import Array
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check, CheckKind
+from study.ledger.check import ENOUGH, ROUNDING, Check
 from study.ledger.orders import fit
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
@@ -125,8 +126,10 @@ class BackwardEuler(ListedNumbers):
     quick = grid(("advance-recede",), ("shaken",), (4, 8, 16))
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        setup = Experiment.at(setting, MIDPOINT, FINEST)
+    def setup(self, setting: Setting) -> Experiment:
+        return Experiment.at(setting, MIDPOINT, FINEST)
+
+    def measure(self, setup: Experiment) -> dict[str, float]:
         problem = with_cached_loads(setup.problem)
         flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
         exact, half = path(problem, MIDPOINT, FINEST), path(problem, MIDPOINT, FINEST // 2)

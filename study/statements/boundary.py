@@ -31,7 +31,8 @@ from study.fem.error_norm import DEGREE, FACET_POINTS, rules
 from study.fem.quadrature import facet_rule
 from study.fem.space import on_cells
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind
+from study.ledger.check import ENOUGH, Check
+from study.ledger.verdict import CheckKind
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
@@ -105,11 +106,13 @@ class NaturalConditions(ListedNumbers):
     quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))
     full = grid(("advance-recede", "travelling-patch", "yield-and-release"), FAMILIES, (12, 24, 48))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def setup(self, setting: Setting) -> Experiment:
         # [0, T] is split into INSTANTS equal parts. Each part has an odd number of time steps, so that its midpoint is
         # the midpoint of a time step.
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
-        setup = Experiment.at(setting, MIDPOINT, steps)
+        return Experiment.at(setting, MIDPOINT, steps)
+
+    def measure(self, setup: Experiment) -> dict[str, float]:
         return with_h(setup.space.h, tractions(setup))
 
 
@@ -153,7 +156,7 @@ def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
     """
     space, cells, k = setup.space, on_cells(setup.space, setup.solution.law), setup.problem.T / setup.steps
     each = setup.steps // INSTANTS
-    for n, (before, after) in enumerate(pairwise(setup.scheme.march(setup.problem, setup.steps))):
+    for n, (before, after) in enumerate(pairwise(setup.march(setup.steps))):
         if n % each == each // 2:
             old, new = space.strain(before.u), space.strain(after.u)
             yield (before.time + after.time) / 2, cells.stress((new - old) / k, (new + old) / 2)

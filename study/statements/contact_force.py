@@ -42,7 +42,7 @@ returns a mean of the values before and after the jump. So the error in L²(0,T)
 that depends on the position of the jump within the step. This order is only reported.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import pairwise
 from typing import Any
@@ -57,8 +57,9 @@ from study.fem.naming import is_own, name_of
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind, Groups
-from study.ledger.datafiles import CsvFile
+from study.ledger.check import ENOUGH, Check, Groups
+from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
@@ -308,10 +309,14 @@ class ContactForce(Statement):
             for level in scope.levels_of(case).all[0 if is_own(reference) else -ENOUGH :]
         ]
 
-    def measure(self, setting: Setting) -> dict[str, Any]:
-        setup = Experiment.at(setting, MIDPOINT, self.steps(setting))
-        case = name_of(setting.case)
-        return {"case": case, "family": setting.family, "level": setting.level, **measure_contact(setup)}
+    def setup(self, setting: Setting) -> Experiment:
+        return Experiment.at(setting, MIDPOINT, self.steps(setting))
+
+    def measure(self, setup: Experiment) -> dict[str, Any]:
+        return measure_contact(setup)
+
+    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
+        yield self.file, {**vars(setting), "case": name_of(setting.case), **found}
 
     def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
         norms, clamped = [], any(table["clamped"].any() for table in groups.values())

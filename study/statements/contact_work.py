@@ -54,7 +54,8 @@ from study.fem.refining import inclusion_of, refined
 from study.fem.seminorm import composite_gauss
 from study.fem.space import Space
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind, Groups
+from study.ledger.check import ENOUGH, Check, Groups
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, at_least
 from study.solve.evolution import SemiDiscrete
 from study.solve.steps import rate_steps

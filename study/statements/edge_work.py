@@ -35,8 +35,8 @@ from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.fem.space import Space
 from study.ledger import quantities
-from study.ledger.check import Check, CheckKind
-from study.ledger.verdict import Verdict
+from study.ledger.check import Check
+from study.ledger.verdict import CheckKind, Verdict
 from study.ledger.window import at_least, at_most
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.meshes import space_of

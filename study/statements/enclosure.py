@@ -29,10 +29,10 @@ from study.bound.trajectory import Refined, SmoothedInTime, Trajectory, compute
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
 from study.ledger import quantities
-from study.ledger.check import Check, CheckKind, Groups
+from study.ledger.check import Check, Groups
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.orders import orders
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Span, Verdict, row
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind, Span, Verdict, row
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.evolution import Scheme
 from study.solve.steps import PACE, rate_steps

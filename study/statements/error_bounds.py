@@ -47,7 +47,7 @@ order of the term:
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -59,8 +59,10 @@ from study.fem.error_norm import FACET_POINTS
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind, Groups
+from study.ledger.check import ENOUGH, Check, Groups
+from study.ledger.datafiles import DataFile, Row
 from study.ledger.orders import fit
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
@@ -97,11 +99,16 @@ class ErrorBounds(ListedNumbers):
         *grid(("moving-rough",), ("one-diagonal",), (64, 128, 256)),
     )
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def setup(self, setting: Setting) -> Experiment:
         case = resolve(setting.case)
-        steps = rate_steps(case.solution.body.T, setting.level, case.pace)
-        setup = Experiment.at(setting, MIDPOINT, steps)
-        return with_h(setup.space.h, {**sides(setup), **predicted(case)})
+        return Experiment.at(setting, MIDPOINT, rate_steps(case.solution.body.T, setting.level, case.pace))
+
+    def measure(self, setup: Experiment) -> dict[str, float]:
+        return with_h(setup.space.h, sides(setup))
+
+    def records(self, setting: Setting, found: Mapping[str, float]) -> Iterator[tuple[DataFile, Row]]:
+        """Yield the rows of ``statements.csv``, with the predictions for the case as further numbers."""
+        return super().records(setting, {**found, **predicted(resolve(setting.case))})
 
     def checks_of(self, case: str, groups: Groups) -> Iterator[tuple[Check, Groups]]:
         """Yield two criteria for each of the bounds, which depend on the predicted exponent γ of the case."""

@@ -11,7 +11,8 @@ The modules ``prop_5_3`` and ``prop_5_4`` measure these errors. The statements a
 from dataclasses import replace
 
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind, Groups
+from study.ledger.check import ENOUGH, Check, Groups
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, at_least
 from study.statements.prop_5_4 import FromRates
 from study.statements.shared.meshes import LEADING, split, value_of_case

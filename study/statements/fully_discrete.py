@@ -23,7 +23,8 @@ import pandas as pd
 
 from manufactured.tensors import Array
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind
+from study.ledger.check import ENOUGH, Check
+from study.ledger.verdict import CheckKind
 from study.ledger.window import around, between
 from study.solve.evolution import Scheme
 from study.solve.paths import path

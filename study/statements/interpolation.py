@@ -24,7 +24,8 @@ from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind, Groups
+from study.ledger.check import ENOUGH, Check, Groups
+from study.ledger.verdict import CheckKind
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h

@@ -18,7 +18,8 @@ import math
 import pandas as pd
 
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check, CheckKind
+from study.ledger.check import ENOUGH, ROUNDING, Check
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, smallest, strain_product

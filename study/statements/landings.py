@@ -42,8 +42,9 @@ import scipy.sparse as sps
 from manufactured.tensors import Array
 from study.fem.space import Space
 from study.ledger import quantities
-from study.ledger.check import Check, CheckKind
+from study.ledger.check import Check
 from study.ledger.orders import fit
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around
 from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.paths import furthest, path

@@ -47,7 +47,8 @@ from scipy.interpolate import make_interp_spline
 from manufactured.no_potential import NAME
 from manufactured.tensors import Array
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind
+from study.ledger.check import ENOUGH, Check
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.euler_bounds import EulerBounds, backward_euler
 from study.solve.evolution import SemiDiscrete

@@ -31,7 +31,8 @@ from manufactured.law import Linear
 from manufactured.tensors import Array, Points, dyad
 from study.fem.naming import resolve
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind
+from study.ledger.check import ENOUGH, Check
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, at_least, positive_at_most
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded

@@ -40,7 +40,8 @@ from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check, CheckKind, Groups
+from study.ledger.check import ENOUGH, ROUNDING, Check, Groups
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h

@@ -16,8 +16,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind, Groups
+from study.ledger.check import ENOUGH, Check, Groups
 from study.ledger.orders import limit
+from study.ledger.verdict import CheckKind
 from study.ledger.window import STEEPER, Window, around, at_most
 from study.statements.prop_5_4 import EVIDENCE, SIZES, Rates
 from study.statements.shared.meshes import split, split_random, value_of_case

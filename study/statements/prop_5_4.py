@@ -38,21 +38,19 @@ import numpy as np
 import pandas as pd
 
 from manufactured.body import Kind
-from manufactured.case import Case
 from manufactured.tensors import Array
 from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm
-from study.fem.mesh import MeshFamily
-from study.fem.naming import choose, family_named, resolve
+from study.fem.naming import choose, name_of
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, ROUNDING, Check, CheckKind, Groups
+from study.ledger.check import ENOUGH, ROUNDING, Check, Groups
 from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
-from study.ledger.verdict import FAILS, Named, Verdict
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, at_most, between, positive_at_most
 from study.solve import solver_choice
 from study.solve.evolution import State
 from study.solve.solver_choice import contact_solver
-from study.solve.tableau import MIDPOINT, SCHEMES, Tableau
+from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import LEADING, in_leading_term, split_irregular, split_superclose, value_of_case
@@ -106,9 +104,11 @@ class Rates(FromRates):
             for n in scope.levels_on(case, family)
         ]
 
-    def measure(self, setting: RateSetting) -> dict[str, Any]:
-        case, scheme = resolve(setting.case), choose("scheme", setting.scheme, SCHEMES)
-        return measure_case(case, family_named(setting.family), setting.level, scheme, setting.steps)
+    def setup(self, setting: RateSetting) -> Experiment:
+        return Experiment.at(setting, choose("scheme", setting.scheme, SCHEMES), setting.steps)
+
+    def measure(self, setup: Experiment) -> dict[str, Any]:
+        return measure(setup).row()
 
     def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
         """Yield the measured row of ``rates.csv``, with the label of the proposition as a further column.
@@ -116,7 +116,9 @@ class Rates(FromRates):
         The label is not a part of the measurement, so that a case may move between propositions without being measured
         again.
         """
-        yield self.file, {"claim": self.proposition, **found}
+        place = {"case": name_of(setting.case), "family": setting.family, "level": setting.level}
+        found = {**place, **found}
+        yield self.file, {"claim": self.proposition, **{name: found[name] for name in COLUMNS}}
 
 
 # Measurement, with few steps where a few suffice, because it takes most of the run time of a study.
@@ -129,11 +131,6 @@ The quadrature error changes from step to step and averages out over many steps,
 overestimates its effect."""
 NEGLIGIBLE = 0.01
 """Relative effect of quadrature below which it is not computed again with more steps."""
-
-
-def measure_case(case: Case, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> dict[str, Any]:
-    """Return the row of ``rates.csv`` for a case on one mesh, with time steps of length T/steps."""
-    return measure(Experiment.of(case.solution, family, level, scheme, steps)).row(case.name, family.name, level)
 
 
 def measure(experiment: Experiment) -> Measurement:
@@ -197,15 +194,12 @@ class Measurement:
             "discrete_time_share": self.drift / float(discrete[third]),
         }
 
-    def row(self, case: str, family: str, level: int) -> dict[str, Any]:
-        """Return the errors and diagnostics as a row of ``rates.csv``."""
+    def row(self) -> dict[str, Any]:
+        """Return the errors and diagnostics as a row of ``rates.csv``, without case, mesh family and level."""
         experiment, space = self.experiment, self.experiment.space
-        found = {
-            "case": case,
-            "family": family,
+        return {
             "scheme": experiment.scheme.name,
             "dim": space.dim,
-            "level": level,
             "h": space.h,
             "dofs": space.dofs,
             "steps": experiment.steps,
@@ -217,7 +211,6 @@ class Measurement:
             "clamped": self.clamped(),
             "parallelogram": self.parallelogram(),
         }
-        return {name: found[name] for name in COLUMNS}
 
     def clamped(self) -> float:
         """Return the largest |u^h| on the clamped boundary Γ1 divided by the largest |u^h|; the result must be 0.
@@ -408,32 +401,19 @@ AFTER_START = Check(
 )
 
 
-@dataclass(frozen=True)
-class StartShare:
-    """The criterion that the largest error occurs after t = 0.
+def start_share(groups: Groups) -> Check:
+    """Return the check that the largest error occurs after t = 0.
 
     At t = 0 the error is the interpolation error of u_0, so a maximum there does not test the solver. The solver may be
     correct nevertheless, if the interpolation error ‖u − Π^h u‖_V itself is nearly largest at t = 0: at least
-    EXPECTED_AT_START times its maximum. Then the result is reported and not judged; otherwise the check fails.
+    EXPECTED_AT_START times its maximum. Then the value is only reported.
     """
-
-    def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
-        """Return the verdict on a case.
-
-        Args:
-            of: the statement.
-            case: the name of the case.
-            groups: the measurements of the case by mesh family.
-            family: the name of the mesh family, if the check is about one family.
-        """
-        found = AFTER_START.verdict(of, case, groups, family)
-        rows = pd.concat(groups.values())
-        at_start = rows[~(rows["initial_error"] <= NOT_AT_START * rows["error"])]
-        shares = at_start["initial_error"] / at_start["interpolation_error"]
-        if found.verdict == FAILS and EXPECTED_AT_START.contains(*shares):
-            reported = replace(AFTER_START, window=Window(), if_missed=AT_START)
-            return reported.verdict(of, case, groups, family)
-        return found
+    rows = pd.concat(groups.values())
+    at_start = rows[~(rows["initial_error"] <= NOT_AT_START * rows["error"])]
+    shares = at_start["initial_error"] / at_start["interpolation_error"]
+    if len(shares) and EXPECTED_AT_START.contains(*shares):
+        return replace(AFTER_START, window=Window(), if_missed=AT_START)
+    return AFTER_START
 
 
 class FirstOrder(Rates):
@@ -474,7 +454,7 @@ class FirstOrder(Rates):
         for superclose, criterion in DISCRETE_ORDERS.items():
             if mine := split_superclose(groups)[superclose]:
                 yield criterion, mine
-        for rule in (*DISCRETE_SIZES, StartShare(), *EVIDENCE):
+        for rule in (*DISCRETE_SIZES, start_share(groups), *EVIDENCE):
             yield rule, groups
         for criterion in SOLIDS if value_of_case(groups, "dim") == 3 else ():
             yield criterion, in_h

@@ -26,8 +26,9 @@ import numpy as np
 
 from study.fem.naming import resolve
 from study.ledger import quantities
-from study.ledger.check import Check, CheckKind
+from study.ledger.check import Check
 from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting
@@ -79,7 +80,7 @@ def gaps(setup: Experiment, plain: PlainProblem, own_load: Trajectory, same_load
         plain: the problem of the second solver.
         own_load, same_load: the trajectories of the second solver with its own load and with the load of the study.
     """
-    states = list(setup.scheme.march(setup.problem, 2 * setup.steps))
+    states = list(setup.march(2 * setup.steps))
     norms = plain.norms(np.stack([u for _, u, _ in own_load], axis=1))
     forces = np.linalg.norm([multipliers for *_, multipliers in own_load])
     sizes = max(norms[0], TINY * norms.max()), norms.max(), forces
@@ -186,8 +187,10 @@ class Recomputed(Statement):
             for level in scope.levels_of(case).all[:1]
         ]
 
-    def measure(self, setting: RateSetting) -> dict[str, float]:
-        setup = Experiment.at(setting, MIDPOINT, setting.steps)
+    def setup(self, setting: RateSetting) -> Experiment:
+        return Experiment.at(setting, MIDPOINT, setting.steps)
+
+    def measure(self, setup: Experiment) -> dict[str, float]:
         return {"h": setup.space.h, **recompute(setup)}
 
     def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:

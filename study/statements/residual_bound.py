@@ -24,7 +24,8 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.naming import resolve
 from study.fem.space import Space, on_cells
 from study.ledger import quantities
-from study.ledger.check import ROUNDING, Check, CheckKind
+from study.ledger.check import ROUNDING, Check
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky

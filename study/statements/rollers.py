@@ -95,7 +95,8 @@ from study.fem.quadrature import facet_rule
 from study.fem.seminorm import gram
 from study.fem.space import Space, form
 from study.ledger import quantities
-from study.ledger.check import ENOUGH, Check, CheckKind, Groups
+from study.ledger.check import ENOUGH, Check, Groups
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
@@ -303,14 +304,14 @@ NEAR_PATCH = "order of the nodal errors of P_hu next to the patch, one or two di
 FEW_MESHES = "eight meshes determine a standard deviation only up to a quarter"
 
 
-def change_by_half_steps(group: pd.DataFrame) -> float | None:
+def change_by_half_steps(levels: pd.DataFrame) -> Array:
     """Return the relative change of the excess ‖u^h − u^h_lin‖_V when the time step is halved.
 
     The excess is the distance of u^h from the solution of the linear problem with the exact pressure as a traction. The
-    result is None if no level was measured with half the time step.
+    result is empty if no level was measured with half the time step.
     """
-    both = group.dropna()
-    return abs(both["excess, k/2"] / both["excess"] - 1).to_numpy() if len(both) else None
+    both = levels.dropna()
+    return abs(both["excess, k/2"] / both["excess"] - 1).to_numpy()
 
 
 def over_seeds(groups: Groups) -> pd.DataFrame:

@@ -45,7 +45,8 @@ from manufactured.tensors import Array, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space, form
 from study.ledger import quantities
-from study.ledger.check import Check, CheckKind
+from study.ledger.check import Check
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path

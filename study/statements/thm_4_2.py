@@ -34,7 +34,7 @@ process without a displacement solver.
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -42,22 +42,21 @@ import numpy as np
 import scipy.sparse as sps
 from scipy.optimize import nnls
 
-from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
-from study.fem.error_norm import ErrorNorm
-from study.fem.mesh import MeshFamily
-from study.fem.naming import family_named, resolve
-from study.fem.space import Space, on_cells
+from study.fem.naming import name_of
+from study.fem.space import on_cells
 from study.ledger import quantities
-from study.ledger.check import Check, CheckKind
-from study.ledger.datafiles import CsvFile
+from study.ledger.check import Check
+from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.text import power_of_ten
+from study.ledger.verdict import CheckKind
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.steps import step_size
 from study.solve.stress_problem import StressError, StressProblem
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import Setting, Statement
+from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import Scope
 
 
@@ -94,21 +93,21 @@ COLUMNS = ("case", "form", "level", "h", "steps", *Gaps._fields, "family")
 EQUIVALENCE = CsvFile("equivalence.csv", ("case", "family", "level"), COLUMNS)
 
 
-def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[SemiDiscrete, StressProblem]:
-    """Return the displacement problem (3.1) and the stress problem (3.2) of an exact solution on one mesh.
+def stress_problem(setup: Experiment) -> StressProblem:
+    """Return the stress problem (3.2) of the exact solution of an experiment, on the same mesh.
+
+    It takes nothing from the displacement problem that is solved, so a fault of the latter does not change it.
 
     Raises:
         StressError: the exact solution has an initial gap, which Problem 3.2 does not allow.
     """
-    if solution.has_initial_gap:
+    if setup.solution.has_initial_gap:
         raise StressError(
             "Problem 3.2 does not allow an initial gap: K is no cone then, and (σ, ε(u))_Q = (f, u)_V, "
             "(4.14), lacks the work of σ_ν on the gap; take a case whose initial_gap is 0"
         )
-    space = Space(family(solution.body, level), solution.body)
-    v_norm = ErrorNorm(solution, space)
-    u0 = v_norm.sample(0.0).interpolant
-    return SemiDiscrete.of(space, solution.law, v_norm.load, u0), StressProblem.of(space, solution.law, v_norm.load, u0)
+    u0 = setup.v_norm.sample(0.0).interpolant
+    return StressProblem.of(setup.space, setup.solution.law, setup.problem.load, u0)
 
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
@@ -247,11 +246,16 @@ class SameMesh(Statement):
             for n in (scope.equivalence if case.solution.body.dim == 2 else scope.solid_equivalence)
         ]
 
-    def measure(self, setting: Setting) -> dict[str, Any]:
-        case, steps = resolve(setting.case), self.steps(setting)
-        displacements, stresses = problems(case.solution, family_named(setting.family), setting.level)
-        where = {**vars(setting), "case": case.name, "form": "strains of V^h", "h": stresses.space.h, "steps": steps}
-        return {**where, **magnitudes(gaps(displacements, stresses, steps)._asdict())}
+    def setup(self, setting: Setting) -> Experiment:
+        return Experiment.at(setting, BACKWARD_EULER, self.steps(setting))
+
+    def measure(self, setup: Experiment) -> dict[str, Any]:
+        """Solve Problem 3.1 as ``setup`` says, and Problem 3.2 for the exact solution, and compare both."""
+        gaps_of_both = gaps(setup.solved or setup.problem, stress_problem(setup), setup.steps)
+        return {"h": setup.space.h, "steps": setup.steps, **magnitudes(gaps_of_both._asdict())}
+
+    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
+        yield self.file, {**vars(setting), "case": name_of(setting.case), "form": "strains of V^h", **found}
 
     def steps(self, setting: Setting) -> int:
         """Return the number of time steps, two for every cell along a side."""

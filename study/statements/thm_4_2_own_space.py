@@ -34,7 +34,7 @@ for the same time steps. Its multipliers are compared with displacements.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
@@ -55,10 +55,10 @@ from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger import quantities
-from study.ledger.check import Check, CheckKind
-from study.ledger.datafiles import CsvFile
+from study.ledger.check import Check
+from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.orders import weighted_order
-from study.ledger.verdict import Verdict
+from study.ledger.verdict import CheckKind, Verdict
 from study.ledger.window import Window, at_least, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.signorini import Signorini
@@ -516,8 +516,14 @@ class OwnSpace(Statement):
         for level in (*LEVELS, *FINEST.get(case, ()))
     )
 
-    def measure(self, setting: Setting) -> dict[str, Any]:
-        return {**vars(setting), **measure(StressExperiment.at(setting, self.steps(setting)))}
+    def setup(self, setting: Setting) -> StressExperiment:
+        return StressExperiment.at(setting, self.steps(setting))
+
+    def measure(self, setup: StressExperiment) -> dict[str, Any]:
+        return measure(setup)
+
+    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
+        yield self.file, {**vars(setting), **found}
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found: list[Verdict] = []

@@ -16,7 +16,8 @@ from scipy.optimize import nnls
 from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import size as mesh_size
 from study.ledger import quantities
-from study.ledger.check import Check, CheckKind
+from study.ledger.check import Check
+from study.ledger.verdict import CheckKind
 from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
@@ -78,10 +79,13 @@ class OneTrajectory(ListedNumbers):
         *grid(("cube-disc",), ("shaken",), (3,)),
     )
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        setup, found = Experiment.at(setting, BACKWARD_EULER, STEPS), {}
+    def setup(self, setting: Setting) -> Experiment:
+        return Experiment.at(setting, BACKWARD_EULER, STEPS)
+
+    def measure(self, setup: Experiment) -> dict[str, float]:
+        found = {}
         for name, rival in rivals(setup.problem).items():
-            pairs = zip(*(setup.scheme.march(problem, setup.steps) for problem in (setup.problem, rival)), strict=True)
+            pairs = zip(setup.march(setup.steps), setup.scheme.march(rival, setup.steps), strict=True)
             both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
             difference, size = np.max(both, axis=0)
             found[name] = difference / size
@@ -166,8 +170,10 @@ class OneStress(ListedNumbers):
     quick = grid(("advance-recede",), ("shaken",), (4,))
     full = grid(("advance-recede", "corner", "anisotropic"), ("unstructured",), (4, 8))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        experiment = StressExperiment.at(setting, STEPS)
+    def setup(self, setting: Setting) -> StressExperiment:
+        return StressExperiment.at(setting, STEPS)
+
+    def measure(self, experiment: StressExperiment) -> dict[str, float]:
         own, space = stresses(experiment), experiment.space
         size, found = maximum(norm_in_q(stress, space) for stress in own), {}
         for name, solver in RIVALS.items():

@@ -11,7 +11,8 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger import quantities
-from study.ledger.check import Check, CheckKind
+from study.ledger.check import Check
+from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.factorisation import Cholesky
@@ -62,8 +63,10 @@ class BoundedVelocity(ListedNumbers):
     quick = grid(FEW, ("shaken",), (8, 16))
     full = grid((*EVOLVING, "lift-and-land", *SOFTENING), ("unstructured",), (8, 16, 32))
 
-    def measure(self, setting: Setting) -> dict[str, float]:
-        setup = Experiment.at(setting, BACKWARD_EULER, 1)
+    def setup(self, setting: Setting) -> Experiment:
+        return Experiment.at(setting, BACKWARD_EULER, 1)
+
+    def measure(self, setup: Experiment) -> dict[str, float]:
         velocity = Velocity(setup.solution, setup.space)
         exact = float(velocity.norm(np.linspace(0, setup.problem.T, SUPREMUM_AT + 1)).max())
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS.items()})
@@ -131,12 +134,13 @@ class Dependence(ListedNumbers):
         *grid(("cube-disc",), ("shaken",), (3,)),
     )
 
-    def measure(self, setting: Setting) -> dict[str, float]:
+    def setup(self, setting: Setting) -> Experiment:
         solution = resolve(setting.case).solution
-        omega = solution.law.kappa
-        steps = max(12, math.ceil(4 * omega * solution.body.T))
-        setup = Experiment.at(setting, BACKWARD_EULER, steps)
-        trajectory, others = list(setup.scheme.march(setup.problem, steps)), perturbations(setup.problem, setup.space)
+        return Experiment.at(setting, BACKWARD_EULER, max(12, math.ceil(4 * solution.law.kappa * solution.body.T)))
+
+    def measure(self, setup: Experiment) -> dict[str, float]:
+        omega = setup.solution.law.kappa
+        trajectory, others = list(setup.march(setup.steps)), perturbations(setup.problem, setup.space)
         found = np.array([quotients(setup.problem, trajectory, other) for other in others])
         damped = found * np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
         return with_h(setup.space.h, {"bound": damped.max(), "monotone": found.max(), "first step": damped[0, 0]})

@@ -99,9 +99,24 @@ class Statement:
             return self.places(scope.full) if scope.whole else []
         return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
-    def measure(self, setting: Any) -> Mapping[str, Any]:
-        """Return the measured numbers of one setting, by their names."""
+    def setup(self, setting: Any) -> Any:
+        """Return what is measured in a setting; by default the setting itself.
+
+        A deliberate fault (``study.controls.faults``) changes it before it is measured.
+        """
+        return setting
+
+    def measure(self, setup: Any) -> Mapping[str, Any]:
+        """Return the measured numbers, by their names.
+
+        Args:
+            setup: what is measured, as returned by ``setup``.
+        """
         raise NotImplementedError(f"{type(self).__name__}: nothing is measured")
+
+    def run(self, setting: Any) -> Mapping[str, Any]:
+        """Return the measured numbers of one setting, by their names."""
+        return self.measure(self.setup(setting))
 
     def records(self, setting: Any, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
         """Yield pairs of a data file and a row that one measurement adds to it.
