@@ -10,7 +10,7 @@ CLUSTER := $(VENV)/.cluster
 PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
 	docs/tutorials/first-solution.md docs/explanation/windows.md docs/explanation/verdicts.md
 
-.PHONY: study full again controls seeds mutants test wheel tutorials pages codes codes-bounds codes-venv codes-check wheel-debian certificates \
+.PHONY: study full again controls seeds test wheel tutorials pages codes codes-bounds codes-venv codes-check wheel-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \
 	bench-parallel lint docs paper film cluster lock clean help
 
@@ -33,12 +33,9 @@ controls: $(RUNTIME)  ## deliberate defects that the verdicts must catch, and th
 	$(BIN)/study controls --out results/quick
 	$(BIN)/study sensitivity --out results/quick
 
-seeds: $(RUNTIME)  ## false-alarm rate: judge fresh random meshes for an hour, added to results/data/seeds
+seeds: $(RUNTIME)  ## false-alarm rate: judge fresh random meshes for an hour, added to results/data/seeds.csv
 	$(BIN)/study seeds --out results || test $$? -eq 3  # 3: not enough seeds yet to decide
 	$(BIN)/python -m study.present.pages results $(PAGES)
-
-mutants: $(DEVELOPMENT)  ## mutation testing of a fixed sample, results/mutants, some hours; a second call continues
-	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python .ci/mutants.py
 
 # The tests also start a Dask cluster and read the extensions of the documentation.
 test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## all tests except those marked slow, about four minutes on two cores; prints only

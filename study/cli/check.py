@@ -7,11 +7,11 @@ from pathlib import Path
 
 from study.cli.common import code_of, known_undecided, progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS
-from study.controls.alarms import compare_record
 from study.ledger.codes import FOLDER, MARCHES
 from study.ledger.compare import Tolerance, as_text, difference
 from study.ledger.datafiles import CsvFile, DataError, read_claims
 from study.ledger.files import UsageError
+from study.ledger.seeds import SEEDS_FILE, SeedRecord
 from study.ledger.text import folded
 from study.ledger.verdict import Verdict
 from study.present.outcome import ledger_text, write_junit
@@ -26,12 +26,11 @@ IN_PART = (
     "data/provenance.json",
     "data/controls.csv",
     "data/sensitivity.csv",
-    "data/seeds/drawn.csv",
+    f"data/{SEEDS_FILE}",
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )
-"""Files in which only some edits are noticed, by relations between columns, or because tables are made from them. In
-``drawn.csv`` only edits of the seeds are not noticed. The data tables of a run also belong to these files if its
-provenance has no checksums."""
+"""Files in which only some edits are noticed, by relations between columns, or because tables are made from them.
+The data tables of a run also belong to these files if its provenance has no checksums."""
 
 
 def do_check(options: argparse.Namespace) -> int:
@@ -46,7 +45,8 @@ def do_check(options: argparse.Namespace) -> int:
         raise UsageError("--seed chooses the rows of --again: give --again N with it")
     with Store(options.out).steady():
         verified = verify(options.out)
-        compared = compare_sums(options.out) | compare_record(options.out)
+        compared = compare_sums(options.out)
+        SeedRecord.read(options.out)
         found = verdicts(options.out)
         if options.junit:
             write_junit(options.junit, found)

@@ -132,7 +132,7 @@ CLUSTER = (
     "measure on the workers of the Dask scheduler at tcp://HOST:PORT; anybody who reaches its port can run any "
     "code on the scheduler, the workers and this machine: use it only in a network that you trust, or with TLS"
 )
-FORMATS = "formats (default: png pdf svg for articles, png pdf for slides, svg png for the web)"
+FORMATS = "formats (default: pdf png for articles, png for slides, svg for the web)"
 DRAWN = "result directory whose data are drawn (default: that of --out, which also receives the figures)"
 STYLE = "Matplotlib style file, replaces entries of the style of the study; figure.figsize sets the column width"
 USE = "article: 3.5 in wide, into DIR/figures (default); slides: 16:9, 1920 px; web: SVG; both into DIR/figures/USE"
@@ -188,8 +188,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
     ]),
     "seeds": ("seeds", "estimate how often chance makes a check fail, on new random meshes", [
         option("--minutes", type=_finite, default=60.0, metavar="M",
-               within=Range(0, "0 or more (0 makes the table again from the record)"),
-               help="time for new seeds (default 60; 0: only write the table again)"),
+               within=Range(0, "0 or more (0 prints the record)"),
+               help="time for new seeds (default 60; 0: only print the record)"),
         option("--seeds", type=int, within=POSITIVE, metavar="N", help="largest number of new seeds"),
         option("--seed", type=int, within=FROM_0, metavar="N",
                help="measure this seed again and compare with the record"),

@@ -1,7 +1,7 @@
 """``study seeds``: measures how often a check fails by chance on meshes with random vertices.
 
 A *seed* is a number from which a random mesh of every size and body is made. On the meshes of new seeds, all checks are
-judged that the study claims to hold there. The results are added to the record of seeds (``study.controls.record``).
+judged that the study claims to hold there. The results are added to the record of seeds (``study.ledger.seeds``).
 """
 
 import argparse
@@ -15,16 +15,13 @@ from tqdm import tqdm
 
 from study.cli.common import progress_bar
 from study.cli.options import FAILED, OK, SEED_BITS, UNCLEAR
-from study.controls.alarms import tally, text
-from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules
-from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
+from study.controls.seeded import seeded
 from study.fem.naming import family_named
-from study.ledger.datafiles import AlarmSummary, write_csv
+from study.ledger.seeds import FalseAlarms, RowKey, SeedRecord
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute
 from study.run.judgement import collect, judge
-from study.run.plan import Plan
 from study.run.store import Store
 
 
@@ -51,13 +48,13 @@ def watch(bar: tqdm, end: float) -> Callable[[float], None]:
 
 
 def do_seeds(options: argparse.Namespace) -> int:
-    """Judge checks on new random meshes as long as time permits, and write the table of false-alarm rates.
+    """Judge checks on new random meshes as long as time permits, and count the seeds with a false alarm.
 
     With the option ``--seed``, the command instead measures again on the random meshes with this seed.
 
     Returns:
         0 if the false-alarm rate is at most the permitted one, 1 if it is larger, 3 if this is undecided. With
-        ``--seed``: 0 if all checks hold that the study claims to hold on random meshes, otherwise 1.
+        ``--seed``: 0 if all checks hold, otherwise 1.
     """
     if options.seed is not None:
         # A seed that is too long for the name of a directory raises an error here.
@@ -70,15 +67,14 @@ def do_seeds(options: argparse.Namespace) -> int:
         with Store(options.out).locked():
             most = float("inf") if options.seeds is None else options.seeds
             _fill(options.out, pool, time.monotonic() + 60 * options.minutes, most)
-    record = Record.read(options.out)
-    if not any(draw.judged >= 0 for draw in record.draws):
+    record = SeedRecord.read(options.out)
+    if not any(row.judged >= 0 for row in record.rows):
         begun = "; the next call continues the seed that was begun" if record.pending() else ""
         print(f"no seed was finished: give more time with --minutes{begun}")
         return UNCLEAR
-    table = tally(record)
-    written = write_csv(options.out / "data" / "seeds.csv", table)
-    print(f"\n{text(table)}\ndata: {written}, {written.parent}/seeds/")
-    return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[AlarmSummary(table).verdict]
+    alarms = FalseAlarms(record)
+    print(f"\n{alarms.text()}\ndata: {record.write(options.out)}")
+    return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[alarms.verdict]
 
 
 def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
@@ -94,62 +90,66 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
     done = 0
     while done < most and time.monotonic() < end:
         done += 1
-        record = Record.read(directory)
-        draw = record.pending()
-        if draw is None:
-            draw = Draw(secrets.randbits(SEED_BITS), LIGHT if (len(record.draws) + 1) % EVERY else WHOLE)
+        record = SeedRecord.read(directory)
+        if record.pending() is None:
             # The seed is recorded before anything is measured, so that a seed with a bad result cannot be left out.
-            record = record.drawn(draw.seed, draw.part)
+            record = record.drawn(secrets.randbits(SEED_BITS))
             record.write(directory)
-        store, plan = Store(directory / "seeds" / str(draw.seed)), seeded(draw.seed, draw.part)
+        seed = record.rows[-1].seed
         try:
-            found = judged(plan, store, pool, f"seed {len(record.draws)}, {draw.part}", end)
+            verdicts, fingerprints = judged(seed, directory, pool, f"seed {len(record.rows)}", end)
         except TimeIsUpError:
             return
-        known = rules(store.directory, plan, seeded(draw.seed))
-        mine = [verdict for verdict in found if row_of(verdict) in known]
-        record.judged(draw.seed, mine, known, claimed).write(directory)
-        shutil.rmtree(store.directory)
+        record.judged(seed, fingerprints, _print_alarms(verdicts)).write(directory)
 
 
-def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[Verdict]:
-    """Make the measurements of a plan that are not stored, and return the checks about which something is claimed.
+def judged(seed: int, directory: Path, pool: Pool, name: str, end: float) -> tuple[list[Verdict], dict[RowKey, str]]:
+    """Measure on the random meshes with one seed, and delete the measurements afterwards.
+
+    Measurements of an interrupted call are used.
 
     Parameters:
-        plan, store, pool: the plan, the directory of its data, and the worker processes.
+        seed, directory, pool: the seed, the result directory and the worker processes.
         name: text before the progress bar.
         end: when the run must stop, on the clock ``time.monotonic()``.
+
+    Returns:
+        The checks that something is claimed about, and the fingerprints of their rules.
 
     Raises:
         TimeIsUpError: the time is over before all measurements are finished.
     """
+    store, plan = Store(directory / "seeds" / str(seed)), seeded(seed)
     with progress_bar(round(sum(job.cost for job in plan.jobs)), name) as bar:
         execute(plan.jobs, store, pool, watch(bar, end))
         collect(plan, store)
-    return [verdict for verdict in judge(store.directory) if verdict.verdict not in UNCLAIMED]
+    fingerprints = rules(store.directory, plan)
+    claimed = [verdict for verdict in judge(store.directory) if verdict.verdict not in UNCLAIMED]
+    shutil.rmtree(store.directory)
+    verdicts = [verdict for verdict in claimed if row_of(verdict) in fingerprints]
+    return verdicts, {row_of(verdict): fingerprints[row_of(verdict)] for verdict in verdicts}
+
+
+def _print_alarms(verdicts: list[Verdict]) -> int:
+    """Print the checks that do not hold, and return their number."""
+    alarms = [verdict for verdict in verdicts if verdict.verdict != HOLDS]
+    for row in alarms:
+        print(f"{row.label}, {row.key}, {row.case}: {row.observed:.6g}, expected {row.expected}")
+    return len(alarms)
 
 
 def _again(seed: int, directory: Path, pool: Pool) -> int:
-    """Measure again on the random meshes with one seed; print the checks that should hold there and do not.
-
-    The results are also compared with the record of seeds.
+    """Measure again on the random meshes with one seed; compare the number of false alarms with the record of seeds.
 
     Returns:
-        0 if all checks hold that the study claims to hold on random meshes, otherwise 1.
+        0 if all checks hold, otherwise 1.
     """
-    store, plan = Store(directory / "seeds" / str(seed)), seeded(seed)
-    found = judged(plan, store, pool, f"seed {seed}", float("inf"))
-    record, known = Record.read(directory), rules(store.directory, plan, plan)
-    shutil.rmtree(store.directory)
-    rows = [verdict for verdict in found if row_of(verdict) in known]
-    red = [row for row in rows if row.verdict != HOLDS and claimed(row.label)]
-    print(
-        "\n".join([f"{row.label}, {row.key}, {row.case}: {row.observed:.6g}, expected {row.expected}" for row in red])
-    )
-    print(f"{len(rows)} checks; {len(red)} of those that a statement claims do not hold")
-    if any(draw.seed == seed for draw in record.draws):
-        same, other = record.agreement(seed, rows, known)
-        print(f"the record has this seed: {same} results are the same, {other} differ")
-    else:
+    verdicts, _ = judged(seed, directory, pool, f"seed {seed}", float("inf"))
+    alarms = _print_alarms(verdicts)
+    print(f"{len(verdicts)} checks; {alarms} do not hold")
+    recorded = [row for row in SeedRecord.read(directory).rows if row.seed == seed]
+    for row in recorded:
+        print(f"the record has {row.judged} checks and {row.alarms} false alarms for this seed")
+    if not recorded:
         print("the record does not have this seed")
-    return FAILED if red else OK
+    return FAILED if alarms else OK

@@ -1,10 +1,10 @@
 """Fingerprints of the rules by which checks are judged: tolerance window, levels and statistic.
 
-The false-alarm rate of a check is estimated from random seeds that were drawn after the last change of its rule. A
-change is detected by its effect on artificial data. All measured numbers are replaced by pseudo-random numbers that
-depend only on the names of the file, the row and the column, and these numbers are judged. The fingerprint is a hash of
-the resulting verdict (text, window, values) and of the levels of the measurements. So a new window, level or statistic
-changes the fingerprint of its check and of no other check. Code that is rewritten with the same effect changes nothing.
+The false-alarm rate is counted on random seeds that were drawn after the last change of a rule. A change is detected by
+its effect on artificial data. All measured numbers are replaced by pseudo-random numbers that depend only on the names
+of the file, the row and the column, and these numbers are judged. The fingerprint is a hash of the resulting verdict
+(text, window, values) and of the levels of the measurements. So a new window, level or statistic changes the
+fingerprint of its check and of no other check. Code that is rewritten with the same effect changes nothing.
 """
 
 import hashlib
@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from study.controls.record import RowKey, fingerprint
 from study.ledger.datafiles import CsvFile, read_csv
+from study.ledger.seeds import RowKey, fingerprint
 from study.ledger.verdict import UNCLAIMED, Verdict
 from study.run.judgement import PREDICTED, data_files, judge_statement, predicted
 from study.run.plan import Plan
@@ -29,36 +29,35 @@ ALL = "all cases"
 """Stands in place of the name of a case in checks that concern all cases."""
 
 
-def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
+def rules(directory: Path, plan: Plan) -> dict[RowKey, str]:
     """Return for each check the fingerprint of the rule by which it is judged.
-
-    A check is left out if some of its measurements are missing in ``plan``. For example, a check about all cases is
-    left out if ``plan`` has only some of the cases.
 
     Parameters:
         directory: the directory with the data of ``plan``.
         plan: the plan that was measured.
-        whole: the plan with all measurements of every check.
     """
     cases = read_csv(directory, "cases.csv", PREDICTED)
     files = [file for file in data_files() if isinstance(file, CsvFile)]
     tables = {file: predicted(probe(file, file.read(directory)), cases) for file in files}
-    found = {}
+    fingerprints = {}
     for statement in STATEMENTS:
         if isinstance(statement.file, CsvFile):
-            settings = [_settings(some, statement) for some in (plan, whole)]
+            settings = _settings(plan, statement)
             for verdict in judge_statement(statement, tables[statement.file]):
-                measured, wanted = (
-                    sorted(text for case, text in some if verdict.case in (case, ALL)) for some in settings
-                )
-                if measured == wanted and verdict.verdict not in UNCLAIMED:
-                    # The name of the mesh family is left out, because it contains the seed. Numbers have six digits,
-                    # which are the same on all machines.
-                    quantity = verdict.quantity.removesuffix(f", {verdict.family} meshes")
-                    numbers = verdict.observed, verdict.low, verdict.high, verdict.window_low, verdict.window_high
-                    texts = [*row_of(verdict), quantity, verdict.expected, verdict.verdict]
-                    found[row_of(verdict)] = fingerprint([[*texts, *(f"{one:.6g}" for one in numbers)], measured])
-    return found
+                if verdict.verdict not in UNCLAIMED:
+                    measured = sorted(text for case, text in settings if verdict.case in (case, ALL))
+                    fingerprints[row_of(verdict)] = fingerprint([_rule(verdict), measured])
+    return fingerprints
+
+
+def _rule(verdict: Verdict) -> list[str]:
+    """Return the texts and numbers of a verdict on pseudo-random data, without the name of the mesh family.
+
+    The name contains the seed. Numbers have six digits, which are the same on all machines.
+    """
+    quantity = verdict.quantity.removesuffix(f", {verdict.family} meshes")
+    numbers = verdict.observed, verdict.low, verdict.high, verdict.window_low, verdict.window_high
+    return [*row_of(verdict), quantity, verdict.expected, verdict.verdict, *(f"{number:.6g}" for number in numbers)]
 
 
 def row_of(verdict: Verdict) -> RowKey:

@@ -40,7 +40,7 @@ KEYS = {
     "cases.csv": ("case",),
     "controls.csv": ("defect", "setting"),
     "sensitivity.csv": ("defect", "case", "family"),
-    "seeds.csv": ("label", "key", "case"),
+    "seeds.csv": ("seed",),
 }
 """File ↦ the columns that identify a row. In ``enclosures.csv`` and in the files of ``NUMBERS`` several rows may have
 the same key; such rows are compared in their order."""
@@ -49,7 +49,7 @@ MAGNITUDES = {"equivalence.csv": ("displacement_gap", "stress_gap", "displacemen
 SAME_MAGNITUDE = 100.0
 """Numbers of which only the order of magnitude is compared count as equal up to this factor. With two tolerances of the
 solver they differed by at most this factor."""
-NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("seeds", "lowest", "highest")}
+NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("judged", "alarms")}
 """File ↦ columns of numbers by which a row is found in the other table if the text in its key was changed."""
 OF_CONTROLS = "controls.csv", "seeds.csv", "sensitivity.csv"
 """Files that other commands than ``study run`` write, so that a result directory may lack them."""

@@ -14,7 +14,6 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.ledger.chance import promise_verdict
 from study.ledger.files import write_packed, write_text
 from study.ledger.verdict import HOLDS, VERDICTS, CheckKind, Verdict
 from study.orders.sequences import consecutive_orders
@@ -22,14 +21,12 @@ from study.orders.sequences import consecutive_orders
 SERIES = ["claim", "case", "family", "scheme"]
 RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]
 RATES += ["time_share", "predicted_interpolation"]
-SEEDS = ["label", "key", "case", "since", "seeds", "alarms", "rate_low", "rate_high", "rate_tail", "claimed"]
-ALL_ROWS = "all claimed rows"
-"""The label of the two rows of ``seeds.csv`` about all claimed checks together."""
 LEDGER = [field.name for field in fields(Verdict)]
 TEXT = {
     *SERIES, "label", "statement", "quantity", "verdict", "form", "summary", "law", "zone", "regularity", "statements",
     "reason", "twin", "trajectory", "key", "expected", "defect", "what", "setting", "caught", "claimed", "seen_by",
-    "levels", "kind", "equation", "fault", "evidence", "noticed_by", "rule", "part", "tail", "code", "version", "variant", "class",
+    "levels", "kind", "equation", "fault", "by_error", "by_others", "noticed_by", "rules", "code", "version", "variant",
+    "class",
 }  # fmt: skip
 """Columns that hold text, even if a cell looks like a number or is empty."""
 
@@ -315,33 +312,6 @@ def count_caught(controls: pd.DataFrame) -> tuple[int, int]:
     """Return how many of the deliberate defects in ``controls.csv`` were noticed, and how many there are."""
     injected = controls[controls["caught"] != ""]
     return int((injected["caught"] == "yes").sum()), len(injected)
-
-
-class AlarmSummary:
-    """The false-alarm rate of all checks about which something is claimed, from meshes with random vertices.
-
-    Attributes:
-        rows: number of these checks.
-        seeds: number of random seeds on which all checks were measured.
-        red: number of these seeds on which at least one check did not hold.
-        low, high: 95 % confidence interval of the false-alarm rate, whose estimate is red / seeds.
-        by_tail: upper estimate of the rate from the distributions of the values of all checks.
-        light_seeds: number of all seeds; the cheap checks were measured on each.
-        light_red: number of all seeds on which at least one cheap check did not hold.
-        verdict: whether the rate is at most the permitted one: holds, fails or undecided. Only counts decide.
-    """
-
-    def __init__(self, table: pd.DataFrame) -> None:
-        """Read the rate from the table ``seeds.csv``; raise DataError if it has no rows about all checks together."""
-        together = table[table["label"] == ALL_ROWS].set_index("key")
-        if not {"every", "light"} <= set(together.index):
-            raise DataError("seeds.csv lacks the rows about all claimed checks: make it again with `study seeds`")
-        every, light = together.loc["every"], together.loc["light"]
-        self.rows = int((table["claimed"] == "yes").sum()) - len(together)
-        self.seeds, self.red = int(every["seeds"]), int(every["alarms"])
-        self.low, self.high, self.by_tail = (float(every[name]) for name in ("rate_low", "rate_high", "rate_tail"))
-        self.light_seeds, self.light_red = int(light["seeds"]), int(light["alarms"])
-        self.verdict = promise_verdict(self.low, self.high)
 
 
 def read_claims(directory: Path) -> pd.DataFrame:

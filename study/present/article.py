@@ -10,9 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.ledger.chance import PROMISE
 from study.ledger.datafiles import (
-    AlarmSummary,
     DataError,
     by_claim,
     count_caught,
@@ -21,6 +19,7 @@ from study.ledger.datafiles import (
     planned_keys,
 )
 from study.ledger.numbered import NO_ROW, NOT_TESTED
+from study.ledger.seeds import LARGEST_RATE
 from study.ledger.text import above, below, down, up
 from study.ledger.verdict import (
     FAILS,
@@ -144,7 +143,7 @@ checks. The others are LaTeX, rounded up to two significant digits whatever the 
 def _counts_of_checks(data: FullRun) -> dict[str, object]:
     """Return the numbers of verdicts, of noticed deliberate defects, and of false alarms on random meshes."""
     kinds, names = count_kinds(data.claims), data.claims.apply(account, axis=1)
-    (found, injected), alarms = count_caught(data.controls), AlarmSummary(data.seeds)
+    (caught, injected), alarms = count_caught(data.controls), data.alarms
     return {
         "ledgerRows": len(data.claims),
         "ledgerStatements": len(list(by_claim(data.claims))),
@@ -152,15 +151,12 @@ def _counts_of_checks(data: FullRun) -> dict[str, object]:
         **{f"kind{name.capitalize()}": count for name, count in kinds.items()},
         **{f"account{name.capitalize()}": (names == name).sum() for name in ACCOUNTS},
         "controls": injected,
-        "controlsCaught": found,
-        "seedRows": alarms.rows,
+        "controlsCaught": caught,
+        "seedRows": alarms.checks,
         "seeds": alarms.seeds,
         "seedRed": alarms.red,
-        "seedsLight": alarms.light_seeds,
-        "seedRedLight": alarms.light_red,
         "seedRateMost": _percent(alarms.high),
-        "seedRateTail": "not known yet" if math.isnan(alarms.by_tail) else f"at most {_percent(alarms.by_tail)}",
-        "seedPromise": _percent(PROMISE),
+        "seedPromise": _percent(LARGEST_RATE),
     }
 
 

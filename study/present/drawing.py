@@ -88,7 +88,7 @@ class Output:
         return directory / "figures" / ("" if self.use == "article" else self.use)
 
 
-FORMATS = {"article": ("png", "pdf", "svg"), "slides": ("png", "pdf"), "web": ("svg", "png")}
+FORMATS = {"article": ("pdf", "png"), "slides": ("png",), "web": ("svg",)}
 """Use of figures ↦ the formats that are written unless the user asks for others."""
 ALTERNATIVE = {"png": "Description", "pdf": "Subject", "svg": "Description"}
 """Format ↦ the entry of its metadata with the alternative text. The format pgf has no metadata."""

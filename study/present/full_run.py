@@ -9,8 +9,8 @@ from typing import Any
 import pandas as pd
 
 from study.ledger.codes import MARCHES, Codes
-from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
-from study.present.windows import RELEASED, earlier
+from study.ledger.datafiles import DataError, read_claims, read_csv, read_rates
+from study.ledger.seeds import FalseAlarms, SeedRecord
 
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
 EQUIVALENCE = ["case", "displacement_gap", "stress_gap", "membership", "displacement_bound", "stress_bound"]
@@ -25,9 +25,8 @@ class FullRun:
     """The contents of the data files of a full run; ``cases`` is indexed by the names of the cases.
 
     ``codes`` has the results of other people's contact codes, and ``marches`` their results if they use the midpoint
-    rule in time. ``sensitivity`` has the smallest noticed defects. ``earlier`` has the tolerance windows of the first
-    round of measurements and ``released`` those of the last release. These attributes are None if their files are
-    missing.
+    rule in time. ``sensitivity`` has the smallest noticed defects. These attributes are None if their files are
+    missing. ``alarms`` has the false-alarm rate on random meshes.
 
     Parameters:
         directory: the result directory.
@@ -45,13 +44,11 @@ class FullRun:
         self.bounds = read_csv(directory, "bounds.csv", BOUNDS)
         self.equivalence = read_csv(directory, "equivalence.csv", EQUIVALENCE)
         self.controls = read_csv(directory, "controls.csv", CONTROLS)
-        self.seeds = read_csv(directory, "seeds.csv", SEEDS)
+        self.alarms = FalseAlarms(SeedRecord.read(directory))
         self.provenance = provenance
         self.codes = Codes.read(directory)
         self.marches = Codes.read(directory, MARCHES)
         self.sensitivity = read_csv(directory, file, SENSITIVITY) if (directory / "data" / file).is_file() else None
-        self.earlier = earlier(directory)
-        self.released = earlier(directory, RELEASED)
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:

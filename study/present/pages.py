@@ -3,7 +3,6 @@
 Usage: python -m study.present.pages results README.md docs/explanation/results.md …
 """
 
-import math
 import re
 import sys
 import tomllib
@@ -16,11 +15,11 @@ import pandas as pd
 
 from manufactured.colours import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.fem.mesh import FAMILIES
-from study.ledger.chance import PROMISE, seeds_needed
 from study.ledger.codes import MADE, Codes
-from study.ledger.datafiles import AlarmSummary, DataError, by_claim, count_caught, count_kinds, count_verdicts
+from study.ledger.datafiles import DataError, by_claim, count_caught, count_kinds, count_verdicts
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
+from study.ledger.seeds import LARGEST_RATE, seeds_needed
 from study.ledger.text import above, below, cell, up
 from study.ledger.verdict import (
     FAILS,
@@ -41,7 +40,6 @@ from study.present.picture import Picture, picture_path, read_record
 from study.present.report import PAGES
 from study.present.show import write_gif
 from study.present.tables import texts
-from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, changes
 
 BY_TABLES, BY_FIGURES, BY_PAGES = "study tables --out {}", "study figures --out {}", "make pages"
 """The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
@@ -240,19 +238,13 @@ def _beyond(data: FullRun) -> dict[str, Any]:
 
 def _alarms(data: FullRun) -> dict[str, Any]:
     """Return the values in the texts on noticed deliberate defects, and on false alarms on random meshes."""
-    (caught, injected), alarms = count_caught(data.controls), AlarmSummary(data.seeds)
-    by_tail = (
-        f"a model of the distributions of all checks, which judges nothing, gives at most {100 * alarms.by_tail:.2f} %"
-    )
-    if math.isnan(alarms.by_tail):
-        by_tail = "too few seeds for an estimate from distributions"
+    caught, injected = count_caught(data.controls)
     return {
         "defects": HOLDS if caught == injected else FAILS,
-        "alarms": alarms,
-        "alarm_low": 100 * alarms.low,
-        "alarm_high": 100 * alarms.high,
-        "promise": 100 * PROMISE,
-        "by_tail": by_tail,
+        "alarms": data.alarms,
+        "alarm_low": 100 * data.alarms.low,
+        "alarm_high": 100 * data.alarms.high,
+        "promise": 100 * LARGEST_RATE,
         "seeds_needed": seeds_needed(),
     }
 
@@ -410,40 +402,17 @@ def codes_table(found: Codes | None) -> str:
     return markdown([*header, "pressure error ratio", "effect of scaling"], lines)
 
 
-def changed_windows(data: FullRun, name: str) -> str:
-    """Return the tolerance windows that changed since an earlier time, in Markdown.
+def windows(data: FullRun) -> str:
+    """Return the present tolerance windows in Markdown, one line for all checks with the same label and key.
 
-    Parameters:
-        name: the file with the earlier windows: FIRST (round of measurements) or RELEASED (the last release).
-
-    Raises:
-        DataError: a change has no reason.
+    Among the windows of such checks, the one of the first check is shown.
     """
-    alike: dict[tuple[str, str, str], list[str]] = {}
-    for change in changes(_earlier_windows(data, name), data.claims):
-        ends = ("lower end 0", "lower end 1e-20") if change.why == NOT_NOTHING else (change.before, change.today)
-        alike.setdefault((*ends, change.why), []).append(_changed(change))
-    lines = [["; ".join(rows), *map(_literal, texts)] for texts, rows in alike.items()]
-    header = ["rows", "earlier window", "window today", "reason"]
-    return markdown(header, lines) if lines else "No window has changed.\n"
-
-
-def new_windows(data: FullRun) -> str:
-    """Return the tolerance windows of checks that did not exist in the first round of measurements, in Markdown."""
-    new = added(_earlier_windows(data, FIRST), data.claims)
-    lines = [[_changed(one), _literal(one.today), _literal(one.why)] for one in new]
+    claimed = data.claims[~data.claims["verdict"].isin(UNCLAIMED)]
+    lines = []
+    for (label, key), rows in claimed.groupby(["label", "key"], sort=False):
+        window, _, reason = str(rows["expected"].iloc[0]).partition(": ")
+        lines.append([f"{_literal(label)} *{key}* ({len(rows)})", _literal(window), _literal(reason)])
     return markdown(["rows", "window", "reason for the window"], lines)
-
-
-def _changed(change: Change) -> str:
-    return f"{_literal(change.label)} *{change.key}* ({change.rows})"
-
-
-def _earlier_windows(data: FullRun, name: str) -> pd.DataFrame:
-    then = {FIRST: data.earlier, RELEASED: data.released}[name]
-    if then is None:
-        raise DataError(f"results/history/{name} is missing: it is part of the repository")
-    return then
 
 
 def _literal(text: str) -> str:
@@ -484,13 +453,11 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
 
 
 # The names of these functions are the names of places on pages.
-NAMED = short, answer, headline, results, misprints, missed, statements, formulas, mesh_families, new_windows
+NAMED = short, answer, headline, results, misprints, missed, statements, formulas, mesh_families, windows
 TABLES: dict[str, Callable[[FullRun], str]] = {table.__name__: table for table in NAMED} | {
     "cases": lambda data: str(len(data.cases)),
     "codes": lambda data: codes_table(data.codes),
     "marches": lambda data: codes_table(data.marches),
-    "windows": lambda data: changed_windows(data, FIRST),
-    "released_windows": lambda data: changed_windows(data, RELEASED),
 }
 """Name of a place on a page ↦ the function that returns its table or text. ``marches`` are the runs in which other
 people's codes solve in time by the midpoint rule."""

@@ -218,12 +218,12 @@ def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path) -> Non
     assert_refused(verdicts_as_written if "claims.csv" in message else verify, own, message)
 
 
-@pytest.mark.parametrize("part", ["verify", "verdicts", "compare_sums", "compare_record", "as_written"])
+@pytest.mark.parametrize("part", ["verify", "verdicts", "compare_sums", "SeedRecord.read", "as_written"])
 def test_the_command_refuses_what_one_of_its_parts_refuses(part: str, own: Path, refusal, monkeypatch) -> None:
     def refuse(*_: object) -> None:
         raise DataError(f"{part} says no")
 
-    monkeypatch.setattr(check, part, refuse)
+    monkeypatch.setattr(f"study.cli.check.{part}", refuse)
     assert f"study: {part} says no" in refusal(own)
 
 
@@ -336,11 +336,11 @@ def test_the_committed_run_passes_and_every_file_is_compared_or_named(
     named = {word.rstrip(";") for word in told.partition("not checked")[2].split()}
     in_part = {word.rstrip(";") for word in told.partition("checked in part")[2].partition("not checked")[0].split()}
     everything = {path.name for path in committed.rglob("*") if path.is_file() and path.name != ".lock"}
-    assert {"kind.dat", "growth.csv", "hexagon.gif", "problem.svg", "survivors.csv", "random.csv"} <= named
-    some = {"controls.csv", "sensitivity.csv", "provenance.json", "classes.csv", "errors.csv", "drawn.csv"}
+    assert {"kind.dat", "growth.csv", "hexagon.gif", "problem.pdf", "random.csv"} <= named
+    some = {"controls.csv", "sensitivity.csv", "provenance.json", "classes.csv", "errors.csv", "seeds.csv"}
     assert some <= in_part
     compared = everything - named - in_part
-    some = {"claims.csv", "rates.csv", "hexagon.json.gz", "seeds.csv", "ledger.svg", "growth.txt"}
+    some = {"claims.csv", "rates.csv", "hexagon.json.gz", "ledger.svg", "growth.txt"}
     assert some <= compared
     suffixes = {Path(name).suffix for name in compared}
     assert suffixes == {".csv", ".gz", ".svg", ".txt", ".md", ".tex"}

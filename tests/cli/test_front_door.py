@@ -194,7 +194,7 @@ def test_the_parser_prints_the_version_and_refuses_an_expected_order_that_is_no_
         ("export corner --levels 1", "2 or more"),
         ("export corner --mode march --steps 0", "1 or more"),
         ("bound ramp --adapt 5% --cells 0", "1 or more"),
-        ("seeds --minutes -1", "0 or more (0 makes the table again from the record)"),
+        ("seeds --minutes -1", "0 or more (0 prints the record)"),
         ("seeds --seed -1", "0 or more"),
         ("seeds --seeds 0", "1 or more"),
     ],

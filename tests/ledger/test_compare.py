@@ -31,7 +31,7 @@ def committed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (data / "pictures").mkdir(parents=True)
     for path in [*(RESULTS / "data").glob("*.csv"), *(RESULTS / "data" / f"{name}.gz" for name in (SPACE, PLANE))]:
         shutil.copy(path, data / path.relative_to(RESULTS / "data"))
-    for name in ("statements.csv", "enclosures.csv", "seeds.csv"):
+    for name in ("statements.csv", "enclosures.csv"):
         change(data.parent, name, lambda table: table[table["case"] == "full-contact"])
     (data / ".lock").touch()
     return data.parent

@@ -7,14 +7,13 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from study.ledger.codes import _table
 from study.ledger.compare import Tolerance, as_text, compare, difference
-from study.ledger.datafiles import ALL_ROWS, AlarmSummary, DataError, read_table
+from study.ledger.datafiles import DataError, read_table
 from study.ledger.files import StoreError, write_whole
 from study.ledger.numbered import named
 from study.ledger.orders import RatesError, extrapolated_order, fit, limit, orders
@@ -49,14 +48,6 @@ def test_errors_of_other_codes_without_a_number_are_refused(tmp_path: Path) -> N
     (tmp_path / "a.csv").write_text("code,distance\na,\n", encoding="utf-8")
     with pytest.raises(DataError, match="distance"):
         _table(tmp_path / "a.csv", ["code", "distance"], ["code"])
-
-
-def test_the_summary_of_alarms_counts_claimed_checks_without_the_rows_about_all() -> None:
-    both = {"label": ALL_ROWS, "claimed": "yes", "seeds": 10, "alarms": 0}
-    rates = {"rate_low": 0.0, "rate_high": 0.3, "rate_tail": 0.1}
-    rows = [{**both, "key": "every"}, {**both, "key": "light"}]
-    rows += [{**both, "label": "(1.1)", "key": str(i), "claimed": "yes" if i < 3 else "no"} for i in range(5)]
-    assert AlarmSummary(pd.DataFrame(rows).assign(**rates)).rows == 3
 
 
 def test_the_first_difference_between_a_table_and_its_expected_text_is_told(tmp_path: Path) -> None:

@@ -60,7 +60,7 @@ def test_tables_and_figures_are_written_in_every_format_and_nothing_is_left_over
     names += [f"{kind}-{CORNER}" for kind in ("zone", "profiles", "body", "energy")]
     found = [drawing.name for drawing in drawings(data)]
     assert sorted(found) == sorted(names)
-    forms = ("pdf", "png", "svg", "txt")
+    forms = ("pdf", "png", "txt")
     assert files(data / "figures") == sorted(f"{name}.{form}" for name in found[::8] for form in forms)
 
 

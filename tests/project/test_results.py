@@ -11,10 +11,9 @@ import pandas as pd
 import pytest
 
 from manufactured.catalogue import NAMES
-from study.controls import alarms
 from study.controls.sensitivity import COLUMNS, sensitivity_text
 from study.fem.naming import family_named, resolve
-from study.ledger.datafiles import SEEDS, read_claims, read_csv
+from study.ledger.datafiles import read_claims, read_csv
 from study.ledger.verdict import HOLDS, REPORTED, UNCLAIMED
 from study.run.judgement import judge
 from study.run.plan import full
@@ -155,7 +154,7 @@ def test_every_column_of_the_committed_tables_is_described() -> None:
     page = (RESULTS.parent / "docs" / "reference" / "files.md").read_text(encoding="utf-8")
     named = re.findall(r"`…?(\w+)`", page)
     endings = tuple(name for name in named if name.startswith("_"))
-    for path in (*RESULTS.glob("data/*.csv"), *RESULTS.glob("mutants/*.csv")):
+    for path in RESULTS.glob("data/*.csv"):
         assert [name for name in pd.read_csv(path, nrows=0) if not (name in named or name.endswith(endings))] == []
 
 
@@ -196,7 +195,6 @@ def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ()
     assert not claims.duplicated(["label", "key", "case", "family"]).any()
 
 
-def test_what_is_printed_of_the_committed_seeds_and_small_defects_fits_80_columns() -> None:
-    printed = alarms.text(read_csv(RESULTS, "seeds.csv", SEEDS)) + "\n"
-    printed += sensitivity_text(read_csv(RESULTS, "sensitivity.csv", COLUMNS))
+def test_what_is_printed_of_the_committed_small_defects_fits_80_columns() -> None:
+    printed = sensitivity_text(read_csv(RESULTS, "sensitivity.csv", COLUMNS))
     assert [line for line in printed.splitlines() if len(line) > 80] == []

@@ -1,0 +1,159 @@
+"""The false-alarm rate: on how many random meshes some check fails although the program is correct.
+
+``data/seeds.csv`` is a record with one row for each seed, in the order in which the seeds were drawn. A seed is
+recorded before anything is measured, so that a seed with a bad result cannot be left out. A seed counts only if its
+checks had the same rules (tolerance window, levels, statistic) as the checks of the last judged seed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+import scipy  # loads ``scipy.stats`` at its first use, because importing it takes half a second
+
+from study.ledger.datafiles import DataError, read_csv, refuse_repeated, write_csv
+from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
+
+SEEDS_FILE = "seeds.csv"
+SEED_COLUMNS = ("seed", "rules", "judged", "alarms")
+CONFIDENCE = 0.95
+LARGEST_RATE = 0.01
+"""The largest permitted false-alarm rate: on which share of seeds at least one check may fail by chance."""
+RowKey = tuple[str, str, str]
+"""The key of a check: (label, key, case)."""
+
+
+def interval(alarms: int, seeds: int) -> tuple[float, float]:
+    """Return the 95 % confidence interval of a false-alarm rate by Clopper and Pearson.
+
+    Parameters:
+        alarms: number of seeds with a false alarm.
+        seeds: number of all seeds; for 0 seeds the interval is (0, 1).
+    """
+    if seeds == 0:
+        return 0.0, 1.0
+    exact = scipy.stats.binomtest(alarms, seeds).proportion_ci(CONFIDENCE, method="exact")
+    return float(exact.low), float(exact.high)
+
+
+def seeds_needed() -> int:
+    """Return the number of seeds without any alarm that shows that the rate is at most ``LARGEST_RATE``."""
+    return math.ceil(math.log((1 - CONFIDENCE) / 2) / math.log(1 - LARGEST_RATE))
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A row of ``seeds.csv``.
+
+    Attributes:
+        seed: the number from which the random meshes are made.
+        rules: hash of the rules of all judged checks.
+        judged: number of checks; −1 while the seed is being measured.
+        alarms: number of checks that did not hold; −1 while the seed is being measured.
+    """
+
+    seed: int
+    rules: str = "-"
+    judged: int = -1
+    alarms: int = -1
+
+
+@dataclass(frozen=True)
+class SeedRecord:
+    """The record of all seeds, in the order in which they were drawn. Rows are added, never replaced."""
+
+    rows: tuple[Seed, ...] = ()
+
+    @classmethod
+    def read(cls, directory: Path) -> SeedRecord:
+        """Return the record in a result directory; it is empty if the directory has none.
+
+        Raises:
+            DataError: the file is damaged, repeats a seed, or has more alarms than checks.
+        """
+        path = directory / "data" / SEEDS_FILE
+        if not path.is_file():
+            return cls()
+        table = read_csv(directory, SEEDS_FILE, SEED_COLUMNS)
+        refuse_repeated(path, table, ["seed"], "restore the file, because rows are only added to it")
+        record = cls(tuple(Seed(*row) for row in table[[*SEED_COLUMNS]].itertuples(index=False, name=None)))
+        unfinished = [row for row in record.rows if row.judged < 0]
+        if unfinished not in ([], [record.rows[-1]]) or any(row.alarms > row.judged for row in record.rows):
+            raise DataError(
+                f"{path} has more alarms than checks, or an unfinished seed that is not the last one: restore the "
+                "file, because rows are only added to it"
+            )
+        return record
+
+    def write(self, directory: Path) -> Path:
+        """Write the record into a result directory and return the path of the file."""
+        return write_csv(directory / "data" / SEEDS_FILE, pd.DataFrame(self.rows, columns=[*SEED_COLUMNS]))
+
+    def pending(self) -> Seed | None:
+        """Return the seed that was drawn but not yet judged; None if there is none."""
+        return next((row for row in self.rows if row.judged < 0), None)
+
+    def drawn(self, seed: int) -> SeedRecord:
+        """Return the record with a new seed, which is measured next.
+
+        Raises:
+            DataError: the record already has this seed.
+        """
+        if any(row.seed == seed for row in self.rows):
+            raise DataError(f"seed {seed} is already in the record, in which nothing is replaced: draw another seed")
+        return SeedRecord((*self.rows, Seed(seed)))
+
+    def judged(self, seed: int, rules: Mapping[RowKey, str], alarms: int) -> SeedRecord:
+        """Return the record with the result of the seed that was drawn last.
+
+        Parameters:
+            seed: this seed.
+            rules: key of each judged check ↦ fingerprint of its rule.
+            alarms: number of checks that did not hold.
+
+        Raises:
+            DataError: the seed was already judged.
+        """
+        if self.pending() != Seed(seed):
+            raise DataError(f"seed {seed} was not drawn or was already judged, and nothing in the record is replaced")
+        together = fingerprint(sorted((*row, rule) for row, rule in rules.items()))
+        return SeedRecord((*self.rows[:-1], Seed(seed, together, len(rules), alarms)))
+
+
+class FalseAlarms:
+    """The false-alarm rate of all checks on random meshes together.
+
+    Attributes:
+        checks: number of checks.
+        seeds: number of seeds that count.
+        red: number of these seeds on which at least one check did not hold.
+        low, high: confidence interval of the false-alarm rate, whose estimate is red / seeds.
+        verdict: whether the rate is at most ``LARGEST_RATE``: holds, fails or undecided.
+    """
+
+    def __init__(self, record: SeedRecord) -> None:
+        finished = [row for row in record.rows if row.judged >= 0]
+        counted = [row for row in finished if row.rules == finished[-1].rules]
+        self.checks = counted[-1].judged if counted else 0
+        self.seeds, self.red = len(counted), sum(row.alarms > 0 for row in counted)
+        self.low, self.high = interval(self.red, self.seeds)
+        self.verdict = HOLDS if self.high <= LARGEST_RATE else FAILS if self.low > LARGEST_RATE else UNDECIDED
+
+    def text(self) -> str:
+        """Return the text that ``study seeds`` prints."""
+        return (
+            f"{self.red} of {self.seeds} seeds raised a false alarm; each has {self.checks} checks\n"
+            f"false-alarm rate with {CONFIDENCE:.0%} confidence: {self.low:.2%} to {self.high:.2%}\n"
+            f"at most {LARGEST_RATE:.0%} is permitted: {self.verdict}\n"
+            f"({seeds_needed()} seeds without a false alarm are enough)"
+        )
+
+
+def fingerprint(content: object) -> str:
+    """Return the letter r and nine hexadecimal digits of the SHA-256 of the text of an object."""
+    return "r" + hashlib.sha256(repr(content).encode()).hexdigest()[:9]
