@@ -28,7 +28,7 @@ SEED_BITS = 62
 """Number of bits of a random seed: so many that seeds do not repeat, and few enough for 64-bit integers."""
 CELLS = 20_000
 """Default largest number of cells of ``study bound --adapt``."""
-RESUMES = ("run", "controls", "seeds", "bound")
+RESUMES = ("run", "faults", "seeds", "bound")
 RESUMED = "finished results are kept; run the same command again to compute the rest"
 STARTS_AGAIN = "no file is half-written; the same command starts from the beginning"
 
@@ -181,8 +181,8 @@ COMMANDS: dict[str, tuple[str, str, list[Option | list[Option]]]] = {
                help="(default 0) for numbers near round-off"),
         JSON,
     ]),
-    "controls": ("controls", "test that deliberate defects are noticed; exit code 0 if all are", [JOBS, out()]),
-    "sensitivity": ("controls", "find the smallest defect of each part of the problem that makes a check fail", [
+    "faults": ("faults", "measure which checks notice deliberate faults; exit code 0 if all are noticed", [
+        option("--case", nargs="+", metavar="CASE", help="cases of the catalogue (default: all of the quick study)"),
         JOBS,
         out(),
     ]),

@@ -16,8 +16,7 @@ from typing import Any
 
 import pandas as pd
 
-from study.controls import replacements as wrong
-from study.controls.control import Replacement, patched, within
+from study.controls.faults import FAULTS, Fault
 from study.fem.naming import is_own, resolve
 from study.ledger.datafiles import Row, write_csv
 from study.ledger.verdict import HOLDS, Verdict
@@ -31,21 +30,18 @@ from study.statements.prop_5_4 import EVIDENCE, RATES, Rates
 from study.statements.shared.scope import regular
 
 FILE = "contact-test.csv"
-DEFECTS: Mapping[str, tuple[str, Replacement]] = {
-    "contact in places": ("v_ν ≤ 0 at every other vertex of Γ3 only", wrong.in_places),
-    "contact forces": ("contact forces times 1.1", wrong.forces_times(1.1)),
-}
-"""Name of a defect ↦ its description, and the function that returns the wrong contact solver, given the correct one."""
-OF_THE_PROGRAM = {rule.key for rule in (*EVIDENCE, *EXACT)}
+CHOSEN = {"every second vertex of Γ3 free": 1.0, "contact forces scaled": 0.1}
+"""Name of a fault ↦ its size."""
+DEFECTS: dict[str, Fault] = {fault.name: fault for fault in FAULTS if fault.name in CHOSEN}
+"""The faults by their names."""
+OF_THE_PROGRAM = {check.key for check in (*EVIDENCE, *EXACT)}
 """Keys of checks that test the program only, because they do not compare with the exact solution."""
-CODE = "study/controls/contact_test.py", "study/controls/control.py", "study/controls/replacements.py"
+CODE = "study/controls/contact_test.py", "study/controls/faults.py"
 
 
 @dataclass(frozen=True)
 class DefectiveJob(Job):
     """A measurement that is made with a wrong contact solver.
-
-    While it runs, names in modules are replaced, so no other job may run in the same process at the same time.
 
     Attributes:
         defect: name of the defect in ``DEFECTS``.
@@ -64,9 +60,8 @@ class DefectiveJob(Job):
 
     def run(self) -> Mapping[str, Any]:
         """Measure with the wrong contact solver; return the measured numbers by their names."""
-        wrong_solver = within("problem.solver", DEFECTS[self.defect][1])
-        with patched([(f"{module}:Experiment", wrong_solver) for module in ("prop_5_4", "contact_force")]):
-            return super().run()
+        faulty = DEFECTS[self.defect].change(self.statement.setup(self.setting), CHOSEN[self.defect])
+        return self.statement.measure(faulty)
 
 
 def defective(jobs: Sequence[Job], defect: str) -> list[DefectiveJob]:
@@ -82,7 +77,7 @@ def rows_of(jobs: Sequence[Job], store: Store) -> Iterator[Row]:
         store: has the results of all measurements.
     """
     sound = {name for name, verdict in verdicts(jobs, store).items() if verdict.verdict == HOLDS}
-    for defect, (what, _) in DEFECTS.items():
+    for defect in DEFECTS:
         after = verdicts(defective(jobs, defect), store)
         noticed = sorted(name for name in sound if name not in after or after[name].verdict != HOLDS)
         yield {
@@ -90,7 +85,7 @@ def rows_of(jobs: Sequence[Job], store: Store) -> Iterator[Row]:
             "family": jobs[0].setting.family,
             "levels": " ".join(map(str, sorted({job.setting.level for job in jobs}))),
             "defect": defect,
-            "what": what,
+            "what": defect,
             "holding": len(sound),
             "noticed": len(noticed),
             "noticed_by": "; ".join(noticed),

@@ -43,7 +43,6 @@ OF_RATES: dict[str, tuple[Statement, ...]] = {
 """Label of a proposition ↦ the statements that are judged by its rows in ``rates.csv``."""
 BY_ORDER_OR_SIZE = (CheckKind.CLAIM, CheckKind.CONSEQUENCE)
 """The kinds of the checks of errors that count as noticing a fault; the others show that a computation is accurate."""
-COLUMNS = ["equation", "fault", "size", "single", "case", "dim", "distance", "error", "by_error", "by_others"]
 
 
 @dataclass(frozen=True)
@@ -141,7 +140,7 @@ def row_of(rates: Measured, others: Sequence[Measured], fault: Fault, size: floa
         "equation": fault.equation,
         "fault": fault.name,
         "size": size,
-        "single": fault.single,
+        "single": int(fault.single),
         "case": case.name,
         "dim": case.solution.body.dim,
         "error": rates.right[-1]["error"],
@@ -177,3 +176,13 @@ def distance_of_solutions(right: Experiment, faulty: Experiment) -> float:
         difference = one.u - other.u
         squares.append(difference @ (right.problem.M @ difference))
     return float(np.sqrt(np.max(squares)))
+
+
+def cases_of_quick() -> list[str]:
+    """Return the names of the cases of the quick study."""
+    return list(quick().cases)
+
+
+def measure_case(name: str) -> list[dict[str, Any]]:
+    """Return the rows of the matrix for one case, with all faults."""
+    return list(rows_of(name))

@@ -31,7 +31,7 @@ TEXT = {
 """Columns that hold text, even if a cell looks like a number or is empty."""
 
 
-COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds", "sensitivity.csv": "study sensitivity"}
+COMMANDS = {"faults.csv": "study faults", "seeds.csv": "study seeds"}
 """Data file ↦ the command that writes it, for files that ``study run`` does not write."""
 
 
@@ -306,12 +306,6 @@ def expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
         lacking = f"{directory / 'data' / 'cases.csv'} lacks the cases {', '.join(unknown)}"
         raise DataError(f"{lacking}: make it again with `{made_by(directory)}`")
     return found
-
-
-def count_caught(controls: pd.DataFrame) -> tuple[int, int]:
-    """Return how many of the deliberate defects in ``controls.csv`` were noticed, and how many there are."""
-    injected = controls[controls["caught"] != ""]
-    return int((injected["caught"] == "yes").sum()), len(injected)
 
 
 def read_claims(directory: Path) -> pd.DataFrame:

@@ -13,11 +13,12 @@ import pandas as pd
 from study.ledger.datafiles import (
     DataError,
     by_claim,
-    count_caught,
     count_kinds,
     count_verdicts,
     planned_keys,
 )
+from study.ledger.faults import missed as lacking
+from study.ledger.faults import summary
 from study.ledger.numbered import NO_ROW, NOT_TESTED
 from study.ledger.seeds import LARGEST_RATE
 from study.ledger.text import above, below, down, up
@@ -40,9 +41,6 @@ DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
 """Suffixes of the keys of checks that test a prediction about the error of the fully discrete scheme. Other checks of
 the scheme are shown for comparison.
 """
-NEGLIGIBLE = 1e-6
-"""A deliberate defect is left out of the table of sensitivity if the checks notice it below this relative size, because
-it is then noticed at any size. For example, the initial displacement must be exactly Π^h u_0."""
 SOFTENING = "softening", "double-well"
 """Cases whose elasticity operator G softens."""
 TEXTS = read_page("article")
@@ -66,7 +64,7 @@ def article(directory: Path) -> dict[Path, str]:
     if data is None:
         return {}
     about_checks, about_results = (accounts, verdicts, ledger, slips), (smooth, rough, stresses, enclosures, discrete)
-    tables = *about_checks, *about_results, catalogue, codes, sensitivity
+    tables = *about_checks, *about_results, catalogue, codes, faults
     texts = {"numbers": macros(data)} | {make.__name__: make(data) for make in tables}
     return {directory / "article" / f"{name}.tex": text for name, text in texts.items()}
 
@@ -143,15 +141,15 @@ checks. The others are LaTeX, rounded up to two significant digits whatever the 
 def _counts_of_checks(data: FullRun) -> dict[str, object]:
     """Return the numbers of verdicts, of noticed deliberate defects, and of false alarms on random meshes."""
     kinds, names = count_kinds(data.claims), data.claims.apply(account, axis=1)
-    (caught, injected), alarms = count_caught(data.controls), data.alarms
+    alarms, injected = data.alarms, data.faults["fault"].nunique()
     return {
         "ledgerRows": len(data.claims),
         "ledgerStatements": len(list(by_claim(data.claims))),
         **{f"ledger{verdict.capitalize()}": count for verdict, count in count_verdicts(data.claims).items()},
         **{f"kind{name.capitalize()}": count for name, count in kinds.items()},
         **{f"account{name.capitalize()}": (names == name).sum() for name in ACCOUNTS},
-        "controls": injected,
-        "controlsCaught": caught,
+        "faults": injected,
+        "faultsNoticed": injected - len(lacking(data.faults)),
         "seedRows": alarms.checks,
         "seeds": alarms.seeds,
         "seedRed": alarms.red,
@@ -479,17 +477,16 @@ def codes(data: FullRun) -> str:
     return _table("codes", body)
 
 
-def sensitivity(data: FullRun) -> str:
-    """Return a LaTeX table of the smallest deliberate defects, in per cent, that checks notice on all mesh families.
-
-    If ``sensitivity.csv`` is missing, the table has no lines.
-    """
-    if data.sensitivity is None:
-        return tabular(["case"], "l", [])
-    largest = data.sensitivity.groupby(["case", "defect"], sort=False)["amount"].max().unstack("defect")
-    largest = largest[[name for name in data.sensitivity["defect"].unique() if largest[name].min() > NEGLIGIBLE]]
-    body = [[prose(str(case)), *(_number(100 * amount, up, 2) for amount in row)] for case, row in largest.iterrows()]
-    return tabular(["case", *map(encode, largest.columns)], "l" + "r" * largest.shape[1], body)
+def faults(data: FullRun) -> str:
+    """Return a LaTeX table of the deliberate faults: in how many cases they are noticed, and are invisible."""
+    rows = summary(data.faults)
+    body = [
+        [encode(f"{row['equation']}"), encode(str(row["fault"])), f"{row['size']:g}"]
+        + [str(row[name]) for name in ("cases", "errors", "any_check", "invisible")]
+        for _, row in rows.iterrows()
+    ]
+    head = ["violates", "fault", "size", "cases", "by errors", "by any check", "invisible"]
+    return tabular(head, "llrrrrr", body)
 
 
 def _table(name: str, body: Sequence[Sequence[str]]) -> str:

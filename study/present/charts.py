@@ -26,8 +26,8 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, MaxNLoca
 from numpy.typing import ArrayLike
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, ORANGE, VERMILLION
+from study.ledger.check import by_family
 from study.ledger.codes import GRADES, Codes
-from study.ledger.criterion import by_family
 from study.ledger.orders import Array, RatesError, fit, orders
 from study.ledger.text import above, below, interval
 from study.present.drawing import caption, column_width, entry, is_slide, legend, mathtext, page_width

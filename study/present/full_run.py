@@ -8,6 +8,7 @@ from typing import Any
 
 import pandas as pd
 
+from study.ledger import faults
 from study.ledger.codes import MARCHES, Codes
 from study.ledger.datafiles import DataError, read_claims, read_csv, read_rates
 from study.ledger.seeds import FalseAlarms, SeedRecord
@@ -15,8 +16,6 @@ from study.ledger.seeds import FalseAlarms, SeedRecord
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
 EQUIVALENCE = ["case", "displacement_gap", "stress_gap", "membership", "displacement_bound", "stress_bound"]
 BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest", "upper", "lower"]
-SENSITIVITY = ["defect", "case", "family", "amount", "seen_by"]
-CONTROLS = ["defect", "what", "label", "quantity", "caught"]
 NAMED_CASES = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
 """The cases that the papers name. If a run lacks one of them, the papers are not made from it."""
 
@@ -25,8 +24,7 @@ class FullRun:
     """The contents of the data files of a full run; ``cases`` is indexed by the names of the cases.
 
     ``codes`` has the results of other people's contact codes, and ``marches`` their results if they use the midpoint
-    rule in time. ``sensitivity`` has the smallest noticed defects. These attributes are None if their files are
-    missing. ``alarms`` has the false-alarm rate on random meshes.
+    rule in time; both are None if their files are missing. ``faults`` is the matrix of deliberate faults. ``alarms`` has the false-alarm rate on random meshes.
 
     Parameters:
         directory: the result directory.
@@ -37,27 +35,25 @@ class FullRun:
     """
 
     def __init__(self, directory: Path, provenance: dict[str, Any], cases: pd.DataFrame) -> None:
-        file = "sensitivity.csv"
         self.rates = read_rates(directory)
         self.claims = read_claims(directory)
         self.cases = cases.set_index("case", drop=False).rename_axis(None)
         self.bounds = read_csv(directory, "bounds.csv", BOUNDS)
         self.equivalence = read_csv(directory, "equivalence.csv", EQUIVALENCE)
-        self.controls = read_csv(directory, "controls.csv", CONTROLS)
+        self.faults = read_csv(directory, "faults.csv", faults.COLUMNS)
         self.alarms = FalseAlarms(SeedRecord.read(directory))
         self.provenance = provenance
         self.codes = Codes.read(directory)
         self.marches = Codes.read(directory, MARCHES)
-        self.sensitivity = read_csv(directory, file, SENSITIVITY) if (directory / "data" / file).is_file() else None
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:
-        """Return the data of a result directory; None if it has no full run with deliberate defects and random meshes.
+        """Return the data of a result directory; None if it has no full run with deliberate faults and random meshes.
 
         Raises:
             DataError: a file is missing or lacks a column.
         """
-        needed = [directory / "data" / name for name in ("provenance.json", "controls.csv", "seeds.csv")]
+        needed = [directory / "data" / name for name in ("provenance.json", "faults.csv", "seeds.csv")]
         if not all(path.is_file() for path in needed):
             return None
         made = json.loads(needed[0].read_text(encoding="utf-8"))

@@ -16,7 +16,8 @@ import pandas as pd
 from manufactured.colours import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.fem.mesh import FAMILIES
 from study.ledger.codes import MADE, Codes
-from study.ledger.datafiles import DataError, by_claim, count_caught, count_kinds, count_verdicts
+from study.ledger.datafiles import DataError, by_claim, count_kinds, count_verdicts
+from study.ledger.faults import missed as missed_faults
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.seeds import LARGEST_RATE, seeds_needed
@@ -238,9 +239,9 @@ def _beyond(data: FullRun) -> dict[str, Any]:
 
 def _alarms(data: FullRun) -> dict[str, Any]:
     """Return the values in the texts on noticed deliberate defects, and on false alarms on random meshes."""
-    caught, injected = count_caught(data.controls)
     return {
-        "defects": HOLDS if caught == injected else FAILS,
+        "faulty": FAILS if missed_faults(data.faults) else HOLDS,
+        "faults_missed": "; ".join(missed_faults(data.faults)) or "none",
         "alarms": data.alarms,
         "alarm_low": 100 * data.alarms.low,
         "alarm_high": 100 * data.alarms.high,
@@ -440,13 +441,14 @@ def badges(data: FullRun, project: Path) -> dict[str, str]:
     ``project`` is the path of ``pyproject.toml``.
     """
     stated = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
-    count, (found, injected) = count_verdicts(data.claims), count_caught(data.controls)
+    count, injected = count_verdicts(data.claims), data.faults["fault"].nunique()
+    noticed = injected - len(missed_faults(data.faults))
     ledger = VERMILLION if count[FAILS] else ORANGE if count[UNDECIDED] else GREEN
     rows = f"{count[HOLDS]} rows hold, {count[UNDECIDED]} undecided, {count[FAILS]} fail"
-    defects = GREEN if found == injected else VERMILLION
+    defects = GREEN if noticed == injected else VERMILLION
     return {
         "ledger.svg": badge("ledger", rows, ledger),
-        "defects.svg": badge("injected defects", f"{found} of {injected} caught", defects),
+        "defects.svg": badge("deliberate faults", f"{noticed} of {injected} noticed", defects),
         "python.svg": badge("Python", str(stated["requires-python"]).replace(">=", "≥ "), BLUE),
         "licence.svg": badge("licence", str(stated["license"]), BLUE),
     }

@@ -32,7 +32,7 @@ def write_tables(directory: Path) -> list[Path]:
 
 def texts(directory: Path) -> dict[Path, str]:
     """Return path ↦ text of the files that ``write_tables`` writes; raises the same errors."""
-    layouts = RATES, SHORT_LEDGER, EQUIVALENCE, STRESSES, BOUNDS, CONTROLS, SENSITIVITY
+    layouts = RATES, SHORT_LEDGER, EQUIVALENCE, STRESSES, BOUNDS, FAULTS
     tables = [layout.table(directory) for layout in layouts if layout.is_measured(directory)]
     found = {path: text for table in tables for path, text in table.texts(directory / "tables").items()}
     return found | article(directory)
@@ -203,9 +203,8 @@ def _merged_checks(directory: Path) -> pd.DataFrame:
     return lines.reset_index()
 
 
-def _sensitivity(directory: Path) -> pd.DataFrame:
-    rows = read_csv(directory, "sensitivity.csv", ["case", "family", "defect", "level", "amount", "seen_by"])
-    return rows.assign(percent=100 * rows["amount"])
+def _faults(directory: Path) -> pd.DataFrame:
+    return faults.summary(read_csv(directory, "faults.csv", faults.COLUMNS))
 
 
 def _stresses(directory: Path) -> pd.DataFrame:
@@ -230,7 +229,5 @@ STRESSES = Layout("stresses", columns("stresses"), 2, _stresses)
 """Errors of Problem 3.2 with a separate space for stresses."""
 BOUNDS = Layout("bounds", columns("bounds"), 2)
 """Error bounds, and their ratios to the error."""
-CONTROLS = Layout("controls", columns("controls"), 1, optional=True)
-"""Deliberate defects with the checks that must fail."""
-SENSITIVITY = Layout("sensitivity", columns("sensitivity"), 2, _sensitivity, optional=True)
-"""The smallest defects that checks notice."""
+FAULTS = Layout("faults", columns("faults"), 2, _faults, optional=True)
+"""Deliberate faults, and in how many cases they are noticed."""

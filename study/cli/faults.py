@@ -1,0 +1,49 @@
+"""``study faults`` measures which checks notice deliberate faults of the program, and in which cases."""
+
+import argparse
+
+import pandas as pd
+from tabulate import tabulate
+
+from study.cli.common import progress_bar
+from study.cli.options import FAILED, OK
+from study.controls.faults import FAULTS
+from study.controls.matrix import cases_of_quick, measure_case
+from study.ledger.datafiles import write_csv
+from study.ledger.faults import COLUMNS, missed, summary
+from study.ledger.text import folded
+from study.run.executor import Processes
+from study.run.fingerprint import of_everything
+from study.run.store import Store
+
+
+def do_faults(options: argparse.Namespace) -> int:
+    """Measure the matrix fault × case × check, write it and print which fault each case notices.
+
+    Returns:
+        0 if every fault is noticed as the rules demand, else 1.
+    """
+    store = Store(options.out)
+    store.check()
+    cases = options.case or cases_of_quick()
+    cache_key = of_everything()
+    rows: list[dict[str, object]] = []
+    with Processes(options.jobs) as executor, store.locked(), progress_bar(len(cases), f"{len(cases)} cases") as bar:
+        stored = {case: store.load(f"faults__{case}", cache_key) for case in cases}
+        waiting = {case: executor.submit(measure_case, case) for case in cases if stored[case] is None}
+        for case in cases:
+            found = stored[case]
+            if found is None:
+                found = {"rows": waiting[case].result()}
+                store.save(f"faults__{case}", cache_key, found)
+            rows += found["rows"]
+            bar.update()
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    written = write_csv(options.out / "data" / "faults.csv", table)
+    heads = {"errors": "noticed by errors", "any_check": "by any check"}
+    print(f"\n{tabulate(summary(table).rename(columns=heads), 'keys', showindex=False)}\ndata: {written}")
+    lacking = missed(table)
+    told = f"not noticed as the rules demand: {'; '.join(lacking)}" if lacking else "all are noticed"
+    print(folded(f"{len(FAULTS)} faults, {len(cases)} cases: {told}"))
+    # A selection of cases need not notice every fault.
+    return FAILED if lacking and not options.case else OK
