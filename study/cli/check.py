@@ -25,7 +25,6 @@ from study.run.store import Store
 IN_PART = (
     "data/provenance.json",
     "data/faults.csv",
-    "data/sensitivity.csv",
     f"data/{SEEDS_FILE}",
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )

@@ -9,6 +9,7 @@ from study.cli.common import progress_bar
 from study.cli.options import FAILED, OK
 from study.controls.faults import FAULTS
 from study.controls.matrix import cases_of_quick, measure_case
+from study.fem.naming import choose
 from study.ledger.datafiles import write_csv
 from study.ledger.faults import COLUMNS, missed, summary
 from study.ledger.text import folded
@@ -26,11 +27,12 @@ def do_faults(options: argparse.Namespace) -> int:
     store = Store(options.out)
     store.check()
     cases = options.case or cases_of_quick()
-    cache_key = of_everything()
+    names = [choose("fault", name, FAULTS).name for name in options.fault or [fault.name for fault in FAULTS]]
+    cache_key = f"{of_everything()} {' '.join(names)}"
     rows: list[dict[str, object]] = []
     with Processes(options.jobs) as executor, store.locked(), progress_bar(len(cases), f"{len(cases)} cases") as bar:
         stored = {case: store.load(f"faults__{case}", cache_key) for case in cases}
-        waiting = {case: executor.submit(measure_case, case) for case in cases if stored[case] is None}
+        waiting = {case: executor.submit(measure_case, case, names) for case in cases if stored[case] is None}
         for case in cases:
             found = stored[case]
             if found is None:
@@ -44,6 +46,6 @@ def do_faults(options: argparse.Namespace) -> int:
     print(f"\n{tabulate(summary(table).rename(columns=heads), 'keys', showindex=False)}\ndata: {written}")
     lacking = missed(table)
     told = f"not noticed as the rules demand: {'; '.join(lacking)}" if lacking else "all are noticed"
-    print(folded(f"{len(FAULTS)} faults, {len(cases)} cases: {told}"))
+    print(folded(f"{len(names)} faults, {len(cases)} cases: {told}"))
     # A selection of cases need not notice every fault.
     return FAILED if lacking and not options.case else OK

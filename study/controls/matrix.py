@@ -183,6 +183,6 @@ def cases_of_quick() -> list[str]:
     return list(quick().cases)
 
 
-def measure_case(name: str) -> list[dict[str, Any]]:
-    """Return the rows of the matrix for one case, with all faults."""
-    return list(rows_of(name))
+def measure_case(name: str, faults: Sequence[str]) -> list[dict[str, Any]]:
+    """Return the rows of the matrix for one case and the faults with the given names."""
+    return list(rows_of(name, [fault for fault in FAULTS if fault.name in faults]))

@@ -38,8 +38,7 @@ KEYS = {
     "enclosures.csv": ("trajectory", "case", "family", "scheme", "level"),
     "claims.csv": ("label", "case", "quantity"),
     "cases.csv": ("case",),
-    "controls.csv": ("defect", "setting"),
-    "sensitivity.csv": ("defect", "case", "family"),
+    "faults.csv": ("fault", "size", "case"),
     "seeds.csv": ("seed",),
 }
 """File ↦ the columns that identify a row. In ``enclosures.csv`` and in the files of ``NUMBERS`` several rows may have
@@ -51,7 +50,7 @@ SAME_MAGNITUDE = 100.0
 solver they differed by at most this factor."""
 NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("judged", "alarms")}
 """File ↦ columns of numbers by which a row is found in the other table if the text in its key was changed."""
-OF_CONTROLS = "controls.csv", "seeds.csv", "sensitivity.csv"
+OF_CONTROLS = "faults.csv", "seeds.csv"
 """Files that other commands than ``study run`` write, so that a result directory may lack them."""
 MOST = 2000
 """Largest number of differing cells of a text column that are listed."""

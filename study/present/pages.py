@@ -61,7 +61,7 @@ def main() -> None:
     directory, *pages = map(Path, sys.argv[1:])
     data = FullRun.read(directory)
     if data is None:
-        raise DataError(f"{directory} has no full run: `make full`, `make controls` and `make seeds` make it")
+        raise DataError(f"{directory} has no full run: `make full`, `study faults` and `make seeds` make it")
     picture = Picture(read_record(picture_path(directory, FILM)))
     # Every second time is enough, and keeps the file below 120 kB.
     picture = picture.showing(range(0, len(picture.times), 2))

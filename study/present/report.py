@@ -21,7 +21,7 @@ from study.present.notation import read_page, typeset, typeset_svg
 from study.present.outcome import conclusion, orders_text
 from study.present.palette import RAMPS, family_styles
 from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, picture_path, read_record
-from study.present.tables import BOUNDS, CONTROLS, EQUIVALENCE, LEDGER, RATES, STRESSES, Table, columns
+from study.present.tables import BOUNDS, EQUIVALENCE, FAULTS, LEDGER, RATES, STRESSES, Table, columns
 
 CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]
 ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]
@@ -78,7 +78,7 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         names={case["name"] for case in cases},
         families=family_styles(rates["family"]),
         bounds=BOUNDS.table(directory),
-        controls=CONTROLS.table(directory) if CONTROLS.is_measured(directory) else None,
+        faults=FAULTS.table(directory) if FAULTS.is_measured(directory) else None,
         provenance=provenance,
         files=_files(directory),
     )

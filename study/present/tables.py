@@ -14,6 +14,7 @@ from typing import Any
 
 import pandas as pd
 
+from study.ledger import faults
 from study.ledger.datafiles import read_claims, read_csv, read_rates, since_before
 from study.ledger.files import write_text
 from study.ledger.text import cell

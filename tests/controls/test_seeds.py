@@ -12,6 +12,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy import stats
+from study.ledger.criterion import Criterion, exactly
 
 from study.cli import seeds
 from study.cli.main import main
@@ -19,7 +20,6 @@ from study.controls.rules import rules
 from study.controls.seeded import LEFT_OUT, seeded
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
-from study.ledger.criterion import Criterion, exactly
 from study.ledger.datafiles import DataError
 from study.ledger.files import UsageError
 from study.ledger.seeds import FalseAlarms, RowKey, Seed, SeedRecord, interval, seeds_needed

@@ -1,0 +1,279 @@
+"""Deliberate faults are measured as the matrix says, and each is the fault that its name promises."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study.cli.main import main
+from study.controls.contact_test import CHOSEN, DEFECTS, OF_THE_PROGRAM, contact_tests, defective, write_contact_test
+from study.controls.faults import FAULTS, Fault, Frictional, bounded, friction, tangents
+from study.controls.matrix import distance_of_solutions, measured_on, rows_of
+from study.fem.naming import resolve
+from study.ledger import faults
+from study.present.outcome import contact_test_text
+from study.run.plan import Plan, quick
+from study.run.store import Store
+from study.solve.signorini import Signorini
+from study.solve.tableau import MIDPOINT
+from study.statements.shared.base import Setting
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.scope import Levels, regular
+
+BY_NAME = {fault.name: fault for fault in FAULTS}
+CASES_OF_ALL_KINDS = "hexagon", "anisotropic", "layered", "yield-on-a-part", "parabolic-gap", "cube-two-faces"
+
+
+def experiment(name: str, level: int = 4) -> Experiment:
+    case = resolve(name)
+    return Experiment.at(Setting(name, regular(case).name, level), MIDPOINT, 4)
+
+
+def test_no_two_faults_have_one_name_and_sizes_fall() -> None:
+    assert len(BY_NAME) == len(FAULTS)
+    assert all(list(fault.sizes) == sorted(fault.sizes, reverse=True) for fault in FAULTS)
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
+def test_a_fault_changes_what_is_solved_in_some_case_and_leaves_the_norm_alone(fault: Fault) -> None:
+    for case in CASES_OF_ALL_KINDS:
+        right = experiment(case)
+        if np.any(right.problem.gap):
+            # So that the gap differs from its reversed and from its sorted values.
+            gap = right.problem.gap * np.linspace(1, 2, len(right.problem.gap))
+            right = replace(right, problem=replace(right.problem, gap=gap))
+        faulty = fault.change(right, fault.sizes[0])
+        if faulty is None:
+            continue
+        if faulty.space is right.space:
+            assert faulty.problem is right.problem
+            assert faulty.v_norm is right.v_norm
+        distance = distance_of_solutions(right, faulty)
+        if math.isnan(distance) or distance > 1e-8:
+            return
+    pytest.fail(f"{fault.name} changes nothing in {', '.join(CASES_OF_ALL_KINDS)}")
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.2, np.inf])
+def test_friction_obeys_coulombs_law_at_every_vertex(mu: float) -> None:
+    """|λ_τ| ≤ μ λ_ν; where it is less, nothing slides; and λ_τ opposes the sliding."""
+    setup = experiment("corner", 8)
+    solved = friction(setup, mu).solved
+    S, load = setup.problem.M, setup.problem.load(0.5)
+    solver = solved.solver(S, setup.problem.N)
+    assert isinstance(solver, Frictional)
+    u, pressure = solver(load)
+    T = tangents(setup.space)
+    shear = np.linalg.lstsq(T.toarray().T, load - S @ u - setup.problem.N.T @ pressure, rcond=None)[0]
+    room = mu * pressure[solver.owners] if np.isfinite(mu) else np.where(pressure[solver.owners] > 0, np.inf, 0.0)
+    slides = T @ u
+    size = abs(pressure).max()
+    assert (abs(shear) <= room + 1e-6 * size).all()
+    stuck = abs(shear) < room - 1e-6 * size
+    assert abs(slides[stuck]).max(initial=0.0) < 1e-9
+    assert (shear * slides >= -1e-9 * size).all()
+
+
+def test_bounded_forces_minimise_the_energy() -> None:
+    rng = np.random.default_rng(0)
+    L = rng.standard_normal((6, 6))
+    W, free, bound = L @ L.T + np.eye(6), rng.standard_normal(6), rng.uniform(0, 0.3, 6)
+    forces = bounded(W, free, bound, np.zeros(6))
+    slope = W @ forces - free
+    assert (abs(forces) <= bound + 1e-12).all()
+    inside = abs(forces) < bound - 1e-9
+    assert slope[inside] == pytest.approx(0, abs=1e-9)
+    assert (slope * np.sign(forces))[~inside].max(initial=0.0) <= 1e-9
+
+
+def test_without_friction_the_frictional_solver_is_the_right_one() -> None:
+    setup = experiment("corner", 8)
+    solver = friction(setup, 0.0).solved.solver(setup.problem.M, setup.problem.N)
+    u, pressure = solver(load := setup.problem.load(0.7))
+    v, right = Signorini(setup.problem.M, setup.problem.N)(load)
+    assert u == pytest.approx(v, abs=1e-9 * abs(v).max())
+    assert pressure == pytest.approx(right, abs=1e-9 * right.max())
+
+
+def test_the_matrix_tells_by_which_checks_and_in_which_cases_a_fault_is_noticed() -> None:
+    chosen = [BY_NAME[name] for name in ("no lift-off", "λ and μ exchanged in A", "initial gap reversed")]
+    rows = pd.DataFrame(rows_of("advance-recede", chosen)).set_index(["fault", "size"])
+    assert "order" in rows.loc[("no lift-off", 1.0), "by_error"]
+    assert "Thm 4.2 displacement" in rows.loc[("no lift-off", 1.0), "by_others"]
+    # λ = μ in this case: their exchange is no fault here, and nothing can notice it.
+    same = rows.loc["λ and μ exchanged in A"]
+    assert (same["distance"] == 0).all()
+    assert (same["by_error"] == "").all()
+    # There is no initial gap.
+    assert "initial gap reversed" not in rows.index
+
+
+def test_nothing_is_concluded_where_a_check_fails_without_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
+    for one in measured_on("full-contact"):
+        assert one.failing() == []
+    monkeypatch.setattr("study.controls.matrix.FAILS", "holds")
+    with pytest.raises(ValueError, match="full-contact: without a fault these checks fail: order"):
+        next(rows_of("full-contact"))
+
+
+def matrix(*rows: tuple[str, float, str, int, str, str]) -> pd.DataFrame:
+    names = ["fault", "size", "case", "dim", "by_error", "by_others"]
+    table = pd.DataFrame(rows, columns=names).assign(equation="(2.5)", distance=1.0, error=1.0)
+    return table.assign(single=table["fault"].str.contains("vertex").astype(int))
+
+
+SEEN, UNSEEN = "order", ""
+
+
+@pytest.mark.parametrize(
+    ("rows", "lacking"),
+    [
+        ([("f", 0.1, "a", 2, SEEN, ""), ("f", 0.1, "b", 2, SEEN, "")], []),
+        ([("f", 0.1, "a", 2, SEEN, ""), ("f", 0.1, "b", 2, UNSEEN, "force")], ["f, in the plane"]),
+        ([("f", 0.1, "a", 2, SEEN, "")], []),
+        # Only the smallest size counts.
+        ([("f", s, c, 2, SEEN if s > 0.1 else "", "") for s in (1.0, 0.1) for c in "ab"], ["f, in the plane"]),
+        ([("f", -1.0, "a", 2, SEEN, ""), ("f", -1.0, "c", 3, UNSEEN, "")], ["f, in space"]),
+        ([("one vertex", 1.0, c, 2, UNSEEN, "force") for c in "ab"], []),
+        ([("one vertex", 1.0, c, 2, UNSEEN, "") for c in "ab"], ["one vertex, in the plane"]),
+    ],
+)
+def test_a_fault_must_be_noticed_in_two_plane_cases_and_in_one_in_space(rows, lacking: list[str]) -> None:
+    assert faults.missed(matrix(*rows)) == lacking
+
+
+def test_the_summary_counts_cases() -> None:
+    rows = [("f", 0.1, "a", 2, SEEN, ""), ("f", 0.1, "b", 2, UNSEEN, "force"), ("f", 0.1, "c", 2, UNSEEN, "")]
+    (line,) = faults.summary(matrix(*rows).assign(distance=[1.0, 1.0, 0.0])).to_dict("records")
+    assert (line["cases"], line["errors"], line["any_check"], line["invisible"]) == (3, 1, 2, 1)
+
+
+def test_the_command_writes_the_matrix_and_continues(monkeypatch, tmp_path, capsys) -> None:
+    command = ["faults", "--case", "full-contact", "--fault", "no contact", "--jobs", "1", "--out", str(tmp_path)]
+    assert main(command) == 0
+    table = pd.read_csv(tmp_path / "data" / "faults.csv")
+    assert table["fault"].tolist() == ["no contact"]
+    assert "noticed by errors" in capsys.readouterr().out
+    monkeypatch.setattr("study.controls.matrix.rows_of", None)  # nothing is measured again
+    assert main(command) == 0
+
+
+MARCH = """
+from manufactured import named
+from study.fem.error_norm import ErrorNorm
+from study.fem.mesh import OneDiagonal
+from study.fem.space import Space
+solution = named("advance-recede").solution
+space = Space(OneDiagonal()(solution.body, 4), solution.body)
+v_norm = ErrorNorm(solution, space)
+data = space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant
+from study.solve.stress_problem import StressProblem
+*_, last = StressProblem.of(*data).march(8)
+assert last.time == space.body.T
+"""
+
+
+def test_the_stress_problem_loads_no_solver_of_displacements_while_it_marches() -> None:
+    """So it cannot call one, not even on a copy of the other problem, which no change of that one would show."""
+    command = [sys.executable, "-c", f"{MARCH}\nimport sys; print(*sys.modules)"]
+    loaded = set(subprocess.run(command, capture_output=True, text=True, check=True).stdout.split())
+    assert "clarabel" in loaded
+    names = "signorini multigrid solver_choice evolution tableau fixed_point factorisation"
+    solvers = {f"study.solve.{name}" for name in names.split()}
+    assert all(map(find_spec, solvers))
+    assert not loaded & solvers
+
+
+CASES = """
+from dataclasses import replace
+from sympy import Rational
+from manufactured import Case, ContactFace, ExactSolution, KelvinVoigt, Kind, Regularity
+from manufactured import isotropic, named, polygon, pos, s, t
+
+good = replace(named("advance-recede"), name="good")
+arch = replace(named("parabolic-gap"), name="arch", families=("one-diagonal",))
+apart = replace(named("no-contact"), name="apart")
+solid = replace(named("cube-disc"), name="solid")
+
+kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+body = polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds)
+law = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+(floor,) = body.of(Kind.CONTACT)
+zone = Rational(1, 64) - (s - Rational(1, 2) - t / 5) ** 2
+face = ContactFace.linear(floor, law, body.T, pos(-zone, 4), 40 * pos(zone, 2), level=zone)
+weak = Case(
+    name="weak",
+    summary="a small pressure on a narrow patch, and a large gap beyond",
+    solution=ExactSolution(body, law, (face,)),
+    regularity=Regularity(gap=4, pressure=2, moving=True),
+    order=1,
+    reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36)",
+)
+"""
+
+
+@pytest.fixture(scope="module")
+def cases(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path: Path = tmp_path_factory.mktemp("cases") / "cases.py"
+    path.write_text(CASES, encoding="utf-8")
+    return path
+
+
+def plan_of(reference: str) -> Plan:
+    scope = replace(quick(), cases=(reference,), plane=Levels((4, 8, 16)), every_family=False, statements=False)
+    return Plan.of(scope)
+
+
+def outcome(reference: str, directory: Path) -> tuple[pd.DataFrame, str]:
+    """The rows of ``contact-test.csv``, and what a run prints about them."""
+    plan, store = plan_of(reference), Store(directory)
+    (jobs,) = contact_tests(plan)
+    for job in (*jobs, *(job for defect in DEFECTS for job in defective(jobs, defect))):
+        store.save(job.key, job.fingerprint(), dict(job.run()))
+    (path,) = write_contact_test([jobs], store)
+    return pd.read_csv(path, keep_default_na=False), " ".join(contact_test_text(directory).split())
+
+
+@pytest.mark.slow
+def test_a_front_under_a_large_pressure_notices_both_defects(cases: Path, tmp_path: Path) -> None:
+    rows, text = outcome(f"{cases}:good", tmp_path)
+    assert (rows["noticed"] > 0).all()
+    places = rows.set_index("defect").loc["every second vertex of Γ3 free", "noticed_by"]
+    assert "contact force, order-pressure" in places
+    assert "weak" not in text
+    assert "contact forces scaled: by contact force" in text
+
+
+@pytest.mark.slow
+def test_a_small_pressure_on_a_narrow_patch_is_a_weak_test_with_advice(cases: Path, tmp_path: Path) -> None:
+    rows, text = outcome(f"{cases}:weak", tmp_path)
+    assert (rows["noticed"] == 0).all()
+    assert (rows["holding"] > 0).all()
+    assert text.startswith("weak test of contact: weak, unstructured meshes, n = 4 8 16")
+    assert "larger pressure relative to moduli and gap, a contact zone that is wider in cells, or finer levels" in text
+
+
+def test_only_cases_of_users_that_touch_are_tested(cases: Path) -> None:
+    assert contact_tests(plan_of("advance-recede")) == contact_tests(plan_of(f"{cases}:apart")) == []
+    assert resolve(contact_tests(plan_of(f"{cases}:solid"))[0][0].setting.case).solution.body.dim == 3
+
+
+@pytest.mark.parametrize(
+    ("name", "defect"), [("good", "every second vertex of Γ3 free"), *(("arch", defect) for defect in DEFECTS)]
+)
+def test_rows_about_the_program_do_not_count_and_results_with_a_fault_have_their_own_file(
+    cases: Path, name: str, defect: str
+) -> None:
+    assert {"penetration", "pulling", "residual"} <= OF_THE_PROGRAM
+    assert CHOSEN.keys() == DEFECTS.keys()
+    job = defective(contact_tests(plan_of(f"{cases}:{name}"))[0], defect)[0]
+    assert job.run() != super(type(job), job).run()
+    assert len({job.key, super(type(job), job).key}) == 2
