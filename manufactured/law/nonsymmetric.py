@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from manufactured.factor import UNIFORM, Factor
-from manufactured.law.linear_operator import Scaled, face_strains
+from manufactured.law.linear_operator import Scaled
 from manufactured.law.operators import AtPoints, LawError
 from manufactured.tensors import Array, Points, Tensors, mapped
 
@@ -73,12 +73,3 @@ class NonSymmetric:
 
     def scaled(self, factor: Array) -> AtPoints:
         return Scaled(self.matrix, factor)
-
-    def face_block(self, frame: Array) -> Array:
-        """Return the moduli d_a·C d_b, (d, d), for the strains d_a that a contact face can have (``face_strains``).
-
-        Args:
-            frame: the tangents of the face and its normal as columns, (d, d).
-        """
-        directions = face_strains(frame)
-        return directions @ self.matrix @ directions.T
