@@ -20,10 +20,11 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from manufactured.colours import BLACK, BLUE, DARK, GREEN, GREY, VERMILLION
+from study.ledger import faults
 from study.ledger.codes import Codes
 from study.ledger.datafiles import expected_orders, read_csv, read_rates, read_table
 from study.ledger.files import UsageError
-from study.present import body, charts, contact
+from study.present import body, charts, contact, fault_matrix
 from study.present.body import GAP
 from study.present.charts import Chart, draw_chart
 from study.present.drawing import SHEET, Drawing, caption, column_width, dots, entry, is_slide, legend, page_width
@@ -136,6 +137,10 @@ def overview(directory: Path) -> list[Drawing]:
     if len(known):
         about = "Bounds of the error divided by the error, for each case"
         figures.append(Drawing("effectivity", partial(draw_effectivity, known), caption_effectivity(known), about))
+    if (directory / "data" / "faults.csv").is_file():
+        matrix = read_csv(directory, "faults.csv", faults.COLUMNS)
+        draw = partial(fault_matrix.draw_faults, matrix)
+        figures.append(Drawing("faults", draw, fault_matrix.caption_faults(matrix), "The matrix of deliberate faults"))
     return [*figures, Drawing("problem", draw_sketch, caption("problem"), "Sketch of a body on a rigid foundation")]
 
 

@@ -10,8 +10,6 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,19 +20,13 @@ from study.bound import bounded
 from study.cli import run
 from study.cli.main import CLOSED, INTERRUPTED, main
 from study.cli.options import RESUMED, STARTS_AGAIN, parser
-from study.controls.baselines import Sweep
-from study.controls.control import Control
-from study.controls.run_controls import run_controls
 from study.ledger.datafiles import made_by
 from study.ledger.files import StoreError, UsageError, write_text, write_whole
-from study.ledger.verdict import FAILS, HOLDS, Verdict, row
-from study.ledger.window import at_most
 from study.run.executor import Processes
 from study.run.plan import Plan
 from study.run.provenance import provenance, read_provenance
 from study.run.store import Store
 from study.run.tasks import TaskStore
-from study.statements.green import Green
 from study.statements.shared.scope import Scope
 
 COARSE = ["--steps", "2", "--refine", "0", "--shorter", "1"]
@@ -152,33 +144,6 @@ def test_a_lock_that_its_owner_has_removed_holds_nothing(tmp_path: Path) -> None
     with store.locked():
         assert store.lock.exists()
     assert list(tmp_path.iterdir()) == []
-
-
-def test_controls_resume_with_what_is_not_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def verdicts(self: Sweep, defect: Callable[[Any], Any]) -> list[Verdict]:
-        with (Path(self.case) / "calls").open("a") as calls:
-            calls.write(".")
-        state = HOLDS if defect(1) == 1 else FAILS
-        return [row(Green(), "order", "a", at_most(1.0), (0.5, (0.5, 0.5), state), "case")]
-
-    monkeypatch.setattr(Sweep, "verdicts", verdicts)
-    setting, store = Sweep(str(tmp_path)), Store(tmp_path / "out")
-    controls = [Control(name, "what", setting, "", doubled, "order") for name in ("one", "two")]
-    # Settings that are called alike are not mistaken for one another.
-    twice = [*controls, Control("one", "what", replace(setting, families=("shaken",)), "", doubled, "order")]
-    monkeypatch.setattr("study.controls.table.CONTROLS", twice)
-    with Processes(1) as executor:
-        first, again, whole = (
-            run_controls(some, executor, store, lambda: None) for some in (controls[:1], controls, twice)
-        )
-    assert again[:2] == first
-    assert [outcome.caught for outcome in again] == [None, True, True]
-    assert len(whole) == 5
-    assert (tmp_path / "calls").read_text() == "....."
-
-
-def doubled(setup: Any) -> Any:
-    return 2 * setup
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,6 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
 from study.ledger.criterion import (
     Criterion,
     Observation,
@@ -24,8 +23,9 @@ from study.ledger.criterion import (
     largest,
     order,
 )
-from study.ledger.datafiles import read_claims, since_before, with_orders
 from study.ledger.theorems import EXACT_QUOTIENTS, THEOREMS
+
+from study.ledger.datafiles import read_claims, since_before, with_orders
 from study.ledger.verdict import (
     CAN_FAIL,
     FAILS,

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from changed import turned
 
 from manufactured import Body, BodyError, Kind, examine, named, polygon, unit_square
-from study.controls.baselines import turned
 from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
@@ -26,10 +26,7 @@ def test_a_turned_body_has_the_errors_of_the_unturned_one(name: str, rounding: f
     solution = named(name).solution
     other = turned(solution, angle)
     assert all(finding.passes for finding in examine(other))
-    one, same = (
-        measure(Experiment.of(item, OneDiagonal(), 8, MIDPOINT, 8)).row("", "one-diagonal", 8)
-        for item in (solution, other)
-    )
+    one, same = (measure(Experiment.of(item, OneDiagonal(), 8, MIDPOINT, 8)).row() for item in (solution, other))
     for quantity in ("error", "interpolation_error", "discrete_error"):
         assert same[quantity] == pytest.approx(one[quantity], rel=rounding), quantity
 

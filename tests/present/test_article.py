@@ -15,8 +15,8 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from changed import overridden
 
-from study.controls.control import overridden
 from study.ledger.datafiles import DataError
 from study.ledger.verdict import ORDER, kind, window_share, worst_value
 from study.ledger.window import Window, around, at_least, at_most

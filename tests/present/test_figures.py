@@ -10,13 +10,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from changed import overridden
 from committed import CORNER, RESULTS, SMOOTH, SOLID, copy_results
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from PIL import Image
 
 from study.cli.main import main
-from study.controls.control import overridden
 from study.ledger.datafiles import DataError, read_rates
 from study.ledger.files import UsageError
 from study.present.body import DISPLACEMENT, caption_body, draw_body, magnification

@@ -21,14 +21,16 @@ import manufactured
 from manufactured import prove
 from manufactured.catalogue import NAMES
 from study.cli.main import main, parser
-from study.controls import replacements, table
-from study.controls.run_controls import work
+from study.controls import faults
+from study.controls.matrix import distance_of_solutions
 from study.fem.mesh import OneDiagonal
-from study.ledger.verdict import FAILS, HOLDS
+from study.ledger.verdict import HOLDS
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.from_rates import SizeOfInterpolation
-from study.statements.prop_5_4 import FirstOrder, measure_case
+from study.statements.prop_5_4 import FirstOrder, measure
+from study.statements.shared.base import Setting
+from study.statements.shared.experiment import Experiment
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -132,10 +134,11 @@ def test_the_case_of_the_recipe_is_new_proves_itself_and_has_the_order_that_its_
     prove(case.solution, case.name)
     assert case.regularity.satisfies_5_36
     assert case.name not in NAMES
-    rows = [
-        measure_case(case, OneDiagonal(), n, MIDPOINT, rate_steps(case.solution.body.T, n, case.pace))
-        for n in (8, 16, 32)
-    ]
+    rows = []
+    for n in (8, 16, 32):
+        steps = rate_steps(case.solution.body.T, n, case.pace)
+        setup = Experiment.of(case.solution, OneDiagonal(), n, MIDPOINT, steps)
+        rows.append({"case": case.name, "family": OneDiagonal().name, "level": n, **measure(setup).row()})
     table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
     by_statement = [statement.judge(table) for statement in (FirstOrder(), SizeOfInterpolation())]
     assert all(by_statement)
@@ -149,15 +152,13 @@ def test_the_statement_of_the_recipe_holds_and_its_own_test_breaks_it(monkeypatc
     recipe.test_sums_over_vertices_are_not(monkeypatch)
 
 
-def test_the_control_of_the_recipe_is_caught_by_the_row_it_names(monkeypatch) -> None:
+def test_the_fault_of_the_recipe_changes_what_is_solved() -> None:
     added: dict[str, Any] = {}
-    exec(RECIPES["study/controls/replacements.py"], vars(replacements), added)
-    ((name, replacement),) = added.items()
-    monkeypatch.setattr(replacements, name, replacement, raising=False)
-    control = eval(RECIPES["study/controls/table.py"], vars(table))
-    assert control.name not in {known.name for known in table.CONTROLS}
-    failing = [verdict.key for verdict in work(control.setting, control) if verdict.verdict == FAILS]
-    assert set(control.keys) <= set(failing)
+    exec(RECIPES["study/controls/faults.py"], vars(faults), added)
+    (fault,) = (value for value in added.values() if isinstance(value, faults.Fault))
+    assert fault.name not in {known.name for known in faults.FAULTS}
+    right = Experiment.at(Setting("advance-recede", "one-diagonal", 4), MIDPOINT, 4)
+    assert distance_of_solutions(right, fault.change(right, fault.sizes[0])) > 1e-6
 
 
 def test_every_public_name_is_documented() -> None:

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from changed import overridden
 from pages import README, ROOT, SITE, Page
 
 from manufactured.colours import VERMILLION
-from study.controls.control import overridden
 from study.ledger.datafiles import DataError, read_claims, read_csv
 from study.present.full_run import FullRun
 from study.present.pages import badges, main, misprints, refresh, verdicts_in_words
@@ -71,7 +71,7 @@ def test_the_badges_say_what_is_so_and_are_red_where_a_row_fails_and_a_defect_go
         assert svg == (ROOT / "results" / "badges" / name).read_text(encoding="utf-8"), "run: make pages"
     failing = full.claims.assign(verdict=["fails", *full.claims["verdict"][1:]])
     unseen = full.controls.assign(caught=full.controls["caught"].replace("yes", "no"))
-    found = badges(overridden(copy(full), claims=failing, controls=unseen), ROOT / "pyproject.toml")
+    found = badges(overridden(copy(full), claims=failing, faults=unseen), ROOT / "pyproject.toml")
     assert " 1 fail</title>" in found["ledger.svg"]
     assert ": 0 of " in found["defects.svg"]
     assert all(f'fill="{VERMILLION}"' in found[f"{name}.svg"] for name in ("ledger", "defects"))

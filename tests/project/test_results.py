@@ -9,9 +9,9 @@ from typing import Any
 
 import pandas as pd
 import pytest
+from study.controls.sensitivity import COLUMNS, sensitivity_text
 
 from manufactured.catalogue import NAMES
-from study.controls.sensitivity import COLUMNS, sensitivity_text
 from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import read_claims, read_csv
 from study.ledger.verdict import HOLDS, REPORTED, UNCLAIMED

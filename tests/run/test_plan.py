@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from study.statements.green import Green
 
 from manufactured import Case, catalogue, named
 from manufactured.case import CaseError
@@ -25,7 +26,6 @@ from study.statements import STATEMENTS
 from study.statements.contact_work import WorkOfContact
 from study.statements.enclosure import resolve_problem
 from study.statements.fully_discrete import FullyDiscrete
-from study.statements.green import Green
 from study.statements.initial_gap import InitialGap
 from study.statements.landings import Landings
 from study.statements.pictures import Pictures

@@ -10,7 +10,7 @@ from study.statements.shared.base import ListedNumbers, Setting, Statement
 
 
 def measured(statement: Statement, settings: Sequence[Setting]) -> pd.DataFrame:
-    return pd.DataFrame([row for s in settings for _, row in statement.records(s, statement.measure(s))])
+    return pd.DataFrame([row for s in settings for _, row in statement.records(s, statement.run(s))])
 
 
 @cache

@@ -10,32 +10,23 @@ from measured_rows import quick_rows, verdicts
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED
 from study.run.plan import quick
-from study.statements.admissibility import Admissibility
 from study.statements.boundary import NaturalConditions
-from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
-from study.statements.constraint import Interpolant, VertexConstraint
 from study.statements.error_bounds import ErrorBounds
-from study.statements.green import Green
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
-from study.statements.korn import Korn, Norms
-from study.statements.lipschitz import Lipschitz
-from study.statements.residual import Residual
+from study.statements.korn import Korn
 from study.statements.shared.base import ListedNumbers
 from study.statements.shared.meshes import EVERY, place, representing, space_of
 from study.statements.shared.scope import Levels, Scope
 from study.statements.uniqueness import OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
 
-EVOLUTION = (Admissibility(), OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds())
-STATEMENTS: tuple[ListedNumbers, ...] = (
-    *(Green(), Korn(), Viscosity(), ElasticityOperator(), Projection(), Norms(), Lipschitz(), VertexConstraint()),
-    *(Interpolant(), InterpolationInV(), InterpolationOnContact(), Residual(), *EVOLUTION),
-)
-ORDERS_AND_CHANGES = Korn(), Norms(), InterpolationInV(), InterpolationOnContact(), NaturalConditions(), ErrorBounds()
+EVOLUTION = OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()
+STATEMENTS: tuple[ListedNumbers, ...] = (Korn(), InterpolationInV(), InterpolationOnContact(), *EVOLUTION)
+ORDERS_AND_CHANGES = Korn(), InterpolationInV(), InterpolationOnContact(), NaturalConditions(), ErrorBounds()
 """Statements about orders, and changes under refinement."""
 DEAR = {
-    *(Green(), Residual(), Lipschitz(), InterpolationInV(), InterpolationOnContact()),
-    *(BoundedVelocity(), Dependence(), ErrorBounds(), NaturalConditions()),
+    *(InterpolationInV(), InterpolationOnContact(), BoundedVelocity(), Dependence(), ErrorBounds()),
+    NaturalConditions(),
 }
 """Statements whose quick settings take more than a second."""
 

@@ -110,7 +110,7 @@ def recomputed(tables: dict[CsvFile, pd.DataFrame]) -> dict[str, str]:
 def test_both_ways_agree_and_a_reported_size_that_is_missing_or_wrong_by_a_factor_is_caught(case: str) -> None:
     known, place = resolve(case), Setting(case, "one-diagonal", 8)
     setup = Experiment.at(place, MIDPOINT, rate_steps(known.solution.body.T, place.level, known.pace))
-    row = measure(setup).row(case, place.family, place.level)
+    row = {**vars(place), **measure(setup).row()}
     again = {name: row[name] for name in ("case", "family", "scheme", "level", "h")} | recompute(setup)
     tables = {RATES: pd.DataFrame([row]), Recomputed.file: pd.DataFrame([again])}
     assert set(recomputed(tables).values()) == {HOLDS}

@@ -8,20 +8,22 @@ import pandas as pd
 import pytest
 
 from manufactured.case import INITIAL_GAP
-from study.ledger import criterion
+from study.ledger import quantities
+from study.ledger.check import Check
 from study.ledger.datafiles import read_rates
 from study.ledger.orders import weighted_order
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.ledger.window import STEEPER, Window, around, at_most
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, CheckKind, Verdict
+from study.ledger.window import STEEPER, Window
 from study.run.judgement import with_reasons
 from study.run.provenance import Complete
-from study.statements.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
+from study.statements.from_rates import RegularityNeeded, SizeOfInterpolation
 from study.statements.initial_gap import InitialGap
 from study.statements.own_cases import enough, finer, judge_own, least_levels
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder
 from study.statements.shared.meshes import CELLS, LEADING, in_leading_term, is_random
 from study.statements.thm_4_2 import SameMesh
+from study.statements.thm_4_2_own_space import growth
 
 
 def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="criss-cross", **changes) -> pd.DataFrame:
@@ -143,21 +145,6 @@ def test_the_order_without_5_36_is_reported_with_the_order_of_the_proof() -> Non
     (row,) = RegularityNeeded().judge(rough(1.0, proved_order=0.75))
     assert (row.verdict, row.window_low) == (REPORTED, 0.75)
     assert row.observed == pytest.approx(1.0)
-
-
-def test_a_turned_body_must_have_the_errors_of_its_twin_on_equal_meshes() -> None:
-    twin = table(scheme="midpoint", twin="")
-
-    def turned(change: float = 0.0, **changes) -> list[str]:
-        """Errors differ by ``change``, discrete errors by 10³ times as much."""
-        errors = {"error": twin["error"] * (1 + change), "discrete_error": twin["discrete_error"] * (1 + 1e3 * change)}
-        rows = twin.assign(case="b", twin="a").assign(**errors, **changes)
-        return [verdict.verdict for verdict in Turned().judge(pd.concat([twin, rows]))]
-
-    assert turned(1e-12) == [HOLDS, HOLDS]
-    assert turned(1e-9) == [FAILS, FAILS]
-    assert turned(family="unstructured") == [UNDECIDED, UNDECIDED]
-    assert turned(twin="b") == [], "a case compared with itself has no row"
 
 
 def test_theorem_4_2_fails_above_the_bound_by_the_duality_gap_and_where_the_bound_is_vacuous() -> None:
@@ -358,10 +345,10 @@ def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_fine
 
 
 def test_growth_is_that_of_a_power_over_all_levels_and_errors_without_an_order_fail() -> None:
-    ratio = criterion.growth("growth", "growth", at_most(1.25), "e", CELLS, 2)
-    assert ratio.measure(pd.DataFrame({"h": H, "e": 1.7 * H**-0.25}))[0] == pytest.approx(4**0.25)
-    for rule in (ratio, criterion.weighted("key", "quantity", Window(0, 2), "e", CELLS)):
-        assert np.isnan(rule.measure(pd.DataFrame({"h": H, "e": [1.0, 0.0, 0.5]}))[0])
+    assert growth(H, 1.7 * H**-0.25) == pytest.approx(4**0.25)
+    levels = pd.DataFrame({"h": H, "e": [1.0, 0.0, 0.5]})
+    check = Check("key", "quantity", quantities.fitted("e", power=CELLS), Window(0, 2), CheckKind.CLAIM)
+    assert check.verdict(FirstOrder(), "a", {"shaken": levels}).verdict == FAILS
 
 
 @pytest.fixture
@@ -389,9 +376,7 @@ def test_a_mesh_that_happens_to_be_bad_is_no_alarm(rates: pd.DataFrame) -> None:
     for name in ("error", "interpolation_error", "discrete_error", "initial_error", LEADING):
         rates.loc[mine & (rates["level"] == 16), name] *= 1.12
     assert set(of_patch(rates).values()) == {HOLDS}
-    in_h = criterion.order("order", "in h", around(1, 0.15), "error").measure(rates[mine & (rates["level"] <= 16)])
-    assert in_h is not None
-    assert in_h[0] < 0.85
+    assert quantities.fitted("error")(rates[mine & (rates["level"] <= 16)]) < 0.85
 
 
 def test_an_error_that_stagnates_and_a_leading_term_that_is_not_of_order_h_are_alarms(rates: pd.DataFrame) -> None:

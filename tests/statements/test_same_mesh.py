@@ -6,12 +6,13 @@ from functools import lru_cache
 
 import numpy as np
 import pytest
+from changed import problems
 
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.solve.stress_problem import StressProblem, StressState
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.thm_4_2 import Gaps, gaps, magnitudes, problems
+from study.statements.thm_4_2 import Gaps, gaps, magnitudes
 
 STEPS = 4
 Change = Callable[[int, StressState], StressState]

@@ -12,7 +12,6 @@ from study.fem.mesh import Shaken
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
 from study.statements import solution_divergence as divergence
-from study.statements.growing_errors import error_over_predicted, experiment, opening, share
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
 
@@ -69,15 +68,3 @@ def test_the_measured_rate_is_the_rate_of_the_midpoint_rule(law: KelvinVoigt) ->
     z = c / divergence.steps_for(law, 1.0)
     assert 0 < z <= 1 / divergence.SHORT + 1e-12
     assert divergence.growth_rate(SPACE, law, 1.0) == pytest.approx(math.log((1 + z / 2) / (1 - z / 2)) / z, rel=1e-9)
-
-
-@pytest.mark.parametrize("omega", [0.5, 2.0])
-def test_without_contact_errors_of_an_even_law_are_the_predicted_ones(omega: float) -> None:
-    """The gap is (1/10 + t/T)(1 + 4s(1 − s)). The midpoint rule makes e^{ωT} larger by ωT z²/12, z = ωk ≤ 1/16."""
-    solution = opening(divergence.even_law(2, omega), 2.0)
-    on_face = solution.on(solution.faces[0], np.array([[0.0, 0.25, 1.0]]))
-    for time in (0.0, 2.0):
-        assert on_face.gap(time) == pytest.approx((0.1 + time / 2) * np.array([1, 1.75, 1]))
-    free = experiment(solution, Setting("softening", "shaken", 4))
-    assert error_over_predicted(free, omega) == pytest.approx(1, abs=1.5e-3)
-    assert 0 < share(free) <= 1
