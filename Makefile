@@ -115,12 +115,12 @@ bench-peers: $(DEVELOPMENT)  ## solve the same matrices with other programs, res
 bench-parallel: $(DEVELOPMENT)  ## the quick study with one and with two processes, results/benchmarks, four minutes; PLAN=--full, an hour
 	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.parallel $(PLAN)
 
-lint: $(DEVELOPMENT)  ## check style, types and the order of imports; prints only
+lint: $(DEVELOPMENT)  ## check style, types, the order of imports and the weight; prints only
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
-	-@$(BIN)/python .ci/budget.py
+	$(BIN)/python .ci/weight.py
 
 # Left out: linear algebra within the solvers, and modules with a class that inherits fields from another one. pdoc
 # cannot resolve the types there; a warning anywhere else is an error.

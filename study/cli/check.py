@@ -28,8 +28,8 @@ IN_PART = (
     f"data/{SEEDS_FILE}",
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )
-"""Files in which only some edits are noticed, by relations between columns, or because tables are made from them.
-The data tables of a run also belong to these files if its provenance has no checksums."""
+"""Files in which only some edits are noticed: cells of a wrong kind, and cells from which tables are made. The data
+tables of a run also belong to these files if its provenance has no checksums."""
 
 
 def do_check(options: argparse.Namespace) -> int:

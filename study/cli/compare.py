@@ -4,7 +4,7 @@ import argparse
 import json
 
 from study.cli.options import FAILED, OK
-from study.ledger.compare import Tolerance, as_json, as_text, compare
+from study.ledger.compare import Tolerance, as_text, compare
 from study.run.store import Store
 
 
@@ -16,6 +16,6 @@ def do_compare(options: argparse.Namespace) -> int:
     """
     tolerance = Tolerance(options.tolerance, options.absolute)
     with Store(options.old).steady(), Store(options.new).steady():
-        found = compare(options.old, options.new, tolerance)
-    print(json.dumps(as_json(found), indent=2, allow_nan=False) if options.json else as_text(found))
-    return FAILED if found.differs else OK
+        comparison = compare(options.old, options.new, tolerance)
+    print(json.dumps(comparison.as_json(), indent=2, allow_nan=False) if options.json else as_text(comparison))
+    return FAILED if comparison.differs else OK

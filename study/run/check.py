@@ -1,9 +1,8 @@
 """Checks the data of a run for later changes: the functions of ``study check``.
 
-Most data follow from other data, and are compared with them. The recorded plan is compared with the plan that its scope
-gives now, the rows of all tables with the plan, ``cases.csv`` with the catalogue of cases, and columns with each other
-(``study.run.relations``). Nothing is measured for this. With ``--again N``, a random sample of the rows is also
-measured again.
+The recorded plan is compared with the plan that its scope gives now, the rows of all tables with the plan, and
+``cases.csv`` with the catalogue of cases. Nothing is measured for this. With ``--again N``, a random sample of the rows
+is also measured again.
 """
 
 import tempfile
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from study.ledger.codes import AGAIN, Codes
+from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.compare import Comparison, Tolerance, compare, difference
 from study.ledger.datafiles import CsvFile, DataError, line, made_by, read_csv, table_text, write_csv
 from study.ledger.files import UsageError
@@ -23,20 +22,16 @@ from study.run.executor import Pool, execute
 from study.run.judgement import PREDICTED, read_tables, stored_rows
 from study.run.plan import Job
 from study.run.provenance import Expectation, read_provenance
-from study.run.relations import CODE_RELATIONS, FOLDERS, RELATIONS
 from study.run.store import Store
 from study.statements.enclosure import BOUNDS, ENCLOSURES
 
-SHOWN = 3
-"""Number of wrong cells that a message lists for each violated relation."""
-
 
 def verify(directory: Path) -> str:
-    """Compare the data of a run with its plan, with its predictions, and with each other.
+    """Compare the data of a run with its plan and with the predictions for its cases.
 
     Returns:
-        A sentence with the numbers of rows, files, planned measurements, relations and cases that were compared, and
-        the cases that were not compared because their files no longer exist.
+        A sentence with the numbers of rows, files, planned measurements and cases that were compared, and the cases
+        that were not compared because their files no longer exist.
 
     Raises:
         UsageError: the directory has no data.
@@ -56,17 +51,11 @@ def verify(directory: Path) -> str:
     read_csv(directory, path.name, PREDICTED)
     if found := difference(path, table_text(pd.DataFrame(expectation.lines))):
         raise DataError(f"{found} from the catalogue or from the file of the case: {again}")
-    of_codes = [(codes, folder) for folder in FOLDERS if (codes := Codes.read(directory, folder))]
-    measured = [[*relation(tables, expectation)] for relation in RELATIONS]
-    others = [[*relation(*data)] for data in of_codes for relation in CODE_RELATIONS]
-    for broken, mend in ((measured, again), (others, AGAIN)):
-        if count := sum(map(len, broken)):
-            said = "\n".join(breach for breaches in broken for breach in breaches[:SHOWN])
-            raise DataError(f"data in {directory} were edited or damaged, in {count} places such as\n{said}\n{mend}")
+    for folder in (FOLDER, MARCHES):
+        Codes.read(directory, folder)
     rows, gone = sum(map(len, tables.values())), ", ".join(sorted(expectation.gone))
     return (
         f"{rows} rows in {len(tables)} files belong to the {len(planned)} planned measurements; "
-        f"{len(measured) + len(others)} relations hold in all of them; "
         f"the predictions of {len(expectation.cases)} cases agree with the definitions of the cases"
         f"{'; not compared, because their files no longer exist: ' if gone else ''}{gone}"
     )

@@ -1,9 +1,9 @@
 """The provenance of the data of a run: a record of how they were made, in ``data/provenance.json``.
 
-The file has the scope and the plan of the run, the versions of Python and of the libraries, the code and data files of
-each statement, and checksums of the data files. The plan and the predictions can also be computed again from the scope,
-the catalogue of cases and the files of users' cases (``Expectation``). If the file of a user's case no longer exists,
-the recorded values are used.
+The file has the scope and the plan of the run, the commit of the code, the versions of Python and of the libraries, the
+code and data files of each statement, and checksums of the data files. The plan and the predictions can also be
+computed again from the scope, the catalogue of cases and the files of users' cases (``Expectation``). If the file of a
+user's case no longer exists, the recorded values are used.
 """
 
 from __future__ import annotations
@@ -12,7 +12,9 @@ import hashlib
 import inspect
 import os
 import platform
+import subprocess
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -52,6 +54,7 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "study": version("signorini-study"),
+        **commit(),
         "plan": scope.name,
         "scope": {**asdict(scope), "cases": names},
         "own_cases": own,
@@ -61,6 +64,22 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
         "machine": platform.machine(),
         "packages": packages(),
     }
+
+
+def commit() -> dict[str, Any]:
+    """Return the commit of the code, and whether no file of ``study`` and ``manufactured`` differs from the commit.
+
+    Without a git repository, as after an installation from a wheel, the commit is empty.
+    """
+    command = ["git", "status", "--porcelain=v2", "--branch", "--untracked-files=all", "--", "study", "manufactured"]
+    lines: list[str] = []
+    # A package that is installed below another repository does not belong to it.
+    if (ROOT / ".git").exists():
+        with suppress(OSError, subprocess.CalledProcessError):
+            lines = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
+    head, changes = "# branch.oid ", [line for line in lines if not line.startswith("#")]
+    name = next((line.removeprefix(head) for line in lines if line.startswith(head)), "")
+    return {"commit": name, "clean": bool(name) and not changes}
 
 
 def sources() -> dict[str, dict[str, Any]]:

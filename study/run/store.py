@@ -6,23 +6,19 @@ killed, the results of finished jobs remain, and the same command runs only the 
 cache key differs, the file is ignored and the job runs again.
 """
 
-import errno
 import hashlib
 import json
 import os
-import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import psutil
+from filelock import FileLock, Timeout
 
 from study.ledger.files import StoreError, unwritable, write_text
-
-if sys.platform != "win32":
-    import fcntl
 
 FORMAT = 2
 """Version of the format of data files. It changes if this program can no longer read older files."""
@@ -94,8 +90,7 @@ class Store:
     def locked(self) -> Iterator[None]:
         """Lock the directory against other runs, and remove temporary files of killed runs.
 
-        The operating system releases the lock when this process ends for any reason. Child processes do not inherit the
-        lock. Windows has no such locks: there, two runs on one directory are not noticed.
+        The operating system releases the lock when this process ends for any reason.
 
         Raises:
             StoreError: another run works on the directory, or it cannot be written.
@@ -103,32 +98,21 @@ class Store:
         self.refuse_foreign()
         try:
             self.lock.parent.mkdir(parents=True, exist_ok=True)
-            file = self.lock.open("a")
+            # A singleton can be locked twice by one process, as for ``study compare DIR DIR``.
+            lock = FileLock(self.lock, timeout=0, is_singleton=True).acquire()
+        except Timeout as error:
+            raise StoreError(
+                f"another run works on {self.directory}: wait until it ends, or give another directory with --out"
+            ) from error
         except OSError as error:
             raise unwritable(self.lock, error) from error
-        with file:
-            self._hold(file)
+        with lock:
             # The name of a temporary file contains the number of its process. If no such process exists, it was killed.
             for part in [part for depth in ("", "*/", "data/*/") for part in self.directory.glob(f"{depth}.*.part")]:
                 owner = part.name.split(".")[-2]
                 if owner.isdigit() and not psutil.pid_exists(int(owner)):
                     part.unlink(missing_ok=True)
             yield
-
-    def _hold(self, file: IO[str]) -> None:
-        if sys.platform == "win32":
-            return
-        try:
-            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # Another process may have removed the file after this one opened it, as ``TaskStore`` does. A lock of the
-            # removed file protects nothing.
-            if not os.path.samestat(os.fstat(file.fileno()), os.stat(self.lock)):
-                raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
-        except OSError as error:
-            raise StoreError(
-                f"another run works on {self.directory}: wait until it ends, or give another directory with "
-                f"--out ({self.lock}: {error.strerror})"
-            ) from error
 
     def steady(self) -> AbstractContextManager[None]:
         """Return a context within which no other command changes the data of a finished run.

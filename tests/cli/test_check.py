@@ -141,23 +141,13 @@ def emptied(directory: Path) -> None:
     planned(lambda keys: [])(directory)
 
 
-def unshaken(table: pd.DataFrame) -> pd.DataFrame:
-    """The rows of shaken meshes are those of one-diagonal ones."""
-    key = ["case", "scheme", "level"]
-    plain = table[table["family"] == "one-diagonal"].set_index(key)
-    for row in table.index[table["family"] == "shaken"]:
-        place = tuple(table.loc[row, key])
-        table.loc[row] = {**plain.loc[place], **dict(zip(key, place, strict=True)), "family": "shaken"}
-    return table
-
-
 @pytest.fixture
 def refusal(told) -> Callable[..., str]:
     """Checks a directory; returns what the command says."""
     return lambda directory, code=2: told("check", "--out", str(directory), code=code)
 
 
-RATES, CASES, EQUIVALENCE, BOUNDS = "rates.csv", "cases.csv", "equivalence.csv", "bounds.csv"
+RATES, CASES, EQUIVALENCE = "rates.csv", "cases.csv", "equivalence.csv"
 
 
 def cell(
@@ -171,22 +161,8 @@ def cell(
 EDITS: dict[str, tuple[Edit, str]] = {
     "an order that nobody predicted": cell(CASES, "expected_order", to("0.9"), "found '0.9', expected '1'.*run"),
     "a twin": cell(CASES, "twin", to("hexagon"), "found 'hexagon'"),
-    "the claim of another proposition": cell(RATES, "claim", to("Prop. 5.3"), "found Prop. 5.3, expected Prop. 5.4"),
-    "an order that does not follow": cell(RATES, "order", times(1.01), r"found .*, expected 0?1?\.", "order != ''", 1),
-    "mesh sizes times 3": cell(RATES, "h", times(3), "found 0.375, expected 0.125"),
-    "a mesh size of the other formulation": cell(EQUIVALENCE, "h", times(3), "found", rows=1),
-    **{
-        f"{column} exactly 0": cell(RATES, column, to("0"), "found 0, expected a positive number")
-        for column in ("residual", "quadrature_change", "parallelogram", "time_share")
-    },
-    "an error above the triangle": cell(RATES, "error", times(3), "found .* at most", rows=1),
-    "steps": cell(RATES, "steps", to("7"), "found 7.*, expected 32", rows=1),
-    "a time off the grid": cell(RATES, "at", to("0.7771"), "found 0.7771", rows=1),
-    "half of a time share": (edit(RATES, "time_share", times(0.5), rows=1), r"line 2, column discrete_time_share"),
-    "an error at the start": (edit(RATES, "initial_error", times(50), rows=1), r"column initial_error.*largest error"),
     "a level that is a word": cell(RATES, "level", to("x"), "found 'x'", rows=1),
     "a row twice": (twice(RATES), r"rates.csv, line \d+: the row case pocket, .* is also in line 3"),
-    "meshes that are not shaken": (rewritten(unshaken, RATES), "column error: found .*, expected another number than"),
     "a line of the catalogue twice": (twice(CASES, 0), r"cases.csv, line 3, .*: found 'pocket', expected nothing"),
     "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
     "tables and plan emptied": (emptied, r"provenance.json has an empty plan"),
@@ -194,6 +170,10 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "a row planned twice": (planned(lambda keys: [*keys, keys[0]]), r"provenance.json plans .* twice"),
     "a verdict": cell("claims.csv", "verdict", to("reported"), "found 'reported', expected 'holds': `study ta", rows=1),
     "what was observed": cell("claims.csv", "observed", times(1.001), "found", "observed != '0'", 1),
+    **{
+        f"{name} times 1.01": (edit(name, column, times(1.01), rows=1), f"{name} was changed after the run")
+        for name, column in ((RATES, "error"), (EQUIVALENCE, "h"))
+    },
 }
 
 
@@ -215,7 +195,8 @@ def assert_refused(part: Part, directory: Path, message: str) -> None:
 def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path) -> None:
     change, message = EDITS[name]
     change(own)
-    assert_refused(verdicts_as_written if "claims.csv" in message else verify, own, message)
+    parts = {"claims.csv": verdicts_as_written, "was changed after": compare_sums}
+    assert_refused(next((part for words, part in parts.items() if words in message), verify), own, message)
 
 
 @pytest.mark.parametrize("part", ["verify", "verdicts", "compare_sums", "SeedRecord.read", "as_written"])
@@ -227,18 +208,8 @@ def test_the_command_refuses_what_one_of_its_parts_refuses(part: str, own: Path,
     assert f"study: {part} says no" in refusal(own)
 
 
-ERRORS, CLASSES = "../codes/errors.csv", "../codes/classes.csv"
+ERRORS = "../codes/errors.csv"
 CODES: dict[str, tuple[Edit, str]] = {
-    "the error of a code": cell(ERRORS, "error", times(0.5), r"found .* up to the distance from the sol", rows=1),
-    "the error of the solution in K^h": cell(ERRORS, "best", times(1.1), "found .*, as in the rows of most", rows=1),
-    "errors of a code that fall faster": (
-        edit(ERRORS, "pressure", times(0.5), "level == '64'", 1),
-        r"codes/classes.csv, line \d+, column order_of_pressure: found",
-    ),
-    "a class for what a code cannot express": cell(
-        CLASSES, "class", to("exact for P1"), "found .*, expected not expressed", "`class` == 'not expressed'", 1
-    ),
-    "a series of no code": cell(ERRORS, "series", to("9999"), "found 9999, expected a series of classes.csv", rows=1),
     "a word for an error of a code": cell(ERRORS, "error", to("small"), "found 'small'", rows=1),
     "a row of a code twice": (twice(ERRORS), r"errors.csv, line \d+: the row series 1, level .* is also in line 3"),
 }
@@ -267,9 +238,6 @@ def misreported(directory: Path) -> None:
 
 COMMITTED: dict[str, tuple[Edit, str]] = {
     "a twin removed": cell(CASES, "twin", to(""), "found '', expected 'advance-recede'", "case == 'rotated'"),
-    "errors of enclosures times 100": (edit("enclosures.csv", "error", times(100)), "the largest over its times in"),
-    "a bound that its course does not reach": cell(BOUNDS, "above", times(0.9), "found", rows=1),
-    "an error where none is known": cell(BOUNDS, "error", to("1"), "found 1.*, expected nothing", "case == 'ramp'", 1),
     "a row of statements twice": (twice("statements.csv"), r"statements.csv, line \d+: .* is also in line 3"),
     "a word in a statement": cell("statements.csv", "value", to("x"), "found", rows=1),
     "a table": (shortened("tables/rates.md", 0), r"rates.md, line 1: found .*, expected .*: .*`study tables --out"),
@@ -293,7 +261,7 @@ def expectation(copy_of_committed: Path) -> Expectation:
     return Expectation(read_provenance(copy_of_committed), copy_of_committed)
 
 
-QUICK = ("a twin removed", "an error where none is known", "a row of statements twice", "a number of a picture")
+QUICK = ("a twin removed", "a row of statements twice", "a number of a picture")
 """Edits of which each is refused by another comparison; the nightly job tries all."""
 
 
@@ -328,7 +296,7 @@ def test_the_committed_run_passes_and_every_file_is_compared_or_named(
     told = " ".join(refusal(committed, code=0).split())
     cases = len(pd.read_csv(committed / "data" / "cases.csv"))
     assert re.search(
-        r"\d+ rows in \d files belong to the \d+ planned measurements; \d+ relations hold in all of them; "
+        r"\d+ rows in \d files belong to the \d+ planned measurements; "
         rf"the predictions of {cases} cases agree with the definitions of the cases; \d+ verdicts and \d+ files agree "
         "with the texts that this version writes",
         told,
@@ -351,10 +319,7 @@ def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, refusal) 
     table = pd.read_csv(path)
     errors = ["error", "interpolation_error", "discrete_error", "predicted_interpolation", "initial_error"]
     table[errors] = table[errors].mul(table["h"] ** 0.3, axis=0)
-    table["order"] -= 0.3
-    write_csv(path, table)
-    assert "column order" in refusal(own)
-    table["order"] += 0.6
+    table["order"] += 0.3
     write_csv(path, table)
     assert "rates.csv was changed after the run" in refusal(own)
     recorded(lambda made: made.pop("sha256"))(own)
@@ -424,7 +389,7 @@ def test_rows_measured_again_agree_and_the_seed_is_printed(own: Path, checked) -
 
 
 def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> None:
-    """No relation between columns shows these changes, in the first rows. Only their measurements are repeated."""
+    """Without checksums, only a measurement shows these changes, in the first rows."""
     changes = {"rates.csv": ("quadrature_change", 1.001), "equivalence.csv": ("steps", 2.0)}
     jobs = planned_jobs(own)
     first = [next(job for job in jobs if job.statement.file.name == file) for file in changes]
@@ -439,7 +404,7 @@ def test_rows_that_were_changed_are_noticed(own: Path, checked, monkeypatch) -> 
     said = checked("--again", "1000", "--out", str(own), code=1)
     for file, (column, _) in changes.items():
         assert f"{file}: differs" in said
-        assert re.search(rf"{column}: 1 of \d+ differ, 1 beyond tolerance", said)
+        assert f"{column}: 1 beyond tolerance" in said
 
 
 def test_a_case_whose_file_is_gone_cannot_be_measured_again(own: Path, checked) -> None:

@@ -24,7 +24,7 @@ from study.ledger.datafiles import made_by
 from study.ledger.files import StoreError, UsageError, write_text, write_whole
 from study.run.executor import Processes
 from study.run.plan import Plan
-from study.run.provenance import provenance, read_provenance
+from study.run.provenance import commit, provenance, read_provenance
 from study.run.store import Store
 from study.run.tasks import TaskStore
 from study.statements.shared.scope import Scope
@@ -133,17 +133,27 @@ def test_two_commands_on_one_directory_are_refused_by_name_until_the_first_one_e
         pass
 
 
-def test_a_lock_that_its_owner_has_removed_holds_nothing(tmp_path: Path) -> None:
-    """Opened while one export worked, locked after it ended: a third one has a new file by then."""
+def test_a_command_may_lock_a_directory_twice_and_an_export_removes_its_lock(tmp_path: Path) -> None:
     store = TaskStore(tmp_path)
-    with store.lock.open("a") as opened_before:
-        for change in (store.lock.unlink, store.lock.touch):
-            change()
-            with pytest.raises(StoreError, match="another run works on"):
-                store._hold(opened_before)
-    with store.locked():
+    with store.locked(), store.locked():
         assert store.lock.exists()
+    with store.locked():
+        pass
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_record_of_a_run_names_the_commit_and_whether_the_code_was_changed_since(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("study.run.provenance.ROOT", tmp_path)
+    assert commit() == {"commit": "", "clean": False}
+    write_text(tmp_path / "study" / "a.py", "")
+    git = ["git", "-C", str(tmp_path), "-c", "user.name=a", "-c", "user.email=a@b"]
+    for words in (["init", "-q"], ["add", "."], ["commit", "-qm", "first"]):
+        subprocess.run([*git, *words], check=True)
+    head = subprocess.run([*git, "rev-parse", "HEAD"], check=True, capture_output=True, text=True).stdout.strip()
+    write_text(tmp_path / "results" / "rates.csv", "")
+    assert commit() == {"commit": head, "clean": True}
+    write_text(tmp_path / "study" / "a.py", "changed")
+    assert commit() == {"commit": head, "clean": False}
 
 
 @pytest.mark.parametrize(

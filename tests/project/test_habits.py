@@ -170,3 +170,28 @@ def test_every_public_name_is_documented() -> None:
             assert value.__doc__ and not value.__doc__.startswith(f"{name}("), name  # noqa: PT018
         else:
             assert f"``{name}``" in str(manufactured.__doc__)
+
+
+def test_a_tree_that_is_heavier_than_recorded_fails_and_limits_only_go_down(tmp_path: Path) -> None:
+    module = runpy.run_path(str(ROOT / ".ci" / "weight.py"))
+    texts = {
+        "study/fem/a.py": '"""A docstring."""\nSMALL = [1, 2]  # four expressions\n',
+        "study/fem/b.py": "SMALL = 3\n",
+        "tests/test_a.py": "# a comment\nassert True\n",
+        "examples/contact_judge.py": "print(1)\n",
+        "study/page.html": "<p>\n</p>\n",
+    }
+    weights = module["measured"](texts)
+    assert weights == {
+        **{"product": 6, "tests": 1, "rest": 3, "files": 2, "web_lines": 2, "repeated_constants": 1},
+        **{"study/fem per line": 3, "tests per line": 1},
+    }
+    limits = tmp_path / "limits.toml"
+    limits.write_text("".join(f'"{name}" = {weight + 1:g}  # a goal\n' for name, weight in weights.items()))
+    assert module["compare"](weights, limits, record=True) == 0
+    recorded = tomllib.loads(limits.read_text())
+    assert recorded == weights
+    for name, weight in weights.items():
+        assert module["compare"]({**weights, name: weight + 0.1}, limits, record=True) == 1
+    assert tomllib.loads(limits.read_text()) == recorded
+    assert module["compare"]({"study/new per line": 5.6}, limits, record=False) == 1
