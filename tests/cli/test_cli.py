@@ -158,7 +158,9 @@ def test_a_job_file_of_another_format_is_refused(tmp_path: Path) -> None:
 
 
 COLUMNS = "label,key,case,family,reason\n"
-ROW = Verdict("(0.0)", "a claim", "pocket", "an order", "1 ± 0.1", 1, 0.5, 1.5, HOLDS, "order", "shaken", 0.9, 1.1)
+ROW = Verdict(
+    "(0.0)", "a claim", "pocket", "an order", "1 ± 0.1", 1, 0.5, 1.5, HOLDS, "order", "shaken", "claim", 0.9, 1.1
+)
 LINE = "(0.0),order,pocket,shaken,three levels leave the order open\n"
 
 

@@ -12,7 +12,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy import stats
-from study.ledger.criterion import Criterion, exactly
 
 from study.cli import seeds
 from study.cli.main import main
@@ -205,9 +204,8 @@ def test_an_interrupted_run_loses_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("quick")
 def test_an_alarm_is_counted_printed_and_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
-    first, *others = OneTrajectory.rules
-    assert isinstance(first, Criterion)
-    monkeypatch.setattr(OneTrajectory, "rules", (replace(first, window=at_most(-1, low=-2)), *others))
+    first, *others = OneTrajectory.checks
+    monkeypatch.setattr(OneTrajectory, "checks", (replace(first, window=at_most(-1, low=-2)), *others))
     seeds_of(tmp_path, "--seeds", "1")
     (row,) = SeedRecord.read(tmp_path).rows
     assert row.alarms > 0
@@ -241,13 +239,12 @@ def test_another_window_statistic_or_level_is_another_rule_of_these_rows_alone(
     measured: tuple[Path, Plan], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     directory, plan = measured
-    before, (first, *others) = rules(directory, plan), OneTrajectory.rules
-    assert isinstance(first, Criterion)
+    before, (first, *others) = rules(directory, plan), OneTrajectory.checks
     for change in (
         {"window": at_most(2 * first.window.high)},
-        {"measure": lambda table: exactly(2 * table[first.columns[0]].iloc[-1])},
+        {"value": lambda table: 2 * first.value(table)},
     ):
-        monkeypatch.setattr(OneTrajectory, "rules", (replace(first, **change), *others))
+        monkeypatch.setattr(OneTrajectory, "checks", (replace(first, **change), *others))
         after = rules(directory, plan)
         assert {row[:2] for row in before if after[row] != before[row]} == {(OneTrajectory.label, first.key)}
     monkeypatch.undo()

@@ -11,7 +11,6 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from study.statements.green import Green
 
 from manufactured import Case, catalogue, named
 from manufactured.case import CaseError
@@ -27,6 +26,7 @@ from study.statements.contact_work import WorkOfContact
 from study.statements.enclosure import resolve_problem
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.initial_gap import InitialGap
+from study.statements.korn import Korn
 from study.statements.landings import Landings
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
@@ -211,8 +211,8 @@ def test_a_case_alone_is_measured_by_the_statements_about_every_case() -> None:
 
 
 def test_a_measurement_becomes_one_row_per_quantity() -> None:
-    rows = [row for _, row in Green().records(Setting("a", "f", 8), {"h": 0.1, "p": 1.0, "q": 2.0})]
-    place = {"label": "(2.14)", "case": "a", "family": "f", "level": 8, "h": 0.1}
+    rows = [row for _, row in Korn().records(Setting("a", "f", 8), {"h": 0.1, "p": 1.0, "q": 2.0})]
+    place = {"label": "(2.17)", "case": "a", "family": "f", "level": 8, "h": 0.1}
     assert rows == [{**place, "quantity": name, "value": value} for name, value in (("p", 1.0), ("q", 2.0))]
 
 

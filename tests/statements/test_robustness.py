@@ -25,7 +25,8 @@ from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.from_rates import SizeOfInterpolation
 from study.statements.prop_5_3 import Convergence
-from study.statements.prop_5_4 import FirstOrder, measure_case
+from study.statements.prop_5_4 import FirstOrder, measure
+from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import serving
 
 CASES = [name for name in NAMES if name not in ("closing-gap", "parabolic-gap", "cube-bowl")]
@@ -166,11 +167,12 @@ def alarms(case: Case) -> list[str]:
     Meshes are those of the first family that meshes the body, and graded ones where corners need them.
     """
     first, *others = serving(case)
-    rows = [
-        measure_case(case, family, n, MIDPOINT, rate_steps(case.solution.body.T, n, case.pace))
-        for family in (first, *(family for family in others if isinstance(family, Graded)))
-        for n in quick().levels_of(case).all
-    ]
+    rows = []
+    for family in (first, *(family for family in others if isinstance(family, Graded))):
+        for n in quick().levels_of(case).all:
+            steps = rate_steps(case.solution.body.T, n, case.pace)
+            setup = Experiment.of(case.solution, family, n, MIDPOINT, steps)
+            rows.append({"case": case.name, "family": family.name, "level": n, **measure(setup).row()})
     table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
     statements = FirstOrder(), SizeOfInterpolation(), Convergence()
     verdicts = [verdict for statement in statements for verdict in statement.judge(table)]

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,39 +9,21 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from study.ledger.criterion import (
-    Criterion,
-    Observation,
-    Rule,
-    between_levels,
-    change,
-    consecutive,
-    every,
-    extrapolated,
-    finest,
-    largest,
-    order,
-)
-from study.ledger.theorems import EXACT_QUOTIENTS, THEOREMS
 
-from study.ledger.datafiles import read_claims, since_before, with_orders
+from study.ledger import quantities
+from study.ledger.check import ENOUGH, Check
+from study.ledger.datafiles import since_before, with_orders
 from study.ledger.verdict import (
-    CAN_FAIL,
     FAILS,
     HOLDS,
-    IDENTITY,
     MISSED,
-    ONE_SIDED,
-    ORDER,
     REPORTED,
-    SIZE,
-    THEOREM,
     UNDECIDED,
+    CheckKind,
     Verdict,
     agreement,
     exit_code,
     is_of_the_paper,
-    kind,
     window_share,
 )
 from study.ledger.window import Window, around, at_least, at_most, between, position, shown
@@ -54,77 +35,98 @@ def levels(values: object, count: int = len(LEVELS)) -> pd.DataFrame:
     return pd.DataFrame({"h": 1 / np.array(LEVELS), "e": np.broadcast_to(values, len(LEVELS))}).head(count)
 
 
-def judged(rule: Rule, *families: pd.DataFrame) -> Verdict:
+def check(value: quantities.Value, window: Window, levels: int = 1, **options: object) -> Check:
+    return Check("key", "a quantity", value, window, CheckKind.CLAIM, levels, **options)
+
+
+def judged(check: Check, *families: pd.DataFrame) -> Verdict:
     claim = SimpleNamespace(label="(0.0)", claim="a claim")
-    return rule.verdict(claim, "a", {str(i): family for i, family in enumerate(families)})
+    return check.verdict(claim, "a", {str(i): family for i, family in enumerate(families)})
 
 
 FIRST = 1 / np.array(LEVELS)
 ABOUT_1 = around(1, 0.1)
-ORDERS = [
-    consecutive("key", "order", ABOUT_1, "e"),
-    between_levels("key", "order", ABOUT_1, "e", 2, 3),
-    order("key", "order", ABOUT_1, "e"),
-    extrapolated("key", "order", ABOUT_1, "e"),
-]
+ORDERS = {
+    "level by level": quantities.level_by_level("e"),
+    "over two refinements": quantities.over_refinements("e", 2),
+    "fitted": quantities.fitted("e"),
+    "extrapolated": quantities.extrapolated("e"),
+}
 
 
-@pytest.mark.parametrize("rule", ORDERS, ids=["consecutive", "between levels", "order", "extrapolated"])
-def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(rule: Criterion) -> None:
-    found = judged(rule, levels(FIRST))
+@pytest.mark.parametrize("value", ORDERS.values(), ids=list(ORDERS))
+def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(value: quantities.Value) -> None:
+    order = check(value, ABOUT_1, ENOUGH)
+    found = judged(order, levels(FIRST))
     assert (found.verdict, found.observed) == (HOLDS, pytest.approx(1))
-    assert judged(rule, levels(FIRST**2)).verdict == FAILS
-    assert judged(rule, levels(FIRST, 2)).verdict == UNDECIDED
+    assert judged(order, levels(FIRST**2)).verdict == FAILS
+    few = judged(order, levels(FIRST, 2))
+    assert (few.verdict, few.expected.endswith("undecided, because the check needs 3 levels, and has 2")) == (
+        UNDECIDED,
+        True,
+    )
     for bad in (0.0, -1.0, math.nan):
         errors = FIRST.copy()
         errors[-1] = bad
-        found = judged(rule, levels(errors))
+        found = judged(order, levels(errors))
         assert (found.verdict, math.isnan(found.observed)) == (FAILS, True)
 
 
-def test_every_consecutive_order_counts_and_the_finest_is_shown() -> None:
-    found = judged(ORDERS[0], levels([2 / 8, 1 / 16, 1 / 32, 1 / 64]))
+def test_if_only_the_finest_level_decides_others_outside_the_window_leave_it_undecided() -> None:
+    by_level, errors = ORDERS["level by level"], levels([2 / 8, 1 / 16, 1 / 32, 1 / 64])
+    found = judged(check(by_level, ABOUT_1, ENOUGH, finest=True), errors)
     assert (found.observed, found.low, found.high, found.verdict) == (1, 1, 2, UNDECIDED)
+    assert judged(check(by_level, ABOUT_1, ENOUGH), errors).verdict == FAILS
+
+
+def test_an_order_may_be_fitted_to_the_last_levels_alone() -> None:
     errors = levels([5.0, 1 / 16, 1 / 32, 1 / 64])
-    assert judged(order("key", "order", ABOUT_1, "e", last=3), errors).verdict == HOLDS, "of the last levels alone"
-    assert judged(order("key", "order", ABOUT_1, "e"), errors).verdict == FAILS
+    assert judged(check(quantities.fitted("e", last=3), ABOUT_1, ENOUGH), errors).verdict == HOLDS
+    assert judged(check(ORDERS["fitted"], ABOUT_1, ENOUGH), errors).verdict == FAILS
 
 
 @pytest.mark.parametrize("correction", [-0.5, 0.5, 2.0])
 def test_the_extrapolated_order_is_free_of_corrections_of_first_order(correction: float) -> None:
     """log e = log h + c h: consecutive orders differ from 1 by c h times a constant, which extrapolation removes."""
     errors = levels(FIRST * np.exp(correction * FIRST))
-    for rule, verdict in ((extrapolated, HOLDS), (consecutive, FAILS)):
-        assert judged(rule("key", "order", around(1, 1e-9), "e"), errors).verdict == verdict
+    for name, verdict in (("extrapolated", HOLDS), ("level by level", FAILS)):
+        assert judged(check(ORDERS[name], around(1, 1e-9), ENOUGH), errors).verdict == verdict
     limit_above_zero = levels(FIRST + 0.01)
-    assert judged(extrapolated("key", "order", ABOUT_1, "e"), limit_above_zero).verdict == FAILS
+    assert judged(check(ORDERS["extrapolated"], ABOUT_1, ENOUGH), limit_above_zero).verdict == FAILS
 
 
 @pytest.mark.parametrize(
-    ("rule", "observed"),
+    ("value", "window", "observed"),
     [
-        (largest("key", "value", at_most(5), "e"), 4.0),
-        (every("key", "value", around(3, 2), "e"), 1.0),
-        (finest("key", "value", at_most(5), "e"), 2.0),
-        (change("key", "value", at_most(5), "e"), 0.5),
+        (quantities.values("e"), at_most(5), 4.0),
+        (quantities.values("e"), around(3, 2), 1.0),
+        (quantities.finest("e"), at_most(5), 2.0),
+        (quantities.change("e"), at_most(5), 0.5),
+        (quantities.change("e", since=-2), at_most(5), 2 / 3),
+        (quantities.ratios("e"), at_most(5), 3.0),
+        (quantities.quotients("e", "h"), at_most(128), 128.0),
+        (quantities.finest_quotient("e", "h"), at_most(128), 128.0),
+        (quantities.values("e"), Window(), 4.0),
     ],
-    ids=["largest", "every", "finest", "change"],
 )
-def test_what_is_taken_of_the_levels(rule: Criterion, observed: float) -> None:
-    values = [4.0, 1.0, 3.0, 2.0]
-    found = judged(rule, levels(values))
-    assert (found.verdict, found.observed) == (HOLDS, observed)
-    assert judged(rule, levels([*values[:3], math.nan])).verdict == FAILS
+def test_what_is_taken_of_the_levels(value: quantities.Value, window: Window, observed: float) -> None:
+    """In a window with two ends the value farthest from its middle decides, otherwise the worst one."""
+    numbers = [4.0, 1.0, 3.0, 2.0]
+    found = judged(check(value, window), levels(numbers))
+    assert (found.verdict, found.observed) == (HOLDS, pytest.approx(observed))
+    assert judged(check(value, window), levels([*numbers[:3], math.nan])).verdict == FAILS
 
 
 def test_one_family_that_cannot_tell_leaves_all_undecided_and_one_that_fails_is_shown() -> None:
-    rule = largest("key", "value", at_most(1), "e")
-    assert judged(rule, levels(0.5), levels(0.7)).observed == 0.7
-    found = judged(rule, levels(0.5), levels(2.0))
+    largest = check(quantities.values("e"), at_most(1))
+    assert judged(largest, levels(0.5), levels(0.7)).observed == 0.7
+    found = judged(largest, levels(0.5), levels(2.0))
     assert (found.verdict, found.observed, found.low, found.high) == (FAILS, 2.0, 0.5, 2.0)
-    found = judged(rule, levels(0.5), levels(0.5).drop(columns="e"))
+    found = judged(largest, levels(0.5), levels(0.5).drop(columns="e"))
     assert (found.verdict, found.low, found.high) == (UNDECIDED, -math.inf, math.inf)
-    assert judged(rule).verdict == UNDECIDED
+    assert judged(largest).verdict == UNDECIDED
+    nothing = check(lambda table: np.array([]), at_most(1))
+    assert judged(nothing, levels(0.5)).verdict == UNDECIDED, "no level has the quantity"
 
 
 def test_the_column_of_orders_is_empty_where_there_are_none() -> None:
@@ -140,7 +142,7 @@ def test_the_column_of_orders_is_empty_where_there_are_none() -> None:
 
 
 def in_window(window: Window, value: float, low: float, high: float) -> Verdict:
-    return judged(Criterion("key", "a quantity", window, lambda _: (value, (low, high)), ()), levels(1.0))
+    return judged(check(lambda _: np.array([low, high, value]), window, finest=True), levels(1.0))
 
 
 @pytest.mark.parametrize(
@@ -188,8 +190,7 @@ def test_a_row_is_known_by_label_key_case_and_family_and_carries_its_window() ->
 
 
 def observed(window: Window, value: float) -> Verdict:
-    criterion = Criterion("key", "a quantity", window, lambda _: (value, (value, value)), ())
-    return judged(Observation(criterion, "nobody knows"), levels(1.0))
+    return judged(check(lambda _: value, window, if_missed="nobody knows"), levels(1.0))
 
 
 def test_a_prediction_without_a_claim_is_reported_and_missed_if_it_was_wrong() -> None:
@@ -210,31 +211,8 @@ def test_a_failure_goes_before_an_undecided_row_and_a_missed_prediction_is_no_fa
     assert exit_code([replace(row, verdict=verdict) for verdict in verdicts]) == code
 
 
-@pytest.mark.parametrize(
-    ("window", "label", "key", "expected"),
-    [
-        (around(1, 0.1), "(0.0)", "order", ORDER),
-        (around(1, 0.1), "(0.0)", "size", SIZE),
-        (at_most(0.02), "(0.0)", "quadrature", ONE_SIDED),
-        (at_most(1e-10), "(0.0)", "residual", IDENTITY),
-        (at_most(1 + 1e-9, low=1 - 1e-9), "(0.0)", "equality", IDENTITY),
-        (Window(-1.5, -0.5), "(0.0)", "order", ORDER),
-        (at_most(1.0), "(3.6)", "upper", THEOREM),
-        (at_most(1.0), "(3.1)", "bound", IDENTITY),
-        (at_most(1.0), "Prop. 5.4", "parallelogram", THEOREM),
-    ],
-)
-def test_evidence_has_a_kind_by_its_window_and_what_is_proved(window: Window, label, key, expected: str) -> None:
-    row = replace(in_window(window, 1.0, 1.0, 1.0), label=label, key=key, quantity="a quantity")
-    assert kind(pd.Series(vars(row))) == expected
-    assert (expected in CAN_FAIL) is (expected not in (THEOREM, IDENTITY))
-
-
-def test_every_proved_relation_names_rows_of_the_committed_ledger() -> None:
-    claims = read_claims(Path(__file__).parents[2] / "results")
-    rows = set(claims[["label", "key"]].itertuples(index=False, name=None))
-    listed = {(label, key) for table in (THEOREMS, EXACT_QUOTIENTS) for label, keys in table.items() for key in keys}
-    assert listed <= rows
+def test_a_row_carries_the_kind_of_its_check() -> None:
+    assert in_window(around(1, 0.1), 1.0, 1.0, 1.0).kind == "claim"
 
 
 @pytest.mark.parametrize(("label", "paper"), [("Prop. 5.4", True), ("(4.4), (4.5), (5.6)", True), ("bound", False)])
