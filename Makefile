@@ -10,7 +10,7 @@ CLUSTER := $(VENV)/.cluster
 PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
 	docs/tutorials/first-solution.md docs/explanation/windows.md docs/explanation/verdicts.md
 
-.PHONY: study full again controls seeds test wheel tutorials pages codes codes-bounds codes-venv codes-check wheel-debian certificates \
+.PHONY: study full again faults seeds test wheel tutorials pages codes codes-bounds codes-venv codes-check wheel-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \
 	bench-parallel lint docs paper film cluster lock clean help
 
@@ -19,8 +19,7 @@ study: $(RUNTIME)  ## quick study, results/quick, about three minutes
 
 full: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## full study, results/, an hour, and the tests marked slow
 	$(BIN)/study run --full --undecided results/undecided-full.csv --out results
-	$(BIN)/study controls --out results
-	$(BIN)/study sensitivity --out results
+	$(BIN)/study faults --out results
 	$(BIN)/study tables --out results
 	$(BIN)/study figures --out results
 	$(BIN)/python -m study.present.pages results $(PAGES)
@@ -29,9 +28,8 @@ full: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## full study, results/, an ho
 again: $(RUNTIME)  ## measure 100 random rows of the committed results again and compare, a minute; ROWS=N, SEED=S; prints only
 	$(BIN)/study check --undecided results/undecided-full.csv --out results --again $(or $(ROWS),100) $(if $(SEED),--seed $(SEED))
 
-controls: $(RUNTIME)  ## deliberate defects that the verdicts must catch, and the smallest that they notice; results/quick, five minutes
-	$(BIN)/study controls --out results/quick
-	$(BIN)/study sensitivity --out results/quick
+faults: $(RUNTIME)  ## which checks notice deliberate faults, and in which cases; results/quick, some minutes
+	$(BIN)/study faults --out results/quick
 
 seeds: $(RUNTIME)  ## false-alarm rate: judge fresh random meshes for an hour, added to results/data/seeds.csv
 	$(BIN)/study seeds --out results || test $$? -eq 3  # 3: not enough seeds yet to decide

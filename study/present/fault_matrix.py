@@ -48,7 +48,9 @@ def draw_faults(matrix: pd.DataFrame) -> Figure:
     figure = Figure(figsize=(page_width(), MARGIN + ROW * len(faults)), layout="constrained")
     axes = figure.subplots()
     colours = ListedColormap([SHADES[level][0] for level in sorted(SHADES)])
-    axes.pcolormesh(shades.to_numpy(), cmap=colours, vmin=-0.5, vmax=len(SHADES) - 0.5, edgecolors="white", linewidth=0.5)
+    axes.pcolormesh(
+        shades.to_numpy(), cmap=colours, vmin=-0.5, vmax=len(SHADES) - 0.5, edgecolors="white", linewidth=0.5
+    )
     if invisible:
         x, y = zip(*invisible, strict=True)
         axes.plot([place + 0.5 for place in x], [place + 0.5 for place in y], ".", color=GREY, markersize=3)

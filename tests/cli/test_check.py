@@ -237,13 +237,13 @@ def misreported(directory: Path) -> None:
 
 
 COMMITTED: dict[str, tuple[Edit, str]] = {
-    "a twin removed": cell(CASES, "twin", to(""), "found '', expected 'advance-recede'", "case == 'rotated'"),
+    "a predicted order": cell(CASES, "expected_order", to("0.5"), "found", "case == 'corner'"),
     "a row of statements twice": (twice("statements.csv"), r"statements.csv, line \d+: .* is also in line 3"),
     "a word in a statement": cell("statements.csv", "value", to("x"), "found", rows=1),
     "a table": (shortened("tables/rates.md", 0), r"rates.md, line 1: found .*, expected .*: .*`study tables --out"),
     "a line of a course in time deleted": (shortened("data/enclosures.csv", 9), "restore it, or make it again with"),
     "a number of a picture": (shortened("data/pictures/hexagon.json.gz", 0), r"hexagon.json.gz was changed after the"),
-    "a line of the defects deleted": (shortened("data/controls.csv", 40), r"tables/controls.\w+, line \d+"),
+    "a line of the faults deleted": (shortened("data/faults.csv", 40), r"tables/faults.\w+, line \d+"),
     "a number of the README": (misreported, r"README.md, line \d+: found .*: .*`make pages` writes the file again"),
 }
 OTHER_PARTS: dict[str, Part] = {
@@ -261,7 +261,7 @@ def expectation(copy_of_committed: Path) -> Expectation:
     return Expectation(read_provenance(copy_of_committed), copy_of_committed)
 
 
-QUICK = ("a twin removed", "a row of statements twice", "a number of a picture")
+QUICK = ("a predicted order", "a row of statements twice", "a number of a picture")
 """Edits of which each is refused by another comparison; the nightly job tries all."""
 
 
@@ -305,7 +305,7 @@ def test_the_committed_run_passes_and_every_file_is_compared_or_named(
     in_part = {word.rstrip(";") for word in told.partition("checked in part")[2].partition("not checked")[0].split()}
     everything = {path.name for path in committed.rglob("*") if path.is_file() and path.name != ".lock"}
     assert {"kind.dat", "growth.csv", "hexagon.gif", "problem.pdf", "random.csv"} <= named
-    some = {"controls.csv", "sensitivity.csv", "provenance.json", "classes.csv", "errors.csv", "seeds.csv"}
+    some = {"faults.csv", "provenance.json", "classes.csv", "errors.csv", "seeds.csv"}
     assert some <= in_part
     compared = everything - named - in_part
     some = {"claims.csv", "rates.csv", "hexagon.json.gz", "ledger.svg", "growth.txt"}

@@ -31,7 +31,7 @@ from study.statements.shared.scope import Scope
 
 COARSE = ["--steps", "2", "--refine", "0", "--shorter", "1"]
 COMMANDS = ["run --case full-contact --levels 2 4 8", "check", "tables", "figures", "report"]
-COMMANDS += ["controls", "seeds --seeds 1", "sensitivity"]
+COMMANDS += ["faults --case full-contact", "seeds --seeds 1"]
 
 
 def everything(directory: Path) -> dict[Path, bytes]:
@@ -159,7 +159,7 @@ def test_the_record_of_a_run_names_the_commit_and_whether_the_code_was_changed_s
 @pytest.mark.parametrize(
     ("command", "said"),
     [
-        *((command, RESUMED) for command in ("run", "bound ramp", "controls")),
+        *((command, RESUMED) for command in ("run", "bound ramp", "faults")),
         *((command, STARTS_AGAIN) for command in ("cases", "figures")),
     ],
 )
@@ -313,7 +313,7 @@ def test_what_would_take_for_ever_is_refused_at_once(tmp_path: Path, told) -> No
     assert not (tmp_path / "out").exists()
 
 
-WRITERS = ["run --case full-contact --levels 2 4 8", "controls", "seeds", "sensitivity", "bound ramp --levels 2"]
+WRITERS = ["run --case full-contact --levels 2 4 8", "faults --case full-contact", "seeds", "bound ramp --levels 2"]
 WRITERS += ["show corner", "export corner --levels 4"]
 NAMES = [*WRITERS, "tables", "figures", "report"]
 FULL = "the disk is full ({}); free space there, or give a directory on another disk with --out"

@@ -184,7 +184,7 @@ def test_the_parser_prints_the_version_and_refuses_an_expected_order_that_is_no_
 @pytest.mark.parametrize(
     ("command", "words"),
     [
-        *((f"{command} --jobs 0", "1 to 1024") for command in ("run", "check", "controls", "seeds", "sensitivity")),
+        *((f"{command} --jobs 0", "1 to 1024") for command in ("run", "check", "faults", "seeds")),
         ("figures --dpi 1", "10 to 2400"),
         ("check --again 0", "1 or more rows"),
         ("check --again 1 --seed -1", "0 or more"),

@@ -94,12 +94,12 @@ def test_rows_in_another_order_are_the_same_and_what_other_commands_write_may_be
     for name in set(KEYS) - {"enclosures.csv"}:
         change(new, name, lambda table: table[::-1])
     repaint(new, SPACE, lambda picture: None)
-    (new / "data" / "controls.csv").unlink()
+    (new / "data" / "faults.csv").unlink()
     (old / "data" / "seeds.csv").unlink()
     comparison = compared(old, new, 0)
     assert comparison.counts == {"identical": 2, "within": len(KEYS) - 2, "differs": 0, "left out": 2}
     assert comparison.cells.empty
-    assert "controls.csv: left out" in as_text(comparison)
+    assert "faults.csv: left out" in as_text(comparison)
 
 
 def test_a_number_beyond_the_tolerance_is_told_with_its_row_and_both_values(old: Path, new: Path) -> None:
@@ -161,8 +161,8 @@ def test_changed_verdicts_come_first_in_words_and_in_json(old: Path, new: Path, 
 
 @pytest.mark.parametrize(
     ("column", "name", "differs"),
-    [("twin", "cases.csv", True), ("zone", "cases.csv", True), ("caught", "controls.csv", True)]
-    + [("summary", "cases.csv", False), ("what", "controls.csv", False), ("statement", "claims.csv", False)],
+    [("twin", "cases.csv", True), ("zone", "cases.csv", True), ("by_error", "faults.csv", True)]
+    + [("summary", "cases.csv", False), ("equation", "faults.csv", False), ("statement", "claims.csv", False)],
 )
 def test_words_that_name_or_judge_differ_and_words_for_readers_do_not(old, new, name, column, differs) -> None:
     write(new, name, column, 2, "other words")

@@ -283,11 +283,11 @@ def test_a_row_holds_if_and_only_if_it_stays_within_its_window(claims: pd.DataFr
     assert worst_value(pd.Series(values)) == 0.95, "the value nearest to an end of the window is shown"
 
 
-@pytest.mark.parametrize("lacking", ["a full plan", "the cases that papers name", "controls.csv"])
-def test_only_a_full_run_with_its_controls_makes_the_inputs_of_the_papers(lacking: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("lacking", ["a full plan", "the cases that papers name", "faults.csv"])
+def test_only_a_full_run_with_its_faults_makes_the_inputs_of_the_papers(lacking: str, tmp_path: Path) -> None:
     data = tmp_path / "data"
     data.mkdir()
-    for name in ("provenance.json", "cases.csv", "seeds.csv", *(["controls.csv"] if lacking != "controls.csv" else [])):
+    for name in ("provenance.json", "cases.csv", "seeds.csv", *(["faults.csv"] if lacking != "faults.csv" else [])):
         shutil.copy(RESULTS / "data" / name, data)
     if lacking == "a full plan":
         made = json.loads((data / "provenance.json").read_text(encoding="utf-8"))

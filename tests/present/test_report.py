@@ -33,8 +33,8 @@ def write_data(directory: Path) -> Path:
     """Copies the committed data of three cases and adds text that is hard on HTML."""
     copy_results(directory, (*PLANE, SOLID), (*PLANE, SOLID))
     data = directory / "data"
-    shutil.copy(RESULTS / "data" / "controls.csv", data)
-    for name, columns in (("cases", ["summary"]), ("claims", ["case", "quantity"]), ("controls", ["defect"])):
+    shutil.copy(RESULTS / "data" / "faults.csv", data)
+    for name, columns in (("cases", ["summary"]), ("claims", ["case", "quantity"]), ("faults", ["fault"])):
         table = pd.read_csv(data / f"{name}.csv", dtype=str)
         row = table.index[table["case"] == SOLID] if name == "cases" else table.index[-1:]
         table.loc[row, columns] = HOSTILE
@@ -121,8 +121,8 @@ def test_every_row_of_the_other_tables_is_on_the_page(directory: Path, page: Pag
         cells = layout.table(directory).cells.drop(columns=left_out, errors="ignore").to_numpy().tolist()
         assert cells
         assert [row for row in cells if list(map(plain, row)) not in rows] == []
-    defects = pd.read_csv(directory / "data" / "controls.csv")["defect"]
-    assert set(defects) <= {row[1] for row in page.rows if len(row) > 1}
+    faults = pd.read_csv(directory / "data" / "faults.csv")["fault"]
+    assert set(faults) <= {row[1] for row in page.rows if len(row) > 1}
 
 
 SYMBOL = re.compile(r"[^\W\d_]\^h|‖_\w|\b[^\W\d_]\b(?!\^)")
@@ -189,10 +189,10 @@ def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Pa
         assert max(shown["quarters"]) + 1 == len(face["nodes"]) + len(shown["edges"]) / 2 == np.shape(shown["level"])[1]
 
 
-def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_defects(data: Path, page: Page) -> None:
-    (data / "data" / "controls.csv").unlink()
+def test_a_second_run_gives_the_same_page_and_says_how_to_measure_missing_faults(data: Path, page: Page) -> None:
+    (data / "data" / "faults.csv").unlink()
     again = report(data).read_text(encoding="utf-8")
-    assert "study controls" in again
+    assert "study faults" in again
     assert again.partition('id="defects"')[:2] == page.content.partition('id="defects"')[:2]
 
 

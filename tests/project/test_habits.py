@@ -96,7 +96,7 @@ def test_workflows_run_what_the_documentation_tells_to_run() -> None:
     """Except benchmarks, which time the machine, and `make cluster`, which `make test` does as well."""
     told = set(re.findall(r"\bmake ([a-z][a-z-]*)", RUN_THE_STUDY.read_text())) & TARGETS
     run = {target for workflow in WORKFLOWS for words in commands(workflow) if words[0] == "make" for target in words}
-    assert {"test", "study", "full", "controls"} <= told
+    assert {"test", "study", "full", "faults"} <= told
     assert ["make", "tutorials"] in [*commands(WORKFLOWS[0])], "every page, also where that takes minutes"
     assert {target for target in told - run if not target.startswith("bench")} <= {"cluster"}
 

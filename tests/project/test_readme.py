@@ -70,7 +70,7 @@ def test_the_badges_say_what_is_so_and_are_red_where_a_row_fails_and_a_defect_go
     for name, svg in found.items():
         assert svg == (ROOT / "results" / "badges" / name).read_text(encoding="utf-8"), "run: make pages"
     failing = full.claims.assign(verdict=["fails", *full.claims["verdict"][1:]])
-    unseen = full.controls.assign(caught=full.controls["caught"].replace("yes", "no"))
+    unseen = full.faults.assign(by_error="", by_others="")
     found = badges(overridden(copy(full), claims=failing, faults=unseen), ROOT / "pyproject.toml")
     assert " 1 fail</title>" in found["ledger.svg"]
     assert ": 0 of " in found["defects.svg"]
