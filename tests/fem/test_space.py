@@ -27,7 +27,11 @@ from study.fem.mesh import (
 )
 from study.fem.quadrature import Line, cell_rules, facet_rule, placed, simplex_rule
 from study.fem.space import Space
+from study.solve.tableau import MIDPOINT
+from study.statements.contact_force import Forces
 from study.statements.pictures import contact_weights
+from study.statements.shared.base import Setting
+from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import fits, representing, spacing
 from study.statements.shared.scope import serving
 
@@ -349,6 +353,18 @@ def test_the_weights_of_contact_vertices_cover_a_face_except_next_to_gamma_1() -
     assert np.isclose(of_bottom.sum(), bottom.measure)
     assert of_left.sum() < left.measure
     assert (space.mesh.p[2, at_left] < 0.5).all()
+
+
+@pytest.mark.parametrize("name", ["corner", "hexagon", "cube-two-faces"])
+def test_the_members_of_k_h_do_not_penetrate_between_vertices_and_all_others_do(name: str) -> None:
+    """K^h = V^h ∩ K: v_ν ≤ 0 at the vertices of Γ3 and on all of Γ3 are the same condition for linear v."""
+    setup = Experiment.at(Setting(name, serving(named(name))[0].name, 4), MIDPOINT, 2)
+    forces, N, rng = Forces(setup), setup.space.N, np.random.default_rng(0)
+    v = rng.standard_normal(setup.space.dofs)
+    inward = v - np.linalg.pinv(N.toarray()) @ np.maximum(N @ v, 0)
+    assert (N @ inward).max() < 1e-12
+    assert forces.penetration(inward) < 1e-12
+    assert forces.penetration(v) > 0.1
 
 
 # ---- loads and the leading term of the interpolation error, by independent formulas
