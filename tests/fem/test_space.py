@@ -355,7 +355,7 @@ def test_the_weights_of_contact_vertices_cover_a_face_except_next_to_gamma_1() -
     assert (space.mesh.p[2, at_left] < 0.5).all()
 
 
-@pytest.mark.parametrize("name", ["corner", "hexagon", "cube-two-faces"])
+@pytest.mark.parametrize("name", ["corner", "hexagon", "cube-disc"])
 def test_the_members_of_k_h_do_not_penetrate_between_vertices_and_all_others_do(name: str) -> None:
     """K^h = V^h ∩ K: v_ν ≤ 0 at the vertices of Γ3 and on all of Γ3 are the same condition for linear v."""
     setup = Experiment.at(Setting(name, serving(named(name))[0].name, 4), MIDPOINT, 2)
