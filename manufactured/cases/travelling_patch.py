@@ -1,8 +1,8 @@
-"""A contact patch that appears, travels and vanishes.
+"""A contact patch that appears, travels and vanishes, on a face that slips.
 
-The gap w, the contact pressure p, the normal strain q at t = 0, and the contact zone {ψ ≥ 0} with the centre b are
+The gap w, the contact pressure p, the slip z, and the contact zone {ψ ≥ 0} with the centre b are
 
-    w = 60 (1/4 + 3t(1 − t)) (−ψ)_+^4,   p = 3000 ψ_+²,   q(0) = 0,
+    w = 60 (1/4 + 3t(1 − t)) (−ψ)_+^4,   p = 3000 ψ_+²,   z = 3t² sin(2x + 1),
     ψ = (3/4)(t − 1/8)(7/8 − t) − (x − b(t))²,   b(t) = 3/10 + 2t/5
 
 on the bottom of the unit square. Viscosity A and elasticity G are not proportional.
@@ -15,7 +15,7 @@ it appears and vanishes, the speed of its fronts is infinite. The gap is largest
 is largest while the contact zone moves.
 """
 
-from sympy import Rational
+from sympy import Rational, sin
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
@@ -33,11 +33,12 @@ def case() -> Case:
     b = Rational(3, 10) + 2 * t / 5
     level = Rational(3, 4) * (t - Rational(1, 8)) * (Rational(7, 8) - t) - (s - b) ** 2
     gap = 60 * (Rational(1, 4) + 3 * t * (1 - t)) * pos(-level, 4)
-    pressure = 3000 * pos(level, 2)
+    pressure, slip = 3000 * pos(level, 2), 3 * t**2 * sin(2 * s + 1)
+    face = ContactFace.linear(part, law, body.T, gap, pressure, level, slip=(slip,))
     return Case(
         name="travelling-patch",
-        summary="patch is born at t = 1/8, travels, vanishes at t = 7/8",
-        solution=ExactSolution(body, law, (ContactFace.linear(part, law, body.T, gap, pressure, level),)),
+        summary="patch is born at t = 1/8, travels on a face that slips, vanishes at t = 7/8",
+        solution=ExactSolution(body, law, (face,)),
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by Prop. 5.4",

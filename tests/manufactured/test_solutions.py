@@ -97,7 +97,7 @@ def test_the_sides_of_the_re_entrant_corner_are_free_of_traction_near_it() -> No
     r = np.array([1e-6, 1e-5])
     for along, normal in ((np.array([1.0, 0.0]), np.array([0.0, 1.0])), (np.array([0.0, 1.0]), np.array([1.0, 0.0]))):
         fields = mode.at(np.ones((2, 1)) + along[:, None] * r)
-        stress = isotropic(1, 1)(fields.strain(1.0))
+        stress = isotropic(1, 0.5)(fields.strain(1.0))
         assert abs(traction(stress, normal)).max() < 1e-6 * abs(stress).max()
 
 
