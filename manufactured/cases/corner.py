@@ -2,7 +2,7 @@
 
 The gap w, the contact pressure p, the slip z away from the corner and the contact zone {ψ ≥ 0} with the front c are
 
-    w = 4 (ρ − c)_+^4,   p = 40 (c² − ρ²)_+²,   z = Z t ρ² (1 − ρ),   ψ = c − ρ,
+    w = 5 (ρ − c)_+^5,   p = 100 (c² − ρ²)_+³,   z = Z t ρ² (1 − ρ),   ψ = c − ρ,
     bottom: c(t) = 2/5 + (4/5) t(1 − t), Z = 8,   left: c(t) = 3/5 − t/3, Z = 12
 
 on each side, where ρ is the distance from the corner. Γ3 is the bottom and the left side of the unit square. Γ1 is the
@@ -11,8 +11,9 @@ right quarter of the top. The displacement is the sum of two fields, one for eac
 the field is symmetric about the other side and causes no shear there. z and ∂_ρ z vanish at ρ = 0. And A and G do not
 couple normal strains (``laws.without_contraction``).
 
-Predicted order 1: both fronts move. On both sides the exponents of gap and pressure at the front are α = 4 > 7/2 and
-m = 2 > 3/2, and u is smooth at the corner. This gives (5.36), so that Prop. 5.4 applies.
+Predicted order 1: both fronts move. On both sides the exponents of gap and pressure at the front are α = 5 > 7/2 and m
+= 3 > 3/2, and u is smooth at the corner. This gives (5.36), so that Prop. 5.4 applies. The exponents also satisfy α >
+9/2 and m > 5/2, so (3.4) holds as it is printed.
 """
 
 from sympy import Expr, Rational
@@ -42,9 +43,9 @@ def case() -> Case:
         name="corner",
         summary="two sides at right angles in contact, pressure at the corner between them",
         solution=ExactSolution(body, law, faces),
-        regularity=Regularity(gap=4, pressure=2, moving=True),
+        regularity=Regularity(gap=5, pressure=3, moving=True),
         order=1,
-        reason="α = 4 > 7/2 and m = 2 > 3/2 on both sides, u smooth at the corner: (5.36), order 1 by Prop. 5.4",
+        reason="α = 5 > 7/2 and m = 3 > 3/2 on both sides, u smooth at the corner: (5.36), order 1 by Prop. 5.4",
         pace=4,
         families=("unstructured",),
         represents=("body", "law", "body with trace"),
@@ -52,5 +53,5 @@ def case() -> Case:
 
 
 def _at_corner(part: Part, body: Body, law: KelvinVoigt, rho: Expr, c: Expr, depth: float, size: int) -> ContactFace:
-    gap, pressure, slip = 4 * pos(rho - c, 4), 40 * pos(c**2 - rho**2, 2), size * t * rho**2 * (1 - rho)
+    gap, pressure, slip = 5 * pos(rho - c, 5), 100 * pos(c**2 - rho**2, 3), size * t * rho**2 * (1 - rho)
     return ContactFace.linear(part, law, body.T, gap, pressure, c - rho, profile=cutoff(depth), slip=(slip,))
