@@ -2,7 +2,7 @@
 
 The gap w, the contact pressure p, the slip z and the contact zone {ψ ≥ 0} with the front c are
 
-    w = 20 (x − c)_+^4,   p = 400 x (c − x)_+²,   z = 5t x² (2 − x),   ψ = c − x,   c(t) = 1/5 + t/2
+    w = 5 (x − c)_+^4,   p = 400 x (c − x)_+²,   z = 12t x² (1 − x),   ψ = c − x,   c(t) = 1/5 + t/2
 
 on the bottom of the unit square. Viscosity A and elasticity G are not proportional. Γ1 is the left
 side, Γ3 the bottom, Γ2 the rest. Γ1 and Γ3 meet at the origin, at a right angle, and the contact zone [0, c(t)] begins
@@ -33,7 +33,7 @@ def case() -> Case:
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
     c = Rational(1, 5) + t / 2
-    gap, pressure, slip = 20 * pos(s - c, 4), 400 * s * pos(c - s, 2), 5 * t * s**2 * (2 - s)
+    gap, pressure, slip = 5 * pos(s - c, 4), 400 * s * pos(c - s, 2), 12 * t * s**2 * (1 - s)
     face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, slip=(slip,))
     return Case(
         name="contact-at-clamp",
