@@ -37,10 +37,8 @@ from study.ledger.window import STEEPER
 from study.present.full_run import FullRun
 from study.present.notation import encode, encode_letters, folding, prose, read_page, tabular
 
-DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
-"""Suffixes of the keys of checks that test a prediction about the error of the fully discrete scheme. Other checks of
-the scheme are shown for comparison.
-"""
+DISCRETE = ("time-in-k", "time-in-h", "error-in-h")
+"""Suffixes of the keys of the checks of each fully discrete scheme."""
 SOFTENING = "softening", "double-well"
 """Cases whose elasticity operator G softens."""
 TEXTS = read_page("article")
@@ -249,16 +247,10 @@ def _discrete(data: FullRun) -> dict[str, object]:
     The last two numbers say by which factors the constants of (5.21) and (5.42) are larger than necessary.
     """
     claims = data.claims[data.claims["label"] == "beyond: fully discrete"]
-    found: dict[str, object] = {}
-    predicted = claims["key"].str.endswith(DISCRETE)
-    for name, total, rows in (
-        ("discrete", "discretePredictions", claims[predicted]),
-        ("discreteSums", "discreteSums", claims[~predicted]),
-    ):
-        outcomes = rows.apply(agreement, axis=1)
-        found[total] = len(outcomes)
-        for outcome, end in (("met", "Agrees"), ("undecided", "Undecided"), ("wrong", "Differs")):
-            found[f"{name}{end}"] = outcomes.eq(outcome).sum()
+    outcomes = claims.apply(agreement, axis=1)
+    found: dict[str, object] = {"discretePredictions": len(outcomes)}
+    for outcome, end in (("met", "Agrees"), ("undecided", "Undecided"), ("wrong", "Differs")):
+        found[f"discrete{end}"] = outcomes.eq(outcome).sum()
     label = "(5.20)–(5.21), (5.42)"
     constant = pd.concat([data.rows(label, key) for key in ("constant-5.21", "constant-5.42")])
     return found | {"roomLeast": below(1 / constant["high"].max(), 0), "roomMost": above(1 / constant["low"].min(), 0)}
@@ -429,7 +421,7 @@ def enclosures(data: FullRun) -> str:
 
 
 def discrete(data: FullRun) -> str:
-    """Return a LaTeX table of the orders of the fully discrete error: 95 % intervals for each case and time scheme.
+    """Return a LaTeX table of the observed orders of the fully discrete error for each case and time scheme.
 
     Undecided predictions are marked with * and wrong predictions with †.
     """
@@ -441,9 +433,8 @@ def discrete(data: FullRun) -> str:
             cells = []
             for key in DISCRETE:
                 row = by_key.loc[f"{scheme}-{key}"]
-                interval = rf"\([{row['low']:.2f}, {row['high']:.2f}]\)" if row["low"] < row["high"] else _range(row)
                 mark = {"met": "", "undecided": "*", "wrong": r"\dagger"}[agreement(row)]
-                marked = interval + (rf"\rlap{{\(^{{{mark}}}\)}}" if mark else "")
+                marked = _range(row) + (rf"\rlap{{\(^{{{mark}}}\)}}" if mark else "")
                 cells.append("--" if pd.isna(row["observed"]) else marked)
             body.append([prose(str(case)), prose(scheme), *cells])
     return _table("discrete", body)

@@ -40,7 +40,7 @@ class InThisProcess(ThreadPoolExecutor):
 
 
 def shorten(patch: pytest.MonkeyPatch) -> None:
-    """Leave out of runs two mesh families, and the measurements with defects, which ``tests/controls`` makes."""
+    """Leave out of runs two mesh families."""
     patch.setattr(run, "contact_tests", lambda plan: [])
     for module in (run, check, present):
         patch.setattr(module, "Processes", InThisProcess)

@@ -1,6 +1,6 @@
 """No false alarms: verdicts hold for other constants of a case (``test_seeds``: for other random meshes).
 
-In ``test_controls`` defects must turn verdicts. Here the changes are no defects, so no verdict may change.
+The changes are no faults, so no verdict may change.
 """
 
 import inspect
