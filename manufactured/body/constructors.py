@@ -4,11 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from manufactured.arguments import checked
 from manufactured.body.domain import Body
 from manufactured.body.part import BodyError, Kind, Part
 from manufactured.tensors import Array
 
 
+@checked(BodyError)
 def polygon(
     vertices: Sequence[tuple[float, float]],
     kinds: Sequence[Kind],
@@ -36,11 +38,12 @@ def polygon(
     return Body(
         tuple(Part(kind, _columns(pair)) for kind, pair in zip(kinds, ends, strict=True)),
         T,
-        tuple(tuple(float(c) for c in point) for point in refine),
+        tuple(refine),
         tuple(Part(Kind.INTERFACE, _columns(pair)) for pair in interfaces),
     )
 
 
+@checked(BodyError)
 def unit_square(T: float = 1.0) -> Body:
     """Return the unit square: clamped on top, loaded on its left and right, with contact at the bottom.
 
@@ -49,6 +52,7 @@ def unit_square(T: float = 1.0) -> Body:
     return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED], T)
 
 
+@checked(BodyError)
 def box(
     lengths: tuple[float, float, float] = (1.0, 1.0, 1.0),
     T: float = 1.0,
