@@ -40,8 +40,8 @@ def checked(error: type[Exception]) -> Callable[[T], T]:
     >>> @checked(ValueError)
     ... def double(x: float) -> float:
     ...     return 2 * x
-    >>> double(np.int64(3))
-    6.0
+    >>> double(np.float32(1.5))
+    3.0
     >>> double("3")
     Traceback (most recent call last):
     ValueError: double: x has to be a finite real number, got '3' of the type str
@@ -182,9 +182,10 @@ def _extended(value: Any) -> float:
 
 
 def _number(value: Any) -> float:
+    """Return a finite number as an ``int`` of Python, if it is one, and otherwise as a ``float``."""
     number = float(_scalar(value))
     _require(bool(np.isfinite(number)))
-    return number
+    return value if type(value) is int else number
 
 
 def _complex(value: Any) -> complex:
@@ -194,7 +195,7 @@ def _complex(value: Any) -> complex:
 
 
 def _whole(value: Any) -> int:
-    _require(_number(value).is_integer())
+    _require(float(_number(value)).is_integer())
     return int(value)
 
 
