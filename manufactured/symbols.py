@@ -88,7 +88,7 @@ KINKED = (sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.
 """SymPy functions with kinks or jumps. Their derivatives in SymPy are not the ones that are needed here."""
 
 
-def refuse_kinks(*formulas: sp.Expr | float | None) -> None:
+def refuse_kinks(*formulas: sp.Expr | None) -> None:
     """Refuse formulas with kinks or jumps that are not written with ``pos``.
 
     This check comes before other checks, because these understand only ``pos``.

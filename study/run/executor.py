@@ -11,6 +11,7 @@ from __future__ import annotations
 import gc
 import multiprocessing
 import os
+import signal
 import socket
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
@@ -75,8 +76,24 @@ class Processes(Executor):
         """
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
 
+    def __exit__(self, kind: type[BaseException] | None, *error: Any) -> None:
+        """End the workers. After Ctrl-C they are killed at once, and further Ctrl-C are ignored until they have ended.
+
+        Otherwise the program would wait for all running jobs, although their results are lost.
+        """
+        if kind is not KeyboardInterrupt:
+            return self.shutdown()
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        for worker in multiprocessing.active_children():
+            worker.kill()
+        self.shutdown()
+        signal.signal(signal.SIGINT, before)
+        return None
+
 
 def _end_with_parent() -> None:
+    # Ctrl-C reaches all processes of a terminal. The main process ends the workers.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None
 

@@ -26,6 +26,8 @@ if sys.platform != "win32":
 
 FORMAT = 2
 """Version of the format of data files. It changes if this program can no longer read older files."""
+LARGEST_PROCESS = 2**31 - 1
+"""Operating systems number processes with 32-bit integers."""
 WRITTEN = ("data", "tables", "figures", "article", "report.html")
 """The files and folders that ``study run`` and the commands for its data write into a result directory."""
 
@@ -111,7 +113,7 @@ class Store:
             # The name of a temporary file contains the number of its process. If no such process exists, it was killed.
             for part in [part for depth in ("", "*/", "data/*/") for part in self.directory.glob(f"{depth}.*.part")]:
                 owner = part.name.split(".")[-2]
-                if owner.isdigit() and not psutil.pid_exists(int(owner)):
+                if part.is_file() and owner.isdecimal() and not _is_running(int(owner)):
                     part.unlink(missing_ok=True)
             yield
 
@@ -222,6 +224,10 @@ class Store:
                 "directory with --out"
             ) from error
         return content if isinstance(content, dict) else None
+
+
+def _is_running(process: int) -> bool:
+    return process <= LARGEST_PROCESS and psutil.pid_exists(process)
 
 
 def _checksum(result: object) -> str:
