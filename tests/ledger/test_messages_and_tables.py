@@ -6,7 +6,6 @@ import shutil
 import stat
 import subprocess
 import sys
-from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from pathlib import Path
 from types import SimpleNamespace
@@ -58,10 +57,10 @@ def test_a_pipe_receives_the_content_and_remains(write, tmp_path: Path) -> None:
     write(tmp_path / "expected", "two\nlines\n")
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)
-    with ThreadPoolExecutor(1) as reader:
-        read = reader.submit(pipe.read_bytes)
-        write(pipe, "two\nlines\n")
-        assert read.result(10) == (tmp_path / "expected").read_bytes()
+    reader = os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)
+    write(pipe, "two\nlines\n")
+    assert os.read(reader, 1000) == (tmp_path / "expected").read_bytes()
+    os.close(reader)
     assert pipe.is_fifo()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["expected", "pipe"]
 

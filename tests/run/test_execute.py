@@ -325,10 +325,18 @@ def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_on
     jobs = tmp_path / "data" / "jobs"
     jobs.mkdir(parents=True)
     alive = jobs / f".b.json.{os.getpid()}.part"
-    for part in (alive, jobs / f".a.json.{dead.pid}.part", tmp_path / f".report.html.{dead.pid}.part"):
+    # Neither a digit that is no number nor a folder belongs to a process.
+    others = [jobs / ".c.json.².part", jobs / ".folder.0.part"]
+    others[1].mkdir()
+    owners = (dead.pid, 2**31, "9" * 30)
+    for part in (
+        alive,
+        others[0],
+        *(place / f".a.json.{owner}.part" for place in (jobs, tmp_path) for owner in owners),
+    ):
         part.touch()
     with Store(tmp_path).locked():
-        assert [*tmp_path.rglob("*.part")] == [alive]
+        assert {*tmp_path.rglob("*.part")} == {alive, *others}
 
 
 @pytest.mark.parametrize(
