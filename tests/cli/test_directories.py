@@ -236,7 +236,7 @@ def test_ctrl_c_ends_all_processes_at_once_however_often_it_is_pressed(to_all: b
     assert process.returncode == -signal.SIGINT
 
 
-@pytest.mark.parametrize("command", ["rates {} --expected 2", "figures --out {}", "run --cluster {}", "bound {}"])
+@pytest.mark.parametrize("command", ["rates {} --expected 2", "figures --out {}", "compare {} {}", "bound {}"])
 def test_an_empty_name_is_refused(command: str, tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     for name in ("", " "):
