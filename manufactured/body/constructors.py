@@ -23,7 +23,8 @@ def polygon(
     Args:
         vertices: the vertices, counter-clockwise. If the boundary condition changes within a straight side, list the
             point as a vertex.
-        kinds: the boundary condition on the side from vertex i to vertex i + 1, for every i.
+        kinds: the boundary condition on the side from vertex i to vertex i + 1, for every i. Each is a ``Kind`` or its
+            name, such as "contact".
         T: the final time.
         refine: vertices towards which graded meshes are refined.
         interfaces: pairs of points; the material changes along the segments between them.

@@ -57,6 +57,9 @@ from manufactured import (
     x1,
     x2,
 )
+from manufactured.multiscale import FadingFace, rollers
+from manufactured.natural_motion import natural_motion
+from manufactured.no_potential import law_without_potential
 from manufactured.profile import Piecewise
 
 CASE = named("full-contact")
@@ -146,6 +149,18 @@ CALLS = {
     static: {"body": BODY, "G": Linear(MATRIX), "f0": (sp.Integer(0), x1), "f2": {1: (x2, sp.Integer(1))}},
     plane_strain: {"E": 2.0, "nu": 0.25},
     plane_stress: {"E": 2.0, "nu": 0.25},
+    FadingFace: {
+        "part": PART,
+        "gap": s * t,
+        "strain": s,
+        "pressure": s * t,
+        "level": s,
+        "depth": 1 + s,
+        "least_depth": 0.5,
+    },
+    rollers: {"level": 8},
+    law_without_potential: {"rotation": 2.0},
+    natural_motion: {"place": HALF + t / 4},
     pos: {"x": s - HALF, "a": HALF},
     named: {"name": "full-contact"},
     evaluate: {"of": CASE, "x": np.array([[0.5], [0.25]]), "time": 0.5},
@@ -213,6 +228,19 @@ OPTIONAL = {
 }
 
 
+def first_entry(value: object) -> object:
+    """Return the first entry of nested tuples and dicts."""
+    if isinstance(value, tuple | dict) and value:
+        return first_entry(next(iter(value.values() if isinstance(value, dict) else value)))
+    return value
+
+
+def with_first_entry(value: object, wrong: object) -> object:
+    if isinstance(value, dict):
+        return {key: with_first_entry(entry, wrong) for key, entry in value.items()}
+    return (with_first_entry(value[0], wrong), *value[1:]) if isinstance(value, tuple) and value else wrong
+
+
 def call(target, arguments: dict) -> object:
     return target(*arguments.values()) if target is pos else target(**arguments)
 
@@ -242,10 +270,11 @@ def test_every_public_name_with_arguments_is_tried() -> None:
 def test_an_argument_of_another_type_is_refused_with_its_name(target) -> None:
     for name, value in CALLS[target].items():
         for other, wrong in OTHERS.items():
-            if permitted(value, other, target, name):
-                continue
-            with pytest.raises(ValueError, match=SPEAKING.get(target, name)):
-                print(f"{target.__qualname__} with {other} for {name}:", call(target, CALLS[target] | {name: wrong}))
+            places = [(value, wrong), (first_entry(value), with_first_entry(value, wrong))]
+            for given, changed in places:
+                if not permitted(given, other, target, name):
+                    with pytest.raises(ValueError, match=SPEAKING.get(target, name)):
+                        print(f"{other} for {name} gives", call(target, CALLS[target] | {name: changed}))
 
 
 def in_other_forms(value: object) -> list[object]:
