@@ -328,9 +328,14 @@ def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, fie
         read(tmp_path / name, field_name)
 
 
-def test_a_file_that_needs_a_missing_package_says_which(tmp_path: Path, monkeypatch) -> None:
+@pytest.mark.parametrize("series", [True, False])
+def test_a_file_that_needs_a_missing_package_says_which(series: bool, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    path = write(tmp_path / "mine.xdmf", field(), form="HDF")
+    path, arrays = tmp_path / "mine.xdmf", field()
+    if series:
+        write(path, arrays, form="HDF")
+    else:
+        meshio.Mesh(arrays["points"], [("triangle", arrays["triangles"])], {"u": arrays["u"][0]}).write(path)
     monkeypatch.setitem(sys.modules, "h5py", None)
     with pytest.raises(BoundError, match=r"mine\.xdmf needs the package h5py: install it"):
         read(path)
