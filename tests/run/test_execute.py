@@ -15,6 +15,7 @@ import time
 import weakref
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -218,16 +219,20 @@ def test_a_standard_pool_that_loses_a_worker_ends_the_run_and_keeps_what_was_fin
     assert store.load("first", "first")
 
 
-def test_jobs_that_a_lost_cluster_has_cancelled_end_the_run(tmp_path) -> None:
+@pytest.mark.parametrize("cancels", [True, False], ids=["cancels its jobs", "is silent"])
+def test_a_run_ends_when_its_executor(cancels: bool, tmp_path, monkeypatch) -> None:
     class Gone(AtOnce):
         def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
             future: Future[Any] = Future()
-            future.cancel()
-            future.set_running_or_notify_cancel()
+            if cancels:
+                future.cancel()
+                future.set_running_or_notify_cancel()
             return future
 
+    monkeypatch.setattr("study.run.executor.SILENCE", 0.01)
+    lost = replace(pool(Gone()), failure=lambda: "the cluster no longer answers: the same command continues")
     with pytest.raises(JobsError, match=r"(?s)cluster no longer answers.*same command"):
-        execute([Toy("a")], Store(tmp_path), pool(Gone()), ignore)
+        execute([Toy("a")], Store(tmp_path), lost, ignore)
 
 
 def test_a_job_that_no_worker_has_the_memory_for_is_refused_before_any_job_starts(tmp_path) -> None:
@@ -468,6 +473,47 @@ def test_a_killed_worker_of_a_cluster_costs_no_job(cluster, tmp_path) -> None:
         execute(jobs, store, pool, kill_once)
     assert not victim.is_running()
     assert all(store.load(job.key, job.fingerprint()) for job in jobs)
+
+
+@contextmanager
+def dask_command(*words: str) -> Iterator[tuple[psutil.Process, str]]:
+    """A process of Dask with its children, and its address."""
+    command = [sys.executable, "-m", f"distributed.cli.{words[0]}", *words[1:], "--no-dashboard"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
+        try:
+            assert process.stderr is not None
+            said = next(line for line in process.stderr if re.search(r"(Scheduler at|Registered to): +tcp", line))
+            Thread(target=process.stderr.read, daemon=True).start()
+            yield psutil.Process(process.pid), re.findall(r"tcp://\S+", said)[0]
+        finally:
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("victim", ["scheduler", "workers"])
+def test_a_run_ends_soon_after_its_cluster_and_goes_on_elsewhere(victim: str, tmp_path) -> None:
+    store, jobs = Store(tmp_path), [full_contact(n) for n in range(32, 48)]
+    with (
+        dask_command("dask_scheduler", "--host", "127.0.0.1", "--port", "0") as (scheduler, address),
+        dask_command("dask_worker", address, "--nworkers", "2", "--nthreads", "1") as (nanny, _),
+    ):
+        killed = []
+
+        def kill_once(cost: float) -> None:
+            if cost and not killed:
+                killed.append(time.monotonic())
+                for process in [scheduler] if victim == "scheduler" else [nanny, *nanny.children(recursive=True)]:
+                    process.kill()
+
+        told = rf"{address} (no longer answers|has lost all workers).*the same command"
+        with pytest.raises(JobsError, match=told), connected(address, ["full-contact"]) as two:
+            execute(jobs, store, two, kill_once)
+        assert time.monotonic() - killed[0] < 30
+    finished = results(tmp_path)
+    assert 0 < len(finished) < len(jobs)
+    execute(jobs, store, pool(AtOnce()), ignore)
+    assert finished.items() <= results(tmp_path).items()
+    assert len(results(tmp_path)) == len(jobs)
 
 
 RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]
