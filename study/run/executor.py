@@ -344,13 +344,17 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
         answers = client.run(identity, references)
     except Exception as error:
         # A worker without this package, or with another version, may raise any exception.
-        raise UsageError(f"a worker at {address} cannot run this study ({error}); install it there, too") from error
+        raise UsageError(
+            f"a worker at {address} cannot run this study ({error}); install it there, too, with the files of your "
+            "cases at the same paths"
+        ) from error
     for name, theirs in answers.items():
         other = [f"{key} {theirs.get(key)}, here {mine}" for key, mine in expected.items() if theirs.get(key) != mine]
         if other:
             raise UsageError(
                 f"the worker {name} would not compute the same: {'; '.join(other)}. Give every machine the same "
-                "versions, and the files of your cases at the same paths, and start the workers again"
+                "versions, and the files of your cases at the same paths, and start the workers again. A case with "
+                "functions or classes of your own cannot be compared: run it without --cluster"
             )
     each = min(float(worker["memory_limit"] or "inf") for worker in workers.values())
     # Workers that join the cluster later are not used, because it was not checked that they compute the same.
@@ -376,10 +380,5 @@ def identity(references: Sequence[str]) -> dict[str, str]:
     """
     for cached in (resolve, resolve_problem, problem):
         cached.cache_clear()
-    problems = {}
-    for reference in references:
-        try:
-            problems[reference] = problem(reference)
-        except UsageError as error:
-            problems[reference] = str(error)
+    problems = {reference: problem(reference) for reference in references}
     return {**versions(), "study": version("signorini-study"), "code": code_hash(), **problems}

@@ -15,7 +15,7 @@ import hashlib
 import platform
 import uuid
 from collections.abc import Iterable
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
 from enum import Enum
 from functools import cache
 from importlib.metadata import version
@@ -60,8 +60,8 @@ def fingerprint(statement: Statement, setting: Setting) -> str:
         statement: the statement that is measured.
         setting: the case, mesh family, level and other parameters of the measurement.
     """
-    mesh = sorted((name, repr(value)) for name, value in vars(setting).items() if name != "case")
     own = (type(statement).__module__, *([module_of(setting.case)] if setting.case in NAMES else []))
+    mesh = by_value(replace(setting, case=""))
     values = [statement.label, type(statement).__name__, problem(setting.case), mesh, statement.steps(setting)]
     return _hash(values, measuring_code(own))
 

@@ -156,7 +156,9 @@ class Store:
         if path.is_file() and path.read_text(encoding="utf-8") != problem:
             for file in [file for pattern in OF_A_PROBLEM for file in self.directory.glob(pattern)]:
                 file.unlink()
-            print(f"study: removed from {self.directory}: results of other data or of Python functions", file=sys.stderr)
+            print(
+                f"study: removed from {self.directory}: results of other data or of Python functions", file=sys.stderr
+            )
         write_text(path, problem)
 
     def save(self, key: str, fingerprint: str, result: Mapping[str, Any]) -> None:

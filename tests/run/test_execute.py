@@ -379,6 +379,13 @@ mine = replace(named("advance-recede"), name="mine", pace=3)
 """
 
 
+OWN = """
+from manufactured import Case
+class Own(Case): ...
+mine = Own(**vars(mine))
+"""
+
+
 def dask(workers: int, threads: int = 1) -> LocalCluster:
     """A scheduler on the loopback interface with worker processes, which start in another directory than the runs."""
     return LocalCluster(n_workers=workers, threads_per_worker=threads, dashboard_address=None)
@@ -447,32 +454,17 @@ def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypa
         pass
 
 
-def test_a_case_is_known_by_what_its_file_says_now(tmp_path) -> None:
+def test_a_case_is_known_by_what_its_file_says_now_and_a_function_only_to_its_process(tmp_path) -> None:
     """A worker serves many runs, and the file may change between two of them."""
     file = tmp_path / "mine.py"
     file.write_text(MINE)
     before = identity([f"{file}:mine"])
     assert identity([f"{file}:mine"]) == before
-    file.write_text(MINE.replace("advance-recede", "travelling-patch"))
-    after = identity([f"{file}:mine"])
-    assert {key for key in before if before[key] != after[key]} == {f"{file}:mine"}
-
-
-@pytest.mark.slow
-def test_a_killed_worker_of_a_cluster_costs_no_job(cluster, tmp_path) -> None:
-    settings = [RateSetting("full-contact", "one-diagonal", 16 + i, "midpoint", 16) for i in range(8)]
-    jobs = [Job(FirstOrder(), setting) for setting in settings]
-    store = Store(tmp_path)
-    with connected(cluster, ["full-contact"]) as pool:
-        victim = psutil.Process(pool.executor.submit(os.getpid).result())
-
-        def kill_once(cost: float) -> None:
-            if cost and victim.is_running():
-                victim.kill()
-
-        execute(jobs, store, pool, kill_once)
-    assert not victim.is_running()
-    assert all(store.load(job.key, job.fingerprint()) for job in jobs)
+    for text, known in ((MINE.replace("advance-recede", "travelling-patch"), True), (MINE + OWN, False)):
+        file.write_text(text)
+        after = identity([f"{file}:mine"])
+        assert {key for key in before if before[key] != after[key]} == {f"{file}:mine"}
+        assert (identity([f"{file}:mine"]) == after) == known
 
 
 @contextmanager
@@ -490,27 +482,37 @@ def dask_command(*words: str) -> Iterator[tuple[psutil.Process, str]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("victim", ["scheduler", "workers"])
-def test_a_run_ends_soon_after_its_cluster_and_goes_on_elsewhere(victim: str, tmp_path) -> None:
+@pytest.mark.parametrize("victim", ["one worker", "workers", "scheduler"])
+def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_is_continued(victim, tmp_path) -> None:
     store, jobs = Store(tmp_path), [full_contact(n) for n in range(32, 48)]
+    killed: list[float] = []
+    told = ""
+
+    def run(address: str, processes: dict[str, list[psutil.Process]]) -> None:
+        def kill_once(cost: float) -> None:
+            if cost and not killed:
+                killed.append(time.monotonic())
+                for process in processes[victim]:
+                    process.kill()
+
+        with connected(address, ["full-contact"]) as two:
+            processes["one worker"] = [psutil.Process(two.executor.submit(os.getpid).result())]
+            execute(jobs, store, two, kill_once)
+
     with (
         dask_command("dask_scheduler", "--host", "127.0.0.1", "--port", "0") as (scheduler, address),
         dask_command("dask_worker", address, "--nworkers", "2", "--nthreads", "1") as (nanny, _),
     ):
-        killed = []
-
-        def kill_once(cost: float) -> None:
-            if cost and not killed:
-                killed.append(time.monotonic())
-                for process in [scheduler] if victim == "scheduler" else [nanny, *nanny.children(recursive=True)]:
-                    process.kill()
-
-        told = rf"{address} (no longer answers|has lost all workers).*the same command"
-        with pytest.raises(JobsError, match=told), connected(address, ["full-contact"]) as two:
-            execute(jobs, store, two, kill_once)
-        assert time.monotonic() - killed[0] < 30
+        try:
+            run(address, {"scheduler": [scheduler], "workers": [nanny, *nanny.children(recursive=True)]})
+        except JobsError as error:
+            told = str(error)
     finished = results(tmp_path)
-    assert 0 < len(finished) < len(jobs)
+    if victim == "one worker":
+        assert (told, len(finished)) == ("", len(jobs))
+    else:
+        assert time.monotonic() - killed[0] < 30
+        assert re.search(rf"{address} (no longer answers|has lost all workers).*the same command", told)
     execute(jobs, store, pool(AtOnce()), ignore)
     assert finished.items() <= results(tmp_path).items()
     assert len(results(tmp_path)) == len(jobs)
