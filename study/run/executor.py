@@ -160,6 +160,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
                     running[pool.executor.submit(run_job, job)] = job
                 ended = wait(running, SILENCE, return_when=FIRST_COMPLETED).done
                 if not ended and (failure := pool.failure()):
+                    running.clear()  # ``cancel`` would wait for the executor
                     raise JobsError("\n".join([failure, *failures]))
                 for future in ended:
                     job = running.pop(future)
@@ -281,7 +282,7 @@ def _read(path: Path) -> str:
 
 PATIENCE = 10
 """Seconds within which the scheduler of a cluster must answer and have a worker."""
-LOST = "; the results of finished jobs are stored, and the same command with a running cluster continues"
+LOST = "no longer answers; finished results are stored, and the same command with a running cluster continues"
 
 
 @contextmanager
@@ -324,7 +325,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
         # When the scheduler is lost, any call of the client may raise any exception.
         if client.status == "running":
             raise
-        raise JobsError(f"the Dask scheduler at {address} no longer answers{LOST}") from error
+        raise JobsError(f"the Dask scheduler at {address} {LOST}") from error
     finally:
         client.close(timeout=1)
 
@@ -363,9 +364,9 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
     def failure() -> str:
         try:
             present = client.sync(client.scheduler.identity, callback_timeout=PATIENCE)["workers"]
-        except (OSError, RuntimeError, TimeoutError) as error:
-            return f"the Dask scheduler at {address} no longer answers ({error or type(error).__name__}){LOST}"
-        return "" if workers.keys() & present.keys() else f"the cluster at {address} has lost all workers{LOST}"
+        except (OSError, RuntimeError, TimeoutError):
+            return f"the Dask scheduler at {address} {LOST}"
+        return "" if workers.keys() & present.keys() else f"the last worker of the cluster at {address} {LOST}"
 
     return Pool(executor, len(workers), each, float("inf"), failure)
 

@@ -19,7 +19,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from threading import Thread
+from threading import Thread, Timer
 from typing import Any
 
 import psutil
@@ -227,6 +227,10 @@ def test_a_run_ends_when_its_executor(cancels: bool, tmp_path, monkeypatch) -> N
             if cancels:
                 future.cancel()
                 future.set_running_or_notify_cancel()
+            else:
+                # Without this, a run that waits for ever would not fail.
+                (late := Timer(20, lambda: future.done() or future.set_exception(TimeoutError("late")))).daemon = True
+                late.start()
             return future
 
     monkeypatch.setattr("study.run.executor.SILENCE", 0.01)
@@ -362,6 +366,24 @@ def test_a_job_file_that_is_not_what_was_written_is_not_believed(tmp_path, spoil
     assert store.load("a", "x") is None
 
 
+def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one(tmp_path) -> None:
+    store, file = Store(tmp_path), tmp_path / "trajectory"
+
+    def interrupted() -> dict[str, Any]:
+        file.write_text("bdf2")
+        raise KeyboardInterrupt
+
+    def midpoint() -> dict[str, Any]:
+        file.write_text("midpoint")
+        return {}
+
+    store.cached("level-2", "midpoint", midpoint, file)
+    with pytest.raises(KeyboardInterrupt):
+        store.cached("level-2", "bdf2", interrupted, file)
+    store.cached("level-2", "midpoint", midpoint, file)
+    assert file.read_text() == "midpoint"
+
+
 def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, capsys, monkeypatch) -> None:
     """Root may read all files: a link to itself is one that nobody can."""
     path = Store(tmp_path).path(full_contact(2).key)
@@ -482,7 +504,7 @@ def dask_command(*words: str) -> Iterator[tuple[psutil.Process, str]]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("victim", ["one worker", "workers", "scheduler"])
+@pytest.mark.parametrize("victim", ["one worker", "workers", "scheduler", "stopped scheduler"])
 def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_is_continued(victim, tmp_path) -> None:
     store, jobs = Store(tmp_path), [full_contact(n) for n in range(32, 48)]
     killed: list[float] = []
@@ -492,8 +514,8 @@ def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_
         def kill_once(cost: float) -> None:
             if cost and not killed:
                 killed.append(time.monotonic())
-                for process in processes[victim]:
-                    process.kill()
+                for process in processes[victim.removeprefix("stopped ")]:
+                    process.suspend() if victim.startswith("stopped") else process.kill()
 
         with connected(address, ["full-contact"]) as two:
             processes["one worker"] = [psutil.Process(two.executor.submit(os.getpid).result())]
@@ -512,7 +534,7 @@ def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_
         assert (told, len(finished)) == ("", len(jobs))
     else:
         assert time.monotonic() - killed[0] < 30
-        assert re.search(rf"{address} (no longer answers|has lost all workers).*the same command", told)
+        assert re.search(rf"{address} no longer answers.*the same command", told)
     execute(jobs, store, pool(AtOnce()), ignore)
     assert finished.items() <= results(tmp_path).items()
     assert len(results(tmp_path)) == len(jobs)
