@@ -223,9 +223,10 @@ def _package(item: object) -> str:
 def _value_of(data: Data) -> object:
     """Return the value of the data of a problem; functions and classes of a user have none."""
     functions = data.body_force, data.surface_load, data.start, data.initial, data.fronts, data.force_modes
-    foreign = [one for one in (type(data), *functions) if one and _package(one) not in PROJECT]
-    source = data.formulas_of or data.body_force
-    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, source, foreign])
+    formulas = data.formulas_of
+    if any(_package(one) not in PROJECT for one in (type(data), *functions) if one):
+        formulas = None
+    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, formulas or data.body_force])
 
 
 def _hash(values: list[object], code: str | None = None) -> str:

@@ -14,7 +14,7 @@ import sys
 import time
 import weakref
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import Executor, Future
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from multiprocessing.process import BaseProcess
@@ -210,13 +210,6 @@ def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(
     with Processes(2) as executor, pytest.raises(JobsError, match=r"^1 job.*\nkiller: .* killed twice.*1\.0 GiB"):
         execute(jobs, store, pool(executor), ignore)
     assert all(store.load(job.key, job.key) for job in OTHERS)
-
-
-def test_a_standard_pool_that_loses_a_worker_ends_the_run_and_keeps_what_was_finished(tmp_path) -> None:
-    store = Store(tmp_path)
-    with ProcessPoolExecutor(1) as executor, pytest.raises(BrokenExecutor):
-        execute([Toy("first", 3), Toy("killer", 2, deed=die), Toy("last")], store, pool(executor, workers=1), ignore)
-    assert store.load("first", "first")
 
 
 @pytest.mark.parametrize("cancels", [True, False], ids=["cancels its jobs", "is silent"])
@@ -469,9 +462,13 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
 
 
 @pytest.mark.slow
-def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch) -> None:
-    monkeypatch.setattr("study.run.executor.versions", lambda: {**versions(), "numpy": "another"})
-    told = r"the worker tcp://127.* would not compute the same: numpy [\d.]+, here another"
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [("versions", {**versions(), "numpy": "another"}, r"numpy [\d.]+"), ("code_hash", "another", r"code \w+")],
+)
+def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch, name, value, told) -> None:
+    monkeypatch.setattr(f"study.run.executor.{name}", lambda: value)
+    told = rf"the worker tcp://127.* would not compute the same: {told}, here another"
     with pytest.raises(UsageError, match=told), connected(cluster, ["full-contact"]):
         pass
 
