@@ -79,7 +79,7 @@ def _require_values(call: Callable[..., Any], count: int, expressions: Sequence[
     """Evaluate formulas once, and raise FormulaError if they contain functions that NumPy does not have."""
     try:
         with np.errstate(all="ignore"):
-            call(*np.zeros((count, 1)))
+            call(*np.zeros((count, 2)))  # functions of ``math`` accept one point
     except (NameError, AttributeError, TypeError) as error:
         formula = ", ".join(map(str, expressions))
         raise FormulaError(

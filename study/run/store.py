@@ -30,6 +30,11 @@ LARGEST_PROCESS = 2**31 - 1
 """Operating systems number processes with 32-bit integers."""
 WRITTEN = ("data", "tables", "figures", "article", "report.html")
 """The files and folders that ``study run`` and the commands for its data write into a result directory."""
+OF_A_PROBLEM = (
+    *("data/jobs/*.json", "levels.csv", "trajectory-*.npz", "adapted-*.npz", "adaptive.*", "enclosure.*"),
+    "certificate-*.json.gz",
+)
+"""Patterns of the files that ``study bound`` and ``study certify`` write for one problem."""
 
 
 @dataclass(frozen=True)
@@ -143,18 +148,18 @@ class Store:
         changes = any(os.access(path, os.W_OK) for path in (self.data, self.lock))
         return self.locked() if changes else nullcontext()
 
-    def require_problem(self, name: str, problem: str) -> None:
-        """Raise StoreError if the directory has results of another problem with the same name.
+    def begin(self, problem: str) -> None:
+        """Remove the results of another problem, so that the directory has the results of one problem.
 
         Parameters:
-            name: the name of the problem.
-            problem: a hash of its data, which is stored for later calls.
+            problem: a hash of the data of the problem, which is stored for later calls.
         """
         path = self.data / "problem.txt"
         if path.is_file() and path.read_text(encoding="utf-8") != problem:
-            raise StoreError(
-                f"{self.directory} has results of another problem with the name {name}, which would be mixed with the "
-                "new ones: give another directory with --out, rename the problem, or remove this directory"
+            for file in [file for pattern in OF_A_PROBLEM for file in self.directory.glob(pattern)]:
+                file.unlink()
+            print(
+                f"study: removed from {self.directory}: results of other data or of Python functions", file=sys.stderr
             )
         write_text(path, problem)
 
@@ -202,6 +207,8 @@ class Store:
         """
         stored = self.load(key, fingerprint) if all(file.is_file() for file in files) else None
         if stored is None:
+            # If the next result is interrupted, its files must not be taken for those of an earlier result.
+            self.path(key).unlink(missing_ok=True)
             stored = compute()
             self.save(key, fingerprint, stored)
         return stored
