@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.face_formula import FaceFormula, read_off
@@ -44,6 +45,7 @@ class CaseError(ValueError):
 
 
 @dataclass(frozen=True, eq=False)
+@checked(CaseError)
 class Case:
     """An exact solution with the order of convergence that is predicted for it, and the reason for this order.
 
@@ -85,13 +87,13 @@ class Case:
             raise CaseError(f"case name {self.name!r}: use letters, digits, '.', '-' and '_' only")
         if fault := file_name_fault(self.name):
             raise CaseError(f"case name {self.name!r} cannot be part of a file name, as {fault}: give another name")
-        if self.order is None or not math.isfinite(self.order) or not self.reason:
+        if self.order is None or not self.reason:
             raise CaseError(
                 f"case {self.name}: a case needs an order predicted before it is measured, and the reason for it; got "
                 f"order={self.order}, reason={self.reason!r}; derive the order from the exponents and state both, for "
                 "example order=1, reason='α = 4 > 7/2 and m = 2 > 3/2 give (5.36)'"
             )
-        if not (math.isfinite(self.pace) and self.pace > 0):
+        if self.pace <= 0:
             raise CaseError(f"case {self.name}: the pace must be positive, got {self.pace}")
         if unknown := set(self.represents) - set(PROPERTIES):
             raise CaseError(
@@ -174,16 +176,16 @@ def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
     """Return the formula of the gap, and the formulas that show how smooth the strain on the face is."""
 
     def piece(formula: sp.Expr, begin: float = 0.0, end: float = T) -> FaceFormula:
-        return FaceFormula(sp.sympify(formula), face.part, face.variables, begin, end)
+        return FaceFormula(formula, face.part, face.variables, begin, end)
 
     strain = getattr(face, "strain", None)
     # At a front u_s ~ z is as smooth as y q, so an exponent of z or ż counts like an exponent of the strain.
-    slip = [piece(sp.sympify(f)) for z in getattr(face, "slip", ()) for f in (z, sp.diff(z, t))]
+    slip = [piece(f) for z in getattr(face, "slip", ()) for f in (z, z.diff(t))]
     if isinstance(strain, Prescribed):
         ends = [*(min(end, T) for end, _ in strain.phases[:-1]), T]
         phases = zip(strain.phases, [0.0, *ends], ends, strict=False)
         # The rate q̇ is included because p ~ a q̇ + g q, so at a moving front p has one power less than q.
-        pieces = [piece(f, begin, end) for (_, q), begin, end in phases for f in (q, sp.sympify(q).diff(t))]
+        pieces = [piece(f, begin, end) for (_, q), begin, end in phases for f in (q, q.diff(t))]
         return piece(face.gap), [*pieces, *slip]
     if isinstance(strain, Memory):
         # The formulas are kept separate, because fronts may cancel in their sum.
@@ -193,7 +195,7 @@ def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
 
 def _initial_gap(face: Face) -> FaceFormula:
     """Return the formula of the initial gap g; its kinks lower the regularity of u as fixed fronts of the gap do."""
-    return FaceFormula(sp.sympify(face.initial_gap), face.part, face.variables, 0.0, 0.0)
+    return FaceFormula(face.initial_gap, face.part, face.variables, 0.0, 0.0)
 
 
 def _plane(normal: Array, point: Array) -> tuple[float, ...]:

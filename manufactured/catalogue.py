@@ -62,7 +62,6 @@ def catalogue() -> tuple[Case, ...]:
     return tuple(named(name) for name in NAMES)
 
 
-@cache
 def named(name: str) -> Case:
     """Return the case with a name, without making the other cases.
 
@@ -73,10 +72,15 @@ def named(name: str) -> Case:
     Raises:
         CaseError: no case has this name; the message lists all names.
     """
-    if name not in NAMES:
+    if not isinstance(name, str) or name not in NAMES:
         from manufactured.case import CaseError
 
         raise CaseError(f"no case is called {name!r}; there are {', '.join(NAMES)}")
+    return _made(name)
+
+
+@cache
+def _made(name: str) -> Case:
     case: Case = import_module(module_of(name)).case()
     return case
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from manufactured.arguments import checked
 from manufactured.body import Part
 from manufactured.case import Case
 from manufactured.exact import ExactSolution, Fields
@@ -42,6 +43,7 @@ class Evaluation:
         return traction(self.stress, part.normal)
 
 
+@checked(ValueError)
 def evaluate(of: Case | ExactSolution, x: ArrayLike, time: float) -> Evaluation:
     """Return all fields of a case or exact solution at points x, (d, ...), and a time.
 

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.compiled import function
 from manufactured.symbols import FormulaError, pos
 from manufactured.tensors import Array, Hyperplane, Points, Vectors
@@ -16,6 +17,7 @@ x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)
 
 
 @dataclass(frozen=True, eq=False)
+@checked(FormulaError)
 class Factor:
     """A scalar factor α(x) > 0 of a material tensor, given by a formula of x1, x2, x3.
 
@@ -73,6 +75,7 @@ class Factor:
         return self.formula.subs(dict(zip((x1, x2, x3), [sp.nsimplify(c, rational=True) for c in place], strict=False)))
 
 
+@checked(FormulaError)
 def layers(direction: tuple[float, ...], offset: float, ratio: float) -> Factor:
     """Return the factor of a body of two layers: 1 where direction·x < offset, and ``ratio`` elsewhere."""
     beyond = pos(sum(c * x for c, x in zip(direction, (x1, x2, x3), strict=False)) - offset, 0)

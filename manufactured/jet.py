@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.compiled import derivatives
-from manufactured.symbols import FormulaError, Values, indices, refuse_kinks, s, t
+from manufactured.symbols import NOT_REAL, FormulaError, Values, indices, refuse_kinks, s, t
 from manufactured.tensors import Array
 
 
@@ -38,7 +38,7 @@ class Jet:
 
     def __post_init__(self) -> None:
         refuse_kinks(self.expression)
-        if self.expression.has(sp.I, sp.nan, sp.oo, -sp.oo, sp.zoo):
+        if self.expression.has(*NOT_REAL):
             raise FormulaError(f"{self.expression} has a number that is complex or not finite: use finite real numbers")
         strange = sorted(map(str, self.expression.free_symbols - {*self.variables, t}))
         if strange:

@@ -23,6 +23,7 @@ the order of the interpolation error.
 
 from sympy import Expr, Rational
 
+from manufactured.arguments import checked
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import kolosov_constant, proportional, shearing
@@ -30,13 +31,14 @@ from manufactured.exact import ExactSolution
 from manufactured.profile import cutoff
 from manufactured.regularity import Regularity
 from manufactured.singular import SingularFace, SingularField, TravellingField, kolosov
-from manufactured.symbols import pos, s, t
+from manufactured.symbols import FormulaError, pos, s, t
 
 NAME = "natural-motion"
 PLACE = Rational(1, 4) + Rational(2, 5) * t
 """The position c(t) of the contact front."""
 
 
+@checked(FormulaError)
 def natural_motion(place: Expr = PLACE) -> Case:
     """Return the case with the front c(t) = ``place``.
 

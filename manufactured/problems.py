@@ -16,9 +16,10 @@ from dataclasses import dataclass
 
 from sympy import Expr, Rational, sqrt
 
+from manufactured.arguments import checked
 from manufactured.body import Kind, polygon
 from manufactured.cases.laws import not_proportional
-from manufactured.data import Data
+from manufactured.data import Data, LoadError
 from manufactured.factor import x1
 from manufactured.symbols import pos, t
 
@@ -50,6 +51,7 @@ def bracket() -> Data:
 
 
 @dataclass(frozen=True, eq=False)
+@checked(LoadError)
 class OpenProblem:
     """A problem whose solution is not known, with the predicted order of convergence.
 

@@ -6,6 +6,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.polynomial.polynomial import polyadd, polyder, polymul
 
+from manufactured.arguments import checked
 from manufactured.tensors import Array
 
 HERMITE = (1.0, 0.0, -3.0, 2.0)
@@ -47,6 +48,7 @@ def _polynomial(coefficients: tuple[float, ...], y: Array) -> Array:
 
 
 @dataclass(frozen=True)
+@checked(ProfileError)
 class Piecewise:
     """A continuous piecewise polynomial of the depth y, zero beyond its last piece.
 
@@ -76,6 +78,7 @@ class Piecewise:
 
 
 @dataclass(frozen=True)
+@checked(ProfileError)
 class Profile:
     """The functions a, …, f of the depth y by which the displacement of a contact face continues into the body.
 
@@ -124,6 +127,7 @@ class Profile:
 ZERO = Piecewise((1.0,), ((0.0,),))
 
 
+@checked(ProfileError)
 def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """Return the profile of the standard construction: the displacement is multiplied by a cut-off φ(y/ℓ).
 
@@ -146,6 +150,7 @@ def cutoff(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     )
 
 
+@checked(ProfileError)
 def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     """Return a profile with which the strain in the body can be uniform.
 
@@ -157,6 +162,7 @@ def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
     return replace(plain, b=Piecewise((depth,), (tuple(float(x) for x in b),)))
 
 
+@checked(ProfileError)
 def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
     """Return a profile for a body of two layers that keeps the traction continuous at the interface.
 

@@ -27,6 +27,8 @@ Prop. 5.4 gives, ``proved_order``, may be lower. For u̇ ∈ H^{1+s'} and u_ν �
 import math
 from dataclasses import dataclass
 
+from manufactured.arguments import Extended, checked
+
 NATURAL_FRONT = (
     "A pressure that ends like a square root, as Hertz's does (m = 1/2, gap with α = 3/2), comes from a singular "
     "field, not from a lifting of gap and pressure: take the case natural-front of the catalogue, or build a case as "
@@ -36,6 +38,7 @@ NATURAL_FRONT = (
 
 
 @dataclass(frozen=True)
+@checked(ValueError)
 class Regularity:
     """The exponents of gap, pressure and singular fields that determine how smooth a solution is.
 
@@ -56,11 +59,11 @@ class Regularity:
         ValueError: α ≤ 3/2, m ≤ 1/2 or λ ≤ 0, so that u(t) lies in no H^{1+s} with s > 0.
     """
 
-    gap: float = math.inf
-    pressure: float = math.inf
+    gap: Extended = math.inf
+    pressure: Extended = math.inf
     moving: bool = False
-    corner: float = math.inf
-    on_contact: float = math.inf
+    corner: Extended = math.inf
+    on_contact: Extended = math.inf
     kink: bool = False
 
     def __post_init__(self) -> None:

@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 
+from manufactured.arguments import checked
 from manufactured.body import Body
 from manufactured.data import Data
 from manufactured.data.compiled_formulas import compiled
 from manufactured.data.problem_data import Formulas
 from manufactured.factor import x1, x2, x3
-from manufactured.law import Indefinite, KelvinVoigt, LawError, Linear, isotropic
+from manufactured.law import Elasticity, Indefinite, KelvinVoigt, LawError, Linear, isotropic
+from manufactured.symbols import FormulaError
 
 
 class Static(Data):
@@ -20,7 +22,8 @@ class Static(Data):
     in_time = False
 
 
-def static(body: Body, G: Linear, f0: Formulas | None = None, f2: Mapping[int, Formulas] | None = None) -> Static:
+@checked(FormulaError)
+def static(body: Body, G: Elasticity, f0: Formulas | None = None, f2: Mapping[int, Formulas] | None = None) -> Static:
     """Return the data of a static contact problem, from formulas of x1, x2 (x3).
 
     Args:
@@ -50,6 +53,7 @@ def static(body: Body, G: Linear, f0: Formulas | None = None, f2: Mapping[int, F
     return data
 
 
+@checked(LawError)
 def plane_strain(E: float, nu: float) -> Linear:
     """Return the elasticity tensor for Young's modulus E and Poisson's ratio ν in plane strain.
 
@@ -60,6 +64,7 @@ def plane_strain(E: float, nu: float) -> Linear:
     return isotropic(E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu)))
 
 
+@checked(LawError)
 def plane_stress(E: float, nu: float) -> Linear:
     """Return the elasticity tensor for Young's modulus E and Poisson's ratio ν in plane stress.
 

@@ -24,6 +24,10 @@ The multi-index of zeros gives the function itself.
 """
 
 
+NOT_REAL = (sp.I, sp.nan, sp.oo, -sp.oo, sp.zoo)
+"""SymPy objects whose presence in a formula shows that the formula is complex or not finite."""
+
+
 class FormulaError(ValueError):
     """Raised if a formula cannot be differentiated or integrated exactly, or has wrong symbols."""
 
@@ -40,6 +44,15 @@ class pos(sp.Function):  # type: ignore[misc]
     """
 
     nargs = 2
+
+    def __new__(cls, x: sp.Expr | float, a: sp.Expr | float, **options: bool) -> sp.Expr:
+        try:
+            given = [sp.sympify(value, strict=True) for value in (x, a)]
+        except (sp.SympifyError, TypeError):
+            given = []
+        if not given or any(not isinstance(value, sp.Expr) or value.has(*NOT_REAL) for value in given):
+            raise FormulaError(f"pos({x}, {a}): give a formula of SymPy and a number as its exponent, real and finite")
+        return super().__new__(cls, *given, **options)
 
     @classmethod
     def eval(cls, x: sp.Expr, a: sp.Expr) -> sp.Expr | None:
@@ -75,7 +88,7 @@ KINKED = (sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.
 """SymPy functions with kinks or jumps. Their derivatives in SymPy are not the ones that are needed here."""
 
 
-def refuse_kinks(*formulas: sp.Expr | float | None) -> None:
+def refuse_kinks(*formulas: sp.Expr | None) -> None:
     """Refuse formulas with kinks or jumps that are not written with ``pos``.
 
     This check comes before other checks, because these understand only ``pos``.
@@ -83,7 +96,7 @@ def refuse_kinks(*formulas: sp.Expr | float | None) -> None:
     Raises:
         FormulaError: a kink or jump is written in another way; the message shows how to write it.
     """
-    for expression in map(sp.sympify, formulas):
+    for expression in formulas:
         if expression is not None and expression.has(*KINKED):
             raise FormulaError(
                 f"{expression}: write fronts with pos(x, a), so that derivatives are known"

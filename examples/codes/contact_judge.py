@@ -70,7 +70,14 @@ HUGE = 1e100
 GOOD = EXACT_CLASS, CONSISTENT = "exact for P1", "consistent"
 CLASSES = *GOOD, "undecided", "stagnates", "wrong"
 """All classes, the worst last."""
-UNPACK = {".xz": lzma.decompress, ".gz": gzip.decompress}
+OPEN: dict[str, Callable] = {".xz": lzma.open, ".gz": gzip.open}
+PACKING, UNSUSPICIOUS = 100, 2**28
+"""A file may unpack to so many times its size. Files that unpack to at most 256 MiB may have any ratio."""
+INVISIBLE = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff\ufeff"
+    "\ufff9-\uffff\U000e0000-\U000e007f]"
+)
+"""Characters that command a terminal, are not seen or are not permitted in XML, as in ``study.ledger.printable``."""
 NOT_TEXT = {b"\x93NUMPY": "a file of numpy.save", b"\xfd7zXZ": "packed with xz", b"\x1f\x8b": "packed with gzip"}
 NOT_TEXT |= {b"PK\x03\x04": "a zip or npz file", b"BZh": "packed with bzip2", b"\x89HDF": "an HDF5 file"}
 NOT_TEXT |= dict.fromkeys((b"\xff\xfe", b"\xfe\xff"), "text in UTF-16 (PowerShell writes it)")
@@ -158,7 +165,7 @@ class Task:
         """Read a task from NAME.json.xz, NAME.json.gz or NAME.json."""
         path = Path(path)
         try:
-            data = json.loads(UNPACK.get(path.suffix, bytes)(path.read_bytes()))
+            data = json.loads(_content(path))
         except (OSError, EOFError, ValueError, lzma.LZMAError, zlib.error, RecursionError) as error:
             raise TaskError(f"{path} is no JSON: {error}") from error
         return cls(path.name.partition(".json")[0], data)
@@ -242,6 +249,21 @@ def pairs(dim: int) -> list[tuple[int, int]]:
     return [(0, 0), (1, 1), (0, 1)] if dim == 2 else [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
 
 
+def _content(path: Path) -> bytes:
+    """Return the unpacked content of a file; ValueError if it is much larger than the file."""
+    limit = max(UNSUSPICIOUS, PACKING * path.stat().st_size)
+    with OPEN.get(path.suffix, open)(path, "rb") as file:
+        data = file.read(limit + 1)
+    if len(data) > limit:
+        raise ValueError(f"it unpacks to more than {limit} bytes, {PACKING} times its size: export it again")
+    return data
+
+
+def printable(text: str) -> str:
+    r"""Return a text with every control character as in JSON, such as \u001b for Escape."""
+    return INVISIBLE.sub(lambda found: json.dumps(found[0])[1:-1], text)
+
+
 def read_tasks(directory: Path) -> list[Task]:
     """Return all tasks of a directory; TaskError unless all are readable and as SHA256SUMS says, if it is there."""
     directory = Path(directory)
@@ -318,12 +340,12 @@ def _numbers(path: Path, shape: tuple[int, ...]) -> np.ndarray:
     """Return the numbers of a text file, which may be packed as FILE.xz or FILE.gz; TaskError if it holds others."""
     lines, count = shape[0], math.prod(shape[1:])
     expected = f"expected plain text: {_size(lines, count)} separated by blanks"
-    packed = next((one for suffix in UNPACK if (one := path.with_name(path.name + suffix)).exists()), path)
+    packed = next((one for suffix in OPEN if (one := path.with_name(path.name + suffix)).exists()), path)
     try:
-        data = path.read_bytes() if path.exists() else UNPACK.get(packed.suffix, bytes)(packed.read_bytes())
+        data = _content(path if path.exists() else packed)
     except FileNotFoundError as error:
         raise TaskError(f"{path} is missing, {expected}; write it there") from error
-    except (OSError, EOFError, lzma.LZMAError, zlib.error) as error:
+    except (OSError, EOFError, ValueError, lzma.LZMAError, zlib.error) as error:
         why = getattr(error, "strerror", None) or error
         raise TaskError(f"{path} cannot be read ({why}), {expected}; write it again") from error
     if kind := next((words for start, words in NOT_TEXT.items() if data.startswith(start)), ""):
@@ -1447,12 +1469,13 @@ def main(arguments: list[str] | None = None) -> int:
         with np.errstate(all="ignore"):
             judgements = assess(tasks, answers, {task.name: read_reports(options.answers, task) for task in tasks})
         if options.junit:
-            options.junit.write_text(as_junit(judgements, options.tolerance), encoding="utf-8")
+            options.junit.write_text(printable(as_junit(judgements, options.tolerance)), encoding="utf-8")
     except (TaskError, OSError) as error:
         unreadable = isinstance(error, OSError) and f"cannot read or write {error.filename}: {error.strerror or error}"
-        print(f"contact_judge: {unreadable or error}", file=sys.stderr)
+        print(printable(f"contact_judge: {unreadable or error}"), file=sys.stderr)
         return 2
-    print(as_json(judgements, options.tolerance) if options.json else table(judgements, options.tolerance))
+    text = as_json(judgements, options.tolerance) if options.json else table(judgements, options.tolerance)
+    print(printable(text))
     outcomes = [one.outcome(options.tolerance) for one in judgements]
     return 1 if "fails" in outcomes else 3 if "undecided" in outcomes else 0
 

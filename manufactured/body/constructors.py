@@ -4,11 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from manufactured.arguments import checked
 from manufactured.body.domain import Body
 from manufactured.body.part import BodyError, Kind, Part
 from manufactured.tensors import Array
 
 
+@checked(BodyError)
 def polygon(
     vertices: Sequence[tuple[float, float]],
     kinds: Sequence[Kind],
@@ -21,7 +23,8 @@ def polygon(
     Args:
         vertices: the vertices, counter-clockwise. If the boundary condition changes within a straight side, list the
             point as a vertex.
-        kinds: the boundary condition on the side from vertex i to vertex i + 1, for every i.
+        kinds: the boundary condition on the side from vertex i to vertex i + 1, for every i. Each is a ``Kind`` or its
+            name, such as "contact".
         T: the final time.
         refine: vertices towards which graded meshes are refined.
         interfaces: pairs of points; the material changes along the segments between them.
@@ -41,6 +44,7 @@ def polygon(
     )
 
 
+@checked(BodyError)
 def unit_square(T: float = 1.0) -> Body:
     """Return the unit square: clamped on top, loaded on its left and right, with contact at the bottom.
 
@@ -49,6 +53,7 @@ def unit_square(T: float = 1.0) -> Body:
     return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED], T)
 
 
+@checked(BodyError)
 def box(
     lengths: tuple[float, float, float] = (1.0, 1.0, 1.0),
     T: float = 1.0,

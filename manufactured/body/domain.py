@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
+from manufactured.arguments import checked
 from manufactured.body.html import picture
 from manufactured.body.part import ROUNDING, BodyError, Kind, NDBool, Part, fan_vector, scattered
 from manufactured.tensors import Points
@@ -17,6 +18,7 @@ The constant of Korn's inequality grows with this ratio.
 
 
 @dataclass(frozen=True, eq=False)
+@checked(BodyError)
 class Body:
     """A polygon or polyhedron Ω with boundary conditions on its parts, and the final time T of the problem.
 
@@ -119,8 +121,8 @@ def check(body: Body) -> None:
             f"the body is {across:g} across and measures {body.measure:.3g}: so thin that rounding errors hide its "
             f"deformation; {across:g}^{body.dim} divided by its measure may be at most {SLENDER:g}"
         )
-    if not (np.isfinite(body.T) and body.T > 0):
-        raise BodyError(f"the final time must be a positive, finite number, got T = {body.T}")
+    if body.T <= 0:
+        raise BodyError(f"the final time must be positive, got T = {body.T}")
     for point in body.refine:
         _check_refined(body, point)
     for i, interface in enumerate(body.interfaces):

@@ -15,6 +15,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
+from manufactured.arguments import checked
 from manufactured.tensors import Array, Hyperplane, Points, mapped
 
 NDBool = NDArray[np.bool_]
@@ -37,6 +38,7 @@ class Kind(Enum):
 
 
 @dataclass(frozen=True, eq=False)
+@checked(BodyError)
 class Part:
     """A flat piece of the boundary with one boundary condition: a segment in 2D, a convex polygon in 3D.
 
@@ -50,21 +52,19 @@ class Part:
             the second corner. In 3D c ≥ 3, and the corners are counter-clockwise seen from outside.
 
     Raises:
-        BodyError: the corners are not finite, are repeated, do not lie in one plane, or do not form a convex polygon.
+        BodyError: the corners are no finite numbers, are repeated, do not lie in one plane, or form no convex polygon.
     """
 
     kind: Kind
     corners: Array
 
     def __post_init__(self) -> None:
-        dim, count = self.corners.shape
+        dim, count = self.corners.shape if self.corners.ndim == 2 else (0, 0)
         if dim not in (2, 3) or count < dim or (dim == 2 and count > 2):
             raise BodyError(
-                f"a boundary part cannot have corners of the shape {(dim, count)}: give two in 2D, shape (2, 2), "
+                f"a boundary part cannot have corners of the shape {self.corners.shape}: give two in 2D, shape (2, 2), "
                 "or three or more in 3D, shape (3, c)"
             )
-        if not np.isfinite(self.corners).all():
-            raise BodyError(f"a vertex of the body is not a finite number: {self._given}")
         if (np.linalg.norm(np.roll(self.corners, -1, axis=1) - self.corners, axis=0) == 0).any():
             raise BodyError(f"a boundary part has an edge of length 0, {self._given}; list every vertex once")
         if self.measure == 0:

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.body import Part
 from manufactured.contact.lifting_terms import COMBINATIONS, StrainTerm, first_indices, plus, strain_terms
 from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, relaxation_rate
@@ -42,6 +43,7 @@ parts, and then the part with the change again, ``DIVISIONS`` times, down to 1e-
 
 
 @dataclass(frozen=True, eq=False)
+@checked(FormulaError)
 class ContactFace:
     """The contact data on one part of the contact boundary, from which the displacement in the body is made.
 
@@ -78,11 +80,10 @@ class ContactFace:
         _require_components(self.slip, self.variables)
         # Computed now, so that an invalid formula raises an error when the face is made and not when it is used.
         self.gap_jet, self.level_jet, self.jets  # noqa: B018
-        if not np.isfinite(self.rough).all():
-            raise FormulaError(f"the rough points {self.rough} are not all numbers")
         self._refuse_wrong_initial_gap()
 
     @classmethod
+    @checked(FormulaError)
     def linear(
         cls,
         part: Part,
@@ -130,7 +131,7 @@ class ContactFace:
         law.require_dimension(part.dim)
         if not isinstance(law.G, Linear | NonSymmetric):
             raise LawError(f"{law.name}: only a linear G turns a pressure into a strain; prescribe the strain")
-        pressure, variables = sp.sympify(pressure), VARIABLES[law.dim]
+        variables = VARIABLES[law.dim]
         _require_components(slip, variables)
         viscous, elastic = face_moduli(law.A, part.frame), face_moduli(law.G, part.frame)
         scale, stiffness = (tensor.factor.along(part.start, part.frame[:, :-1], variables) for tensor in (law.A, law.G))
@@ -159,17 +160,16 @@ class ContactFace:
 
     @cached_property
     def gap_jet(self) -> Jet:
-        return Jet(sp.sympify(self.gap), self.variables)
+        return Jet(self.gap, self.variables)
 
     @cached_property
     def initial_gap_jet(self) -> Jet:
-        return Jet(sp.sympify(self.initial_gap), self.variables)
+        return Jet(self.initial_gap, self.variables)
 
     @cached_property
     def jets(self) -> tuple[Jet, ...]:
         """The displacement of the face, u_n = −u_ν = w − g and then the slip, as formulas with their derivatives."""
-        inward = sp.sympify(self.gap) - self.initial_gap
-        return tuple(Jet(sp.sympify(u), self.variables) for u in (inward, *self.slip))
+        return tuple(Jet(u, self.variables) for u in (self.gap - self.initial_gap, *self.slip))
 
     @cached_property
     def rate_jets(self) -> tuple[Jet, ...]:
@@ -183,7 +183,7 @@ class ContactFace:
 
     @cached_property
     def level_jet(self) -> Jet:
-        return Jet(sp.sympify(self.level), self.variables)
+        return Jet(self.level, self.variables)
 
     @cached_property
     def pressure_jet(self) -> Jet | None:
@@ -222,7 +222,7 @@ class ContactFace:
 
     def _refuse_wrong_initial_gap(self) -> None:
         """Raise FormulaError if the initial gap depends on t or is negative somewhere on the face."""
-        if sp.sympify(self.initial_gap).has(t):
+        if self.initial_gap.has(t):
             raise FormulaError(
                 f"the initial gap {self.initial_gap} depends on t, but it is the distance of the undeformed body from "
                 "a foundation that rests: give a formula of the coordinates along the face alone"

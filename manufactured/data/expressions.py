@@ -4,8 +4,12 @@ from dataclasses import dataclass
 
 import sympy as sp
 
+from manufactured.arguments import checked
+from manufactured.symbols import FormulaError
+
 
 @dataclass(frozen=True)
+@checked(FormulaError)
 class Expressions:
     """Formulas of the body force f_0, the tractions f_2 and the initial displacement u_0 in x1, x2 (x3) and t.
 

@@ -10,6 +10,7 @@ from typing import ClassVar
 import numpy as np
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.body import Body, Kind, Part
 from manufactured.data.compiled_formulas import compiled, own_formula
 from manufactured.data.expressions import Expressions
@@ -23,12 +24,17 @@ ForceInTime = Callable[[float], Vectors]
 Formulas = Sequence[sp.Expr | float]
 
 
+class LoadError(ValueError):
+    """Raised for data for which no solution can exist."""
+
+
 def no_fronts(time: float) -> tuple[Hyperplane, ...]:
     """Return an empty tuple of lines, for a body force without moving fronts."""
     return ()
 
 
 @dataclass(frozen=True, eq=False)
+@checked(LoadError)
 class Data:
     """The data of Problem 2.1: body, law, loads and initial displacement.
 
@@ -70,6 +76,7 @@ class Data:
         return isinstance(self.formulas_of, ExactSolution) and self.formulas_of.has_initial_gap
 
     @classmethod
+    @checked(LoadError)
     def of(cls, solution: ExactSolution) -> Data:
         """Return the data of an exact solution.
 
@@ -98,6 +105,7 @@ class Data:
         )
 
     @classmethod
+    @checked(FormulaError)
     def formulas(
         cls,
         body: Body,
@@ -186,10 +194,6 @@ ROUNDING = 1e-12
 """Relative size up to which u_0 on Γ1, and penetration of u_0 on Γ3, count as round-off."""
 LARGEST = 1e100
 """Largest permitted value of f_0, f_2, u_0 and ε(u_0): their squares must not overflow."""
-
-
-class LoadError(ValueError):
-    """Raised for data for which no solution can exist."""
 
 
 def check(data: Data) -> None:

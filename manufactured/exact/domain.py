@@ -24,6 +24,8 @@ def coordinates(values: ArrayLike, count: int, what: str) -> Array:
         found = np.asarray(values)
     except ValueError as error:
         raise ValueError(f"{wanted}; got rows of different lengths") from error
+    if found.dtype.kind not in "iufc":
+        raise ValueError(f"{wanted}, of numbers; got entries of the type {found.dtype}")
     if found.ndim >= 2 and len(found) == count:
         return found
     if found.shape == (count,):

@@ -7,9 +7,9 @@ from functools import cached_property, reduce
 from operator import methodcaller
 
 import numpy as np
-import sympy as sp
 from numpy.typing import ArrayLike
 
+from manufactured.arguments import checked
 from manufactured.body import Body, BodyError, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
@@ -24,6 +24,7 @@ from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, ba
 
 
 @dataclass(frozen=True, eq=False)
+@checked(ValueError)
 class ExactSolution:
     """An exact solution of Problem 2.1, and the loads that belong to it.
 
@@ -276,7 +277,7 @@ class FaceFields:
 
     def initial_gap(self) -> Array:
         """Return the initial gap g, the distance of the undeformed body from the foundation, (...)."""
-        return self._value(Jet(sp.sympify(self.face.initial_gap), self.face.variables), 0.0)
+        return self._value(Jet(self.face.initial_gap, self.face.variables), 0.0)
 
     def level(self, time: Array | float) -> Array:
         """Return the level function ψ, (...); the contact zone is {ψ ≥ 0}."""

@@ -7,12 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.face_strain.hereditary import Memory
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints
+from manufactured.symbols import FormulaError
 from manufactured.tensors import Array
 
 
 @dataclass(frozen=True, eq=False)
+@checked(FormulaError)
 class Coupled:
     """The strain on a contact face for a linear law that couples the normal strain q with the shear strain r.
 
@@ -32,6 +35,7 @@ class Coupled:
     vectors: Array
 
     @classmethod
+    @checked(FormulaError)
     def of(
         cls,
         pressure: sp.Expr,

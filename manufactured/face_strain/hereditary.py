@@ -6,11 +6,12 @@ from functools import cached_property, lru_cache
 import numpy as np
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.face_strain.contact_times import PressureTerm, smooth_branch
 from manufactured.face_strain.convolution import Started
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints, relaxation_rate
 from manufactured.jet import Jet
-from manufactured.symbols import Values, s, t
+from manufactured.symbols import FormulaError, Values, s, t
 from manufactured.tensors import Array
 
 NO_STRESS = sp.Integer(0)
@@ -19,6 +20,7 @@ RECENT = 3
 
 
 @dataclass(frozen=True, eq=False)
+@checked(FormulaError)
 class Memory:
     """The normal strain q on a contact face for a linear law, computed from the history of the contact pressure p.
 

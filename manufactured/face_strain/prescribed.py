@@ -6,13 +6,15 @@ from functools import cached_property
 import numpy as np
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints
 from manufactured.jet import Jet
-from manufactured.symbols import Values, s
+from manufactured.symbols import FormulaError, Values, s
 from manufactured.tensors import Array
 
 
 @dataclass(frozen=True, eq=False)
+@checked(FormulaError)
 class Prescribed:
     """A prescribed normal strain q on a contact face; the pressure follows from q and q̇ by the law.
 

@@ -43,7 +43,7 @@ def relaxation_rate(elasticity: sp.Expr | float, viscosity: sp.Expr | float) -> 
     Raises:
         FormulaError: g/a varies along the face.
     """
-    ratio = sp.sympify(elasticity) / viscosity
+    ratio: sp.Expr = elasticity / viscosity
     # ``cancel`` is tried first: it is enough for most factors, and ``simplify`` takes longer because SymPy loads its
     # physical units.
     for shortened in (sp.cancel, sp.simplify):

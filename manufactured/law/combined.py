@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from manufactured.arguments import checked
 from manufactured.factor import UNIFORM, Factor
 from manufactured.law.linear_operator import Linear
 from manufactured.law.operators import AtPoints, LawError
@@ -13,6 +14,7 @@ from manufactured.tensors import Array, Tensors, dyad
 
 
 @dataclass(frozen=True, eq=False)
+@checked(LawError)
 class Combined:
     """The elasticity operator G(ε) = S + C ε + β (ε − P_K ε): a stress at rest, a linear operator and the law (3.3).
 
@@ -35,19 +37,16 @@ class Combined:
     yielding: Yield
 
     def __post_init__(self) -> None:
-        stress = np.asarray(self.prestress, dtype=float)
-        if self.linear.dim != self.yielding.dim or stress.shape != (len(self.linear.matrix),):
+        shape = self.prestress.shape
+        if self.linear.dim != self.yielding.dim or shape != (len(self.linear.matrix),):
             raise LawError(
-                f"S has the shape {stress.shape}, C acts in dimension {self.linear.dim} and K in dimension "
+                f"S has the shape {shape}, C acts in dimension {self.linear.dim} and K in dimension "
                 f"{self.yielding.dim}; give a Mandel vector S, (3,) or (6,), and operators of the same dimension"
             )
-        if not np.isfinite(stress).all():
-            raise LawError(f"the stress at rest is not finite: {stress.tolist()}")
         if self.linear.factor is not UNIFORM:
             raise LawError(
                 "the linear part varies in space, but the part (3.3) cannot; give a linear part without factor"
             )
-        object.__setattr__(self, "prestress", stress)
 
     @property
     def dim(self) -> int:

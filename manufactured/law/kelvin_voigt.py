@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from manufactured.arguments import checked
 from manufactured.law.linear_operator import Indefinite, Linear
 from manufactured.law.operators import AtPoints, Elasticity, LawError
 from manufactured.tensors import Array, Hyperplane, Points, Tensors
 
 
 @dataclass(frozen=True, eq=False)
+@checked(LawError)
 class KelvinVoigt:
     """The Kelvin–Voigt law σ = A ε̇ + G(ε), equation (2.1).
 

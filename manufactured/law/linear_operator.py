@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from manufactured.arguments import checked
 from manufactured.factor import UNIFORM, Factor
 from manufactured.law.operators import AtPoints, LawError
 from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped, size
@@ -21,6 +22,7 @@ class _HasMatrix(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
+@checked(LawError)
 class Linear:
     """A linear elliptic operator τ ↦ α(x) C τ, used as viscosity A, (3.1), and as linear elasticity G, (2.7).
 
@@ -36,15 +38,14 @@ class Linear:
     factor: Factor = UNIFORM
 
     def __post_init__(self) -> None:
-        matrix = symmetric(self.matrix)
-        smallest = float(np.linalg.eigvalsh(matrix)[0])
+        require_symmetric(self.matrix)
+        smallest = float(np.linalg.eigvalsh(self.matrix)[0])
         if smallest <= 0:
             raise LawError(
                 f"the tensor is not elliptic: its smallest eigenvalue is {smallest:.6g}, but (3.1) needs m_A > 0; for "
                 "an isotropic tensor take 2μ > 0 and 2μ + dλ > 0. For an elasticity operator that softens use "
                 "``Indefinite``. For a body without viscosity use static elasticity: ``static(body, G, f0, f2)``"
             )
-        object.__setattr__(self, "matrix", matrix)
 
     @property
     def dim(self) -> int:
@@ -118,6 +119,7 @@ def face_moduli(operator: _HasMatrix, frame: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
+@checked(LawError)
 class Indefinite(Linear):
     """A linear elasticity operator τ ↦ α(x) C τ with C symmetric but not positive, so that the material softens.
 
@@ -129,7 +131,7 @@ class Indefinite(Linear):
     """
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "matrix", symmetric(self.matrix))
+        require_symmetric(self.matrix)
 
     @cached_property
     def ellipticity(self) -> float:
@@ -143,20 +145,17 @@ class Indefinite(Linear):
         return self.factor.high * float(abs(np.linalg.eigvalsh(self.matrix)).max())
 
 
-def symmetric(matrix: Array) -> Array:
-    """Check that a matrix in Mandel form, (D, D), belongs to a symmetric tensor on S^d, and return it.
-
-    Raises:
-        LawError: it is not a 3 × 3 or 6 × 6 matrix, or is not finite or not symmetric.
-    """
-    matrix = np.asarray(matrix, dtype=float)
-    if matrix.shape not in ((3, 3), (6, 6)):
-        raise LawError(f"a tensor needs a 3×3 (d=2) or 6×6 (d=3) Mandel matrix, got {matrix.shape}")
-    if not np.isfinite(matrix).all():
-        raise LawError(f"the tensor has entries that are not finite: {matrix.tolist()}")
+def require_symmetric(matrix: Array) -> None:
+    """Raise LawError unless a matrix in Mandel form, (D, D), belongs to a symmetric tensor on S^d."""
+    require_mandel(matrix)
     if not np.allclose(matrix, matrix.T, rtol=1e-12, atol=0):
         raise LawError("the tensor is not symmetric, but (3.1) needs Aσ·τ = σ·Aτ; take (C + Cᵀ)/2")
-    return matrix
+
+
+def require_mandel(matrix: Array) -> None:
+    """Raise LawError unless a matrix has the shape of a tensor on S^d in Mandel form."""
+    if matrix.shape not in ((3, 3), (6, 6)):
+        raise LawError(f"a tensor needs a 3×3 (d=2) or 6×6 (d=3) Mandel matrix, got {matrix.shape}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,6 +186,7 @@ class Scaled:
         return found + self.slopes * mapped(self.matrix, strain())[:, None]
 
 
+@checked(LawError)
 def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> Linear:
     """Return the isotropic operator C τ = α(x) (2μ τ + λ (tr τ) I) with the Lamé constants μ and λ.
 
@@ -199,6 +199,7 @@ def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> 
     return Linear(isotropic_matrix(mu, lam, dim), factor)
 
 
+@checked(LawError)
 def isotropic_matrix(mu: float, lam: float, dim: int = 2) -> Array:
     """Return the matrix of τ ↦ 2μ τ + λ (tr τ) I in Mandel form, (D, D); the eigenvalues are 2μ and 2μ + dλ."""
     unit = identity(dim)

@@ -5,13 +5,15 @@ from functools import cached_property
 
 import numpy as np
 
+from manufactured.arguments import checked
 from manufactured.factor import UNIFORM, Factor
-from manufactured.law.linear_operator import Scaled
+from manufactured.law.linear_operator import Scaled, require_mandel
 from manufactured.law.operators import AtPoints, LawError
 from manufactured.tensors import Array, Points, Tensors, mapped
 
 
 @dataclass(frozen=True, eq=False)
+@checked(LawError)
 class NonSymmetric:
     """The elasticity operator ε ↦ C ε for any matrix C in Mandel form, (D, D); C need not be symmetric or positive.
 
@@ -30,12 +32,7 @@ class NonSymmetric:
     matrix: Array
 
     def __post_init__(self) -> None:
-        matrix = np.asarray(self.matrix, dtype=float)
-        if matrix.shape not in ((3, 3), (6, 6)):
-            raise LawError(f"a tensor needs a 3×3 (d=2) or 6×6 (d=3) Mandel matrix, got {matrix.shape}")
-        if not np.isfinite(matrix).all():
-            raise LawError(f"the tensor has entries that are not finite: {matrix.tolist()}")
-        object.__setattr__(self, "matrix", matrix)
+        require_mandel(self.matrix)
 
     @property
     def dim(self) -> int:

@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from manufactured.arguments import checked
 from manufactured.factor import UNIFORM, Factor
 from manufactured.law.operators import AtPoints, LawError
 from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped, size
@@ -25,6 +26,7 @@ class ConvexSet(Protocol):
 
 
 @dataclass(frozen=True)
+@checked(LawError)
 class FrobeniusBall:
     """The ball K = {τ : |τ| ≤ r} in the Frobenius norm."""
 
@@ -37,6 +39,7 @@ class FrobeniusBall:
 
 
 @dataclass(frozen=True)
+@checked(LawError)
 class DeviatoricBall:
     """The cylinder K = {τ : |dev τ| ≤ r} of von Mises, with dev τ = τ − (tr τ / d) I."""
 
@@ -50,6 +53,7 @@ class DeviatoricBall:
 
 
 @dataclass(frozen=True, eq=False)
+@checked(LawError)
 class Yield:
     """The elasticity operator (3.3), G(ε) = β (ε − P_K ε), where P_K is the projection onto a convex set K.
 
@@ -68,9 +72,9 @@ class Yield:
     convex: ConvexSet
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.beta) and self.beta > 0):
+        if self.beta <= 0:
             raise LawError(f"(3.3) needs β > 0, got β = {self.beta}")
-        if not (np.isfinite(self.convex.radius) and self.convex.radius > 0):
+        if not 0 < self.convex.radius < np.inf:
             raise LawError(f"(3.3) needs a radius r > 0 so that 0 lies in K, got r = {self.convex.radius}")
 
     @property

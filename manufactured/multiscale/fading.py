@@ -17,12 +17,13 @@ from functools import cached_property, lru_cache
 import numpy as np
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.body import Part
 from manufactured.compiled import function
 from manufactured.contact.contact_face import distinct
 from manufactured.jet import Jet
 from manufactured.modes import Modes, at_each
-from manufactured.symbols import Index, Values, indices, refuse_kinks, s, t
+from manufactured.symbols import FormulaError, Index, Values, indices, refuse_kinks, s, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
 
 y = sp.Symbol("y", real=True)
@@ -54,6 +55,7 @@ def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
 
 
 @dataclass(frozen=True, eq=False)
+@checked(FormulaError)
 class FadingFace:
     """A contact face whose displacement reaches to a variable depth; all data are formulas of s and t.
 

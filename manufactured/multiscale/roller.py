@@ -27,13 +27,14 @@ from functools import lru_cache
 
 from sympy import Expr, Rational, exp, prod, sqrt
 
+from manufactured.arguments import checked
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import proportional
 from manufactured.exact import ExactSolution
 from manufactured.multiscale.fading import FadingFace
 from manufactured.regularity import Regularity
-from manufactured.symbols import pos, s, t
+from manufactured.symbols import FormulaError, pos, s, t
 
 T = 0.7
 START = Rational(3, 20)
@@ -54,6 +55,7 @@ DEPTH = Rational(7, 10)
 """The depth of the displacement divided by (ℓ² + ξ²)^{1/2}, where ξ is the position relative to the patch."""
 
 
+@checked(FormulaError)
 @lru_cache
 def rollers(level: int) -> tuple[Case, ...]:
     """Return the roller cases for a level n, in which the width or half-width ℓ of the patch is 2/n.

@@ -82,7 +82,7 @@ def _history(solution: ExactSolution, x: Points, count: int) -> Finding:
 
 def _switches(solution: ExactSolution) -> list[float]:
     """Return the times at which u̇ may jump: zeros of the arguments of truncated powers that depend on t only."""
-    formulas = [sp.sympify(f) for face in solution.faces for f in (face.gap, face.exponents_in)]
+    formulas = [f for face in solution.faces for f in (face.gap, face.exponents_in)]
     switches = {front.args[0] for f in formulas for front in f.atoms(pos) if front.args[0].free_symbols == {clock}}
     return [float(root) for switch in switches for root in sp.real_roots(switch, clock)]
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from manufactured.arguments import checked
 from manufactured.exact import ExactSolution
 from manufactured.self_proof.boundary_conditions import clamped_and_loaded, contact
 from manufactured.self_proof.coefficients import bounds_of_factors, traction_at_jumps
@@ -10,6 +11,7 @@ from manufactured.self_proof.finding import Finding, SelfProofError
 from manufactured.self_proof.interior import equilibrium, history, kinematics
 
 
+@checked(ValueError)
 def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
     """Check every condition of Problem 2.1 and return the largest violation of each; raise an error if one is too
     large.
@@ -28,6 +30,7 @@ def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
     return findings
 
 
+@checked(ValueError)
 def examine(solution: ExactSolution, seed: int = 0, points: int = 40, times: int = 8) -> list[Finding]:
     """Return the largest violation of every condition of Problem 2.1 at random points and times.
 

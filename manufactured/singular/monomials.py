@@ -4,10 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from manufactured.arguments import checked
+from manufactured.symbols import FormulaError
 from manufactured.tensors import Array
 
 
 @dataclass(frozen=True)
+@checked(FormulaError)
 class Monomial:
     """The function y^m Re(c z^β) of z = x + iy, where m is 0 or 1."""
 
@@ -26,6 +29,7 @@ class Monomial:
         return found
 
 
+@checked(FormulaError)
 def kolosov(kappa: float, a: complex, b: complex, exponent: float) -> tuple[tuple[Monomial, ...], tuple[Monomial, ...]]:
     """Return the displacement 2μ (u_x, u_y) of plane elasticity with the potentials Φ = a z^λ and Ψ = b z^λ.
 

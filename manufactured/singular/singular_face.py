@@ -5,15 +5,17 @@ from functools import cached_property
 
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.body import Part
 from manufactured.jet import Jet
 from manufactured.singular.singular_field import SingularAtPoints, SingularField
 from manufactured.singular.travelling_field import TravellingAtPoints, TravellingField
-from manufactured.symbols import refuse_kinks, s
+from manufactured.symbols import FormulaError, refuse_kinks, s
 from manufactured.tensors import Points
 
 
 @dataclass(frozen=True, eq=False)
+@checked(FormulaError)
 class SingularFace:
     """A part of the contact boundary where the displacement is a singular field, with the contact data of this field.
 
@@ -47,15 +49,15 @@ class SingularFace:
 
     @cached_property
     def gap_jet(self) -> Jet:
-        return Jet(sp.sympify(self.gap), (s,))
+        return Jet(self.gap, (s,))
 
     @cached_property
     def pressure_jet(self) -> Jet:
-        return Jet(sp.sympify(self.pressure), (s,))
+        return Jet(self.pressure, (s,))
 
     @cached_property
     def level_jet(self) -> Jet:
-        return Jet(sp.sympify(self.level), (s,))
+        return Jet(self.level, (s,))
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:

@@ -11,15 +11,17 @@ from typing import Protocol
 import numpy as np
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.jet import Jet
 from manufactured.modes import Modes
 from manufactured.profile import Piecewise
 from manufactured.singular.monomials import Monomial, Powers
-from manufactured.symbols import s
+from manufactured.symbols import FormulaError, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, mapped, rotation
 
 
 @dataclass(frozen=True, eq=False)
+@checked(FormulaError)
 class SingularField:
     """The displacement u = θ(t) χ U(x, y) near a point: U is singular at the point, and χ is a cut-off function.
 
@@ -44,7 +46,7 @@ class SingularField:
     @cached_property
     def amplitude(self) -> tuple[Jet, Jet]:
         """The function of time θ and its derivative, as formulas that can be evaluated."""
-        jet = Jet(sp.sympify(self.theta), (s,))
+        jet = Jet(self.theta, (s,))
         return jet, jet.rate()
 
     def at_time(self, time: Array | complex, rate: bool) -> Array:

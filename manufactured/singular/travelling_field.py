@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from manufactured.arguments import checked
 from manufactured.jet import Jet
 from manufactured.modes import Modes, at_each
 from manufactured.singular.monomials import Monomial
 from manufactured.singular.singular_field import SingularAtPoints, SingularField
-from manufactured.symbols import s
+from manufactured.symbols import FormulaError, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
 
 Of = Callable[[SingularAtPoints, complex, bool], Array]
@@ -22,6 +23,7 @@ Of = Callable[[SingularAtPoints, complex, bool], Array]
 
 
 @dataclass(frozen=True, eq=False)
+@checked(FormulaError)
 class TravellingField:
     """The displacement u = θ(t) χ(y) U(x − c(t), y), whose singular point x = c(t) moves.
 
@@ -62,7 +64,7 @@ class TravellingField:
 
     @cached_property
     def _place(self) -> tuple[Jet, Jet]:
-        jet = Jet(sp.sympify(self.place), (s,))
+        jet = Jet(self.place, (s,))
         return jet, jet.rate()
 
     def place_at(self, time: Any, rate: bool = False) -> Any:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile, is_zipfile
+from zipfile import ZipFile, is_zipfile
 
 import numpy as np
 
@@ -21,6 +21,13 @@ DISPLACEMENT = ("u", "displacement", "displacements", "u_h", "uh", "disp")
 CELLS = {"triangle": 3, "triangle6": 6}
 IGNORED = ("vertex", "line", "line3")
 """Types of cells that are ignored: mesh files often contain points and boundary edges besides the triangles."""
+
+
+PACKING, UNSUSPICIOUS = 100, 2**26
+"""An .npz file may unpack to so many times its size. Files that unpack to at most 64 MiB may have any ratio.
+
+The coordinates and displacements of a mesh compress by a factor of 20 at most.
+"""
 
 
 @dataclass(frozen=True)
@@ -63,17 +70,21 @@ def read(path: Path | str, name: str | None = None) -> Field:
         if kind in (".xdmf", ".xmf"):
             return _together(path, _xdmf(path), name)
         return _together(path, [(None, _read_mesh(path))], name)
-    except (OSError, ValueError, KeyError, ET.ParseError, BadZipFile) as error:
-        if isinstance(error, BoundError):
-            raise
-        raise BoundError(f"{path} cannot be read: {type(error).__name__}: {error}") from error
+    except (BoundError, MemoryError):
+        raise
     except ImportError as error:
-        raise BoundError(f"{path} needs the package {error.name}: install it, or write .npz") from error
+        raise BoundError(
+            f"{path} needs the package {error.name}: install it (python -m pip install {error.name}), or write .npz"
+        ) from error
+    # A broken file may raise any error of NumPy, zipfile, zlib, h5py or meshio.
+    except Exception as error:
+        raise BoundError(f"{path} cannot be read: {type(error).__name__}: {error}") from error
 
 
 def _npz(path: Path) -> Field:
     if not is_zipfile(path):
         raise BoundError(f"{path} is no .npz file: write it by numpy.savez, with the arrays {', '.join(ARRAYS)}")
+    _refuse_packed(path)
     with np.load(path) as file:
         arrays = {OURS.get(key, key): file[key].T if key in OURS else file[key] for key in file.files}
         ours = "p" in file.files
@@ -82,6 +93,20 @@ def _npz(path: Path) -> Field:
         raise BoundError(f"{path} lacks {', '.join(missing)}; expected the arrays {', '.join(ARRAYS)}")
     u = arrays["u"].swapaxes(-1, -2) if ours else arrays["u"]
     return Field(arrays["points"], arrays["triangles"], arrays.get("times"), u)
+
+
+def _refuse_packed(path: Path) -> None:
+    """Raise BoundError, before anything is unpacked, if a zip file is encrypted or unpacks to very much."""
+    with ZipFile(path) as packed:
+        entries = packed.infolist()
+    if any(entry.flag_bits & 1 for entry in entries):
+        raise BoundError(f"{path} is encrypted: write it by numpy.savez, which does not encrypt")
+    whole, size = sum(entry.file_size for entry in entries), path.stat().st_size
+    if whole > max(UNSUSPICIOUS, PACKING * size):
+        raise BoundError(
+            f"{path} has {size} bytes and unpacks to {whole} bytes, more than {PACKING} times as many, as no "
+            "displacement does: if it is one, write it by numpy.savez, which does not compress"
+        )
 
 
 def _read_mesh(path: Path) -> Any:
@@ -98,6 +123,8 @@ def _read_mesh(path: Path) -> Any:
         )
     try:
         return meshio.read(path)
+    except (ImportError, MemoryError):
+        raise
     # For broken files meshio prints a message and raises SystemExit, or an error of the library that it uses.
     except (SystemExit, Exception) as error:
         raise BoundError(f"{path} is broken or incomplete: write it again ({type(error).__name__}: {error})") from error
@@ -130,7 +157,11 @@ def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
         return
     with series as reader:
         points, cells = reader.read_points_cells()
-        for step in range(reader.num_steps):
+        for step, grid in enumerate(reader.collection):
+            # The reader of meshio takes the mesh of the first step for all steps.
+            if {"Geometry", "Topology"} & {child.tag for child in grid}:
+                reader.mesh_grid = grid
+                points, cells = reader.read_points_cells()
             time, values, _ = reader.read_data(step)
             yield time, meshio.Mesh(points, cells, point_data=values)
 

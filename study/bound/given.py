@@ -170,6 +170,11 @@ def given(
 def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
     """Convert the arrays to shapes (n, 2), (cells, 3 or 6), (k,), (k, n, 2); raise BoundError if one is invalid."""
     for name, array in (("points", points), ("times", times), ("u", u)):
+        kind = np.asarray(array).dtype
+        if np.size(array) == 0 or kind.kind not in "iufc":
+            raise BoundError(
+                f"{name} has the shape {np.shape(array)} and the type {kind}, expected at least one number"
+            )
         if np.iscomplexobj(array) and np.imag(array).any():
             raise BoundError(f"{name} has complex numbers, expected real ones")
     points, times, u = (np.real(array).astype(float) for array in (points, np.atleast_1d(times), u))

@@ -49,12 +49,12 @@ def do_adapt(options: argparse.Namespace) -> int:
     store = Store(options.out / name, written=(".",))
     results: list[dict[str, Any]] = []
     with store.locked():
-        store.require_problem(name, of_data(data))
+        store.begin(of_data(data))
         while True:
             number = len(results)
             # The tolerance only decides when to stop. It is not part of the cache key, so stored meshes can be used
             # with another tolerance.
-            cache_key = of_problem(data, case, (family, level, options.steps, scheme, isinstance(data, Static), number))
+            cache_key = of_problem(data, case, (family, level, options.steps, scheme, number))
             path = adaptive.stage_file(store.directory, number)
 
             def compute(stage: Stage = stage, number: int = number, path: Path = path) -> dict[str, Any]:

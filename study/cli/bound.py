@@ -54,7 +54,7 @@ def do_bound(options: argparse.Namespace) -> int:
         prove(case.solution, f"case {case.name}")
     store = Store(directory, written=(".",))
     with store.locked():
-        store.require_problem(name, of_data(data))
+        store.begin(of_data(data))
         rows = [store.cached(one.key, one.cache_key, one.compute, *one.files) for one in displacements]
         table = bounded.levels([row["row"] for row in rows])
         over_time = pd.concat([pd.DataFrame(row["series"]) for row in rows])
@@ -106,7 +106,7 @@ def computed_displacements(
             bounded.write_displacement(file, found.computed)
             return bounded.record(level, found)
 
-        cache_key = of_problem(data, case, (family, level, scheme, steps, refined, isinstance(data, Static)))
+        cache_key = of_problem(data, case, (family, level, scheme, steps, refined))
         return Displacement(f"level-{level}", cache_key, compute, (file,))
 
     return directory, [displacement(level) for level in options.levels]

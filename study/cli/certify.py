@@ -40,7 +40,7 @@ def do_certify(options: argparse.Namespace) -> int:
     bounded.check_bound(data, family, options.levels, options.steps, refined)
     paths, store = [], Store(options.out / name, written=(".",))
     with store.locked():
-        store.require_problem(name, of_data(data))
+        store.begin(of_data(data))
         for level in options.levels:
             steps = options.steps or rate_steps(data.body.T, level)
             compute = partial(make_certificate, data, family, level, scheme, steps, refined)

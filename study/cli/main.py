@@ -5,8 +5,10 @@ import io
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import redirect_stderr, redirect_stdout
 
 from study.cli.options import CLOSED, INTERRUPTED, USAGE, out_of_range, parser
+from study.ledger.printable import PrintableStream
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -21,6 +23,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, io.TextIOWrapper):
             # An ASCII terminal cannot show a character such as ‖. Then \u2016 is printed, which is also valid in JSON.
             stream.reconfigure(errors="backslashreplace")
+    if arguments is None:
+        # All figures are files. Matplotlib cannot be imported if this variable names a window system it does not know.
+        os.environ.pop("MPLBACKEND", None)
+    output, messages = PrintableStream(sys.stdout), PrintableStream(sys.stderr, permitted="\r")
+    with redirect_stdout(output), redirect_stderr(messages):  # type: ignore[type-var]
+        return _run(arguments)
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     options, unknown = parser().parse_known_args(arguments)
     if unknown:
         options.refuse(unknown)

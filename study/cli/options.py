@@ -117,6 +117,13 @@ def _finite(text: str) -> float:
     return value
 
 
+def _not_empty(kind: type, text: str) -> Any:
+    """Return a text or a path; an empty path would be the working directory, and an empty text no option."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError("got an empty text, expected a name; leave the option out if there is none")
+    return kind(text)
+
+
 JSON = option("--json", action="store_true", help="print as JSON")
 JOBS = option("--jobs", type=int, within=Range(1, "1 to 1024", 1024), default=os.cpu_count() or 1,
               help="number of processes (default: all cores)")  # fmt: skip
@@ -304,6 +311,8 @@ def parser() -> argparse.ArgumentParser:
             group = command.add_mutually_exclusive_group() if isinstance(one, list) else command
             for flags, settings, within in one if isinstance(one, list) else [one]:
                 action = group.add_argument(*flags, **settings)
+                if action.nargs != 0 and action.type in (None, Path):
+                    action.type = partial(_not_empty, action.type or str)
                 known += flags
                 if within:
                     ranges[action.dest] = flags[0], within

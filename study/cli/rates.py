@@ -6,10 +6,12 @@ import math
 import sys
 import textwrap
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 
 from study.cli.options import OK, USAGE
-from study.ledger.files import write_text
+from study.ledger.files import StoreError, write_text, write_whole
+from study.ledger.printable import printable
 from study.orders import OrderError, observed_orders
 from study.orders.columns import Options, Series, read_series
 from study.orders.reading import MAX_BYTES
@@ -38,17 +40,17 @@ def do_rates(options: argparse.Namespace) -> int:
         file = ""
         values = _values(tables, options.json) if options.values else ""
         if options.plot:
-            plot(judged, options.plot)
-    except OrderError as error:
+            write_whole(options.plot, partial(plot, judged, suffix=options.plot.suffix))
+        if options.junit:
+            write_text(options.junit, printable(as_junit(judged)))
+        if options.markdown:
+            write_text(options.markdown, printable(as_markdown(judged)))
+    except (OrderError, StoreError) as error:
         print(f"study: {file}{error}", file=sys.stderr)
         return USAGE
     if options.values:
         print(values)
         return OK
-    if options.junit:
-        write_text(options.junit, as_junit(judged))
-    if options.markdown:
-        write_text(options.markdown, as_markdown(judged))
     print(json.dumps(as_json(judged), indent=2, ensure_ascii=False) if options.json else as_text(judged))
     return exit_code(judged)
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -297,7 +298,7 @@ def tangential_areas(space: Space, directions: int) -> Array:
     single = np.array([(every == number).sum() == 1 for number in every])
     ends = np.cumsum([0, *(len(numbers) for _, numbers in space.contact)])
     share = areas(space)
-    parts = [share[a:b][single[a:b]] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    parts = [share[a:b][single[a:b]] for a, b in pairwise(ends)]
     return np.concatenate([np.tile(part, directions) for part in parts])
 
 
@@ -363,7 +364,7 @@ def friction(setup: Experiment, size: float) -> Experiment:
     every = np.concatenate([numbers for _, numbers in space.contact])
     owners = np.flatnonzero([(every == number).sum() == 1 for number in every])
     starts = np.cumsum([0, *(len(numbers) for _, numbers in space.contact)])
-    parts = [owners[(owners >= a) & (owners < b)] for a, b in zip(starts[:-1], starts[1:], strict=True)]
+    parts = [owners[(owners >= a) & (owners < b)] for a, b in pairwise(starts)]
     owner_rows = np.concatenate([np.tile(part, space.dim - 1) for part in parts])
     T = tangents(space)
 
@@ -385,9 +386,10 @@ def normals_changed(change: Callable[[Experiment, float], sps.csr_array | None])
 
 def tilted(setup: Experiment, size: float) -> sps.csr_array:
     """Return the normal components for normals that are turned by the angle δ towards the first tangent."""
-    turned: Callable[[Part], Array] = lambda part: (
-        np.cos(size) * part.normal[:, None] + np.sin(size) * part.frame[:, :1]
-    )
+
+    def turned(part: Part) -> Array:
+        return np.cos(size) * part.normal[:, None] + np.sin(size) * part.frame[:, :1]
+
     return components(setup.space, turned, once=False)
 
 

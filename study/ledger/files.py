@@ -4,9 +4,13 @@ import errno
 import gzip
 import os
 import shutil
+import sys
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TextIO
 
 FULL = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC))
 """Error numbers of a full disk and of an exhausted quota. Windows has no error number for quotas."""
@@ -31,7 +35,8 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
     """Write a file completely or not at all, and return its path.
 
     A temporary file in the same folder is written and then renamed, so that other programs see the old or the new
-    content, never a part of it.
+    content, never a part of it. A symbolic link remains, and the file to which it leads is written. A device, a pipe
+    and the standard output receive the content themselves.
 
     Parameters:
         path: the file.
@@ -40,11 +45,19 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
     Raises:
         StoreError: the file cannot be written, for example because the disk is full.
     """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    file = Path(os.path.realpath(path))
+    part = file.with_name(f".{file.name}.{os.getpid()}.part")
     try:
+        if _receives_bytes(path):
+            _send(path, write)
+            return path
         path.parent.mkdir(parents=True, exist_ok=True)
+        if file.is_symlink():
+            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+        if file.is_file() and not os.access(file, os.W_OK):
+            raise OSError(errno.EACCES, os.strerror(errno.EACCES))
         write(part)
-        os.replace(part, path)
+        os.replace(part, file)
     except Exception as error:
         cause = disk_full(error) or _no_room(path) or error
         if not isinstance(cause, OSError):
@@ -55,6 +68,35 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
         with suppress(OSError):
             part.unlink()
     return path
+
+
+def _receives_bytes(path: Path) -> bool:
+    """Return whether a path leads to a device, a pipe, a socket or the standard output of this program."""
+    if not path.exists():
+        return False
+    return not (path.is_file() or path.is_dir()) or any(map(partial(_leads_to, path), (sys.stdout, sys.stderr)))
+
+
+def _leads_to(path: Path, stream: TextIO) -> bool:
+    with suppress(OSError, ValueError):
+        return os.path.samestat(os.fstat(stream.fileno()), os.stat(path))
+    return False
+
+
+def _send(path: Path, write: Callable[[Path], object]) -> None:
+    """Write the content to a temporary file, as pipes cannot be written at any place, and send it to a path."""
+    with TemporaryDirectory() as directory:
+        file = Path(directory) / "content"
+        write(file)
+        content = file.read_bytes()
+    for stream in (sys.stdout, sys.stderr):
+        if _leads_to(path, stream):
+            stream.flush()
+            stream.buffer.write(content)
+            stream.flush()
+            return
+    with path.open("wb") as target:
+        target.write(content)
 
 
 def disk_full(error: BaseException | None) -> OSError | None:

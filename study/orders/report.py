@@ -115,18 +115,19 @@ def as_junit(judged: Judged) -> str:
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True)
 
 
-def plot(judged: Judged, file: Path) -> None:
+def plot(judged: Judged, file: Path, suffix: str) -> None:
     """Draw errors over mesh sizes, with two lines for each column: the fitted order and the expected order.
 
     Parameters:
         judged: the tables and the observed orders of their columns.
-        file: the file, whose name ends with .png, .svg or .pdf.
+        file: the file that is written.
+        suffix: the format: .png, .svg or .pdf.
 
     Raises:
-        OrderError: the name of the file has another ending, or Matplotlib is not installed.
+        OrderError: there is no such format, or Matplotlib is not installed.
     """
-    if file.suffix.lower() not in (".png", ".svg", ".pdf"):
-        raise OrderError(f"--plot {file}: expected a name that ends with .png, .svg or .pdf")
+    if suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise OrderError(f"--plot: got the ending {suffix!r}, expected a name that ends with .png, .svg or .pdf")
     try:
         figures = importlib.import_module("matplotlib.figure")
     except ImportError:
@@ -160,4 +161,4 @@ def plot(judged: Judged, file: Path) -> None:
     axes.grid(True, color="0.9")
     if drawn:
         axes.legend(fontsize=8, frameon=False)
-    figure.savefig(file, dpi=150)
+    figure.savefig(file, dpi=150, format=suffix[1:].lower())

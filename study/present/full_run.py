@@ -24,7 +24,8 @@ class FullRun:
     """The contents of the data files of a full run; ``cases`` is indexed by the names of the cases.
 
     ``codes`` has the results of other people's contact codes, and ``marches`` their results if they use the midpoint
-    rule in time; both are None if their files are missing. ``faults`` is the matrix of deliberate faults. ``alarms`` has the false-alarm rate on random meshes.
+    rule in time; both are None if their files are missing. ``faults`` is the matrix of deliberate faults.
+    ``alarms`` has the false-alarm rate on random meshes.
 
     Parameters:
         directory: the result directory.

@@ -12,6 +12,7 @@ from tabulate import tabulate
 
 from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, expected_orders, read_csv, read_rates
 from study.ledger.files import write_text
+from study.ledger.printable import printable
 from study.ledger.text import above, below, cell, is_narrow, significant, width
 from study.ledger.verdict import (
     BECAUSE,
@@ -161,7 +162,7 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
         elif verdict.verdict != HOLDS:
             ElementTree.SubElement(case, "skipped", message=message)
     ElementTree.indent(suite)
-    write_text(path, ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n")
+    write_text(path, printable(ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"))
 
 
 def observed_text(observed: float, low: float, high: float) -> str:

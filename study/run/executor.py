@@ -11,6 +11,7 @@ from __future__ import annotations
 import gc
 import multiprocessing
 import os
+import signal
 import socket
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
@@ -36,6 +37,8 @@ T = TypeVar("T")
 Notify = Callable[[float], None]
 """Function that shows progress; it is called with the cost of each finished job."""
 GIB = 2.0**30
+SILENCE = 5.0
+"""If no job ends within this number of seconds, it is checked whether the executor still works."""
 CROWDED = 1.0 * GIB
 """If a worker uses more memory than this after a job, it runs the garbage collector, because large arrays may be kept
 alive by reference cycles."""
@@ -75,8 +78,24 @@ class Processes(Executor):
         """
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
 
+    def __exit__(self, kind: type[BaseException] | None, *error: Any) -> None:
+        """End the workers. After Ctrl-C they are killed at once, and further Ctrl-C are ignored until they have ended.
+
+        Otherwise the program would wait for all running jobs, although their results are lost.
+        """
+        if kind is not KeyboardInterrupt:
+            return self.shutdown()
+        before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        for worker in multiprocessing.active_children():
+            worker.kill()
+        self.shutdown()
+        signal.signal(signal.SIGINT, before)
+        return None
+
 
 def _end_with_parent() -> None:
+    # Ctrl-C reaches all processes of a terminal. The main process ends the workers.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     assert parent is not None
 
@@ -96,12 +115,14 @@ class Pool:
         workers: largest number of jobs that run at the same time, each with one thread.
         each: memory in bytes that one job may use.
         together: memory in bytes that all running jobs may use together.
+        failure: returns why the executor can finish no further job; an empty text if it works.
     """
 
     executor: Executor
     workers: int
     each: float
     together: float
+    failure: Callable[[], str] = str
 
     @classmethod
     def of(cls, processes: Processes) -> Pool:
@@ -138,7 +159,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
     Raises:
         UsageError: a job needs more memory than is available; no job has started.
         JobsError: some jobs failed. It is raised after all other jobs have ended, and names each failed job and its
-            error.
+            error. Or the executor has failed.
         BrokenExecutor: a worker of an executor other than ``Processes`` was killed.
     """
     waiting = unfinished(jobs, store)
@@ -154,7 +175,11 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
                 for job in startable(waiting, running.values(), suspects, pool):
                     waiting.remove(job)
                     running[pool.executor.submit(run_job, job)] = job
-                for future in wait(running, return_when=FIRST_COMPLETED).done:
+                ended = wait(running, SILENCE, return_when=FIRST_COMPLETED).done
+                if not ended and (failure := pool.failure()):
+                    running.clear()  # ``cancel`` would wait for the executor
+                    raise JobsError("\n".join([failure, *failures]))
+                for future in ended:
                     job = running.pop(future)
                     killed = not future.cancelled() and isinstance(future.exception(), BrokenExecutor)
                     if killed and job.key not in suspects:
@@ -274,6 +299,7 @@ def _read(path: Path) -> str:
 
 PATIENCE = 10
 """Seconds within which the scheduler of a cluster must answer and have a worker."""
+LOST = "no longer answers; finished results are stored, and the same command with a running cluster continues"
 
 
 @contextmanager
@@ -291,6 +317,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
     Raises:
         UsageError: Dask is not installed, nothing answers at the address, there are no workers, or a worker has several
             threads, other versions or other cases.
+        JobsError: the scheduler no longer answers.
     """
     try:
         from distributed import Client
@@ -309,8 +336,15 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
             f"no Dask scheduler answers at {address} ({error}); give what `dask scheduler` prints, such as "
             "tcp://192.168.0.1:8786"
         ) from error
-    with client:
+    try:
         yield _pool(client, address, references)
+    except Exception as error:
+        # When the scheduler is lost, any call of the client may raise any exception.
+        if client.status == "running":
+            raise
+        raise JobsError(f"the Dask scheduler at {address} {LOST}") from error
+    finally:
+        client.close(timeout=1)
 
 
 def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
@@ -328,18 +362,30 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
         answers = client.run(identity, references)
     except Exception as error:
         # A worker without this package, or with another version, may raise any exception.
-        raise UsageError(f"a worker at {address} cannot run this study ({error}); install it there, too") from error
+        raise UsageError(
+            f"a worker at {address} cannot run this study ({error}); install it there, too, with the files of your "
+            "cases at the same paths"
+        ) from error
     for name, theirs in answers.items():
         other = [f"{key} {theirs.get(key)}, here {mine}" for key, mine in expected.items() if theirs.get(key) != mine]
         if other:
             raise UsageError(
                 f"the worker {name} would not compute the same: {'; '.join(other)}. Give every machine the same "
-                "versions, and the files of your cases at the same paths, and start the workers again"
+                "versions, and the files of your cases at the same paths, and start the workers again. A case with "
+                "functions or classes of your own cannot be compared: run it without --cluster"
             )
     each = min(float(worker["memory_limit"] or "inf") for worker in workers.values())
     # Workers that join the cluster later are not used, because it was not checked that they compute the same.
     executor = client.get_executor(pure=False, workers=list(workers), allow_other_workers=False)
-    return Pool(executor, len(workers), each, float("inf"))
+
+    def failure() -> str:
+        try:
+            present = client.sync(client.scheduler.identity, callback_timeout=PATIENCE)["workers"]
+        except (OSError, RuntimeError, TimeoutError):
+            return f"the Dask scheduler at {address} {LOST}"
+        return "" if workers.keys() & present.keys() else f"the last worker of the cluster at {address} {LOST}"
+
+    return Pool(executor, len(workers), each, float("inf"), failure)
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:
@@ -352,10 +398,5 @@ def identity(references: Sequence[str]) -> dict[str, str]:
     """
     for cached in (resolve, resolve_problem, problem):
         cached.cache_clear()
-    problems = {}
-    for reference in references:
-        try:
-            problems[reference] = problem(reference)
-        except UsageError as error:
-            problems[reference] = str(error)
+    problems = {reference: problem(reference) for reference in references}
     return {**versions(), "study": version("signorini-study"), "code": code_hash(), **problems}

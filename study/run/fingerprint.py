@@ -1,18 +1,25 @@
 """Cache keys of results: hashes of the code that computes, of library versions, of the problem and of its mesh.
 
-The code of a measurement consists of the modules in ``COMPUTING``, without docstrings, comments and tolerance windows,
-but of the statements and of the cases only its own and those that are imported. If this code changes, the measurement
-is made again. If only texts, windows, other statements or other cases change, the stored result is used. The processor
-is not part of the key, although last digits may differ between processors.
+The code of a measurement consists of the modules in ``COMPUTING``, without docstrings and comments, but of the
+statements and of the cases only its own and those that are imported. If this code changes, the measurement is made
+again. If only docstrings, comments, other statements or other cases change, the stored result is used. The processor is
+not part of the key, although last digits may differ between processors.
+
+A problem is known by its value: numbers, texts, arrays, formulas, and dataclasses of this project. Functions and
+classes of a user have no value, because what they compute may depend on anything, such as other files. A result that
+depends on them is stored with a key that is only known to the process that computed it.
 """
 
 import ast
 import hashlib
 import platform
+import uuid
 from collections.abc import Iterable
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
+from enum import Enum
 from functools import cache
 from importlib.metadata import version
+from importlib.util import resolve_name
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +28,7 @@ import sympy as sp
 from manufactured.case import Case
 from manufactured.catalogue import NAMES, module_of
 from manufactured.data import Data
-from study.statements.enclosure import resolve_problem
+from study.fem.naming import is_own, resolve
 from study.statements.shared.base import Setting, Statement
 
 ROOT = Path(__file__).parents[2]
@@ -36,8 +43,12 @@ SINGLE = ("manufactured/cases/*.py", "study/statements/*.py")
 """The modules of single cases and statements. A result depends only on its own case, its own statement and imports."""
 LISTS = ("manufactured/catalogue.py", "manufactured/colours.py", "manufactured/html.py", "manufactured/body/html.py")
 """Modules that list the cases, name colours or draw pictures in notebooks. No result depends on them."""
-WINDOWS = ("Window", "positive_at_most", "around", "at_least", "at_most", "between")
-"""Names of the class and of the functions with which the code makes tolerance windows."""
+ROUNDED_TEXT = "study/ledger/text.py"
+"""The module that rounds the bounds in the sentences that are stored with them."""
+VALUES = (bool, int, float, complex, str, type(None), tuple, list, np.ndarray)
+"""Types outside this project that are hashed by value, besides numbers of NumPy and formulas of SymPy."""
+PROJECT = ("manufactured", "study")
+"""The packages of this project. Their code is part of every cache key."""
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
 """Libraries on which results depend."""
 
@@ -49,8 +60,8 @@ def fingerprint(statement: Statement, setting: Setting) -> str:
         statement: the statement that is measured.
         setting: the case, mesh family, level and other parameters of the measurement.
     """
-    mesh = sorted((name, repr(value)) for name, value in vars(setting).items() if name != "case")
     own = (type(statement).__module__, *([module_of(setting.case)] if setting.case in NAMES else []))
+    mesh = by_value(replace(setting, case=""))
     values = [statement.label, type(statement).__name__, problem(setting.case), mesh, statement.steps(setting)]
     return _hash(values, measuring_code(own))
 
@@ -63,51 +74,44 @@ def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
         case: the case with the exact solution of the problem; None if the exact solution is unknown.
         setting: everything else on which the result depends: numbers, texts, arrays and dataclasses of these.
     """
-    return _hash([_value_of(data, case), by_value(list(setting))])
+    return _hash([_value_of(data), by_value(case), by_value(list(setting))], code_hash((*COMPUTING, ROUNDED_TEXT)))
 
 
 def of_data(data: Data) -> str:
     """Return a hash of the data of a problem alone, which distinguishes problems with the same name."""
-    return hashlib.sha256(repr(_value_of(data, None)).encode()).hexdigest()[:16]
+    return _digest(_value_of(data))
 
 
 def of_everything() -> str:
-    """Return the cache key of a result that depends on all code of the project, tolerance windows included."""
-    return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py"), windows=True))
+    """Return the cache key of a result that depends on all code of the project."""
+    return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py")))
 
 
 @cache
 def problem(reference: str) -> str:
     """Return a text that identifies a problem, for cache keys.
 
-    The name of a problem of this project is returned unchanged. For a problem in a file, a hash of the file and of the
-    values in the problem is returned.
+    The name of a problem of this project is returned unchanged. For a case in a file, a hash of its value is returned.
 
     Parameters:
         reference: the name, or FILE.py:NAME.
     """
-    file, colon, _ = reference.rpartition(":")
-    if not colon:
-        return reference
-    given = resolve_problem(reference)
-    text = without_docstrings(Path(file).read_text(encoding="utf-8"))
-    return _hash([given.pace, given.order, _value_of(given.data, given.case), text])
+    return _hash([by_value(resolve(reference))]) if is_own(reference) else reference
 
 
 @cache
-def code_hash(patterns: tuple[str, ...] = COMPUTING, windows: bool = False) -> str:
+def code_hash(patterns: tuple[str, ...] = COMPUTING) -> str:
     """Return a hash of modules of the project, without docstrings and comments.
 
     Parameters:
         patterns: patterns of file names, relative to ``ROOT``.
-        windows: whether the hash depends on tolerance windows.
     """
-    return _hash_of(_modules(patterns), windows)
+    return _hash_of(_modules(patterns))
 
 
 @cache
 def measuring_code(own: tuple[str, ...]) -> str:
-    """Return a hash of the code on which a measurement depends, without docstrings, comments and tolerance windows.
+    """Return a hash of the code on which a measurement depends, without docstrings and comments.
 
     Parameters:
         own: the names of the modules of its statement and of its case.
@@ -137,47 +141,34 @@ def _files(name: str) -> tuple[str, str]:
 def _imported(module: str) -> frozenset[str]:
     """Return the files that can hold the modules imported by a module; not all of them exist."""
     names = set[str]()
+    package = ".".join(Path(module).parent.parts)
     for node in ast.walk(ast.parse((ROOT / module).read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+        if isinstance(node, ast.ImportFrom):
+            source = resolve_name("." * node.level + (node.module or ""), package)
+            names |= {source, *(f"{source}.{alias.name}" for alias in node.names)}
         elif isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
     return frozenset(file for name in names for file in _files(name))
 
 
-def _hash_of(modules: Iterable[str], windows: bool = False) -> str:
-    return hashlib.sha256(repr([(module, _code(module, windows)) for module in sorted(modules)]).encode()).hexdigest()
+def _hash_of(modules: Iterable[str]) -> str:
+    return _digest([(module, _code(module)) for module in sorted(modules)])
 
 
 @cache
-def _code(module: str, windows: bool) -> str:
-    text = without_docstrings((ROOT / module).read_text(encoding="utf-8"), windows)
-    return hashlib.sha256(text.encode()).hexdigest()
+def _code(module: str) -> str:
+    return _digest(without_docstrings((ROOT / module).read_text(encoding="utf-8")))
 
 
-def without_docstrings(text: str, windows: bool = True) -> str:
-    """Return the syntax tree of a module as text, without docstrings and other strings that are statements.
-
-    Parameters:
-        text: the source text.
-        windows: whether calls that make tolerance windows remain in the tree.
-    """
-    tree: ast.AST = ast.parse(text) if windows else _WithoutWindows().visit(ast.parse(text))
-    for node in ast.walk(tree):
-        for block in ("body", "orelse", "finalbody"):
-            if isinstance(lines := getattr(node, block, None), list):
-                values = [line.value if isinstance(line, ast.Expr) else None for line in lines]
-                strings = [isinstance(value, ast.Constant) and isinstance(value.value, str) for value in values]
-                setattr(node, block, [line for line, string in zip(lines, strings, strict=True) if not string])
-    return ast.dump(tree)
+def without_docstrings(text: str) -> str:
+    """Return the syntax tree of a module as text, without docstrings and other strings that are statements."""
+    return ast.dump(_WithoutDocstrings().visit(ast.parse(text)))
 
 
-class _WithoutWindows(ast.NodeTransformer):
-    """Replaces calls that make tolerance windows by a constant, because windows do not change measured numbers."""
-
-    def visit_Call(self, node: ast.Call) -> ast.AST:
-        is_window = isinstance(node.func, ast.Name) and node.func.id in WINDOWS
-        return ast.Constant("window") if is_window else self.generic_visit(node)
+class _WithoutDocstrings(ast.NodeTransformer):
+    def visit_Expr(self, node: ast.Expr) -> ast.Expr | None:
+        is_text = isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+        return None if is_text else node
 
 
 @cache
@@ -194,20 +185,53 @@ def packages() -> dict[str, str]:
 def by_value(item: object) -> object:
     """Return a value as nested lists of texts and numbers, for a hash.
 
-    A dataclass becomes a list of its fields, and a formula becomes a text.
+    A dataclass becomes a list of its fields, and a formula becomes a text. An object without a value becomes a text
+    that no other process knows.
     """
-    if is_dataclass(item) and not isinstance(item, type):
+    if not _has_value(item):
+        return _WITHOUT_VALUE.setdefault(id(item), (item, uuid.uuid4().hex))[1]
+    if is_dataclass(item):
         return [type(item).__name__, *(by_value(getattr(item, field.name)) for field in fields(item) if field.init)]
+    if isinstance(item, np.ndarray):
+        item = item.tolist()
     if isinstance(item, tuple | list):
         return [by_value(entry) for entry in item]
-    if isinstance(item, np.ndarray):
-        return item.tolist()
     return sp.srepr(item) if isinstance(item, sp.Basic) else repr(item)
 
 
-def _value_of(data: Data, case: Case | None) -> object:
-    return by_value((case.solution, case.regularity) if case else (data.body, data.law, data.formulas_of))
+_WITHOUT_VALUE: dict[int, tuple[object, str]] = {}
+"""Identity of an object without a value ↦ the object, which is kept so that no other object gets its identity, and its
+text in cache keys."""
+
+
+def _has_value(item: object) -> bool:
+    """Return whether ``by_value`` describes everything on which computations with an object may depend."""
+    kind = type(item)
+    if isinstance(item, sp.Basic):
+        # A function in a formula may be implemented by the user. Its class belongs to no package, or to the user's.
+        return {_package(type(node)) for node in sp.preorder_traversal(item)} <= {"sympy", *PROJECT}
+    if _package(kind) in PROJECT:
+        return isinstance(item, Enum) or is_dataclass(kind)
+    return kind in VALUES or (isinstance(item, np.generic) and _package(kind) == "numpy")
+
+
+def _package(item: object) -> str:
+    """Return the name of the package that defines a class or a function."""
+    return str(getattr(item, "__module__", None)).partition(".")[0]
+
+
+def _value_of(data: Data) -> object:
+    """Return the value of the data of a problem; functions and classes of a user have none."""
+    functions = data.body_force, data.surface_load, data.start, data.initial, data.fronts, data.force_modes
+    formulas = data.formulas_of
+    if any(_package(one) not in PROJECT for one in (type(data), *functions) if one):
+        formulas = None
+    return by_value([type(data).__name__, data.body, data.law, data.lines, data.points, formulas or data.body_force])
 
 
 def _hash(values: list[object], code: str | None = None) -> str:
-    return hashlib.sha256(repr([code or code_hash(), versions(), *values]).encode()).hexdigest()[:16]
+    return _digest([code or code_hash(), versions(), *values])
+
+
+def _digest(value: object) -> str:
+    return hashlib.sha256(repr(value).encode()).hexdigest()[:16]

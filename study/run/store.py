@@ -9,6 +9,7 @@ cache key differs, the file is ignored and the job runs again.
 import hashlib
 import json
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
@@ -22,8 +23,15 @@ from study.ledger.files import StoreError, unwritable, write_text
 
 FORMAT = 2
 """Version of the format of data files. It changes if this program can no longer read older files."""
+LARGEST_PROCESS = 2**31 - 1
+"""Operating systems number processes with 32-bit integers."""
 WRITTEN = ("data", "tables", "figures", "article", "report.html")
 """The files and folders that ``study run`` and the commands for its data write into a result directory."""
+OF_A_PROBLEM = (
+    *("data/jobs/*.json", "levels.csv", "trajectory-*.npz", "adapted-*.npz", "adaptive.*", "enclosure.*"),
+    "certificate-*.json.gz",
+)
+"""Patterns of the files that ``study bound`` and ``study certify`` write for one problem."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +118,7 @@ class Store:
             # The name of a temporary file contains the number of its process. If no such process exists, it was killed.
             for part in [part for depth in ("", "*/", "data/*/") for part in self.directory.glob(f"{depth}.*.part")]:
                 owner = part.name.split(".")[-2]
-                if owner.isdigit() and not psutil.pid_exists(int(owner)):
+                if part.is_file() and owner.isdecimal() and not _is_running(int(owner)):
                     part.unlink(missing_ok=True)
             yield
 
@@ -125,18 +133,18 @@ class Store:
         changes = any(os.access(path, os.W_OK) for path in (self.data, self.lock))
         return self.locked() if changes else nullcontext()
 
-    def require_problem(self, name: str, problem: str) -> None:
-        """Raise StoreError if the directory has results of another problem with the same name.
+    def begin(self, problem: str) -> None:
+        """Remove the results of another problem, so that the directory has the results of one problem.
 
         Parameters:
-            name: the name of the problem.
-            problem: a hash of its data, which is stored for later calls.
+            problem: a hash of the data of the problem, which is stored for later calls.
         """
         path = self.data / "problem.txt"
         if path.is_file() and path.read_text(encoding="utf-8") != problem:
-            raise StoreError(
-                f"{self.directory} has results of another problem with the name {name}, which would be mixed with the "
-                "new ones: give another directory with --out, rename the problem, or remove this directory"
+            for file in [file for pattern in OF_A_PROBLEM for file in self.directory.glob(pattern)]:
+                file.unlink()
+            print(
+                f"study: removed from {self.directory}: results of other data or of Python functions", file=sys.stderr
             )
         write_text(path, problem)
 
@@ -184,6 +192,8 @@ class Store:
         """
         stored = self.load(key, fingerprint) if all(file.is_file() for file in files) else None
         if stored is None:
+            # If the next result is interrupted, its files must not be taken for those of an earlier result.
+            self.path(key).unlink(missing_ok=True)
             stored = compute()
             self.save(key, fingerprint, stored)
         return stored
@@ -206,6 +216,10 @@ class Store:
                 "directory with --out"
             ) from error
         return content if isinstance(content, dict) else None
+
+
+def _is_running(process: int) -> bool:
+    return process <= LARGEST_PROCESS and psutil.pid_exists(process)
 
 
 def _checksum(result: object) -> str:

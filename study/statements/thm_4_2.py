@@ -19,9 +19,9 @@ up to the tolerances of both solvers. The second bound holds because A/k alone c
 G ε = G_0 ε + β(ε − P_K ε) with a linear G_0, where A/k + G_0 and β(ε − P_K ε) are treated separately.
 ``paper/proofs_study.tex`` has the proof.
 
-**The sensitivity.** ``study.controls.matrix`` solves Problem 3.1 with a deliberate fault and Problem 3.2 without it. The
-checks must notice the fault, so the comparison is not one of a solution with itself. How stresses are computed is tested
-in a process that has no displacement solver (``tests/controls/test_faults.py``).
+**The sensitivity.** ``study.controls.matrix`` solves Problem 3.1 with a deliberate fault and Problem 3.2 without it.
+The checks must notice the fault, so the comparison is not one of a solution with itself. How stresses are computed is
+tested in a process that has no displacement solver (``tests/controls/test_faults.py``).
 
 ``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
@@ -152,6 +153,8 @@ FAULTS: dict[str, tuple[str, Callable[[Array], Array], str]] = {
     "not clamped": ("u", lambda u: u + 0.01, r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest field .* --nearest"),
     "no start": ("times", lambda at: at + 0.5, "initial time is missing: the first time is 0.5"),
     "too short": ("times", lambda at: at / 2, "the last time is 0.5, the problem ends at T = 1"),
+    "no times": ("times", lambda at: at[:0], r"times has the shape \(0,\) .* expected at least one number"),
+    "texts": ("u", lambda u: u.astype(str), "u has the shape .* and the type <U"),
     "backwards": ("times", lambda at: at[::-1], "increase strictly"),
     "shape": ("u", lambda u: u[:, 1:], r"u has the shape .* expected \(3, 9, 2\)"),
     "quads": ("triangles", lambda c: c[:, [0, 1, 2, 2]], "expected integers"),
@@ -229,7 +232,7 @@ def test_penetration_is_reported_with_its_place() -> None:
 # Files.
 
 
-def write(path: Path, arrays: dict[str, Array], name: str = "displacement") -> Path:
+def write(path: Path, arrays: dict[str, Array], name: str = "displacement", form: str = "XML") -> Path:
     points = np.column_stack([arrays["points"], 0 * arrays["points"][:, 0]])
     kind = {3: "triangle", 6: "triangle6"}[arrays["triangles"].shape[1]]
     cells = [(kind, arrays["triangles"]), ("line", arrays["triangles"][:1, :2])]
@@ -244,22 +247,23 @@ def write(path: Path, arrays: dict[str, Array], name: str = "displacement") -> P
             lines.append(f'<DataSet timestep="{time}" file="{file.name}"/>')
         path.write_text(f"<VTKFile type='Collection'><Collection>{''.join(lines)}</Collection></VTKFile>")
     else:
-        with meshio.xdmf.TimeSeriesWriter(path, data_format="XML") as writer:
+        with meshio.xdmf.TimeSeriesWriter(path, data_format=form) as writer:
             writer.write_points_cells(points, cells[:1])
             for time, u in zip(arrays["times"], solid, strict=True):
                 writer.write_data(time, point_data={name: u})
     return path
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".pvd", ".xdmf"])
+@pytest.mark.parametrize(("suffix", "form"), [(".npz", ""), (".pvd", ""), (".xdmf", "XML"), (".xdmf", "HDF")])
 @pytest.mark.parametrize("degree", [1, 2])
-def test_files_of_other_programs_are_read(suffix: str, degree: int, tmp_path: Path) -> None:
+def test_files_of_other_programs_are_read(suffix: str, form: str, degree: int, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)  # meshio writes the file .h5 of an .xdmf file into the working directory.
     arrays = field()
     if degree == 2:
         arrays["points"], arrays["triangles"] = of_degree_2(arrays["points"], arrays["triangles"])
         arrays["u"] = arrays["times"][:, None, None] * (1 - arrays["points"][None, :, 1:] ** 2) * np.array([0.1, 0.2])
     expected = given(square(), **arrays)
-    found = given(square(), **vars(read(write(tmp_path / f"mine{suffix}", arrays))))
+    found = given(square(), **vars(read(write(tmp_path / f"mine{suffix}", arrays, form=form))))
     assert np.allclose(found.times, expected.times)
     assert np.allclose(found.nodes, expected.nodes)
     assert found.degree == degree
@@ -277,6 +281,12 @@ def test_files_of_other_programs_are_read(suffix: str, degree: int, tmp_path: Pa
         ("untimed.pvd", None, "DataSet without timestep or file"),
         ("parts.pvd", None, "the time 0 after 0: give one file for each time"),
         ("short.npz", None, "lacks triangles, u; expected the arrays points, triangles, times, u"),
+        ("bomb.npz", None, "bomb.npz has .* bytes and unpacks to 100000776 bytes, .* write it by numpy.savez"),
+        ("locked.npz", None, "locked.npz is encrypted: write it by numpy.savez"),
+        ("broken.npz", None, "broken.npz cannot be read"),
+        ("strange.xdmf", None, "strange.xdmf cannot be read: ReadError"),
+        ("moved.xdmf", None, r"moved.xdmf has another mesh at t = 1.0 than before"),
+        ("half.xdmf", None, "has cells of the kinds none"),
     ],
 )
 def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, field_name, message: str) -> None:
@@ -290,8 +300,45 @@ def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, fie
     (tmp_path / "parts.pvd").write_text(
         step.format(f'timestep="0" file="{saved.name}"/><DataSet timestep="0" file="b"')
     )
+    np.savez_compressed(tmp_path / "bomb.npz", **(field() | {"u": np.zeros(100_000_000, dtype=np.int8)}))
+    packed = (tmp_path / "short.npz").read_bytes()
+    # The flag of encryption in the header of the entry and in the table of all entries.
+    locked = packed[:6] + b"\x01" + packed[7:]
+    start = locked.rindex(b"PK\x01\x02") + 8
+    (tmp_path / "locked.npz").write_bytes(locked[:start] + b"\x01" + locked[start + 1 :])
+    np.savez_compressed(tmp_path / "broken.npz", **field())
+    whole = (tmp_path / "broken.npz").read_bytes()
+    (tmp_path / "broken.npz").write_bytes(whole[:120] + bytes(40) + whole[160:])
+    item = '<DataItem DataType="{}" Dimensions="{}" Format="XML">{}</DataItem>'
+    geometry = '<Geometry GeometryType="XY">' + item.format("Float", "3 2", "0 0 1 0 0 {}") + "</Geometry>"
+    topology = '<Topology TopologyType="Triangle">' + item.format("Int", "1 3", "0 1 2") + "</Topology>"
+    u = '<Attribute Name="u" Center="Node">' + item.format("Float", "3 2", "0 0 0 0 0 0") + "</Attribute>"
+    for file, first, second in (
+        ("moved.xdmf", geometry.format(1) + topology, geometry.format(2) + topology),
+        ("half.xdmf", geometry.format(1) + topology, geometry.format(1)),
+        ("strange.xdmf", geometry.format(1) + topology, "<Geometry/>"),
+    ):
+        steps = "".join(
+            f'<Grid GridType="Uniform"><Time Value="{time}"/>{content}{u}</Grid>'
+            for time, content in enumerate((first, second))
+        )
+        series = f'<Grid GridType="Collection" CollectionType="Temporal">{steps}</Grid>'
+        (tmp_path / file).write_text(f'<Xdmf Version="3.0"><Domain>{series}</Domain></Xdmf>')
     with pytest.raises(BoundError, match=message):
         read(tmp_path / name, field_name)
+
+
+@pytest.mark.parametrize("series", [True, False])
+def test_a_file_that_needs_a_missing_package_says_which(series: bool, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    path, arrays = tmp_path / "mine.xdmf", field()
+    if series:
+        write(path, arrays, form="HDF")
+    else:
+        meshio.Mesh(arrays["points"], [("triangle", arrays["triangles"])], {"u": arrays["u"][0]}).write(path)
+    monkeypatch.setitem(sys.modules, "h5py", None)
+    with pytest.raises(BoundError, match=r"mine\.xdmf needs the package h5py: install it"):
+        read(path)
 
 
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])

@@ -26,6 +26,7 @@ from study.certify.statement import in_doubles, rational, rational_mesh, stateme
 from study.certify.witnesses import admissible, value_of
 from study.cli.main import main
 from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.fem.naming import resolve_data
 from study.solve.tableau import MIDPOINT
 
 ROOT = Path(__file__).parents[2]
@@ -178,20 +179,21 @@ def test_the_command_writes_certificates_and_checks_them(name: str, capsys: Any,
     assert (tmp_path / name / "certificate-3.json.gz").is_file()
 
 
-def test_results_of_another_problem_with_the_same_name_are_not_replaced(capsys: Any, tmp_path: Path) -> None:
-    text = (EXAMPLES / "problems.py").read_text()
-    (tmp_path / "problems.py").write_text(
-        text.replace("def square(", "def other(").replace("def bracket(", "def square(")
-    )
-    options = ["--levels", "2", "--steps", "2", "--refine", "0", "--shorter", "1", "--out", str(tmp_path)]
+def test_the_same_command_after_an_edit_of_the_problem_keeps_no_result_of_the_earlier_one(
+    capsys: Any, tmp_path
+) -> None:
+    text, file, out = (EXAMPLES / "problems.py").read_text(), tmp_path / "mine.py", tmp_path / "square"
+    options = ["--steps", "2", "--refine", "0", "--shorter", "1", "--out", str(tmp_path)]
     for command in ("certify", "bound"):
-        first = [command, f"{EXAMPLES / 'problems.py'}:square", *options, "--family", "one-diagonal"]
-        assert [main(first), main(first)] == [0, 0]
-        before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
-        assert main([command, f"{tmp_path / 'problems.py'}:square", *options]) == 2
-        said = " ".join(capsys.readouterr().err.split())
-        assert f"{tmp_path}/square has results of another problem with the name square" in said
-        assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before
+        found = []
+        for problem, levels in ((text, ["2", "3"]), (text.replace("def bracket(", "def square("), ["2"])):
+            file.write_text(problem)
+            resolve_data.cache_clear()
+            assert main([command, f"{file}:square", "--levels", *levels, *options]) == 0
+            found.append({path.name: path.read_bytes() for path in out.iterdir() if path.is_file()})
+        assert f"removed from {out}: results of other data" in capsys.readouterr().err
+        assert any("3" in name for name in found[0])
+        assert not any("3" in name or found[0].get(name) == content for name, content in found[1].items())
 
 
 def test_more_refinements_than_the_checker_accepts_are_refused(capsys: Any, tmp_path: Path) -> None:

@@ -8,10 +8,14 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import pandas as pd
 import pytest
@@ -22,11 +26,16 @@ from study.cli.main import CLOSED, INTERRUPTED, main
 from study.cli.options import RESUMED, STARTS_AGAIN, parser
 from study.ledger.datafiles import made_by
 from study.ledger.files import StoreError, UsageError, write_text, write_whole
+from study.ledger.printable import printable
+from study.ledger.verdict import FAILS, row
+from study.ledger.window import at_most
+from study.present.outcome import write_junit
 from study.run.executor import Processes
 from study.run.plan import Plan
 from study.run.provenance import commit, provenance, read_provenance
 from study.run.store import Store
 from study.run.tasks import TaskStore
+from study.statements.korn import Korn
 from study.statements.shared.scope import Scope
 
 COARSE = ["--steps", "2", "--refine", "0", "--shorter", "1"]
@@ -171,6 +180,86 @@ def test_ctrl_c_says_what_is_true_of_the_command(command: str, said: str, tmp_pa
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("importlib.import_module", stop)
     assert told(*command.split(), code=INTERRUPTED) == f"study: interrupted; {said}\n"
+
+
+ASLEEP = """
+import sys, time
+from study.run.executor import Processes
+with Processes(2) as executor:
+    job = executor.submit(time.sleep, 60)
+    while not job.running():
+        time.sleep(0.01)
+    print("started", flush=True)
+    job.result()
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal that a test could send")
+@pytest.mark.parametrize("times", [1, 3])
+@pytest.mark.parametrize("to_all", [True, False])
+def test_ctrl_c_ends_all_processes_at_once_however_often_it_is_pressed(to_all: bool, times: int) -> None:
+    command = [sys.executable, "-c", ASLEEP]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"started\n"
+        for _ in range(times):
+            with suppress(ProcessLookupError):
+                (os.killpg if to_all else os.kill)(process.pid, signal.SIGINT)
+            time.sleep(0.05)
+        try:
+            process.communicate(timeout=10)  # The pipes are open until the last worker has ended.
+        finally:
+            with suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGKILL)
+    assert process.returncode == -signal.SIGINT
+
+
+@pytest.mark.parametrize("command", ["rates {} --expected 2", "figures --out {}", "compare {} {}", "bound {}"])
+def test_an_empty_name_is_refused(command: str, tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("", " "):
+        with pytest.raises(SystemExit, match="2"):
+            main([name if word == "{}" else word for word in command.split()])
+        assert "got an empty text, expected a name" in capsys.readouterr().err
+    assert [*tmp_path.iterdir()] == []
+
+
+ESCAPES = "L2\x1bc\x9b1m\u202e"
+"""A name that would clear a terminal, change its colour and turn the direction of the text."""
+
+
+@pytest.mark.parametrize("output", [[], ["--json"], ["--values"], ["--columns", "none"]])
+def test_names_of_columns_cannot_command_the_terminal(output: list[str], tmp_path: Path, capsys) -> None:
+    (tmp_path / "t.csv").write_text(f"h,{ESCAPES}\n.4,.16\n.2,.04\n.1,.01\n", encoding="utf-8")
+    main(["rates", str(tmp_path / "t.csv"), *output])
+    printed = capsys.readouterr()
+    main(["rates", str(tmp_path / ESCAPES)])
+    assert r"\u001bc\u009b1m\u202e" in capsys.readouterr().err
+    assert printed.out + printed.err == printable(printed.out + printed.err) != ""
+    if output == ["--json"]:
+        json.loads(printed.out)
+
+
+def test_reports_with_control_characters_are_well_formed(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text(f"h,{ESCAPES}\n.4,.16\n.2,.04\n.1,.01\n", encoding="utf-8")
+    files = {form: tmp_path / f"report.{form}" for form in ("junit", "markdown")}
+    options = [word for form, file in files.items() for word in (f"--{form}", str(file))]
+    main(["rates", str(tmp_path / "t.csv"), "--expected", "2", *options])
+    files["checks"] = tmp_path / "checks.xml"
+    write_junit(files["checks"], [row(Korn(), "order", "a", at_most(1.0), (0.5, (0.5, 0.5), FAILS), ESCAPES)])
+    for form, file in files.items():
+        text = file.read_text(encoding="utf-8")
+        assert text == printable(text)
+        assert r"L2\u001bc" in text
+        if form != "markdown":
+            ElementTree.parse(file)
+
+
+def test_a_window_system_that_matplotlib_does_not_know_is_not_used(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("h,e\n.4,.16\n.2,.04\n.1,.01\n")
+    words = [sys.executable, "-m", "study", "rates", str(tmp_path / "t.csv"), "--plot", str(tmp_path / "p.png")]
+    subprocess.run(words, env=os.environ | {"MPLBACKEND": "nonsense"}, check=True, stdout=subprocess.DEVNULL)
+    assert (tmp_path / "p.png").read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])

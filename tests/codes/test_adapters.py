@@ -195,6 +195,10 @@ DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
     "no tasks": (lambda place: [path.unlink() for path in place.glob("tasks/*")], "holds no *.json.xz"),
     "JSON list": (put("a.json", "[1, 2]"), "a holds a JSON list"),
     "no JSON": (put("a.json", "{"), "a.json is no JSON"),
+    "task that unpacks to 300 MiB": (
+        lambda place: (place / "tasks" / "a.json.xz").write_bytes(lzma.compress(bytes(300 << 20), preset=0)),
+        "unpacks to more than",
+    ),
     "directory for a file": (lambda place: (place / "tasks" / "a.json").mkdir(), "a.json is no JSON"),
     "two files of one task": (unpacked_as_well, "same name"),
     "key missing": (lambda place: change_task(place, lambda data: data.pop("clamped") and None), "lacks the key 'clam"),
@@ -251,7 +255,8 @@ def test_a_series_that_fails_counts_more_than_one_that_is_undecided(place: Path)
     assert run(place) == 1
 
 
-def test_junit_has_a_case_for_each_series(place: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("output", [[], ["--json"]])
+def test_junit_has_a_case_for_each_series_and_no_control_characters(output, place: Path, tmp_path, capsys) -> None:
     assert run(place, "--junit", str(tmp_path / "a.xml")) == 0
     suite = ElementTree.parse(tmp_path / "a.xml").getroot()
     assert (suite.get("tests"), suite.get("failures")) == ("1", "0")
@@ -259,6 +264,11 @@ def test_junit_has_a_case_for_each_series(place: Path, tmp_path: Path) -> None:
     assert run(place, "--junit", str(tmp_path / "a.xml")) == 3
     (failure,) = ElementTree.parse(tmp_path / "a.xml").getroot().iter("failure")
     assert "undecided" in str(failure.get("message"))
+    task_with(case="a\x1bc")(place)
+    assert run(place, "--junit", str(tmp_path / "a.xml"), *output) == 3
+    (one,) = ElementTree.parse(tmp_path / "a.xml").getroot()
+    assert str(one.get("name")).startswith(r"a\u001bc")
+    assert "\x1b" not in capsys.readouterr().out
     assert "times the right ones" in str(failure.text)
 
 

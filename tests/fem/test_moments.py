@@ -104,7 +104,7 @@ def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(seed, degre
         distance = np.einsum("d,dnq->nq", line.direction, points) - line.offset
         for one in distance:
             # Spacings are powers of two and at least this part of the width of the points of a cell.
-            multiples = one / np.exp2(np.floor(np.log2(np.ptp(one))) - 12)
+            multiples = one / np.exp2(np.floor(np.log2(np.ptp(one))) - 20)
             assert np.allclose(multiples, np.rint(multiples), atol=1e-6)
 
 

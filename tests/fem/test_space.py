@@ -130,7 +130,7 @@ def test_a_point_lies_in_the_body_or_outside_and_samples_are_evenly_distributed(
         (lambda: face(LOADED, (0, 0, 0), (1, 0, 0)), "cannot have corners of the shape"),
         (lambda: face(LOADED, (0, 0, 0), (1, 0, 0), (2, 0, 0)), "area 0"),
         (lambda: face(LOADED, (0, 0, 0), (0, 0, 0), (1, 0, 0)), "edge of length 0"),
-        (lambda: face(LOADED, (0, 0, 0), (1, 0, 0), (0, np.nan, 0)), "not a finite number"),
+        (lambda: face(LOADED, (0, 0, 0), (1, 0, 0), (0, np.nan, 0)), "finite real numbers"),
         (lambda: Body(box().parts[1:]), "do not enclose"),
         (lambda: Body(tuple(Part(p.kind, p.corners[:, ::-1]) for p in box().parts)), "counter-clockwise"),
         (lambda: Body((Part(LOADED, box().parts[0].corners + 0.1), *box().parts[1:])), "do not enclose"),

@@ -13,19 +13,19 @@ CORNER, SOLID = ("corner", "cube-two-faces")
 """A body in the plane and one in space, each with two contact faces."""
 LEDGER = [
     ["Prop. 5.4", "‖u − u^h‖_{L∞(0,T;V)} = O(h)", SMOOTH, "order, shaken, 32 → 64", "1 ± 0.1", 0.98765, 0.95, 1.02]
-    + ["holds", "order", "shaken", 0.9, 1.1],
+    + ["holds", "order", "shaken", "claim", 0.9, 1.1],
     ["Prop. 5.4", "‖u − u^h‖_{L∞(0,T;V)} = O(h)", SMOOTH, "order, criss-cross", "1 ± 0.1", 0.71, 0.65, 0.78]
-    + ["fails", "order", "criss-cross", 0.9, 1.1],
+    + ["fails", "order", "criss-cross", "claim", 0.9, 1.1],
     ["Prop. 5.4", "‖u − u^h‖_{L∞(0,T;V)} = O(h)", "two_faces", "time |δ| in max_n e_n", "< 5 %", 0.0123, None, None]
-    + ["holds", "time", "", 0, 0.05],
+    + ["holds", "time", "", "accuracy", 0, 0.05],
     ["(3.1), (3.2)", "m_A ε:ε ≤ Aε:ε & L_G", "", "Γ3,i: eigenvalues of A" + 9 * ", and more", "≥ 2", 2.0, None, None]
-    + ["undecided", "least", "", 2, "inf"],
+    + ["undecided", "least", "", "identity", 2, "inf"],
     ["Thm 4.2", "σ̃ ∈ Σ(t) ⇔ u̇ solves Problem 3.1", "two_faces", "gap", "0", 1.2e-9, "-inf", 1e-8]
-    + ["holds", "gap", "", 0, 0],
+    + ["holds", "gap", "", "consequence", 0, 0],
 ]
 """A ledger with every verdict, a statement without a case, and text that is hard on LaTeX and Markdown."""
 LEDGER_COLUMNS = ["label", "statement", "case", "quantity", "expected", "observed", "low", "high", "verdict"]
-LEDGER_COLUMNS += ["key", "family", "window_low", "window_high"]
+LEDGER_COLUMNS += ["key", "family", "kind", "window_low", "window_high"]
 
 
 def committed(name: str, cases: tuple[str, ...] = CASES) -> pd.DataFrame:

@@ -101,6 +101,13 @@ def test_workflows_run_what_the_documentation_tells_to_run() -> None:
     assert {target for target in told - run if not target.startswith("bench")} <= {"cluster"}
 
 
+def test_the_nightly_job_runs_the_study_and_the_tests_with_the_least_and_the_newest_versions() -> None:
+    job = yaml.safe_load(WORKFLOWS[1].read_text())["jobs"]["versions"]
+    assert [one["resolution"] for one in job["strategy"]["matrix"]["include"]] == ["lowest-direct", "highest"]
+    typed = " ".join(str(step.get("run")) for step in job["steps"])
+    assert all(words in typed for words in ("--resolution ${{ matrix.resolution }}", "study run --quick", "pytest"))
+
+
 def test_the_versions_of_python_that_the_documentation_says_are_tested_are() -> None:
     told = re.search(r"3\.(\d+) to 3\.(\d+) are tested", RUN_THE_STUDY.read_text())
     assert told is not None

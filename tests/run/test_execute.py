@@ -14,11 +14,12 @@ import sys
 import time
 import weakref
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import Executor, Future
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from threading import Thread
+from threading import Thread, Timer
 from typing import Any
 
 import psutil
@@ -211,23 +212,24 @@ def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(
     assert all(store.load(job.key, job.key) for job in OTHERS)
 
 
-def test_a_standard_pool_that_loses_a_worker_ends_the_run_and_keeps_what_was_finished(tmp_path) -> None:
-    store = Store(tmp_path)
-    with ProcessPoolExecutor(1) as executor, pytest.raises(BrokenExecutor):
-        execute([Toy("first", 3), Toy("killer", 2, deed=die), Toy("last")], store, pool(executor, workers=1), ignore)
-    assert store.load("first", "first")
-
-
-def test_jobs_that_a_lost_cluster_has_cancelled_end_the_run(tmp_path) -> None:
+@pytest.mark.parametrize("cancels", [True, False], ids=["cancels its jobs", "is silent"])
+def test_a_run_ends_when_its_executor(cancels: bool, tmp_path, monkeypatch) -> None:
     class Gone(AtOnce):
         def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
             future: Future[Any] = Future()
-            future.cancel()
-            future.set_running_or_notify_cancel()
+            if cancels:
+                future.cancel()
+                future.set_running_or_notify_cancel()
+            else:
+                # Without this, a run that waits for ever would not fail.
+                (late := Timer(20, lambda: future.done() or future.set_exception(TimeoutError("late")))).daemon = True
+                late.start()
             return future
 
+    monkeypatch.setattr("study.run.executor.SILENCE", 0.01)
+    lost = replace(pool(Gone()), failure=lambda: "the cluster no longer answers: the same command continues")
     with pytest.raises(JobsError, match=r"(?s)cluster no longer answers.*same command"):
-        execute([Toy("a")], Store(tmp_path), pool(Gone()), ignore)
+        execute([Toy("a")], Store(tmp_path), lost, ignore)
 
 
 def test_a_job_that_no_worker_has_the_memory_for_is_refused_before_any_job_starts(tmp_path) -> None:
@@ -325,10 +327,18 @@ def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_on
     jobs = tmp_path / "data" / "jobs"
     jobs.mkdir(parents=True)
     alive = jobs / f".b.json.{os.getpid()}.part"
-    for part in (alive, jobs / f".a.json.{dead.pid}.part", tmp_path / f".report.html.{dead.pid}.part"):
+    # Neither a digit that is no number nor a folder belongs to a process.
+    others = [jobs / ".c.json.².part", jobs / ".folder.0.part"]
+    others[1].mkdir()
+    owners = (dead.pid, 2**31, "9" * 30)
+    for part in (
+        alive,
+        others[0],
+        *(place / f".a.json.{owner}.part" for place in (jobs, tmp_path) for owner in owners),
+    ):
         part.touch()
     with Store(tmp_path).locked():
-        assert [*tmp_path.rglob("*.part")] == [alive]
+        assert {*tmp_path.rglob("*.part")} == {alive, *others}
 
 
 @pytest.mark.parametrize(
@@ -357,6 +367,24 @@ def test_a_job_file_that_is_not_what_was_written_is_not_believed(tmp_path, spoil
     assert store.load("a", "x") is None
 
 
+def test_a_file_of_an_interrupted_result_is_not_taken_for_that_of_an_earlier_one(tmp_path) -> None:
+    store, file = Store(tmp_path), tmp_path / "trajectory"
+
+    def interrupted() -> dict[str, Any]:
+        file.write_text("bdf2")
+        raise KeyboardInterrupt
+
+    def midpoint() -> dict[str, Any]:
+        file.write_text("midpoint")
+        return {}
+
+    store.cached("level-2", "midpoint", midpoint, file)
+    with pytest.raises(KeyboardInterrupt):
+        store.cached("level-2", "bdf2", interrupted, file)
+    store.cached("level-2", "midpoint", midpoint, file)
+    assert file.read_text() == "midpoint"
+
+
 def test_a_job_file_that_may_not_be_read_is_refused_by_name(tmp_path, capsys, monkeypatch) -> None:
     """Root may read all files: a link to itself is one that nobody can."""
     path = Store(tmp_path).path(full_contact(2).key)
@@ -371,6 +399,13 @@ MINE = """
 from dataclasses import replace
 from manufactured import named
 mine = replace(named("advance-recede"), name="mine", pace=3)
+"""
+
+
+OWN = """
+from manufactured import Case
+class Own(Case): ...
+mine = Own(**vars(mine))
 """
 
 
@@ -435,39 +470,79 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
 
 
 @pytest.mark.slow
-def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch) -> None:
-    monkeypatch.setattr("study.run.executor.versions", lambda: {**versions(), "numpy": "another"})
-    told = r"the worker tcp://127.* would not compute the same: numpy [\d.]+, here another"
+@pytest.mark.parametrize(
+    ("name", "value", "told"),
+    [("versions", {**versions(), "numpy": "another"}, r"numpy [\d.]+"), ("code_hash", "another", r"code \w+")],
+)
+def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch, name, value, told) -> None:
+    monkeypatch.setattr(f"study.run.executor.{name}", lambda: value)
+    told = rf"the worker tcp://127.* would not compute the same: {told}, here another"
     with pytest.raises(UsageError, match=told), connected(cluster, ["full-contact"]):
         pass
 
 
-def test_a_case_is_known_by_what_its_file_says_now(tmp_path) -> None:
+def test_a_case_is_known_by_what_its_file_says_now_and_a_function_only_to_its_process(tmp_path) -> None:
     """A worker serves many runs, and the file may change between two of them."""
     file = tmp_path / "mine.py"
     file.write_text(MINE)
     before = identity([f"{file}:mine"])
     assert identity([f"{file}:mine"]) == before
-    file.write_text(MINE.replace("advance-recede", "travelling-patch"))
-    after = identity([f"{file}:mine"])
-    assert {key for key in before if before[key] != after[key]} == {f"{file}:mine"}
+    for text, known in ((MINE.replace("advance-recede", "travelling-patch"), True), (MINE + OWN, False)):
+        file.write_text(text)
+        after = identity([f"{file}:mine"])
+        assert {key for key in before if before[key] != after[key]} == {f"{file}:mine"}
+        assert (identity([f"{file}:mine"]) == after) == known
+
+
+@contextmanager
+def dask_command(*words: str) -> Iterator[tuple[psutil.Process, str]]:
+    """A process of Dask with its children, and its address."""
+    command = [sys.executable, "-m", f"distributed.cli.{words[0]}", *words[1:], "--no-dashboard"]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
+        try:
+            assert process.stderr is not None
+            said = next(line for line in process.stderr if re.search(r"(Scheduler at|Registered to): +tcp", line))
+            Thread(target=process.stderr.read, daemon=True).start()
+            yield psutil.Process(process.pid), re.findall(r"tcp://\S+", said)[0]
+        finally:
+            os.killpg(process.pid, signal.SIGKILL)
 
 
 @pytest.mark.slow
-def test_a_killed_worker_of_a_cluster_costs_no_job(cluster, tmp_path) -> None:
-    settings = [RateSetting("full-contact", "one-diagonal", 16 + i, "midpoint", 16) for i in range(8)]
-    jobs = [Job(FirstOrder(), setting) for setting in settings]
-    store = Store(tmp_path)
-    with connected(cluster, ["full-contact"]) as pool:
-        victim = psutil.Process(pool.executor.submit(os.getpid).result())
+@pytest.mark.parametrize("victim", ["one worker", "workers", "scheduler", "stopped scheduler"])
+def test_a_run_loses_one_worker_of_a_cluster_or_ends_soon_after_the_cluster_and_is_continued(victim, tmp_path) -> None:
+    store, jobs = Store(tmp_path), [full_contact(n) for n in range(32, 48)]
+    killed: list[float] = []
+    told = ""
 
+    def run(address: str, processes: dict[str, list[psutil.Process]]) -> None:
         def kill_once(cost: float) -> None:
-            if cost and victim.is_running():
-                victim.kill()
+            if cost and not killed:
+                killed.append(time.monotonic())
+                for process in processes[victim.removeprefix("stopped ")]:
+                    process.suspend() if victim.startswith("stopped") else process.kill()
 
-        execute(jobs, store, pool, kill_once)
-    assert not victim.is_running()
-    assert all(store.load(job.key, job.fingerprint()) for job in jobs)
+        with connected(address, ["full-contact"]) as two:
+            processes["one worker"] = [psutil.Process(two.executor.submit(os.getpid).result())]
+            execute(jobs, store, two, kill_once)
+
+    with (
+        dask_command("dask_scheduler", "--host", "127.0.0.1", "--port", "0") as (scheduler, address),
+        dask_command("dask_worker", address, "--nworkers", "2", "--nthreads", "1") as (nanny, _),
+    ):
+        try:
+            run(address, {"scheduler": [scheduler], "workers": [nanny, *nanny.children(recursive=True)]})
+        except JobsError as error:
+            told = str(error)
+    finished = results(tmp_path)
+    if victim == "one worker":
+        assert (told, len(finished)) == ("", len(jobs))
+    else:
+        assert time.monotonic() - killed[0] < 30
+        assert re.search(rf"{address} no longer answers.*the same command", told)
+    execute(jobs, store, pool(AtOnce()), ignore)
+    assert finished.items() <= results(tmp_path).items()
+    assert len(results(tmp_path)) == len(jobs)
 
 
 RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]

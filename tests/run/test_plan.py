@@ -15,12 +15,14 @@ import pytest
 from manufactured import Case, catalogue, named
 from manufactured.case import CaseError
 from manufactured.catalogue import NAMES
+from study.cli.main import main
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
-from study.fem.naming import resolve
+from study.fem.naming import resolve, resolve_data
 from study.ledger.files import UsageError
 from study.run import fingerprint as keys
-from study.run.fingerprint import COMPUTING, ROOT, fingerprint, of_everything, problem
+from study.run.fingerprint import COMPUTING, ROOT, fingerprint, of_everything, of_problem, problem
 from study.run.plan import Plan, full, quick
+from study.run.store import Store
 from study.statements import STATEMENTS
 from study.statements.contact_work import WorkOfContact
 from study.statements.enclosure import resolve_problem
@@ -259,6 +261,7 @@ SETTING = RateSetting("full-contact", "shaken", 4, "midpoint", 8)
 COMPUTE = (
     *("study/fem/space.py", "study/solve/steps.py", "manufactured/case.py", "study/statements/prop_5_4.py"),
     *("manufactured/cases/full_contact.py", "manufactured/cases/laws.py", "study/statements/shared/norms.py"),
+    "manufactured/face_strain/contact_times.py",
 )
 """Modules on which the order of convergence for the case *full-contact* depends."""
 REST = (
@@ -267,6 +270,11 @@ REST = (
 )
 """Other modules, among them another case, another statement and the lists of cases and statements."""
 CACHED = ("code_hash", "measuring_code", "_modules", "_imported", "_code")
+EDITS = {
+    "a window of the statement": ("positive_at_most(0.02", "positive_at_most(0.03", "study/statements/prop_5_4.py"),
+    "an argument of a function with the name of a window": ("= between(", "= between(0.5 * ", COMPUTE[-1]),
+    "a relative import": ("from manufactured.cases.laws", "from .laws", "manufactured/cases/full_contact.py"),
+}
 
 
 def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_not(tmp_path, monkeypatch) -> None:
@@ -279,29 +287,28 @@ def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_n
     for name in CACHED:
         monkeypatch.setattr(keys, name, cache(getattr(keys, name).__wrapped__))
 
-    def keys_after(old: str, new: str, *modules: str) -> tuple[str, str]:
-        """The cache keys of a measurement, and of all that depends on any code, after a change of modules."""
-        texts = {tmp_path / module: (tmp_path / module).read_text(encoding="utf-8") for module in modules}
-        for path, text in texts.items():
+    def change(old: str, new: str, *modules: str) -> tuple[str, str]:
+        """Change modules; return the cache keys of a measurement, and of all that depends on any code."""
+        for path in (tmp_path / module for module in modules):
+            text = path.read_text(encoding="utf-8")
             assert old in text, (path, old)
             path.write_text(text.replace(old, new, 1), encoding="utf-8")
         for name in CACHED:
             getattr(keys, name).cache_clear()
-        found = fingerprint(FirstOrder(), SETTING), of_everything()
-        for path, text in texts.items():
-            path.write_text(text, encoding="utf-8")
-        return found
+        return fingerprint(FirstOrder(), SETTING), of_everything()
 
-    before = keys_after("", "")
-    assert keys_after('"""', '"""In other words: ', *every) == before
-    assert keys_after("\n\n", "\n# A comment.\n\n", *every) == before
+    before = change("", "")
+    assert change('"""', '"""In other words: ', *every) == before
+    assert change("\n\n", "\n# A comment.\n\n", *every) == before
+    for edit, (old, new, module) in EDITS.items():
+        after = change(old, new, module)
+        assert after[0] != before[0], edit
+        before = after
     for module in every:
-        measured, everything = keys_after("\nfrom ", "\nCHANGED = 1\nfrom ", module)
-        assert (measured != before[0]) == (module in COMPUTE)
-        assert everything != before[1]
-    measured, everything = keys_after("positive_at_most(0.02", "positive_at_most(0.03", "study/statements/prop_5_4.py")
-    assert measured == before[0], "a changed window measures nothing anew"
-    assert everything != before[1]
+        after = change("\nfrom ", "\nCHANGED = 1\nfrom ", module)
+        assert (after[0] != before[0]) == (module in COMPUTE), module
+        assert after[1] != before[1]
+        before = after
 
 
 def test_all_packages_below_the_statements_are_part_of_the_key() -> None:
@@ -326,27 +333,132 @@ def test_measurements_that_differ_in_one_respect_have_different_keys() -> None:
     assert len(keys) == len(changes) + 2
 
 
+HELPER = """
+from manufactured import Linear, t
+LOAD = 3
+def moved(x):
+    return lambda time: 0 * x
+"""
 MINE = """
-from dataclasses import replace
-from functools import cache
-from manufactured import named
+'''Problems of a user.'''
+from dataclasses import dataclass, replace
+from sympy.utilities.lambdify import implemented_function
+from helper import LOAD, moved
+from manufactured import *
+from manufactured.cases import yield_on_a_part
 
-FACTOR = 1
-mine = replace(named("advance-recede"), name="mine", pace=3)
+corners, kinds = [(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+law = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+loads = dict(f0=(0, -LOAD * t), f2={1: (0, t)}, u0=(0, 0), lines=(((1.0, 0.0), 0.5),))
+data = Data.formulas(polygon(corners, kinds, T=1.0), law, **loads)
+still = static(unit_square(), plane_strain(E=1, nu=0.3), f0=(0, -1))
+gap = replace(named("closing-gap"), name="mine", pace=3)
+
+class OwnData(Data):
+    pass
+
+@dataclass(frozen=True)
+class Ball(FrobeniusBall):
+    def project(self, tensors):
+        return 0.5 * tensors
+
+flat = named("yield-on-a-part")
+G = replace(flat.solution.law.G, convex=Ball(1.0))
+own_law = replace(flat, name="mine", solution=replace(flat.solution, law=replace(flat.solution.law, G=G)))
+python = replace(data, formulas_of=None)
+own_load = replace(data, body_force=moved)
+own_class = OwnData(**vars(data))
+own_function = Data.formulas(data.body, law, f0=(0, implemented_function("f", lambda x: 3 * x)(t)))
 """
 
 
-def test_a_users_case_is_known_by_its_value_and_its_file_wherever_it_lies(tmp_path: Path) -> None:
-    def key_of(folder: str, text: str) -> str:
-        (tmp_path / folder).mkdir(exist_ok=True)
-        file = tmp_path / folder / "mine.py"
-        file.write_text(text, encoding="utf-8")
-        for cached in (resolve, resolve_problem, problem):
-            cached.cache_clear()
-        return fingerprint(FirstOrder(), RateSetting(f"{file}:mine", "shaken", 4, "midpoint", 8))
+@pytest.fixture
+def key_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[..., str]:
+    """Returns the cache key of a problem in a file, as a process computes it that reads the file for the first time."""
 
-    before = key_of("here", MINE)
-    assert key_of("there", MINE) == before
-    assert key_of("here", "# A comment." + MINE) == before
-    for old, new in (("FACTOR = 1", "FACTOR = 2"), ("pace=3", "pace=2"), ("advance-recede", "travelling-patch")):
-        assert key_of("here", MINE.replace(old, new)) != before
+    def key_of(name: str, mine: str = MINE, helper: str = HELPER) -> str:
+        for file, text in (("mine", mine), ("helper", helper)):
+            (tmp_path / f"{file}.py").write_text(text, encoding="utf-8")
+            sys.modules.pop(file, None)
+        for cached in (resolve, resolve_data, problem):
+            cached.cache_clear()
+        reference = f"{tmp_path}/mine.py:{name}"
+        _, data, case = resolve_data(reference)
+        if case:
+            return fingerprint(FirstOrder(), RateSetting(reference, "shaken", 4, "midpoint", 8))
+        assert of_problem(data, None, ["midpoint"]) == of_problem(data, None, ["midpoint"]), "the key of one run"
+        return of_problem(data, None, ["midpoint"])
+
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    return key_of
+
+
+PROBLEMS = ("data", "still", "gap")
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+def test_the_key_of_a_problem_of_formulas_does_not_depend_on_words_or_on_other_problems_in_its_file(
+    name, key_of
+) -> None:
+    before = key_of(name)
+    words = MINE.replace("of a user", "of another user").replace("\nclass", "\n# A comment.\nclass", 1)
+    assert words != MINE
+    for mine, helper in ((words, HELPER), (MINE + "more = 1\n", HELPER), (MINE, HELPER.replace("0 * x", "1 * x"))):
+        assert key_of(name, mine, helper) == before
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("data", "(1, 1), (0, 1)", "(1, 2), (0, 2)"),
+        ("data", "Kind.CLAMPED, Kind.LOADED", "Kind.CLAMPED, Kind.CLAMPED"),
+        ("data", "T=1.0", "T=2.0"),
+        ("data", "isotropic(1, 0.5)", "isotropic(1, 0.6)"),
+        ("data", "isotropic(2, 3)", "isotropic(2, 4)"),
+        ("data", "-LOAD * t", "-LOAD * t**2"),
+        ("data", "{1: (0, t)}", "{3: (0, t)}"),
+        ("data", "u0=(0, 0)", "u0=(0, 1 - x2)"),
+        ("data", "((1.0, 0.0), 0.5)", "((1.0, 0.0), 0.25)"),
+        ("data", "LOAD = 3", "LOAD = 300"),
+        ("still", "nu=0.3", "nu=0.2"),
+        ("gap", "closing-gap", "parabolic-gap"),
+        ("gap", "pace=3", "pace=2"),
+        *((name, "", "") for name in ("python", "own_load", "own_class", "own_function", "own_law")),
+    ],
+)
+def test_each_change_of_a_problem_changes_its_key_and_functions_of_a_user_have_a_new_key_in_each_run(
+    name: str, old: str, new: str, key_of: Callable[..., str]
+) -> None:
+    """What a user's function computes may depend on files that nobody knows, so its results serve one run only."""
+    assert old in MINE + HELPER
+    assert key_of(name) != key_of(name, MINE.replace(old, new, 1), HELPER.replace(old, new, 1))
+
+
+class Asked(BaseException):
+    """Raised instead of a computation, with its cache key."""
+
+
+BOUND = {"levels": "2", "family": "one-diagonal", "scheme": "midpoint", "steps": "4", "refine": "0", "shorter": "2"}
+OTHERS = {"levels": "3", "family": "criss-cross", "scheme": "bdf2", "steps": "5", "refine": "1", "shorter": "1"}
+
+
+@pytest.mark.parametrize(
+    ("option", "command"),
+    [*((option, ()) for option in BOUND), *((option, ("--adapt", "0.1")) for option in [*BOUND][:4])],
+)
+def test_each_option_of_study_bound_changes_the_key(
+    option: str, command: tuple[str, ...], tmp_path, monkeypatch
+) -> None:
+    def ask(store: Store, key: str, fingerprint: str, *others: object) -> None:
+        raise Asked(fingerprint)
+
+    def asked(options: dict[str, str]) -> str:
+        words = [word for name, value in options.items() for word in (f"--{name}", value)]
+        with pytest.raises(Asked) as found:
+            main(["bound", "ramp", *words, *command, "--out", str(tmp_path)])
+        return str(found.value)
+
+    monkeypatch.setattr(Store, "cached", ask)
+    assert asked(BOUND) == asked(BOUND)
+    assert asked(BOUND | {option: OTHERS[option]}) != asked(BOUND)

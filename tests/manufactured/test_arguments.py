@@ -1,0 +1,326 @@
+"""Arguments of another type: they are converted with the right meaning, or refused with a sentence."""
+
+import inspect
+from dataclasses import fields, is_dataclass
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import manufactured
+from manufactured import (
+    HERMITE,
+    Body,
+    Case,
+    Combined,
+    ContactFace,
+    Data,
+    DeviatoricBall,
+    ExactSolution,
+    Factor,
+    FrobeniusBall,
+    Indefinite,
+    KelvinVoigt,
+    Kind,
+    Linear,
+    Memory,
+    Monomial,
+    NonSymmetric,
+    Part,
+    Prescribed,
+    Profile,
+    Regularity,
+    SingularFace,
+    SingularField,
+    TravellingField,
+    Yield,
+    box,
+    cutoff,
+    evaluate,
+    examine,
+    isotropic,
+    isotropic_matrix,
+    kolosov,
+    layered,
+    named,
+    plane_strain,
+    plane_stress,
+    polygon,
+    pos,
+    prove,
+    s,
+    slab,
+    static,
+    t,
+    unit_square,
+    x1,
+    x2,
+)
+from manufactured.multiscale import FadingFace, rollers
+from manufactured.natural_motion import natural_motion
+from manufactured.no_potential import law_without_potential
+from manufactured.profile import Piecewise
+
+CASE = named("full-contact")
+SOLUTION, BODY, LAW = CASE.solution, CASE.solution.body, CASE.solution.law
+FACE, PART, ROUND = SOLUTION.faces[0], SOLUTION.faces[0].part, Piecewise((1.0,), (HERMITE,))
+CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+SIDES = (Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED)
+SEAM = ((0.0, 0.5), (1.0, 0.5))
+MATRIX = np.array([[3.0, 1.0, 0.0], [1.0, 3.0, 0.0], [0.0, 0.0, 2.0]])
+STRAIN = Prescribed(((1.0, s * t),))
+LOADS = {"f0": (sp.Integer(0), x1 * t), "f2": {1: (x2, sp.Integer(1))}}
+HALF = sp.Rational(1, 2)
+FIELD = SingularField((0.0, 0.0), PART.frame, *kolosov(2.0, 1j, -0.5j, 1.5), t, depth=ROUND)
+PLAIN = Data.formulas(BODY, LAW, (0, 0))
+FUNCTIONS = {name: getattr(PLAIN, name) for name in ("body_force", "surface_load", "start", "initial")}
+
+CALLS = {
+    Part: {"kind": Kind.CONTACT, "corners": np.array([[0.0, 1.0], [0.0, 0.0]])},
+    Body: {"parts": BODY.parts, "T": 2.0, "refine": ((0.0, 1.0),), "interfaces": ()},
+    polygon: {"vertices": CORNERS, "kinds": SIDES, "T": 2.0, "refine": ((0.0, 1.0),), "interfaces": (SEAM,)},
+    unit_square: {"T": 2.0},
+    box: {"lengths": (1.0, 2.0, 1.0), "T": 2.0, "left": Kind.CONTACT},
+    Linear: {"matrix": MATRIX, "factor": Factor(2 + x1, 2.0, 3.0)},
+    Indefinite: {"matrix": -MATRIX},
+    NonSymmetric: {"matrix": MATRIX},
+    isotropic: {"mu": 2.0, "lam": 1.0, "dim": 3},
+    isotropic_matrix: {"mu": 2.0, "lam": 1.0, "dim": 3},
+    FrobeniusBall: {"radius": 2.0, "dim": 3},
+    DeviatoricBall: {"radius": 2.0, "dim": 3},
+    Yield: {"beta": 2.0, "convex": FrobeniusBall(1.0)},
+    Combined: {
+        "prestress": np.array([1.0, 0.0, 2.0]),
+        "linear": Linear(MATRIX),
+        "yielding": Yield(1.0, FrobeniusBall(1)),
+    },
+    KelvinVoigt: {"A": Linear(MATRIX), "G": Yield(1.0, FrobeniusBall(1.0)), "name": "law"},
+    Factor: {"formula": 2 + x1, "low": 2.0, "high": 3.0, "steps": (((1.0, 0.0), 0.5),)},
+    Piecewise: {"ends": (0.5, 1.0), "pieces": ((1.0, 0.5), (2.0,))},
+    Profile: {name: getattr(cutoff(2.0), name) for name in "abcde"} | {"kinks": (0.5,)},
+    cutoff: {"depth": 2.0, "phi": HERMITE},
+    slab: {"depth": 2.0, "phi": HERMITE},
+    layered: {"interface": 0.25, "ratio": 2.0, "depth": 0.5},
+    Memory: {"pressure": s * t, "viscosity": 2 + s, "elasticity": 4 + 2 * s, "T": 2.0, "initial": s},
+    Prescribed: {"phases": ((0.5, s * t), (1.0, s / 2 + t - t))},
+    ContactFace: {
+        "part": PART,
+        "gap": s * t,
+        "strain": STRAIN,
+        "level": s,
+        "profile": slab(),
+        "rough": (0.5,),
+        "initial_gap": s,
+    },
+    ContactFace.linear: {
+        "part": PART,
+        "law": LAW,
+        "T": 2.0,
+        "gap": t * pos(s - HALF, 4),
+        "pressure": t * pos(HALF - s, 2),
+        "level": HALF - s,
+        "initial": s,
+        "profile": slab(),
+        "rough": (0.5,),
+        "initial_gap": s,
+    },
+    Monomial: {"m": 1, "c": 1.0 + 1j, "beta": 0.5},
+    kolosov: {"kappa": 2.0, "a": 1j, "b": -0.5j, "exponent": 1.5},
+    SingularField: {name: getattr(FIELD, name) for name in ("centre", "frame", "x", "y", "theta", "depth")},
+    TravellingField: {"steady": FIELD, "place": t / 2},
+    SingularFace: {"part": PART, "gap": s, "pressure": s * t, "level": s, "field": FIELD, "rough": (0.5,)},
+    ExactSolution: {"body": BODY, "law": LAW, "faces": (FACE,), "others": (FIELD,), "singular": ((0.0, 1.0),)},
+    Regularity: {"gap": 4.0, "pressure": 2.0, "moving": True, "corner": 1.5, "on_contact": 2.5, "kink": True},
+    Case: {
+        "name": "mine",
+        "summary": "words",
+        "solution": SOLUTION,
+        "regularity": CASE.regularity,
+        "order": 1.0,
+        "reason": "words",
+        "pace": 4.0,
+        "families": ("one-diagonal",),
+        "represents": ("body",),
+    },
+    Data: {"body": BODY, "law": LAW, **FUNCTIONS, "lines": (((1.0, 0.0), 0.5),), "points": ((0.0, 1.0),)},
+    Data.of: {"solution": SOLUTION},
+    Data.formulas: {"body": BODY, "law": LAW, **LOADS, "u0": (0, x2 - x2), "lines": (((1.0, 0.0), 0.5),)},
+    static: {"body": BODY, "G": Linear(MATRIX), "f0": (sp.Integer(0), x1), "f2": {1: (x2, sp.Integer(1))}},
+    plane_strain: {"E": 2.0, "nu": 0.25},
+    plane_stress: {"E": 2.0, "nu": 0.25},
+    FadingFace: {
+        "part": PART,
+        "gap": s * t,
+        "strain": s,
+        "pressure": s * t,
+        "level": s,
+        "depth": 1 + s,
+        "least_depth": 0.5,
+    },
+    rollers: {"level": 8},
+    law_without_potential: {"rotation": 2.0},
+    natural_motion: {"place": HALF + t / 4},
+    pos: {"x": s - HALF, "a": HALF},
+    named: {"name": "full-contact"},
+    evaluate: {"of": CASE, "x": np.array([[0.5], [0.25]]), "time": 0.5},
+    prove: {"solution": SOLUTION, "name": "mine", "seed": 1},
+    examine: {"solution": SOLUTION, "seed": 1, "points": 2, "times": 2},
+}
+"""The public constructors and functions with correct arguments, each in the form in which it is stored."""
+RESULTS = {"Evaluation", "catalogue"}
+"""Public names without arguments of users."""
+OTHERS = {
+    "a number": 3,
+    "a text": "x y z",
+    "a boolean": True,
+    "a NumPy boolean": np.True_,
+    "a complex number": 1 + 1j,
+    "NaN": float("nan"),
+    "infinity": np.inf,
+    "None": None,
+    "a dict": {1: 2},
+    "a set": {1, 2},
+    "a list of texts": ["1", "2"],
+    "a list of booleans": [True, False],
+    "nested lists of NaN": [[np.nan, 1.0], [1.0, 2.0]],
+    "a type": float,
+    "a function": abs,
+    "a relation": s < 1,
+    "a symbol": sp.Symbol("foreign"),
+    "a time difference": np.timedelta64(1, "s"),
+}
+NUMBERS = {"a number", "infinity"}
+
+
+TEXTS = {Case: ("families", "represents"), Data.formulas: ("f0", "u0"), static: ("f0",)}
+"""Arguments that may be a list of texts, of which a formula is one."""
+SPEAKING = {pos: "pos.*: give a formula", named: "no case is called", evaluate: "points of the body|has to be"}
+"""Messages that do not have the name of the argument."""
+
+
+def permitted(value: object, other: str, target: object, name: str) -> bool:
+    """Return whether a value of another kind is correct in place of a value."""
+    if other == "None":
+        return name in OPTIONAL.get(target, ())
+    if other == "a list of texts":
+        return name in TEXTS.get(target, ())
+    if isinstance(value, sp.Expr):
+        return other in {"a number", "a symbol"}
+    if isinstance(value, bool):
+        return other in {"a boolean", "a NumPy boolean"}
+    if target is Regularity:
+        return other in NUMBERS
+    if isinstance(value, complex):
+        return other in {"a number", "a complex number"}
+    if isinstance(value, str):
+        return other == "a text"
+    return (isinstance(value, int | float) and other == "a number") or (callable(value) and other == "a function")
+
+
+OPTIONAL = {
+    Memory: ("initial",),
+    ContactFace.linear: ("initial",),
+    SingularField: ("depth",),
+    Data.formulas: ("f2", "u0"),
+    static: ("f0", "f2"),
+    Case: (),
+}
+
+
+def first_entry(value: object) -> object:
+    """Return the first entry of nested tuples and dicts."""
+    if isinstance(value, tuple | dict) and value:
+        return first_entry(next(iter(value.values() if isinstance(value, dict) else value)))
+    return value
+
+
+def with_first_entry(value: object, wrong: object) -> object:
+    if isinstance(value, dict):
+        return {key: with_first_entry(entry, wrong) for key, entry in value.items()}
+    return (with_first_entry(value[0], wrong), *value[1:]) if isinstance(value, tuple) and value else wrong
+
+
+def call(target, arguments: dict) -> object:
+    return target(*arguments.values()) if target is pos else target(**arguments)
+
+
+def content(value: object) -> object:
+    """Return a value as nested tuples that can be compared, with the types of all numbers."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return type(value), tuple(content(getattr(value, field.name)) for field in fields(value))
+    if isinstance(value, np.ndarray):
+        return value.dtype, value.tolist()
+    if isinstance(value, tuple | list):
+        return type(value), tuple(map(content, value))
+    return type(value), "function" if inspect.isfunction(value) else value
+
+
+def test_every_public_name_with_arguments_is_tried() -> None:
+    public = {name: getattr(manufactured, name) for name in manufactured.__all__}
+    errors = {name for name, value in public.items() if isinstance(value, type) and issubclass(value, Exception)}
+    tried = {target.__name__ for target in CALLS}
+    others = {"Kind", "Static"}  # an enumeration, and ``Data`` under another name
+    assert {name for name, value in public.items() if callable(value)} - errors - RESULTS - others <= tried | {
+        name for name in public if isinstance(public[name], sp.Basic)
+    }
+
+
+@pytest.mark.parametrize("target", CALLS, ids=lambda target: target.__qualname__)
+def test_an_argument_of_another_type_is_refused_with_its_name(target) -> None:
+    for name, value in CALLS[target].items():
+        for other, wrong in OTHERS.items():
+            places = [(value, wrong), (first_entry(value), with_first_entry(value, wrong))]
+            for given, changed in places:
+                if not permitted(given, other, target, name):
+                    with pytest.raises(ValueError, match=SPEAKING.get(target, name)):
+                        print(f"{other} for {name} gives", call(target, CALLS[target] | {name: changed}))
+
+
+def in_other_forms(value: object) -> list[object]:
+    """Return other forms of a value that mean the same."""
+    if isinstance(value, Kind):
+        return [value.name, value.name.lower(), value.value]
+    if isinstance(value, bool):
+        return [np.bool_(value)]
+    if isinstance(value, int):
+        return [np.int64(value), np.uint8(value), float(value), sp.Integer(value), Fraction(value)]
+    if isinstance(value, float):
+        exact = sp.Rational(value)
+        return [np.float64(value), np.float32(value), np.array(value), exact, sp.Float(value), Fraction(value)]
+    if isinstance(value, complex):
+        return [np.complex128(value)]
+    if isinstance(value, str):
+        return [np.str_(value)]
+    if isinstance(value, np.ndarray):
+        return [
+            value.tolist(),
+            value.astype(np.float32),
+            value.astype(object),
+        ]
+    if isinstance(value, dict):
+        return [{np.int64(key): list(entry) for key, entry in value.items()}]
+    if isinstance(value, tuple):
+        first = [in_other_forms(entry)[:1] or [entry] for entry in value]
+        return [list(value), [form for (form,) in first]]
+    return [str(value)] if isinstance(value, sp.Expr) and not value.is_number else []
+
+
+@pytest.mark.parametrize("target", CALLS, ids=lambda target: target.__qualname__)
+def test_numbers_lists_texts_and_names_mean_the_same_as_the_stored_form(target) -> None:
+    expected = content(call(target, CALLS[target]))
+    for name, value in CALLS[target].items():
+        for form in in_other_forms(value) if target is not pos else ():
+            assert content(call(target, CALLS[target] | {name: form})) == expected, (name, form)
+
+
+def test_a_vector_of_another_length_and_a_matrix_of_another_shape_are_refused() -> None:
+    for wrong in ([1.0, 2.0], [1.0] * 4, [[1.0]] * 3):
+        with pytest.raises(ValueError, match=r"lengths.* has to be|entries"):
+            box(wrong)
+    for wrong in (((0, 0, 0), *CORNERS[1:]), ((0,), *CORNERS[1:])):
+        with pytest.raises(ValueError, match=r"vertices\[0\] has to be a tuple or list of 2 entries"):
+            polygon(wrong, SIDES)
+    for corners in (np.zeros(2), np.zeros((2, 2, 2)), np.zeros((4, 2))):
+        with pytest.raises(ValueError, match="cannot have corners of the shape"):
+            Part("contact", corners)
