@@ -39,7 +39,7 @@ class Coupled:
     def of(
         cls,
         pressure: sp.Expr,
-        slip_stress: Array,
+        slip_stress: tuple[sp.Expr, ...],
         viscous: Array,
         elastic: Array,
         scale: sp.Expr,
@@ -69,7 +69,7 @@ class Coupled:
                 T,
                 None if initial is None else float(viscous[0] @ x) * initial,
                 variables,
-                x @ slip_stress,
+                x @ np.array(slip_stress, dtype=object),
             )
             for rate, x in zip(rates, vectors.T, strict=True)
         )
