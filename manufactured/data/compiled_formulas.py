@@ -1,14 +1,16 @@
 """Turns formulas of x1, x2, x3 and t into functions of points and time."""
 
 from collections.abc import Callable, Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
 import sympy as sp
+from sympy.core.relational import Relational
 
 from manufactured.compiled import function
 from manufactured.factor import x1, x2, x3
-from manufactured.symbols import FormulaError, pos, t
+from manufactured.symbols import FormulaError, t
 from manufactured.tensors import Points, Vectors
 
 KNOWN = {str(symbol): symbol for symbol in (x1, x2, x3, t)}
@@ -53,16 +55,46 @@ def compiled(
     return values
 
 
-def own_formula(formula: sp.Expr | float) -> sp.Expr:
-    """Return a formula of the user with the symbols of this package, and with steps written with ``pos``.
+PIECES: dict[type, Callable[..., sp.Expr]] = {
+    sp.Max: lambda *args: reduce(lambda a, b: sp.Piecewise((a, a > b), (b, True)), args),
+    sp.Min: lambda *args: reduce(lambda a, b: sp.Piecewise((a, a < b), (b, True)), args),
+    sp.Abs: lambda x: sp.Piecewise((x, x > 0), (-x, True)),
+    sp.sign: lambda x: sp.Piecewise((1, x > 0), (-1, x < 0), (0, True)),
+    sp.Heaviside: lambda x, at_0: sp.Piecewise((1, x > 0), (0, x < 0), (at_0, True)),
+}
+"""Functions of SymPy with kinks or jumps, written as Piecewise functions."""
 
-    SymPy distinguishes symbols of the same name by their assumptions, so x1, x2, x3 and t of the user are replaced.
-    Heaviside(x) becomes pos(x, 0), which is 1 for x > 0 and 0 elsewhere.
+
+def own_formula(formula: sp.Expr | float) -> sp.Expr:
+    """Return a formula of the user with the symbols of this package.
+
+    SymPy distinguishes symbols of the same name by their assumptions, so x1, x2, x3 and t of the user are replaced. A
+    condition a < b becomes a − b < 0. Numbers that cancel are then removed by SymPy, and not by rounding.
     """
     expression = sp.sympify(formula)
     expression = expression.subs({a: KNOWN[a.name] for a in expression.free_symbols if a.name in KNOWN})
-    expression = expression.replace(sp.sign, lambda x: pos(x, 0) - pos(-x, 0))
-    return expression.replace(lambda part: isinstance(part, sp.Heaviside), lambda part: pos(part.args[0], 0))
+    logical = sp.Xor, sp.ITE, sp.Implies, sp.Equivalent
+    expression = expression.replace(
+        lambda part: isinstance(part, logical), lambda part: sp.to_nnf(part, simplify=False)
+    )
+    return expression.replace(
+        lambda part: isinstance(part, Relational) and isinstance(part.lhs, sp.Expr),
+        lambda part: part.func(part.lhs - part.rhs, 0),
+    )
+
+
+def gradient(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]) -> list[sp.Expr]:
+    """Return the derivatives of continuous formulas with respect to all symbols; the symbols change fastest.
+
+    The derivative of a kink is that of one side. SymPy has it only if the kink is written as a Piecewise: the derivative
+    of Max(a, a + b) would be the sum of two halves where b is 0.
+    """
+    pieces = [formula.replace(lambda part: type(part) in PIECES, _as_pieces) for formula in formulas]
+    return [sp.diff(formula, symbol) for formula in pieces for symbol in symbols]
+
+
+def _as_pieces(part: sp.Expr) -> sp.Expr:
+    return PIECES[type(part)](*part.args)
 
 
 def _require_numbers(expression: sp.Expr, name: str) -> None:
