@@ -42,8 +42,7 @@ def compiled(
         raise FormulaError(f"{name} has the symbols {', '.join(strange)}; use {', '.join(map(str, symbols))}")
     for expression in expressions:
         _require_numbers(expression, name)
-    call = function(symbols, expressions)
-    _require_values(call, len(symbols), expressions, name)
+    call = _function(symbols, expressions, name)
 
     # NumPy can evaluate a Piecewise only if all of its conditions have the same shape, so all arguments get one shape.
     spread = any(expression.has(sp.Piecewise) for expression in expressions)
@@ -107,14 +106,16 @@ def _require_numbers(expression: sp.Expr, name: str) -> None:
             )
 
 
-def _require_values(call: Callable[..., Any], count: int, expressions: Sequence[sp.Expr], name: str) -> None:
-    """Evaluate formulas once, and raise FormulaError if they contain functions that NumPy does not have."""
+def _function(symbols: tuple[sp.Symbol, ...], expressions: Sequence[sp.Expr], name: str) -> Callable[..., Any]:
+    """Return a NumPy function that evaluates formulas; raise FormulaError if NumPy does not have their functions."""
     try:
+        call = function(symbols, expressions)
         with np.errstate(all="ignore"):
-            call(*np.zeros((count, 2)))  # functions of ``math`` accept one point
-    except (NameError, AttributeError, TypeError) as error:
+            call(*np.zeros((len(symbols), 2)))  # functions of ``math`` accept one point
+    except (NameError, AttributeError, NotImplementedError, TypeError) as error:
         formula = ", ".join(map(str, expressions))
         raise FormulaError(
             f"{name} = {formula} cannot be evaluated: {error}; write it with functions that NumPy has, and steps with "
             "Heaviside or pos(x, 0)"
         ) from error
+    return call

@@ -165,13 +165,17 @@ def _of_log(u: Pair, j: int) -> Pair:
     return _or_line((u[0] < 0) | (u[1] <= 0), ends)
 
 
-def _of_cosine(u: Pair, j: int, shift: float = 0.0) -> Pair:
-    """Return the range of the Taylor coefficient of cos(x + shift); each derivative adds π/2 to the shift."""
-    low, high = (end + (shift + j * np.pi / 2) for end in u)
-    ends = _monotone((low, high), np.cos)
+WAVES = (np.cos, lambda x: -np.sin(x), lambda x: -np.cos(x), np.sin)
+"""cos(x + nπ/2) for n = 0, …, 3. They are 0 at x = 0 if the sine is; cos(x − π/2) in double precision is not."""
+
+
+def _of_cosine(u: Pair, j: int, turns: int = 0) -> Pair:
+    """Return the range of the Taylor coefficient of cos(x + turns π/2); each derivative adds another π/2."""
+    low, high = ((end + (turns + j) * np.pi / 2) / (2 * np.pi) for end in u)
+    ends = _monotone(u, WAVES[(turns + j) % 4])
     # The range contains ±1 if a maximum or minimum of cos lies in the interval.
-    tops = np.floor(high / (2 * np.pi)) >= np.ceil(low / (2 * np.pi))
-    bottoms = np.floor((high - np.pi) / (2 * np.pi)) >= np.ceil((low - np.pi) / (2 * np.pi))
+    tops = np.floor(high) >= np.ceil(low)
+    bottoms = np.floor(high - 0.5) >= np.ceil(low - 0.5)
     return _scaled(1 / math.factorial(j), (np.where(bottoms, -1.0, ends[0]), np.where(tops, 1.0, ends[1])))
 
 
@@ -222,7 +226,7 @@ KNOWN: dict[type, Callable[[Pair, int], Pair]] = {
     sp.exp: _of_exp,
     sp.log: _of_log,
     sp.cos: _of_cosine,
-    sp.sin: lambda u, j: _of_cosine(u, j, -np.pi / 2),
+    sp.sin: lambda u, j: _of_cosine(u, j, 3),
     sp.sinh: _of_sinh,
     sp.cosh: lambda u, j: _of_sinh(u, j, 1),
     sp.tanh: lambda u, j: _of_polynomial(_monotone(u, np.tanh), j, Polynomial([1.0, 0.0, -1.0])),

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import cache
 
 import numpy as np
 import pytest
 import sympy as sp
+from random_formulas import RandomFormula, exact
 from scipy.interpolate import BarycentricInterpolator
 from sympy import Expr, Float, Integer, Rational, cos, exp, log, sin, sqrt, tanh
 
 from manufactured import KelvinVoigt, isotropic, pos, t, unit_square
 from manufactured.compiled import function
 from manufactured.data import Data, LoadError
-from manufactured.data.compiled_formulas import PIECES, compiled, gradient, own_formula
+from manufactured.data.compiled_formulas import PIECES, compiled, own_formula
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
+from manufactured.tensors import Array
 from study.bound.ranges import KNOWN, Boxes, RangeError, _truncated, coefficients, require_known
 from study.bound.remainders import CUBIC, PARABOLA, in_space, in_time, lebesgue
 
@@ -157,6 +160,59 @@ def test_a_factor_that_overflows_or_underflows_in_the_ranges_does_not_hide_the_o
         found = Boxes(box, (x1, x2), 4)(factor * sp.sin(3 * x2))
         assert found.low[0, 0] <= 1e-9
         assert found.high[0, 0] >= 1
+
+
+# ---- random formulas with conditions, on boxes whose ends lie where conditions change
+
+QUARTERS = np.array([(i, j) for i in range(4) for j in range(i + 1, 5)]) / 4
+"""The ends of all intervals in [0, 1] that begin and end at multiples of 1/4, (intervals, 2)."""
+NAMES = (x1, x2, t)
+DEPTHS = (1, 1, 1, 2)
+
+
+def places_in(low: Array, high: Array, rng: np.random.Generator) -> Array:
+    """Ends of boxes, at which conditions change, and points between them, all exact in binary, (6, 3, boxes)."""
+    ends = np.where(rng.random((3, *low.shape)) < 1 / 2, low, high)
+    return np.concatenate([ends, low + (high - low) * rng.integers(1, 8, size=(3, *low.shape)) / 8])
+
+
+def exact_at(formula: Expr, places: Array) -> Array:
+    """The exact values of a formula, (places, 3, boxes) → (places, boxes)."""
+    points = np.moveaxis(places, 1, 2)
+    values = [exact(formula, dict(zip(NAMES, map(Fraction, point), strict=True))) for point in points.reshape(-1, 3)]
+    return np.array(values, dtype=object).reshape(points.shape[:2])
+
+
+def assert_random_formulas_agree(seed: int, count: int, depths: tuple[int, ...] = DEPTHS) -> None:
+    """The ranges of values contain exact values, those of slopes contain differences, and NumPy has the exact values."""
+    random_formula, rng = RandomFormula(seed), np.random.default_rng(seed)
+    for number in range(count):
+        formula = random_formula(depths[number % len(depths)])
+        name = f"formula {number} of seed {seed}: {formula}"
+        low, high = np.moveaxis(QUARTERS[rng.integers(len(QUARTERS), size=(3, 8))], 2, 0)
+        places = places_in(low, high, rng)
+        values = exact_at(formula, places)
+        found = Boxes(dict(zip(NAMES, zip(low, high, strict=True), strict=True)), NAMES, 1)(own_formula(formula))
+        assert (found.low[0] <= values).all(), name
+        assert (values <= found.high[0]).all(), name
+        # The terms of order 1 are those of t, x2 and x1. Numbers instead of ∞ make 0 of their products with 0.
+        slopes = np.minimum(found.largest[:0:-1], 1e300)
+        changes = (slopes * abs(np.diff(places, axis=0))).sum(axis=1)
+        assert (abs(np.diff(values, axis=0)) <= changes + 1e-12).all(), name
+        if number % 8 == 0:  # SymPy takes longer to write a NumPy function than all others together
+            x = np.moveaxis(places, 1, 0)
+            (numerical,) = compiled([formula], 1, "f", NAMES)(x[:2], x[2])
+            assert (abs(numerical - values) <= 1e-9).all(), name
+
+
+def test_ranges_contain_the_exact_values_of_random_formulas_also_where_conditions_change() -> None:
+    assert_random_formulas_agree(seed=0, count=400)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_ranges_contain_the_exact_values_of_thousands_of_nested_formulas(seed: int) -> None:
+    assert_random_formulas_agree(seed, count=1000, depths=(2, 2, 3))
 
 
 # ---- ranges of series
