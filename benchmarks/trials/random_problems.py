@@ -24,7 +24,7 @@ from study.bound.remainders import GUARANTEED
 from study.present.pages import markdown
 
 COUNT, TIMES = 200, 3
-"""Number of trials with bumps, and the same number with conditions; number of random times at which errors are tried."""
+"""Number of trials with bumps, and of trials with conditions; number of random times at which errors are tried."""
 ROUNDING = 1e-6
 """Relative slack: of the quadrature of known errors, and of rounding."""
 ENCLOSED, REFUSED, OUTSIDE = "enclosed", "refused", "outside"

@@ -85,8 +85,8 @@ def own_formula(formula: sp.Expr | float) -> sp.Expr:
 def gradient(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]) -> list[sp.Expr]:
     """Return the derivatives of continuous formulas with respect to all symbols; the symbols change fastest.
 
-    The derivative of a kink is that of one side. SymPy has it only if the kink is written as a Piecewise: the derivative
-    of Max(a, a + b) would be the sum of two halves where b is 0.
+    Kinks are first written as Piecewise functions. SymPy's derivative of Max(a, a + b) would be a' + b'/2 where b is 0 on
+    a set, and wrong if there are three arguments.
     """
     pieces = [formula.replace(lambda part: type(part) in PIECES, _as_pieces) for formula in formulas]
     return [sp.diff(formula, symbol) for formula in pieces for symbol in symbols]

@@ -1,8 +1,8 @@
 """Refusal of initial displacements u_0 that jump or are unbounded inside the body, because they do not lie in V.
 
 Boxes that cover the body are halved again and again. A box is dropped if u_0 is known to be Lipschitz continuous on it,
-as it is at the kinks of Max, Min and Abs. If u_0 is continuous, the range of u_0 tends to a point in all other boxes. If
-it jumps, the range remains as large as the jump, however narrow the band between two jumps is.
+also with kinks. In all other boxes the range of u_0 tends to a point if u_0 is continuous. If u_0 jumps, the range
+remains as large as the jump, however narrow the band between two jumps is.
 
 The range is computed by interval arithmetic if u_0 is given by formulas whose ranges are known. Otherwise it is the
 range of samples, which may miss narrow bands.

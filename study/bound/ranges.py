@@ -6,8 +6,8 @@ For a formula f, boxes X_1, …, X_N and an order m, the ranges are intervals wi
 
 They are computed from the ranges of the parts of f. Sums and products are sums and products of power series. A function
 g of a part u has the series Σ_j g^(j)(u)/j! δ^j, where δ is the series of u without its constant term (R. E. Moore,
-Methods and Applications of Interval Analysis, SIAM 1979, chapter 3). Ranges of values are rounded outward after each operation, so that
-no condition is decided by cancellation. Ranges of derivatives are not, so they hold up to round-off.
+Methods and Applications of Interval Analysis, SIAM 1979, chapter 3). Ranges of values are rounded outward after each
+operation, so that no condition is decided by rounding. Ranges of derivatives are not, so they hold up to round-off.
 
 Formulas may contain the truncated power pos(x, a) = x_+^a, which has a kink or a jump at x = 0. If 0 lies in the range
 of x, derivatives that do not exist there have the range (−∞, ∞). The range of the derivative of order a covers both
@@ -469,7 +469,9 @@ class Boxes:
         if isinstance(condition, sp.Xor | sp.ITE | sp.Implies | sp.Equivalent):
             return self._truth(sp.to_nnf(condition, simplify=False))
         if not isinstance(condition, Relational) or not isinstance(condition.lhs, sp.Expr):
-            raise RangeError(f"{condition} in a Piecewise is no inequality; write its condition with <, ≤, >, ≥, Eq or Ne")
+            raise RangeError(
+                f"{condition} in a Piecewise is no inequality; write its condition with <, ≤, >, ≥, Eq or Ne"
+            )
         difference = self(condition.lhs - condition.rhs)
         return ORDERED[condition.func](*difference.values)
 

@@ -93,7 +93,9 @@ def computed_displacements(
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     finest = max(options.levels)
-    require(f"level {finest}", estimates.bound(estimates.triangles(finest, family.name), refined.refinements), available())
+    require(
+        f"level {finest}", estimates.bound(estimates.triangles(finest, family.name), refined.refinements), available()
+    )
     bounded.check_bound(data, family, options.levels, options.steps, refined)
     directory = options.out / name
 

@@ -15,7 +15,6 @@ from sympy import Expr, Rational, sin
 from manufactured import pos, t
 from manufactured.factor import x1, x2
 
-
 KINKS = (
     lambda a, b: sp.Max(a, 0),
     lambda a, b: sp.Min(a, 0),

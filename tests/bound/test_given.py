@@ -171,7 +171,7 @@ def test_what_does_not_fit_is_refused_by_name(name: str) -> None:
         given(square(), **(field() | {array: change(field()[array])}))
 
 
-@pytest.mark.parametrize("aspect", [5e3, 1e5, 1e8])
+@pytest.mark.parametrize("aspect", [5e3, 1e5, 1e7])
 @pytest.mark.parametrize("in_time", [True, False])
 def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(aspect: float, in_time: bool) -> None:
     data = square() if in_time else static(square().body, isotropic(1, 1), (0, -1))

@@ -15,7 +15,7 @@ from sympy import Expr, Float, Integer, Rational, cos, exp, log, sin, sqrt, tanh
 from manufactured import KelvinVoigt, isotropic, pos, t, unit_square
 from manufactured.compiled import function
 from manufactured.data import Data, LoadError
-from manufactured.data.compiled_formulas import PIECES, compiled, own_formula
+from manufactured.data.compiled_formulas import PIECES, compiled, gradient, own_formula
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
 from manufactured.tensors import Array
@@ -213,6 +213,41 @@ def test_ranges_contain_the_exact_values_of_random_formulas_also_where_condition
 @pytest.mark.parametrize("seed", range(1, 6))
 def test_ranges_contain_the_exact_values_of_thousands_of_nested_formulas(seed: int) -> None:
     assert_random_formulas_agree(seed, count=1000, depths=(2, 2, 3))
+
+
+LARGE = Float("1e17")
+SAME_UNDER_ROUNDING = {
+    "absorbed": sp.Piecewise((1, sp.Max(x1 + LARGE, 0) > LARGE), (0, True)),
+    "tenths": sp.Piecewise((1, 3 * sp.Max(x1 / 8, Rational(1, 10)) <= Rational(3, 10)), (0, True)),
+    "sine": sp.Piecewise((1, sin(sp.Max(x1, 0) - sp.Max(x1, 0.5)) >= 0), (0, True)),
+}
+
+
+@pytest.mark.parametrize("formula", SAME_UNDER_ROUNDING.values(), ids=SAME_UNDER_ROUNDING)
+def test_no_condition_is_decided_by_rounding(formula: Expr) -> None:
+    """On [1/2, 3/4] each condition holds in exact arithmetic."""
+    found = Boxes({x1: (np.array([0.5]), np.array([0.75]))}, (x1,), 0)(own_formula(formula))
+    assert found.high[0] == 1
+
+
+def test_numbers_that_cancel_do_not_change_what_numpy_computes() -> None:
+    formula = sp.Piecewise((1, 1 + Float("1e-20") * x1 > 1), (0, True))
+    assert compiled([formula], 1, "f", (x1, x2))(np.full((2, 1), 0.5)) == 1
+
+
+@pytest.mark.parametrize(
+    ("formula", "slopes"),
+    [
+        (sp.Max(x1, x1 + sp.Max(0, x1 - 0.5), x1 + sp.Max(0, x1 - 0.75)), (1, 2)),
+        (sp.Min(x1, 0.5) + sp.Abs(sp.Max(x1, 0.5) - 0.5), (1, 1)),
+        (sp.Heaviside(x1 - 0.5) * (x1 - 0.5) + x1 * sp.sign(x1 - 0.5), (-1, 2)),
+    ],
+    ids=["equal on a set", "Min and Abs", "continuous product"],
+)
+def test_the_derivative_of_a_formula_with_kinks_is_that_of_the_branch(formula: Expr, slopes: tuple[int, int]) -> None:
+    """At x1 = 1/4 and x1 = 5/8."""
+    found = compiled(gradient([formula], (x1,)), 1, "∇f", (x1, x2))(np.array([[0.25, 0.625], [0.0, 0.0]]))
+    assert found.tolist() == [list(slopes)]
 
 
 # ---- ranges of series

@@ -228,7 +228,9 @@ def test_a_mesh_too_large_for_the_memory_is_refused_with_what_is_served(finished
 
 
 def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_that_is_served(monkeypatch) -> None:
-    with pytest.raises(UsageError, match=r"10830 triangles with --refine 1 .* take --refine 0, or a mesh of at most 8250"):
+    with pytest.raises(
+        UsageError, match=r"10830 triangles with --refine 1 .* take --refine 0, or a mesh of at most 8250"
+    ):
         estimates.bound(10830, 1)
     assert estimates.bound(10830, 0) < 4 * 2.0**30
     monkeypatch.setattr("study.solve.factorisation.MOST_ENTRIES", 2)
