@@ -85,8 +85,8 @@ def own_formula(formula: sp.Expr | float) -> sp.Expr:
 def gradient(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]) -> list[sp.Expr]:
     """Return the derivatives of continuous formulas with respect to all symbols; the symbols change fastest.
 
-    Kinks are first written as Piecewise functions. SymPy's derivative of Max(a, a + b) would be a' + b'/2 where b is 0 on
-    a set, and wrong if there are three arguments.
+    Kinks are first written as Piecewise functions, because SymPy's derivative of a Max with three arguments that are
+    equal on a set is wrong there.
     """
     pieces = [formula.replace(lambda part: type(part) in PIECES, _as_pieces) for formula in formulas]
     return [sp.diff(formula, symbol) for formula in pieces for symbol in symbols]

@@ -314,7 +314,7 @@ class Series:
         return found.rounded() if self.nonzero[0] and other.nonzero[0] else found
 
     def rounded(self, exact: Array | bool = False) -> Series:
-        """Round the ranges of values outward, except where they are ``exact``; ranges of derivatives are not rounded."""
+        """Round ranges of values outward, except where they are ``exact``; ranges of derivatives remain as they are."""
         for ends, end in zip((self.low, self.high), outward((self.low[0], self.high[0])), strict=True):
             ends[0] = np.where(exact, ends[0], end)
         return self
@@ -458,20 +458,21 @@ class Boxes:
             RangeError: the condition is not made of inequalities and equations.
         """
         if condition in (sp.true, sp.false):
-            return tuple(np.full(self.count, condition == value) for value in (sp.false, sp.true))
+            holds = np.full(self.count, condition == sp.true)
+            return ~holds, holds
         if isinstance(condition, sp.Not):
             never, always = self._truth(condition.args[0])
             return always, never
         if isinstance(condition, sp.And | sp.Or):
-            some, every = (np.any, np.all) if isinstance(condition, sp.And) else (np.all, np.any)
-            never, always = zip(*map(self._truth, condition.args), strict=True)
-            return some(never, axis=0), every(always, axis=0)
+            never_each, always_each = zip(*map(self._truth, condition.args), strict=True)
+            some, every = np.logical_or.reduce, np.logical_and.reduce
+            if isinstance(condition, sp.And):
+                return some(never_each), every(always_each)
+            return every(never_each), some(always_each)
         if isinstance(condition, sp.Xor | sp.ITE | sp.Implies | sp.Equivalent):
             return self._truth(sp.to_nnf(condition, simplify=False))
         if not isinstance(condition, Relational) or not isinstance(condition.lhs, sp.Expr):
-            raise RangeError(
-                f"{condition} in a Piecewise is no inequality; write its condition with <, ≤, >, ≥, Eq or Ne"
-            )
+            raise RangeError(f"{condition} in a Piecewise is no inequality; write it with <, ≤, >, ≥, Eq or Ne")
         difference = self(condition.lhs - condition.rhs)
         return ORDERED[condition.func](*difference.values)
 

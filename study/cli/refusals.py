@@ -28,8 +28,8 @@ KILLED = (
 )
 
 OUT_OF_MEMORY = (
-    "there is not enough memory for this: take coarser levels or meshes, fewer refinements, for example --refine 0, or a "
-    "machine with more memory"
+    "there is not enough memory for this: take coarser levels or meshes, fewer refinements, for example --refine 0, or "
+    "a machine with more memory"
 )
 
 

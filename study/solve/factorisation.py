@@ -88,8 +88,8 @@ def superlu(matrix: sps.csc_array, permc_spec: str = "NATURAL") -> SuperLU:
     """
     if matrix.nnz > MOST_ENTRIES:
         raise MemoryError(
-            f"SciPy's SuperLU can factorise matrices with at most {MOST_ENTRIES} entries, and this one has {matrix.nnz}: "
-            "take coarser levels or meshes, or fewer refinements, for example --refine 0"
+            f"SciPy's SuperLU can factorise matrices with at most {MOST_ENTRIES} entries, and this one has {matrix.nnz}"
+            ": take coarser levels or meshes, or fewer refinements, for example --refine 0"
         )
     # The option ``relax`` must keep its default in SciPy: with 40, SciPy 1.17 writes beyond its arrays.
     try:

@@ -184,7 +184,7 @@ def exact_at(formula: Expr, places: Array) -> Array:
 
 
 def assert_random_formulas_agree(seed: int, count: int, depths: tuple[int, ...] = DEPTHS) -> None:
-    """The ranges of values contain exact values, those of slopes contain differences, and NumPy has the exact values."""
+    """Ranges of values contain exact values, ranges of slopes bound differences, and NumPy gives the exact values."""
     random_formula, rng = RandomFormula(seed), np.random.default_rng(seed)
     for number in range(count):
         formula = random_formula(depths[number % len(depths)])

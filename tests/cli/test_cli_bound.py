@@ -234,7 +234,7 @@ def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_tha
         estimates.bound(10830, 1)
     assert estimates.bound(10830, 0) < 4 * 2.0**30
     monkeypatch.setattr("study.solve.factorisation.MOST_ENTRIES", 2)
-    with pytest.raises(MemoryError, match="at most 2 entries, and this one has 3: .* --refine 0") as error:
+    with pytest.raises(MemoryError, match=r"at most 2 entries, and this one has 3: .* --refine 0") as error:
         Cholesky(sps.csc_array(np.eye(3)))
     code, message = exit_code_and_message(error.value)
     assert code == 1

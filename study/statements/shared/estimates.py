@@ -31,8 +31,10 @@ SMALL, SOLID = 736 * MIB, 2304 * MIB
 BOUND, PER_CELL = 128 * MIB, 240 * KIB
 """Memory in bytes for an error bound: on any mesh, and for each cell of the refined mesh."""
 FACTORISED = 33_000
-"""Number of cells on which stresses can be computed. Their Cholesky factor has about 143 n log₂ n entries for n cells, and
-SuperLU reserves space for 30 times as many entries, which it counts in 32 bits."""
+"""Number of cells on which stresses can be computed.
+
+Their Cholesky factor has about 143 n log₂ n entries for n cells, more than SuperLU can factorise on larger meshes.
+"""
 STRESSES = 18
 """Number of unknown stresses in each square of a plane mesh; a square has two cells."""
 
