@@ -103,6 +103,7 @@ def _limit(stage: Stage, cells: int) -> str:
         return f"the next mesh needs {stage.steps} time steps, and at most {MOST} are permitted: raise the tolerance"
     try:
         require(f"the next mesh of {stage.cells} cells", estimates.bound(stage.cells, 0), available())
+        estimates.require_factorisation(stage.cells, 0)
     except UsageError as error:
         return str(error)
     return ""

@@ -89,4 +89,5 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
             f"of memory; {room / GIB:.1f} GiB are available, enough for {served} triangles: take "
             "a coarser mesh, --refine 0, or a machine with more memory"
         )
+    estimates.require_factorisation(cells, refined.refinements)
     return given(data, **vars(field), steps=options.steps, nearest=options.nearest)

@@ -73,11 +73,12 @@ def triangles(n: int, family: str) -> int:
 
 
 def bound(cells: int, refinements: int) -> float:
-    """Return the memory in bytes for an error bound of a displacement on a mesh with the given number of cells.
+    """Return the memory in bytes for an error bound of a displacement on a mesh with the given number of cells."""
+    return BASE + BOUND + PER_CELL * cells * 4**refinements
 
-    Raises:
-        UsageError: the refined mesh has too many cells for SuperLU, however much memory there is.
-    """
+
+def require_factorisation(cells: int, refinements: int) -> None:
+    """Raise UsageError if a refined mesh has too many cells for an error bound, however much memory there is."""
     refined = cells * 4**refinements
     if refined > FACTORISED:
         raise UsageError(
@@ -86,7 +87,6 @@ def bound(cells: int, refinements: int) -> float:
             + (f"--refine {refinements - 1}, or " if refinements else "")
             + f"a mesh of at most {FACTORISED // 4**refinements} triangles"
         )
-    return BASE + BOUND + PER_CELL * refined
 
 
 def task(dim: int, n: int, family: str, steps: int) -> float:
