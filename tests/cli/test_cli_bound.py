@@ -244,7 +244,7 @@ def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_tha
 
 MEASURE = """
 import resource
-import study.cli.main
+import study.cli.bound
 from manufactured.problems import ramp
 from manufactured import plane_stress, static, unit_square
 from study.bound.bounded import bounded_solution
