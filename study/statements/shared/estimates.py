@@ -28,7 +28,7 @@ TEXT = {2: 1 * KIB, 3: 3 * KIB}
 """Bytes needed to write the values of one unknown at one time as text, by the dimension of the body."""
 SMALL, SOLID = 736 * MIB, 2304 * MIB
 """Memory in bytes for statements whose meshes have a fixed size, in the plane and in space."""
-BOUND, PER_CELL = 128 * MIB, 240 * KIB
+BOUND, PER_CELL = 96 * MIB, 240 * KIB
 """Memory in bytes for an error bound: on any mesh, and for each cell of the refined mesh."""
 FACTORISED = 33_000
 """Number of cells on which stresses can be computed.
