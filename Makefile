@@ -94,7 +94,7 @@ certificates-check:  ## check the committed certificates with the checker alone 
 	for name in square wedge bracket; do \
 		$(PYTHON) -I -S build/checker.py examples/certificates/$$name-4.json.gz || exit 1; done
 
-trials: $(RUNTIME)  ## test the bounds on 200 random problems and on stiff materials, results/trials, half an hour
+trials: $(RUNTIME)  ## test the bounds on 400 random problems and on stiff materials, results/trials, half an hour
 	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python -m benchmarks.trials.run
 
 # Benchmarks are not tests: a slow machine or a missing peer is no failure.

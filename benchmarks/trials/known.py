@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import sympy as sp
@@ -49,6 +49,50 @@ class Feature:
 
 
 @dataclass(frozen=True)
+class Band:
+    """strength · t (x − a)_+² (b − x)_+² in one component, for x = x1 or x2: loads have jumps and kinks at a and b."""
+
+    direction: int
+    ends: tuple[Rational, Rational]
+    strength: float
+    component: int
+
+    @property
+    def formula(self) -> Expr:
+        x, (a, b) = (x1, x2)[self.direction], self.ends
+        height = sp.Float(self.strength) / ((b - a) / 2) ** 4
+        return height * t * pos(x - a, 2) * pos(b - x, 2)
+
+
+def written_with_conditions(formula: Expr, rng: np.random.Generator) -> Expr:
+    """Write each truncated power x_+^q of a formula in a random other way, equal to it for x ≠ 0.
+
+    Many of the conditions compare terms that are equal wherever x < 0.
+    """
+
+    def written(x: Expr, q: Expr) -> Expr:
+        power, larger, smaller = x**q, sp.Max(x, 0), sp.Min(x, 0)
+        ways = [
+            power * sp.Heaviside(x),
+            power * sp.Heaviside(larger, 0),
+            power * (1 + sp.sign(x)) / 2,
+            sp.Piecewise((power, x > 0), (0, True)),
+            sp.Piecewise((0, larger <= 0), (power, True)),
+            sp.Piecewise((power, smaller >= 0), (0, True)),
+            sp.Piecewise((0, sp.Eq(pos(x, 1), 0)), (power, True)),
+            sp.Piecewise((power, sp.Ne(abs(x), -x)), (0, True)),
+            sp.Piecewise((power, ~((larger <= 0) & (x < 1))), (0, True)),
+            sp.Piecewise((0, (larger < 0) | sp.Eq(larger, 0)), (power, True)),
+            sp.Piecewise((sp.Piecewise((power, x >= 0), (7, True)), larger > 0), (0, True)),
+        ]
+        if q > 0:
+            ways += [larger**q, (-sp.Min(-x, 0)) ** q, ((x + abs(x)) / 2) ** q]
+        return ways[int(rng.integers(len(ways)))]
+
+    return formula.replace(pos, written)
+
+
+@dataclass(frozen=True)
 class Zone:
     """Contact in X1 < s, s = first + speed · t, that grows: on Γ3, X2 = 0, with ψ = press (s − X1)_+^4,
 
@@ -86,6 +130,7 @@ class Known:
         local: A and G before the turn.
         g: two formulas of x1 and x2, which stand for X1 and X2, and t.
         features: the bumps in g.
+        conditions: seed of the random ways in which truncated powers in the data are written; None for ``pos``.
     """
 
     local: KelvinVoigt
@@ -93,6 +138,7 @@ class Known:
     features: tuple[Feature, ...] = ()
     zone: Zone | None = None
     turn: tuple[Rational, Rational] = (sp.Integer(1), sp.Integer(0))
+    conditions: int | None = None
 
     @property
     def rotation(self) -> sp.Matrix:
@@ -134,7 +180,12 @@ class Known:
         stress = sp.Matrix([[a, c / sp.sqrt(2)], [c / sp.sqrt(2), b]])
         force = [-sp.diff(stress[i, 0], x1) - sp.diff(stress[i, 1], x2) for i in (0, 1)]
         loads = {number: list(stress * self.rotation * sp.Matrix([side, 0])) for number, side in ((1, 1), (3, -1))}
-        return Data.formulas(self.body, self.law, force, loads, u0=[u.subs(t, 0) for u in self.u])
+        start = [u.subs(t, 0) for u in self.u]
+        if self.conditions is not None:
+            written = partial(written_with_conditions, rng=np.random.default_rng(self.conditions))
+            force, start = map(written, force), map(written, start)
+            loads = {number: map(written, load) for number, load in loads.items()}
+        return Data.formulas(self.body, self.law, [*force], {n: [*load] for n, load in loads.items()}, u0=[*start])
 
     @cached_property
     def _compiled(self):
@@ -187,23 +238,27 @@ class Trial:
         return bounded_solution(found, None, self.family, self.level, MIDPOINT, self.steps, Refined(0, 1))
 
 
-def random_trial(seed: int) -> Trial:
+def random_trial(seed: int, conditions: bool = False) -> Trial:
     """Laws, meshes, slopes of Γ3, zones, bumps down to a hundredth of a cell, up to a hundred periods a step.
 
-    A and G are anisotropic, G from 0.01 to 100 times as large. One trial in three has no zone of contact.
+    A and G are anisotropic, G from 0.01 to 100 times as large. One trial in three has no zone of contact. With
+    ``conditions`` there is a band instead of bumps, kinks and jumps are written in many ways, and Γ3 is horizontal.
     """
     rng = np.random.default_rng(seed)
     level, steps = int(rng.integers(2, 5)), int(rng.integers(2, 5))
     A, G = _tensor(rng), Linear(10 ** rng.uniform(-2, 2) * _tensor(rng).matrix)
     plain = [sp.Float(round(float(rng.normal()), 3)) * (1 + x1 * t), sp.Float(round(float(rng.normal()), 3)) * t]
-    features = tuple(_feature(rng, level, steps) for _ in range(int(rng.integers(0, 3))))
-    for feature in features:
+    features = tuple(_feature(rng, level, steps) for _ in range(0 if conditions else int(rng.integers(0, 3))))
+    bands = tuple(_band(rng) for _ in range(1 if conditions else 0))
+    for feature in (*features, *bands):
         plain[feature.component] += feature.formula
     zone = None if rng.random() < 1 / 3 else _zone(rng)
     turn = [(1, 0), (Rational(4, 5), Rational(3, 5)), (Rational(12, 13), Rational(-5, 13))][int(rng.integers(3))]
     family = (OneDiagonal(), Shaken(seed=seed), Unstructured(seed=seed))[int(rng.integers(3))]
     law = KelvinVoigt(A, G, "random")
-    return Trial(Known(law, tuple(plain), features, zone, tuple(map(sp.sympify, turn))), level, steps, family)
+    turn = (sp.Integer(1), sp.Integer(0)) if conditions else tuple(map(sp.sympify, turn))
+    known = Known(law, tuple(plain), features, zone, turn, seed if conditions else None)
+    return Trial(known, level, steps, family)
 
 
 def _tensor(rng: np.random.Generator) -> Linear:
@@ -224,6 +279,12 @@ def _feature(rng: np.random.Generator, level: int, steps: int) -> Feature:
         strength=float(rng.uniform(0.1, 2)),
         component=int(rng.integers(2)),
     )
+
+
+def _band(rng: np.random.Generator) -> Band:
+    first, width = int(rng.integers(0, 20)), int(rng.integers(10, 21))
+    ends = Rational(first, 40), Rational(first + width, 40)
+    return Band(int(rng.integers(2)), ends, float(rng.uniform(-1, 1)), int(rng.integers(2)))
 
 
 def _zone(rng: np.random.Generator) -> Zone:

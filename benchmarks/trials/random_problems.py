@@ -24,6 +24,7 @@ from study.bound.remainders import GUARANTEED
 from study.present.pages import markdown
 
 COUNT, TIMES = 200, 3
+"""Number of trials with bumps, and of trials with conditions; number of random times at which errors are tried."""
 ROUNDING = 1e-6
 """Relative slack: of the quadrature of known errors, and of rounding."""
 ENCLOSED, REFUSED, OUTSIDE = "enclosed", "refused", "outside"
@@ -43,7 +44,7 @@ def outcome(trial: Trial, found: BoundedSolution, times: Array) -> tuple[str, fl
 
 def row(seed: int) -> dict[str, Any]:
     """One trial."""
-    trial = random_trial(seed)
+    trial = random_trial(seed, conditions=seed >= COUNT)
     known = trial.known
     features = {
         "level": trial.level,
@@ -75,7 +76,7 @@ def _short(x: float) -> float:
 
 def table(out: Path) -> pd.DataFrame:
     """``random.csv``."""
-    return made(out / "random.csv", range(COUNT), row)
+    return made(out / "random.csv", range(2 * COUNT), row)
 
 
 SMALL, QUICK = 0.1, 1.0
@@ -84,11 +85,12 @@ SMALL, QUICK = 0.1, 1.0
 
 def summary(found: pd.DataFrame) -> str:
     """How many trials of every kind there are and what became of them, in Markdown."""
-    unseen = (found["width"] < SMALL) | (found["periods"] > QUICK)
+    unseen, conditions = (found["width"] < SMALL) | (found["periods"] > QUICK), found["trial"] >= COUNT
     kinds = {
-        "no bumps": found["width"].isna(),
+        "no bumps": found["width"].isna() & ~conditions,
         f"bumps of {SMALL:g} cells or more, at most {QUICK:g} period a step": found["width"].notna() & ~unseen,
         "smaller or quicker ones": unseen,
+        "bands, kinks and jumps, written with conditions": conditions,
         "all": pd.Series(True, index=found.index),
         "of them on a slanted foundation": found["slope"] != 0,
         "of them with a zone of contact": found["zone"] == 1,

@@ -1,14 +1,16 @@
 """Turns formulas of x1, x2, x3 and t into functions of points and time."""
 
 from collections.abc import Callable, Sequence
+from functools import reduce
 from typing import Any
 
 import numpy as np
 import sympy as sp
+from sympy.core.relational import Relational
 
 from manufactured.compiled import function
 from manufactured.factor import x1, x2, x3
-from manufactured.symbols import FormulaError, pos, t
+from manufactured.symbols import FormulaError, t
 from manufactured.tensors import Points, Vectors
 
 KNOWN = {str(symbol): symbol for symbol in (x1, x2, x3, t)}
@@ -40,8 +42,7 @@ def compiled(
         raise FormulaError(f"{name} has the symbols {', '.join(strange)}; use {', '.join(map(str, symbols))}")
     for expression in expressions:
         _require_numbers(expression, name)
-    call = function(symbols, expressions)
-    _require_values(call, len(symbols), expressions, name)
+    call = _function(symbols, expressions, name)
 
     # NumPy can evaluate a Piecewise only if all of its conditions have the same shape, so all arguments get one shape.
     spread = any(expression.has(sp.Piecewise) for expression in expressions)
@@ -53,16 +54,46 @@ def compiled(
     return values
 
 
-def own_formula(formula: sp.Expr | float) -> sp.Expr:
-    """Return a formula of the user with the symbols of this package, and with steps written with ``pos``.
+PIECES: dict[type, Callable[..., sp.Expr]] = {
+    sp.Max: lambda *args: reduce(lambda a, b: sp.Piecewise((a, a > b), (b, True)), args),
+    sp.Min: lambda *args: reduce(lambda a, b: sp.Piecewise((a, a < b), (b, True)), args),
+    sp.Abs: lambda x: sp.Piecewise((x, x > 0), (-x, True)),
+    sp.sign: lambda x: sp.Piecewise((1, x > 0), (-1, x < 0), (0, True)),
+    sp.Heaviside: lambda x, at_0: sp.Piecewise((1, x > 0), (0, x < 0), (at_0, True)),
+}
+"""Functions of SymPy with kinks or jumps, written as Piecewise functions."""
 
-    SymPy distinguishes symbols of the same name by their assumptions, so x1, x2, x3 and t of the user are replaced.
-    Heaviside(x) becomes pos(x, 0), which is 1 for x > 0 and 0 elsewhere.
+
+def own_formula(formula: sp.Expr | float) -> sp.Expr:
+    """Return a formula of the user with the symbols of this package.
+
+    SymPy distinguishes symbols of the same name by their assumptions, so x1, x2, x3 and t of the user are replaced. A
+    condition a < b becomes a − b < 0. Numbers that cancel are then removed by SymPy, and not by rounding.
     """
     expression = sp.sympify(formula)
     expression = expression.subs({a: KNOWN[a.name] for a in expression.free_symbols if a.name in KNOWN})
-    expression = expression.replace(sp.sign, lambda x: pos(x, 0) - pos(-x, 0))
-    return expression.replace(lambda part: isinstance(part, sp.Heaviside), lambda part: pos(part.args[0], 0))
+    logical = sp.Xor, sp.ITE, sp.Implies, sp.Equivalent
+    expression = expression.replace(
+        lambda part: isinstance(part, logical), lambda part: sp.to_nnf(part, simplify=False)
+    )
+    return expression.replace(
+        lambda part: isinstance(part, Relational) and isinstance(part.lhs, sp.Expr),
+        lambda part: part.func(part.lhs - part.rhs, 0),
+    )
+
+
+def gradient(formulas: Sequence[sp.Expr], symbols: Sequence[sp.Symbol]) -> list[sp.Expr]:
+    """Return the derivatives of continuous formulas with respect to all symbols; the symbols change fastest.
+
+    Kinks are first written as Piecewise functions, because SymPy's derivative of a Max with three arguments that are
+    equal on a set is wrong there.
+    """
+    pieces = [formula.replace(lambda part: type(part) in PIECES, _as_pieces) for formula in formulas]
+    return [sp.diff(formula, symbol) for formula in pieces for symbol in symbols]
+
+
+def _as_pieces(part: sp.Expr) -> sp.Expr:
+    return PIECES[type(part)](*part.args)
 
 
 def _require_numbers(expression: sp.Expr, name: str) -> None:
@@ -75,14 +106,16 @@ def _require_numbers(expression: sp.Expr, name: str) -> None:
             )
 
 
-def _require_values(call: Callable[..., Any], count: int, expressions: Sequence[sp.Expr], name: str) -> None:
-    """Evaluate formulas once, and raise FormulaError if they contain functions that NumPy does not have."""
+def _function(symbols: tuple[sp.Symbol, ...], expressions: Sequence[sp.Expr], name: str) -> Callable[..., Any]:
+    """Return a NumPy function that evaluates formulas; raise FormulaError if NumPy does not have their functions."""
     try:
+        call = function(symbols, expressions)
         with np.errstate(all="ignore"):
-            call(*np.zeros((count, 2)))  # functions of ``math`` accept one point
-    except (NameError, AttributeError, TypeError) as error:
+            call(*np.zeros((len(symbols), 2)))  # functions of ``math`` accept one point
+    except (NameError, AttributeError, NotImplementedError, TypeError) as error:
         formula = ", ".join(map(str, expressions))
         raise FormulaError(
             f"{name} = {formula} cannot be evaluated: {error}; write it with functions that NumPy has, and steps with "
             "Heaviside or pos(x, 0)"
         ) from error
+    return call

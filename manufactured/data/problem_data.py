@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import product
 from typing import ClassVar
 
 import numpy as np
@@ -12,7 +11,7 @@ import sympy as sp
 
 from manufactured.arguments import checked
 from manufactured.body import Body, Kind, Part
-from manufactured.data.compiled_formulas import compiled, own_formula
+from manufactured.data.compiled_formulas import compiled, gradient, own_formula
 from manufactured.data.expressions import Expressions
 from manufactured.exact import ExactSolution, ForceModes
 from manufactured.factor import x1, x2, x3
@@ -143,7 +142,7 @@ class Data:
         surface_load = _surface_load(body, f2 or {}, (*place, t))
         displacement = tuple(map(own_formula, [0] * dim if u0 is None else u0))
         start = compiled(displacement, dim, "u0", place)
-        gradient = compiled([sp.diff(u, x) for u, x in product(displacement, place)], dim * dim, "∇u0", place)
+        slopes = compiled(gradient(displacement, place), dim * dim, "∇u0", place)
         loads = tuple((number, tuple(map(own_formula, load))) for number, load in sorted((f2 or {}).items()))
         return cls(
             body,
@@ -151,7 +150,7 @@ class Data:
             lambda x: lambda time: force(x, time),
             surface_load,
             start,
-            lambda x: mandel(gradient(x).reshape(dim, dim, *x.shape[1:])),
+            lambda x: mandel(slopes(x).reshape(dim, dim, *x.shape[1:])),
             (*lines, *law.steps),
             formulas_of=Expressions(tuple(map(own_formula, f0)), loads, displacement),
         )

@@ -4,6 +4,7 @@ Each file uses only files that stand above it in this list:
 
 * ``problem`` computes constants of law and body, and refuses problems for which no error bound can be computed;
 * ``ranges`` bounds derivatives of formulas;
+* ``continuity`` refuses initial displacements that jump;
 * ``remainders`` bounds how much the data can change between the points at which they are sampled;
 * ``discretisation`` makes the finite element spaces on one mesh;
 * ``trajectory`` computes the displacement u_h and a more accurate displacement ũ;

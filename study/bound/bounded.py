@@ -16,6 +16,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
+from study.bound.continuity import require_continuous_start
 from study.bound.discretisation import Discretisation, refuse_unserved
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval, relative
 from study.bound.problem import BoundError
@@ -141,6 +142,7 @@ def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
         )
     refuse_unserved(data)
     data.check()
+    require_continuous_start(data)
 
 
 def bounded_solution(

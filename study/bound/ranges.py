@@ -6,30 +6,39 @@ For a formula f, boxes X_1, …, X_N and an order m, the ranges are intervals wi
 
 They are computed from the ranges of the parts of f. Sums and products are sums and products of power series. A function
 g of a part u has the series Σ_j g^(j)(u)/j! δ^j, where δ is the series of u without its constant term (R. E. Moore,
-Methods and Applications of Interval Analysis, SIAM 1979, chapter 3). Ends of intervals are not rounded outward, so the
-ranges hold up to round-off.
+Methods and Applications of Interval Analysis, SIAM 1979, chapter 3). Ranges of values are rounded outward after each
+operation, so that no condition is decided by rounding. Ranges of derivatives are not, so they hold up to round-off.
 
 Formulas may contain the truncated power pos(x, a) = x_+^a, which has a kink or a jump at x = 0. If 0 lies in the range
 of x, derivatives that do not exist there have the range (−∞, ∞). The range of the derivative of order a covers both
 sides of the kink, which suffices for Taylor's theorem with Lipschitz derivatives.
+
+A Piecewise function has on each box the union of the ranges of those branches that may be reached there. A condition
+holds on a whole box, nowhere on it, or is undecided; the box belongs to its ends, so a range contains the values at
+points where conditions change. If more than one branch may be reached, derivatives have the range (−∞, ∞), because the
+function may jump. Max, Min and Abs are treated in the same way, but have a range of first derivatives.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache, reduce
 
 import numpy as np
 import sympy as sp
 from numpy.polynomial import Polynomial
+from sympy.core.relational import Relational
 
+from manufactured.data.compiled_formulas import PIECES
 from manufactured.symbols import Index, indices, pos, t
 from manufactured.tensors import Array
 
 Pair = tuple[Array, Array]
 """Intervals, one for each box, given by their lower and their upper ends, (boxes,) each."""
+Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
+"""A statement about each box, (boxes,)."""
 TINY, LARGEST = np.finfo(float).tiny, np.finfo(float).max
 REAL = 1e-9
 """A root of a polynomial counts as real if its imaginary part is smaller than this number."""
@@ -48,6 +57,17 @@ def enclosed(low: Array, high: Array) -> Pair:
     A lower end of +∞ becomes the largest number, and an upper end of −∞ becomes the smallest number.
     """
     return np.minimum(low, LARGEST), np.maximum(high, -LARGEST)
+
+
+def outward(ends: Pair) -> Pair:
+    """Round the ends of intervals outward; an end that is 0 has no rounding error."""
+    low, high = ends
+    return np.where(low == 0, low, np.nextafter(low, -np.inf)), np.where(high == 0, high, np.nextafter(high, np.inf))
+
+
+def _is_power_of_two(ends: Pair) -> Array:
+    """Return whether both ends of intervals are ±2^k or 0, so that products with them have no rounding error."""
+    return np.all([np.isin(abs(np.frexp(end)[0]), (0.0, 0.5)) for end in ends], axis=0)
 
 
 def times(a: Pair, b: Pair) -> Pair:
@@ -145,13 +165,17 @@ def _of_log(u: Pair, j: int) -> Pair:
     return _or_line((u[0] < 0) | (u[1] <= 0), ends)
 
 
-def _of_cosine(u: Pair, j: int, shift: float = 0.0) -> Pair:
-    """Return the range of the Taylor coefficient of cos(x + shift); each derivative adds π/2 to the shift."""
-    low, high = (end + (shift + j * np.pi / 2) for end in u)
-    ends = _monotone((low, high), np.cos)
+WAVES = (np.cos, lambda x: -np.sin(x), lambda x: -np.cos(x), np.sin)
+"""cos(x + nπ/2) for n = 0, …, 3. They are 0 at x = 0 if the sine is; cos(x − π/2) in double precision is not."""
+
+
+def _of_cosine(u: Pair, j: int, turns: int = 0) -> Pair:
+    """Return the range of the Taylor coefficient of cos(x + turns π/2); each derivative adds another π/2."""
+    low, high = ((end + (turns + j) * np.pi / 2) / (2 * np.pi) for end in u)
+    ends = _monotone(u, WAVES[(turns + j) % 4])
     # The range contains ±1 if a maximum or minimum of cos lies in the interval.
-    tops = np.floor(high / (2 * np.pi)) >= np.ceil(low / (2 * np.pi))
-    bottoms = np.floor((high - np.pi) / (2 * np.pi)) >= np.ceil((low - np.pi) / (2 * np.pi))
+    tops = np.floor(high) >= np.ceil(low)
+    bottoms = np.floor(high - 0.5) >= np.ceil(low - 0.5)
     return _scaled(1 / math.factorial(j), (np.where(bottoms, -1.0, ends[0]), np.where(tops, 1.0, ends[1])))
 
 
@@ -202,7 +226,7 @@ KNOWN: dict[type, Callable[[Pair, int], Pair]] = {
     sp.exp: _of_exp,
     sp.log: _of_log,
     sp.cos: _of_cosine,
-    sp.sin: lambda u, j: _of_cosine(u, j, -np.pi / 2),
+    sp.sin: lambda u, j: _of_cosine(u, j, 3),
     sp.sinh: _of_sinh,
     sp.cosh: lambda u, j: _of_sinh(u, j, 1),
     sp.tanh: lambda u, j: _of_polynomial(_monotone(u, np.tanh), j, Polynomial([1.0, 0.0, -1.0])),
@@ -212,50 +236,15 @@ KNOWN: dict[type, Callable[[Pair, int], Pair]] = {
 """For each function of one variable, how to compute the range of its Taylor coefficient of a given order."""
 
 
-# ---- functions with kinks or jumps, which are first written with truncated powers ``pos``
-
-
-def _piecewise(*branches: tuple[sp.Expr, sp.Basic]) -> sp.Expr:
-    """Write a Piecewise function as a sum: each of its values times the indicator function of its branch."""
-    total, rest = sp.Integer(0), sp.Integer(1)
-    for value, condition in branches:
-        holds = _indicator(condition)
-        total, rest = total + value * rest * holds, rest * (1 - holds)
-    return total
-
-
-def _indicator(condition: sp.Basic) -> sp.Expr:
-    """Return the indicator function of a condition.
-
-    It may be wrong at points where both sides of an inequality are equal.
-    """
-    if condition in (sp.true, sp.false):
-        return sp.Integer(condition == sp.true)
-    if isinstance(condition, sp.And):
-        return sp.Mul(*map(_indicator, condition.args))
-    if isinstance(condition, sp.Or):
-        return 1 - sp.Mul(*(1 - _indicator(part) for part in condition.args))
-    if isinstance(condition, sp.Not):
-        return 1 - _indicator(condition.args[0])
-    if isinstance(condition, sp.Gt | sp.Ge | sp.Lt | sp.Le):
-        return pos(condition.gts - condition.lts, 0)
-    if isinstance(condition, sp.ITE | sp.Xor):
-        return _indicator(sp.to_nnf(condition))
-    raise RangeError(f"{condition} in a Piecewise is no inequality; write its condition with <, ≤, > or ≥")
-
-
-REWRITTEN: dict[type, Callable[..., sp.Expr]] = {
-    sp.Max: lambda *args: reduce(lambda a, b: a + pos(b - a, 1), args),
-    sp.Min: lambda *args: reduce(lambda a, b: a - pos(a - b, 1), args),
-    sp.Abs: lambda x: pos(x, 1) + pos(-x, 1),
-    sp.sign: lambda x: pos(x, 0) - pos(-x, 0),
-    sp.Heaviside: lambda x, at_0=None: pos(x, 0),
-    sp.Piecewise: _piecewise,
+ORDERED: dict[type, Callable[[Array, Array], tuple[Flags, Flags]]] = {
+    sp.Gt: lambda low, high: (high <= 0, low > 0),
+    sp.Ge: lambda low, high: (high < 0, low >= 0),
+    sp.Lt: lambda low, high: (low >= 0, high < 0),
+    sp.Le: lambda low, high: (low > 0, high <= 0),
+    sp.Eq: lambda low, high: ((low > 0) | (high < 0), (low == 0) & (high == 0)),
+    sp.Ne: lambda low, high: ((low == 0) & (high == 0), (low > 0) | (high < 0)),
 }
-"""Functions with kinks or jumps, and how to write them with truncated powers ``pos``.
-
-The rewritten function may have another value at the jump itself.
-"""
+"""For a relation x ∘ 0 and the range of x: whether it holds for no x, and whether it holds for all x of the range."""
 
 
 def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
@@ -272,7 +261,7 @@ def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
     if type(formula) in KNOWN:
         return [KNOWN[type(formula)](u, j) for j in range(order + 1)]
     if not formula.is_Pow and not isinstance(formula, pos):
-        names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *REWRITTEN, pos)))
+        names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *PIECES, sp.Piecewise, pos)))
         raise RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
     if not formula.args[1].is_number:
         raise RangeError(f"{formula} has an exponent that is no number; give it a number")
@@ -310,13 +299,25 @@ class Series:
         return np.asarray(self.low.any(axis=1) | self.high.any(axis=1))
 
     @property
+    def values(self) -> Pair:
+        """The range of the formula itself, (boxes,) each."""
+        return self.low[0], self.high[0]
+
+    @property
     def largest(self) -> Array:
         """The largest absolute value of each Taylor coefficient, (terms, boxes)."""
         return np.maximum(abs(self.low), abs(self.high))
 
     def __add__(self, other: Series) -> Series:
         with np.errstate(over="ignore"):
-            return Series(*enclosed(self.low + other.low, self.high + other.high))
+            found = Series(*enclosed(self.low + other.low, self.high + other.high))
+        return found.rounded() if self.nonzero[0] and other.nonzero[0] else found
+
+    def rounded(self, exact: Array | bool = False) -> Series:
+        """Round ranges of values outward, except where they are ``exact``; ranges of derivatives remain as they are."""
+        for ends, end in zip((self.low, self.high), outward((self.low[0], self.high[0])), strict=True):
+            ends[0] = np.where(exact, ends[0], end)
+        return self
 
 
 @lru_cache
@@ -378,9 +379,17 @@ class Boxes:
             return found
         if formula.is_number:
             value = np.full(self.count, float(formula))
-            return self._constant((value, value))
-        if type(formula) in REWRITTEN:
-            return self(REWRITTEN[type(formula)](*formula.args))
+            exact = isinstance(formula, sp.Float | sp.Rational) and sp.Rational(formula) == sp.Rational(value[0])
+            return self._constant((value, value)).rounded(exact)
+        if isinstance(formula, sp.Max | sp.Min):
+            first, *others = formula.args
+            return self._extremum(formula.func, first, formula.func(*others))
+        if isinstance(formula, sp.Abs):
+            return self._extremum(sp.Max, formula.args[0], -formula.args[0])
+        if type(formula) in PIECES:
+            return self(PIECES[type(formula)](*formula.args))
+        if isinstance(formula, sp.Piecewise):
+            return self._piecewise(formula)
         if formula.is_Pow and not formula.exp.is_number:
             return self(sp.exp(formula.exp * sp.log(formula.base)))
         if formula.is_Add or formula.is_Mul:
@@ -388,13 +397,84 @@ class Boxes:
             return reduce(combine, map(self, formula.args))
         # The series of g(u) is Σ_j g_j δ^j, summed by Horner's rule; δ is the series of u without its constant term.
         inner = self(formula.args[0])
-        outer = coefficients(formula, (inner.low[0], inner.high[0]), self.order)
+        outer = coefficients(formula, inner.values, self.order)
         low, high = inner.low.copy(), inner.high.copy()
         low[0] = high[0] = 0.0
         delta, found = Series(low, high), self._constant(outer[-1])
         for ends in outer[-2::-1]:
             found = self._product(found, delta) + self._constant(ends)
+        return found.rounded(isinstance(formula, pos))
+
+    def _extremum(self, kind: type, first: sp.Expr, second: sp.Expr) -> Series:
+        """Return the series of Max(first, second) or Min(first, second).
+
+        Derivatives of order 1 exist on both sides of its kink.
+        """
+        a, b, difference = self(first), self(second), self(first - second)
+        never, always = ORDERED[sp.Ge if kind is sp.Max else sp.Le](*difference.values)
+        found = self._union([(a, never, always), (b, always, ~always)], highest=1)
+        extremum = np.maximum if kind is sp.Max else np.minimum
+        undecided = ~never & ~always
+        for ends, one, other in ((found.low, a.low, b.low), (found.high, a.high, b.high)):
+            ends[0, undecided] = extremum(one[0], other[0])[undecided]
         return found
+
+    def _piecewise(self, formula: sp.Piecewise) -> Series:
+        """Return the series of a Piecewise function, whose derivatives do not exist where its branches may change."""
+        branches = [(self(value), *self._truth(condition)) for value, condition in formula.args]
+        if sp.Or(*(condition for _, condition in formula.args)) == sp.true:
+            # One of the conditions holds everywhere, so the last branch is reached wherever no earlier one holds.
+            value, never, _ = branches.pop()
+            branches.append((value, never, ~never))
+        return self._union(branches, highest=0)
+
+    def _union(self, branches: Sequence[tuple[Series, Flags, Flags]], highest: int) -> Series:
+        """Return the series of a function that is equal to the first branch whose condition holds.
+
+        Args:
+            branches: the series of each branch; whether its condition holds nowhere on a box; and whether it holds on
+                the whole box.
+            highest: the highest order of the derivatives that exist on both sides of places where branches change.
+        """
+        low, high = np.full((2, len(self.keys), self.count), np.inf)
+        reached, open_boxes = np.zeros(self.count, dtype=int), np.ones(self.count, dtype=bool)
+        for series, never, always in branches:
+            possible = open_boxes & ~never
+            low = np.where(possible, np.minimum(low, series.low), low)
+            high = np.where(possible, np.minimum(high, -series.high), high)
+            reached += possible
+            open_boxes &= ~always
+        orders = np.array([sum(key) for key in self.keys])[:, None]
+        # Where no condition may hold, the function has no value.
+        unknown = open_boxes | ((orders > highest) & (reached > 1))
+        return Series(*_or_line(unknown, (low, -high)))
+
+    def _truth(self, condition: sp.Basic) -> tuple[Flags, Flags]:
+        """Return for each box whether a condition holds nowhere on it, and whether it holds on the whole box.
+
+        Equality on whole boxes, as in Max(x1 − 1, 0) ≤ 0 for x1 < 1, is decided by the ends of the ranges.
+
+        Raises:
+            RangeError: the condition is not made of inequalities and equations.
+        """
+        if condition in (sp.true, sp.false):
+            holds = np.full(self.count, condition == sp.true)
+            return ~holds, holds
+        if isinstance(condition, sp.Not):
+            never, always = self._truth(condition.args[0])
+            return always, never
+        if isinstance(condition, sp.And | sp.Or):
+            never_each, always_each = zip(*map(self._truth, condition.args), strict=True)
+            some, every = np.logical_or.reduce, np.logical_and.reduce
+            if isinstance(condition, sp.And):
+                return some(never_each), every(always_each)
+            return every(never_each), some(always_each)
+        if isinstance(condition, sp.Xor | sp.ITE | sp.Implies | sp.Equivalent):
+            return self._truth(sp.to_nnf(condition, simplify=False))
+        if not isinstance(condition, Relational) or not isinstance(condition.lhs, sp.Expr):
+            raise RangeError(f"{condition} in a Piecewise is no inequality; write it with <, ≤, >, ≥, Eq or Ne")
+        difference = self(condition.lhs - condition.rhs)
+        return ORDERED[condition.func](*difference.values)
 
     def _constant(self, value: Pair) -> Series:
         """Return the series of a constant whose value lies in a given range."""
@@ -414,4 +494,4 @@ class Boxes:
             with np.errstate(over="ignore"):
                 sums = (np.add.reduceat(end, first, axis=0) for end in ends)
                 low[k[first]], high[k[first]] = enclosed(*sums)
-        return Series(low, high)
+        return Series(low, high).rounded(_is_power_of_two(a.values) | _is_power_of_two(b.values))

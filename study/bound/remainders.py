@@ -32,6 +32,7 @@ import sympy as sp
 
 from manufactured.body import Kind
 from manufactured.data import Data, Expressions
+from manufactured.data.compiled_formulas import gradient
 from manufactured.factor import UNIFORM, x1, x2
 from manufactured.law import Linear
 from manufactured.symbols import t
@@ -148,8 +149,8 @@ def _by_order(
 
 def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
     """Return formulas for the strain ε(u_0) of the initial displacement, as Mandel's three components."""
-    u = expressions.start
-    return sp.diff(u[0], x1), sp.diff(u[1], x2), (sp.diff(u[0], x2) + sp.diff(u[1], x1)) / sp.sqrt(2)
+    (e_11, slope), (other_slope, e_22) = np.reshape(gradient(expressions.start, (x1, x2)), (2, 2))
+    return e_11, e_22, (slope + other_slope) / sp.sqrt(2)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,11 +19,11 @@ from study.bound.trajectory import Refined
 from study.cli.common import tell_written
 from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.files import write_text
+from study.ledger.files import UsageError, write_text
 from study.ledger.text import up
 from study.present.drawing import draw_one
 from study.present.figures import adapted_mesh
-from study.run.executor import GIB, available
+from study.run.executor import available, require
 from study.run.fingerprint import of_data, of_problem
 from study.run.store import Store
 from study.solve.steps import MOST
@@ -101,10 +101,9 @@ def _limit(stage: Stage, cells: int) -> str:
         return f"the next mesh has {stage.cells} cells, and {cells} are permitted: raise --cells or the tolerance"
     if stage.steps > MOST:
         return f"the next mesh needs {stage.steps} time steps, and at most {MOST} are permitted: raise the tolerance"
-    need, room = estimates.adapted(stage.cells), available()
-    if need > room:
-        return (
-            f"the next mesh has {stage.cells} cells, which need about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} "
-            "GiB are available: raise the tolerance, or take a machine with more memory"
-        )
+    try:
+        require(f"the next mesh of {stage.cells} cells", estimates.bound(stage.cells, 0), available())
+        estimates.require_factorisation(stage.cells, 0)
+    except UsageError as error:
+        return str(error)
     return ""

@@ -93,7 +93,9 @@ def computed_displacements(
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     finest = max(options.levels)
-    require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
+    cells = estimates.triangles(finest, family.name)
+    require(f"level {finest}", estimates.bound(cells, refined.refinements), available())
+    estimates.require_factorisation(cells, refined.refinements)
     bounded.check_bound(data, family, options.levels, options.steps, refined)
     directory = options.out / name
 

@@ -36,7 +36,9 @@ def do_certify(options: argparse.Namespace) -> int:
         raise UsageError(f"--refine {options.refine}: a certificate allows at most {checker.REFINEMENTS} refinements")
     # The memory is checked first, because ``check_bound`` makes meshes, which may need more than there is.
     finest = max(options.levels)
-    require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
+    cells = estimates.triangles(finest, family.name)
+    require(f"level {finest}", estimates.bound(cells, refined.refinements), available())
+    estimates.require_factorisation(cells, refined.refinements)
     bounded.check_bound(data, family, options.levels, options.steps, refined)
     paths, store = [], Store(options.out / name, written=(".",))
     with store.locked():

@@ -76,16 +76,18 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
     """Read a displacement file, check the displacement, and return it.
 
     Raises:
-        UsageError: there is too little memory to bound the error on this mesh.
+        UsageError: there is too little memory to bound the error on this mesh, or the mesh has too many triangles.
     """
     field = fields.read(path, options.field)
-    per_cell = (estimates.bound(1, refined.refinements, "unstructured") - estimates.BASE) / 2
-    need, room = estimates.BASE + per_cell * len(field.triangles), available()
+    cells = len(field.triangles)
+    fixed, need = (estimates.bound(count, refined.refinements) for count in (0, cells))
+    room = available()
     if need > room:
-        served = max(0, int((room - estimates.BASE) / per_cell))
+        served = max(0, int(cells * (room - fixed) / (need - fixed)))
         raise UsageError(
-            f"{path} has {len(field.triangles)} triangles, which with --refine {refined.refinements} need about "
-            f"{need / GIB:.1f} GiB of memory; {room / GIB:.1f} GiB are available, enough for {served} triangles: take "
+            f"{path} has {cells} triangles, which with --refine {refined.refinements} need about {need / GIB:.1f} GiB "
+            f"of memory; {room / GIB:.1f} GiB are available, enough for {served} triangles: take "
             "a coarser mesh, --refine 0, or a machine with more memory"
         )
+    estimates.require_factorisation(cells, refined.refinements)
     return given(data, **vars(field), steps=options.steps, nearest=options.nearest)

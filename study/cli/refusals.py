@@ -27,7 +27,10 @@ KILLED = (
     "fewer --jobs; finished results are kept"
 )
 
-OUT_OF_MEMORY = "there is not enough memory for this: take coarser levels, fewer --jobs, or a machine with more memory"
+OUT_OF_MEMORY = (
+    "there is not enough memory for this: take coarser levels or meshes, fewer refinements, for example --refine 0, or "
+    "a machine with more memory"
+)
 
 
 def exit_code_and_message(error: Exception) -> tuple[int, str]:
@@ -40,7 +43,7 @@ def exit_code_and_message(error: Exception) -> tuple[int, str]:
     if isinstance(error, JobsError):
         return FAILED, str(error)
     if isinstance(error, MemoryError):
-        return FAILED, OUT_OF_MEMORY
+        return FAILED, str(error) or OUT_OF_MEMORY
     if isinstance(error, BrokenExecutor):
         return FAILED, KILLED
     if full := disk_full(error):

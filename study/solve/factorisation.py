@@ -14,6 +14,9 @@ Integers = NDArray[np.int64]
 LEAF = 32
 """Nested dissection does not divide sets of at most this number of points."""
 
+MOST_ENTRIES = (2**31 - 1) // 30
+"""SuperLU reserves space for 30 times as many entries as the matrix has, and counts them in 32 bits."""
+
 
 class Cholesky:
     """The Cholesky factorisation S = Pᵀ L Lᵀ P of a sparse matrix; a call with b returns S⁻¹ b.
@@ -81,7 +84,13 @@ def superlu(matrix: sps.csc_array, permc_spec: str = "NATURAL") -> SuperLU:
 
     Raises:
         LinAlgError: the matrix is not positive definite.
+        MemoryError: the matrix is too large for SuperLU, however much memory there is.
     """
+    if matrix.nnz > MOST_ENTRIES:
+        raise MemoryError(
+            f"SciPy's SuperLU can factorise matrices with at most {MOST_ENTRIES} entries, and this one has {matrix.nnz}"
+            ": take coarser levels or meshes, or fewer refinements, for example --refine 0"
+        )
     # The option ``relax`` must keep its default in SciPy: with 40, SciPy 1.17 writes beyond its arrays.
     try:
         options = {"SymmetricMode": True}

@@ -270,7 +270,7 @@ class Bounds(Statement):
 
     def memory(self, setting: BoundSetting) -> float:
         refinements = setting.by.refinements if isinstance(setting.by, Refined) else 0
-        return estimates.bound(setting.level, refinements, setting.family)
+        return estimates.bound(estimates.triangles(setting.level, setting.family), refinements)
 
     def steps(self, setting: BoundSetting) -> int:
         problem = resolve_problem(setting.case)

@@ -34,12 +34,14 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sps
+from skfem import Mesh
 
 from manufactured.body import Kind
 from manufactured.data import Data
 from manufactured.factor import UNIFORM
 from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors, mapped
+from study.fem.mesh import MeshError, cell_volumes
 from study.solve.signorini import Signorini
 from study.solve.tableau import Tableau
 from study.stresses.loads import Loads, ProjectedLoads
@@ -76,6 +78,9 @@ class Equilibrium:
         compliance: the inverse C⁻¹ of a stiffness in Mandel form, (3, 3), or at the quadrature points,
             (cells, Q, 3, 3).
         solver: a function that makes the contact solver from S, N and the points of the unknowns.
+
+    Raises:
+        MeshError: triangles are too thin for double precision.
     """
 
     def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
@@ -114,7 +119,10 @@ class Equilibrium:
         self.S = sps.csc_array((S + S.T) / 2)
         self._at_contact = sps.csr_array(self.S)[self._normal]
         midpoints = space.mesh.p[:, space.mesh.facets].mean(axis=1)
-        self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 2 * n] // (2 * n)])
+        try:
+            self.solve = solver(self.S, self.N, midpoints[:, self.free[:: 2 * n] // (2 * n)])
+        except np.linalg.LinAlgError as error:
+            raise MeshError(_too_thin(space.mesh, compliance)) from error
 
     def __call__(self, loads: Loads, strain: Tensors, normal: Array | None = None) -> EquilibratedStress:
         """Return the stress τ of least complementary energy ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q that balances the loads.
@@ -211,6 +219,20 @@ class Equilibrium:
     def pressure(self, stress: EquilibratedStress) -> Array:
         """Return the contact pressure −τ_ν ≥ 0 as Bernstein coefficients on the edges of Γ3, (..., edges, n)."""
         return -self.space.boundary_tractions(self.contact, stress.tractions)[..., 0]
+
+
+def _too_thin(mesh: Mesh, compliance: Array) -> str:
+    """Return the message for a mesh on which stresses cannot be computed, because of thin triangles or a stiff law."""
+    corners = mesh.p[:, mesh.t]
+    lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
+    ratios = lengths**2 / (2 * cell_volumes(mesh))
+    x = ", ".join(f"{c:.4g}" for c in corners[:, :, ratios.argmax()].mean(axis=1))
+    return (
+        "the stresses on this mesh cannot be computed in double precision: the triangle near "
+        f"x = ({x}) is {ratios.max():.3g} times as long as high, and the law is {np.linalg.cond(compliance).max():.3g} "
+        "times as stiff against one strain as against another; triangles may be about 4000 times as long as high, or "
+        "500 times for ratios of stiffness of 1000 and more: give a mesh without such thin triangles"
+    )
 
 
 def act(C: Array, strain: Tensors) -> Tensors:

@@ -23,7 +23,7 @@ from study.bound.fields import _together, read
 from study.bound.given import SINGLE, _check_cells, _on_boundary, bound_displacement, given
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined, on_refinement
-from study.fem.mesh import Shaken, Unstructured
+from study.fem.mesh import MeshError, Shaken, Unstructured
 
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
@@ -169,6 +169,16 @@ def test_what_does_not_fit_is_refused_by_name(name: str) -> None:
     array, change, message = FAULTS[name]
     with pytest.raises(BoundError, match=message):
         given(square(), **(field() | {array: change(field()[array])}))
+
+
+@pytest.mark.parametrize("aspect", [5e3, 1e5, 1e7])
+@pytest.mark.parametrize("in_time", [True, False])
+def test_triangles_too_thin_for_double_precision_are_refused_with_their_place(aspect: float, in_time: bool) -> None:
+    data = square() if in_time else static(square().body, isotropic(1, 1), (0, -1))
+    mesh = MeshTri.init_tensor(np.array([0, 0.5, 0.5 + 0.5 / aspect, 1]), np.linspace(0, 1, 3))
+    times = np.linspace(0, 1, 3) if in_time else np.zeros(1)
+    with pytest.raises(MeshError, match=r"x = \(0.5, .* times as long as high"):
+        bound_displacement(data, mesh.p.T, mesh.t.T, times, np.zeros((len(times), 12, 2)))
 
 
 @pytest.mark.parametrize("size", [0.01, 1, 100])

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import meshio
 import numpy as np
 import pandas as pd
 import pytest
+import scipy.sparse as sps
 
 from manufactured import named
 from study.cli.main import main
+from study.cli.refusals import exit_code_and_message
 from study.fem.mesh import Shaken
 from study.fem.naming import resolve_data
 from study.fem.quadrature import cell_rules
-from study.ledger.files import write_text
+from study.ledger.files import UsageError, write_text
+from study.solve.factorisation import Cholesky
+from study.statements.shared import estimates
 
 USER = """
 from manufactured import *
@@ -219,3 +225,46 @@ def test_a_mesh_too_large_for_the_memory_is_refused_with_what_is_served(finished
     file = str(finished[0] / "trajectory-4.npz")
     said = told("bound", "advance-recede", "--displacement", file, "--refine", "4", "--out", str(tmp_path / "out"))
     assert re.search(r"has \d+ triangles, .* need about [\d.]+ GiB .* enough for \d+ triangles", said)
+
+
+def test_more_triangles_than_can_be_factorised_are_refused_with_a_refinement_that_is_served(monkeypatch) -> None:
+    with pytest.raises(
+        UsageError, match=r"10830 triangles with --refine 1 .* take --refine 0, or a mesh of at most 8250"
+    ):
+        estimates.require_factorisation(10830, 1)
+    estimates.require_factorisation(10830, 0)
+    monkeypatch.setattr("study.solve.factorisation.MOST_ENTRIES", 2)
+    with pytest.raises(MemoryError, match=r"at most 2 entries, and this one has 3: .* --refine 0") as error:
+        Cholesky(sps.csc_array(np.eye(3)))
+    code, message = exit_code_and_message(error.value)
+    assert code == 1
+    assert message == str(error.value)
+    assert "--jobs" not in exit_code_and_message(MemoryError())[1]
+
+
+MEASURE = """
+import resource
+import study.cli.bound
+from manufactured.problems import ramp
+from manufactured import plane_stress, static, unit_square
+from study.bound.bounded import bounded_solution
+from study.bound.trajectory import Refined
+from study.fem.mesh import Unstructured
+from study.solve.tableau import MIDPOINT
+data = {"moving": ramp, "static": lambda: static(unit_square(), plane_stress(1.0, 0.3), (0, -1))}[%r]()
+mesh = Unstructured()(data.body, %d)
+bounded_solution(data, None, Unstructured(), %d, MIDPOINT, 4, Refined(%d, 2))
+print(mesh.t.shape[1], resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
+"""
+"""Prints the number of cells and the largest resident memory of a process with all imports of the command, on Linux."""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems count memory in other units")
+@pytest.mark.parametrize("kind", ["moving", "static"])
+@pytest.mark.parametrize(("level", "refinements"), [(16, 0), (48, 0), (8, 1), (24, 1), (8, 2)])
+def test_the_estimated_memory_is_one_to_two_times_the_measured_memory(kind: str, level: int, refinements: int) -> None:
+    program = MEASURE % (kind, level, level, refinements)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    cells, peak = map(int, done.stdout.split())
+    assert 1 <= estimates.bound(cells, refinements) / peak <= 2

@@ -2,7 +2,7 @@
 
 The Python process with all imports and compiled formulas takes at most 384 MiB. Each unknown adds at most 16 KiB in
 the plane and 64 KiB in space, for the matrix factor and the fields. These constants are rounded up, so that every
-estimate is one to six times the measured memory.
+estimate is one to six times the measured memory. Estimates for error bounds are one to two times the measured memory.
 
 The constants come from measured peaks of the resident memory with one thread. The peaks minus 384 MiB were, in MiB:
 
@@ -11,12 +11,14 @@ The constants come from measured peaks of the resident memory with one thread. T
     equivalence    plane n = 32: 11, 64: 55; space n = 6: 18, 9: 79
     stress         n = 16: 39, 32: 207, 64: 868
     bound          of u_h alone n = 8: 69, 16: 239; with a mesh refined once n = 8: 183, 16: 465, 32: 1890, refined
-                   twice n = 8: 390, 16: 1520; on an adapted mesh of 6756 cells 1450
+                   twice n = 8: 390, 16: 1520; on an adapted mesh of 6756 cells 1450; on given meshes of 438 cells 37,
+                   1768: 122, 7102: 1104; refined once 438: 266, 1768: 1193, 3496: 2669, 7102: 5757
     statements     at most 335, in space 1550
     task           static problems at three times n = 128: 180; n time steps n = 64: 310, 96: 1130; in space n = 18: 390
 """
 
 from study.fem.naming import family_named
+from study.ledger.files import UsageError
 
 MIB, KIB = 2.0**20, 2.0**10
 BASE = 384 * MIB
@@ -26,6 +28,13 @@ TEXT = {2: 1 * KIB, 3: 3 * KIB}
 """Bytes needed to write the values of one unknown at one time as text, by the dimension of the body."""
 SMALL, SOLID = 736 * MIB, 2304 * MIB
 """Memory in bytes for statements whose meshes have a fixed size, in the plane and in space."""
+BOUND, PER_CELL = 96 * MIB, 240 * KIB
+"""Memory in bytes for an error bound: on any mesh, and for each cell of the refined mesh."""
+FACTORISED = 33_000
+"""Number of cells on which stresses can be computed.
+
+Their Cholesky factor has about 143 n log₂ n entries for n cells, more than SuperLU can factorise on larger meshes.
+"""
 STRESSES = 18
 """Number of unknown stresses in each square of a plane mesh; a square has two cells."""
 
@@ -58,18 +67,26 @@ def stress(n: int) -> float:
     return BASE + PER_UNKNOWN[2] * STRESSES * n**2
 
 
-def bound(n: int, refinements: int, family: str) -> float:
-    """Return the memory in bytes for an error bound of a displacement on the mesh of level n.
-
-    There are 80 unknowns in each square of this mesh, and 32 in each square of a refined mesh.
-    """
-    refined = 32 * 4**refinements if refinements else 0
-    return BASE + PER_UNKNOWN[2] * cells(family) * n**2 * (80 + refined)
+def triangles(n: int, family: str) -> int:
+    """Return the number of cells of a plane mesh of a family at level n."""
+    return 2 * cells(family) * n**2
 
 
-def adapted(cells: int) -> float:
-    """Return the memory in bytes for an error bound on an adapted mesh with the given number of cells."""
-    return BASE + PER_UNKNOWN[2] * STRESSES * cells
+def bound(cells: int, refinements: int) -> float:
+    """Return the memory in bytes for an error bound of a displacement on a mesh with the given number of cells."""
+    return BASE + BOUND + PER_CELL * cells * 4**refinements
+
+
+def require_factorisation(cells: int, refinements: int) -> None:
+    """Raise UsageError if a refined mesh has too many cells for an error bound, however much memory there is."""
+    refined = cells * 4**refinements
+    if refined > FACTORISED:
+        raise UsageError(
+            f"an error bound on {cells} triangles with --refine {refinements} needs stresses on {refined} triangles, "
+            f"and SciPy's SuperLU can factorise their matrix for at most about {FACTORISED}: take "
+            + (f"--refine {refinements - 1}, or " if refinements else "")
+            + f"a mesh of at most {FACTORISED // 4**refinements} triangles"
+        )
 
 
 def task(dim: int, n: int, family: str, steps: int) -> float:

@@ -1,0 +1,108 @@
+"""Random formulas with kinks and jumps, and their exact values in fractions, by none of the code under test."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Mapping
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import sympy as sp
+from sympy import Expr, Rational, sin
+
+from manufactured import pos, t
+from manufactured.factor import x1, x2
+
+KINKS = (
+    lambda a, b: sp.Max(a, 0),
+    lambda a, b: sp.Min(a, 0),
+    sp.Max,
+    sp.Min,
+    lambda a, b: sp.Abs(a),
+    lambda a, b: pos(a, 1),
+)
+JUMPS = (
+    lambda a, b: pos(a, 0),
+    lambda a, b: sp.sign(a),
+    lambda a, b: sp.Heaviside(a),
+    lambda a, b: sp.Heaviside(a, 1),
+    lambda a, b: sp.Heaviside(a, 0),
+)
+SMOOTH = (operator.add, operator.mul, lambda a, b: a**2, lambda a, b: sin(a))
+
+
+class RandomFormula:
+    """Makes formulas whose conditions change at multiples of 1/4, many of them on sets of positive measure."""
+
+    def __init__(self, seed: int) -> None:
+        self.rng = np.random.default_rng(seed)
+
+    def __call__(self, depth: int) -> Expr:
+        if depth == 0:
+            return self._chosen(x1, x2, t, x1 - x2) - Rational(int(self.rng.integers(5)), 4)
+        a, b = self(depth - 1), self(int(self.rng.integers(depth)))
+        if self.rng.random() < 1 / 3:
+            otherwise = self._chosen(sp.Integer(0), sp.Integer(1), a + 1)
+            branches = (a, self.condition(depth - 1)), (b, self.condition(0)), (otherwise, True)
+            try:
+                return sp.Piecewise(*branches)
+            except AttributeError:  # SymPy cannot nest some conditions with Xor
+                return self(depth)
+        return self._chosen(*KINKS, *KINKS, *JUMPS, *SMOOTH)(a, b)
+
+    def condition(self, depth: int) -> sp.Basic:
+        relation = self._chosen(sp.Gt, sp.Ge, sp.Lt, sp.Le, sp.Eq, sp.Ne)
+        # A kink is compared with 0, because Max(…, 0) and 0 are equal on sets of positive measure.
+        single = relation(self._chosen(*KINKS)(self(depth), self(0)), self._chosen(0, 0, Rational(1, 4), x2))
+        if self.rng.random() < 1 / 2:
+            return single
+        other = relation(self(0), 0)
+        combine = self._chosen(sp.And, sp.Or, sp.Xor, sp.Nand, lambda a, b: sp.ITE(a, b, self(0) > 0))
+        return combine(single, self.condition(depth - 1) if depth else other)
+
+    def _chosen(self, *choices):
+        return choices[int(self.rng.integers(len(choices)))]
+
+
+def exact(formula: sp.Basic, at: Mapping[sp.Symbol, Fraction]):
+    """Return the value of a formula or condition at a point: a fraction, or rounded to 50 digits if it has a sine."""
+    if formula.is_Symbol:
+        return at[formula]
+    if isinstance(formula, sp.Piecewise):
+        return next(exact(value, at) for value, condition in formula.args if exact(condition, at))
+    if not formula.args:
+        return formula == sp.true if formula in (sp.true, sp.false) else Fraction(int(formula.p), int(formula.q))
+    return EXACT[formula.func](*[exact(argument, at) for argument in formula.args])
+
+
+def _sine(x: Fraction) -> Fraction:
+    with mpmath.workdps(50):
+        value = mpmath.sin(mpmath.mpf(x.numerator) / x.denominator)
+    return Fraction(int(mpmath.ldexp(value, 160))) / 2**160
+
+
+EXACT = {
+    sp.Add: lambda *args: sum(args),
+    sp.Mul: lambda *args: math.prod(args),
+    sp.Pow: lambda x, a: x ** int(a),
+    sin: _sine,
+    sp.Max: max,
+    sp.Min: min,
+    sp.Abs: abs,
+    sp.sign: lambda x: Fraction((x > 0) - (x < 0)),
+    sp.Heaviside: lambda x, at_0: at_0 if x == 0 else Fraction(x > 0),
+    pos: lambda x, a: x ** int(a) if x > 0 else Fraction(0),
+    sp.And: lambda *args: all(args),
+    sp.Or: lambda *args: any(args),
+    sp.Not: operator.not_,
+    sp.Xor: lambda *args: sum(args) % 2 == 1,
+    sp.ITE: lambda a, b, c: b if a else c,
+    sp.Gt: operator.gt,
+    sp.Ge: operator.ge,
+    sp.Lt: operator.lt,
+    sp.Le: operator.le,
+    sp.Eq: operator.eq,
+    sp.Ne: operator.ne,
+}

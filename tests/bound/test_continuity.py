@@ -1,0 +1,69 @@
+"""An initial displacement that jumps is not in V: it is refused, however narrow its band is, and kinks are not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy as sp
+from sympy import Heaviside, Piecewise, Rational, sin
+
+from manufactured import KelvinVoigt, isotropic, pos, unit_square
+from manufactured.data import Data, LoadError
+from manufactured.factor import x1, x2
+from manufactured.symbols import FormulaError
+from study.bound.bounded import check_problem
+from study.bound.trajectory import Refined
+
+LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+CIRCLE = x1**2 + x2**2
+JUMPS = {
+    "Heaviside": Heaviside(x1 - Rational(1, 3)),
+    "sign": sp.sign(x1 - x2),
+    "Piecewise": Piecewise((1, CIRCLE < 0.3), (0, True)),
+    "pos(x, 0)": pos(x1 - 0.3, 0),
+    "narrow band": Piecewise((1, (x1 > 0.33) & (x1 < 0.330001)), (0, True)),
+    "band with Max": Piecewise((1, (sp.Max(x1 - 0.3302, 0) <= 0) & (sp.Max(0.3301 - x1, 0) <= 0)), (0, True)),
+    "small": sin(3 * x1) + x2 + Heaviside(x1 - 0.4) / 1000,
+    "on a part of a line": Heaviside(x1 - 0.5) * sp.Max(x2 - 0.9, 0),
+    "pole": 1 / (x1 - 0.3),
+    "singular point": 1 / ((x1 - 0.3) ** 2 + (x2 - 0.4) ** 2),
+    "negative power": pos(x1 - 0.3, Rational(-1, 4)),
+    "without ranges": sp.atan(x1) * Heaviside(x1 - 0.3),
+    "floor": sp.floor(3 * x1),
+}
+CONTINUOUS = {
+    "zero": sp.Integer(0),
+    "smooth": sin(3 * x1) * sp.exp(x2),
+    "kinks": sp.Max(x1 - 0.3, 0) + sp.Abs(x1 - x2),
+    "Piecewise": Piecewise((1 - CIRCLE, CIRCLE < 1), (0, True)),
+    "product with a jump": (x1 - 0.3) * Heaviside(x1 - 0.3) + sin(x1 - x2) * sp.sign(x1 - x2),
+    "power": pos(x1 - 0.3, Rational(6, 10)),
+    "steep": sp.tanh(10**6 * (x1 - 0.5)),
+    "a jump on the boundary": Heaviside(x1),
+    "without ranges": sp.atan(5 * x1),
+}
+
+
+def problem(start: sp.Expr) -> Data:
+    return Data.formulas(unit_square(), LAW, f0=(0, 0), u0=((1 - x2) * start, 0))
+
+
+@pytest.mark.parametrize("start", JUMPS.values(), ids=JUMPS)
+def test_an_initial_displacement_that_jumps_or_is_unbounded_is_refused_with_its_place(start: sp.Expr) -> None:
+    with pytest.raises((LoadError, FormulaError), match=r"u_0 (jumps|is not bounded) at|u_0 jumps by|∇u0 = .*floor"):
+        check_problem(problem(start), None, Refined(0, 1))
+
+
+@pytest.mark.parametrize("start", CONTINUOUS.values(), ids=CONTINUOUS)
+def test_an_initial_displacement_with_kinks_is_permitted(start: sp.Expr) -> None:
+    check_problem(problem(start), None, Refined(0, 1))
+
+
+def test_a_jump_of_a_function_of_python_is_found_by_samples() -> None:
+    data = replace(problem(sp.Integer(0)), formulas_of=None)
+    check_problem(data, None, Refined(0, 1))
+    jump = replace(data, start=lambda x: np.array([(1 - x[1]) * (x[0] > x[1]), 0 * x[0]]))
+    with pytest.raises(LoadError, match="u_0 jumps by about 1 at x"):
+        check_problem(jump, None, Refined(0, 1))
