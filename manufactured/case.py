@@ -29,13 +29,6 @@ Such fronts occur if the body starts in elastic equilibrium, since then q(0) = �
 """
 INITIAL_GAP = "beyond: initial gap"
 """The label of the statement on cases with an initial gap, which are beyond the paper."""
-PROPERTIES = ("body", "law", "body with law", "body with viscosity", "body with trace")
-"""Properties for which a case can represent all cases of the catalogue that have the same one.
-
-Bodies are the same if all parts of their boundaries are. The viscosity is the tensor A of the law. The trace is the
-regularity of u_ν on Γ3. A case that represents its body or its law also represents the body with this law, and
-a case that represents its body also represents the body with its viscosity.
-"""
 UNSTATED: Any = None
 """Default of ``Case.order``. A case whose order is not stated is refused."""
 
@@ -62,9 +55,6 @@ class Case:
         twin: the name of a case whose errors on structured meshes must be equal up to round-off, or "".
         families: the names of the mesh families on which a quick run of the study measures this case. By default the
             case is measured on the first family that can mesh the body.
-        represents: those of the ``PROPERTIES`` of this case that no other case of the catalogue represents. Statements
-            about bodies or laws are measured for the cases that represent them. So a new case in the catalogue does not
-            change where a statement is measured for other cases.
 
     Raises:
         CaseError: the regularity or the predicted order contradicts the formulas, the order or the reason is missing,
@@ -80,7 +70,6 @@ class Case:
     pace: float = 8.0
     twin: str = ""
     families: tuple[str, ...] = ()
-    represents: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", self.name):
@@ -95,10 +84,6 @@ class Case:
             )
         if self.pace <= 0:
             raise CaseError(f"case {self.name}: the pace must be positive, got {self.pace}")
-        if unknown := set(self.represents) - set(PROPERTIES):
-            raise CaseError(
-                f"case {self.name}: represents has {', '.join(sorted(unknown))}; use only {', '.join(PROPERTIES)}"
-            )
         self._compare_with_formulas()
         if abs(self.order - self.regularity.order) > 1e-12:
             raise CaseError(

@@ -44,5 +44,4 @@ def case() -> Case:
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by Prop. 5.4",
         families=("one-diagonal",),
-        represents=("law", "body with viscosity", "body with trace"),
     )

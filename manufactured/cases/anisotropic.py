@@ -31,5 +31,4 @@ def case() -> Case:
         reason="r and q inherit m = 2 from p, α = 4: (5.36) and order 1 by Prop. 5.4",
         pace=4,
         families=("unstructured",),
-        represents=("law", "body with viscosity"),
     )

@@ -44,5 +44,4 @@ def case() -> Case:
         reason="p and ∂_s z have the factor x, so u is smooth at the clamp; α = 4 > 7/2 and m = 2 > 3/2 give (5.36): "
         "order 1 by Prop. 5.4",
         families=("unstructured",),
-        represents=("body", "body with trace"),
     )

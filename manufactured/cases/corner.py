@@ -48,7 +48,6 @@ def case() -> Case:
         reason="α = 5 > 7/2 and m = 3 > 3/2 on both sides, u smooth at the corner: (5.36), order 1 by Prop. 5.4",
         pace=4,
         families=("unstructured",),
-        represents=("body", "law", "body with trace"),
     )
 
 

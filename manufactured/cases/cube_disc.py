@@ -41,5 +41,4 @@ def case() -> Case:
         order=1,
         reason="α = 5 > 7/2 and m = 3 > 3/2 across the circle give (5.36): order 1 by Prop. 5.4, in 3D, too",
         pace=4,
-        represents=("body", "law", "body with trace"),
     )

@@ -39,5 +39,4 @@ def case() -> Case:
         order=1,
         reason="u(t) ∈ H² for α = 13/4, m = 2 across the front: interpolation of order 1; α < 7/2 misses (5.36)",
         pace=2,
-        represents=("body with trace",),
     )

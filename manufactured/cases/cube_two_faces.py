@@ -44,7 +44,6 @@ def case() -> Case:
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 on both faces, u smooth at the edge: (5.36), order 1 by Prop. 5.4 in 3D",
         pace=3,
-        represents=("body", "law", "body with trace"),
     )
 
 

@@ -70,5 +70,4 @@ def case(
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by Prop. 5.4, G only Lipschitz",
         families=("criss-cross",),
-        represents=("law",),
     )

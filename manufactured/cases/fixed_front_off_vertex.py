@@ -28,5 +28,4 @@ def case() -> Case:
         summary="zone [0, 1/3] that stays, front off the vertices",
         solution=fixed_front_on_vertex.at(Rational(1, 3)),
         families=("unstructured",),
-        represents=(),
     )

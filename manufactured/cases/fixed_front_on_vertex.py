@@ -46,5 +46,4 @@ def case() -> Case:
         reason="fixed front with α = 3 > 5/2 and m = 2 > 3/2: u(t) ∈ H², (5.36) and order 1 by Prop. 5.4",
         pace=2,
         families=("shaken",),
-        represents=("body with trace",),
     )

@@ -42,5 +42,4 @@ def case() -> Case:
         reason="no front, u smooth in space and time: (5.36) and order 1 by Prop. 5.4",
         pace=4,
         families=("one-diagonal",),
-        represents=("body", "law", "body with trace"),
     )

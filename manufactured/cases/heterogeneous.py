@@ -37,5 +37,4 @@ def case() -> Case:
         reason="smooth coefficients do not change the regularity: α = 4, m = 2, (5.36) and order 1 by Prop. 5.4",
         pace=4,
         families=("one-diagonal",),
-        represents=("law", "body with viscosity"),
     )

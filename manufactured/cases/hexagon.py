@@ -51,7 +51,6 @@ def case() -> Case:
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 on every side give (5.36): order 1 by Prop. 5.4",
         pace=4,
-        represents=("body", "body with trace"),
     )
 
 

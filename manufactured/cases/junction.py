@@ -56,5 +56,4 @@ def case(law: KelvinVoigt = LAW, mode: Expr = ONE) -> Case:
         reason="u(t) ∈ H^{1+s} for s < 1/2 at the junction: order 1/2 on uniform meshes, 1 on graded ones",
         pace=1,
         families=("one-diagonal", "graded"),
-        represents=("body", "body with trace"),
     )

@@ -34,5 +34,4 @@ def case() -> Case:
         reason="α = 4, m = 3, less one for ∇_s q: (5.36) in each layer, not across; (5.23) is cell by cell: order 1",
         pace=4,
         families=("criss-cross",),
-        represents=("law", "body with viscosity"),
     )

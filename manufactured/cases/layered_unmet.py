@@ -38,5 +38,4 @@ def case() -> Case:
         order=0.5,
         reason="the strain jumps inside cells: u(t) ∈ H^{1+s} for s < 1/2, interpolation of order 1/2, no rate claimed",
         pace=1,
-        represents=("law", "body with viscosity"),
     )

@@ -50,5 +50,4 @@ def case() -> Case:
         reason="w and q smooth in space, u̇ bounded with one jump: u ∈ W^{1,∞}(0,T;H²), (5.36), order 1 by Prop. 5.4",
         pace=14,
         families=("unstructured",),
-        represents=("law", "body with viscosity"),
     )

@@ -42,5 +42,4 @@ def case() -> Case:
         order=1,
         reason="u(t) ∈ H² for α = 13/4, m = 2: interpolation of order 1; the proof of 5.4 gives α − 5/2 = 3/4",
         pace=4,
-        represents=("body with trace",),
     )

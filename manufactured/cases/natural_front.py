@@ -54,5 +54,4 @@ def case(law: KelvinVoigt = LAW, mode: Expr = ONE, speed: Expr = ONE, place: Exp
         order=1,
         reason="u(t) ∈ H^{5/2−ε} ⊂ H², so interpolation has order 1; the trace r^{3/2} just misses (5.36)",
         pace=1,
-        represents=("law", "body with trace"),
     )

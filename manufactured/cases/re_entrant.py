@@ -77,5 +77,4 @@ def case(
         reason="u(t) ∈ H^{1+s} for s < λ ≈ 0.5445 at the corner: that order on uniform meshes, 1 on graded ones",
         pace=1.5,
         families=("unstructured", "graded"),
-        represents=("body", "body with trace"),
     )

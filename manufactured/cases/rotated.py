@@ -36,5 +36,4 @@ def case() -> Case:
         solution=advance_recede.on(body),
         reason="nothing depends on the axes: the errors of advance-recede",
         twin=plain.name,
-        represents=("body", "body with trace"),
     )

@@ -52,5 +52,4 @@ def rough_front(
         order=float(alpha - Rational(3, 2)),
         reason=f"u(t) ∈ H^(1+s) for s < α − 3/2 = {float(alpha) - 1.5:g}: interpolation of that order, no rate claimed",
         pace=1,
-        represents=("body with trace",),
     )

@@ -65,5 +65,4 @@ def case(
         order=1,
         reason="u(t) ∈ H^{9/4−ε} ⊂ H², so interpolation has order 1; the proof of 5.4 gives 7/8 for this trace",
         pace=1,
-        represents=("body with trace",),
     )

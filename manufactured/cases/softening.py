@@ -58,5 +58,4 @@ def case() -> Case:
         order=1,
         reason="α = 5 > 7/2 and m = 3 > 3/2 give (5.36): order 1 by Prop. 5.4, G only Lipschitz",
         families=("one-diagonal",),
-        represents=("law", "body with trace"),
     )

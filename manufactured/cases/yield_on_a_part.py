@@ -54,5 +54,4 @@ def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: E
         reason="fixed front with α = 3 > 5/2 and m = 2 > 3/2: u(t) ∈ H², (5.36) and order 1 by Prop. 5.4",
         pace=6,
         families=("shaken",),
-        represents=("law",),
     )

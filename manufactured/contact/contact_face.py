@@ -151,7 +151,8 @@ class ContactFace:
                 "prescribe the strain, or take a G whose nn–sn moduli are equal to its sn–nn moduli"
             )
         elastic = relaxation_rate(stiffness, scale) * elastic
-        return cls(part, gap, Coupled.of(pressure, tuple(stress), viscous, elastic, scale, T, initial, variables), *rest)
+        coupled = Coupled.of(pressure, tuple(stress), viscous, elastic, scale, T, initial, variables)
+        return cls(part, gap, coupled, *rest)
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:

@@ -23,7 +23,7 @@ IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left o
 """States of a file in two directories. IDENTICAL: the bytes are equal. WITHIN: numbers differ within the tolerance.
 DIFFERS: there are larger differences. LEFT_OUT: only one directory has the file, and ``study run`` does not write
 it."""
-PROSE = ["statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law"]
+PROSE = ["statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law", "equation"]
 """Columns with text for readers, which are not compared."""
 KEYS = {
     "rates.csv": ("claim", "case", "family", "scheme", "level"),

@@ -29,7 +29,17 @@ from study.ledger.verdict import CheckKind
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.meshes import CELLS, EVERY, named, place, representing, space_of, split_random
+from study.statements.shared.meshes import (
+    CELLS,
+    EVERY,
+    body_of,
+    first_with_each,
+    law_of,
+    named,
+    place,
+    space_of,
+    split_random,
+)
 
 TIMES = (0.23, 0.61)
 """Times at which exact solutions are interpolated, as fractions of the final time T.
@@ -85,7 +95,8 @@ class InterpolationInV(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         if not full:
             return place(named("no-contact", "advance-recede"), EVERY, (8, 16, 32))
-        cases = [case for case in representing("body", "law", "body with law") if case.regularity.smoothness > 1]
+        cases = first_with_each(lambda case: (body_of(case), law_of(case), case.regularity.smoothness > 1))
+        cases = [case for case in cases if case.regularity.smoothness > 1]
         # Graded meshes are left out: their cells at singular points are much smaller than h, which changes the order.
         return [s for s in place(cases, EVERY, (8, 16, 32), (8, 12, 16)) if s.family != Graded().name]
 
@@ -142,7 +153,8 @@ class InterpolationOnContact(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         # Shaken meshes are left out: a few edges contribute most of the squared error Σ_e |e|⁵ |w''|²/120, so with
         # random lengths of edges the order varies by 0.3 from seed to seed.
-        cases = representing("body with trace") if full else named("advance-recede", "rough-2")
+        every = first_with_each(lambda case: (body_of(case), case.regularity.trace))
+        cases = every if full else named("advance-recede", "rough-2")
         without = Graded().name, Shaken().name
         return [s for s in place(cases, EVERY, (16, 32, 64), (8, 16, 24)) if s.family not in without]
 

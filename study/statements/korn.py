@@ -23,7 +23,7 @@ from study.ledger.verdict import CheckKind
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, smallest, strain_product
-from study.statements.shared.meshes import place, representing, space_of
+from study.statements.shared.meshes import body_of, first_with_each, place, space_of
 from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"
@@ -69,7 +69,7 @@ class Korn(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = representing("body")
+        bodies = first_with_each(body_of)
         return place(bodies, REGULAR, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, REGULAR, (4, 8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:

@@ -32,7 +32,7 @@ from study.statements.contact_force import Forces
 from study.statements.pictures import contact_weights
 from study.statements.shared.base import Setting
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import fits, representing, spacing
+from study.statements.shared.meshes import body_of, first_with_each, fits, spacing
 from study.statements.shared.scope import serving
 
 CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
@@ -436,7 +436,7 @@ def test_two_levels_and_two_seeds_are_moved_otherwise() -> None:
         assert abs(np.corrcoef(shifts(Shaken(), 8), another)[0, 1]) < 0.5
 
 
-SHAPES = (*(case.name for case in representing("body")), "layered")
+SHAPES = (*(case.name for case in first_with_each(body_of)), "layered")
 """Cases with the bodies of the catalogue, each once; one has interfaces."""
 
 

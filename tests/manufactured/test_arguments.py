@@ -98,7 +98,7 @@ CALLS = {
     KelvinVoigt: {"A": Linear(MATRIX), "G": Yield(1.0, FrobeniusBall(1.0)), "name": "law"},
     Factor: {"formula": 2 + x1, "low": 2.0, "high": 3.0, "steps": (((1.0, 0.0), 0.5),)},
     Piecewise: {"ends": (0.5, 1.0), "pieces": ((1.0, 0.5), (2.0,))},
-    Profile: {name: getattr(cutoff(2.0), name) for name in "abcde"} | {"kinks": (0.5,)},
+    Profile: {name: getattr(cutoff(2.0), name) for name in "abcdef"} | {"kinks": (0.5,)},
     cutoff: {"depth": 2.0, "phi": HERMITE},
     slab: {"depth": 2.0, "phi": HERMITE},
     layered: {"interface": 0.25, "ratio": 2.0, "depth": 0.5},
@@ -141,7 +141,6 @@ CALLS = {
         "reason": "words",
         "pace": 4.0,
         "families": ("one-diagonal",),
-        "represents": ("body",),
     },
     Data: {"body": BODY, "law": LAW, **FUNCTIONS, "lines": (((1.0, 0.0), 0.5),), "points": ((0.0, 1.0),)},
     Data.of: {"solution": SOLUTION},
@@ -193,7 +192,7 @@ OTHERS = {
 NUMBERS = {"a number", "infinity"}
 
 
-TEXTS = {Case: ("families", "represents"), Data.formulas: ("f0", "u0"), static: ("f0",)}
+TEXTS = {Case: ("families",), Data.formulas: ("f0", "u0"), static: ("f0",)}
 """Arguments that may be a list of texts, of which a formula is one."""
 SPEAKING = {pos: "pos.*: give a formula", named: "no case is called", evaluate: "points of the body|has to be"}
 """Messages that do not have the name of the argument."""

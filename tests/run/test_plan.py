@@ -13,7 +13,6 @@ from types import ModuleType
 import pytest
 
 from manufactured import Case, catalogue, named
-from manufactured.case import CaseError
 from manufactured.catalogue import NAMES
 from study.cli.main import main
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
@@ -34,7 +33,7 @@ from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
 from study.statements.rollers import Rollers
 from study.statements.shared.base import Setting
-from study.statements.shared.meshes import representing
+from study.statements.shared.meshes import body_of, first_with_each, law_of
 from study.statements.shared.scope import Levels, Scope
 from study.statements.thm_4_2 import SameMesh
 
@@ -83,13 +82,13 @@ def test_the_quick_study_measures_a_case_on_the_families_it_names_and_a_twin_on_
 
 
 @pytest.mark.parametrize("name", SCOPES)
-def test_a_case_inserted_into_the_catalogue_changes_no_measurement_of_another_case(
+def test_a_case_added_to_the_catalogue_changes_no_measurement_of_another_case(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = {job.identity for job in plan(name).jobs}
     inserted = ModuleType("inserted")
     inserted.case = lambda: replace(named("advance-recede"), name="inserted")  # type: ignore[attr-defined]
-    more = (*NAMES[:4], "inserted", *NAMES[4:])
+    more = (*NAMES, "inserted")
     monkeypatch.setitem(sys.modules, "manufactured.cases.inserted", inserted)
     for module in ("manufactured.catalogue", "study.fem.naming"):
         monkeypatch.setattr(sys.modules[module], "NAMES", more)
@@ -117,39 +116,11 @@ def test_a_case_that_names_a_family_that_cannot_mesh_its_body_is_refused() -> No
         scope("quick").families_of(hexagon)
 
 
-def shape(case: Case) -> Hashable:
-    """The same for cases with the same Ω and Γ1."""
-    return tuple((part.kind, *part.corners.ravel()) for part in case.solution.body.parts)
-
-
-def law(case: Case) -> Hashable:
-    return repr(case.solution.law.A), repr(case.solution.law.G)
-
-
-@pytest.mark.parametrize(
-    ("properties", "key"),
-    [
-        (("body",), shape),
-        (("law",), law),
-        (("body", "law", "body with law"), lambda case: (shape(case), law(case))),
-        (("body", "body with viscosity"), lambda case: (shape(case), repr(case.solution.law.A))),
-        (("body with trace",), lambda case: (shape(case), case.regularity.trace)),
-    ],
-    ids=lambda item: item[-1] if isinstance(item, tuple) else "",
-)
-def test_each_body_and_each_law_is_represented_by_exactly_one_case(
-    properties: tuple[str, ...], key: Callable[[Case], Hashable]
-) -> None:
-    representing_names = [(key(case), case.name) for case in representing(*properties)]
-    of_case = {case.name: [name for one, name in representing_names if one == key(case)] for case in catalogue()}
-    assert {name: found for name, found in of_case.items() if len(found) != 1} == {}, (
-        f"exactly one case must represent the {properties[-1]} of each case; see `represents` in its file"
-    )
-
-
-def test_a_case_that_represents_an_unknown_property_is_refused() -> None:
-    with pytest.raises(CaseError, match="full-contact: represents has colour; use only body, law, body with law"):
-        replace(named("full-contact"), represents=("body", "colour"))
+@pytest.mark.parametrize("feature", [body_of, law_of])
+def test_every_body_and_every_law_is_measured_in_one_case(feature: Callable[[Case], Hashable]) -> None:
+    measured = [feature(case) for case in first_with_each(feature)]
+    assert len(set(measured)) == len(measured)
+    assert set(measured) == {feature(case) for case in catalogue()}
 
 
 def test_both_formulations_are_compared_on_one_family_of_a_case_in_the_quick_study_and_on_all_in_the_full_one() -> None:

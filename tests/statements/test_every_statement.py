@@ -15,7 +15,7 @@ from study.statements.error_bounds import ErrorBounds
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn
 from study.statements.shared.base import ListedNumbers
-from study.statements.shared.meshes import EVERY, place, representing, space_of
+from study.statements.shared.meshes import EVERY, body_of, first_with_each, place, space_of
 from study.statements.shared.scope import Levels, Scope
 from study.statements.uniqueness import OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
@@ -68,7 +68,7 @@ def test_every_judged_row_can_fail_and_without_a_quantity_its_row_is_undecided(s
 
 
 def test_levels_are_moved_to_where_the_ends_of_parts_are_vertices() -> None:
-    assert all(space_of(setting).dofs for setting in place(representing("body"), EVERY, (5,), (2,)))
+    assert all(space_of(setting).dofs for setting in place(first_with_each(body_of), EVERY, (5,), (2,)))
 
 
 # Studies that cannot be measured are refused before anything is solved.

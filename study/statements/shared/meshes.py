@@ -16,7 +16,7 @@ On 8 × 8 cells with a contact front δ_n is about 1/20. Two remedies reduce thi
   0.006 for n = 8, 16 and 32, so nearly all scatter of an order came from the coarsest mesh.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from functools import lru_cache
 
 from manufactured.body import Body
@@ -44,9 +44,22 @@ def named(*names: str) -> list[Case]:
     return [resolve(name) for name in names]
 
 
-def representing(*properties: str) -> list[Case]:
-    """Return the cases of the catalogue that represent at least one of the given properties (``Case.represents``)."""
-    return [case for case in catalogue() if not set(properties).isdisjoint(case.represents)]
+def first_with_each(feature: Callable[[Case], Hashable]) -> list[Case]:
+    """Return the first case of the catalogue with each value of a feature."""
+    first: dict[Hashable, Case] = {}
+    for case in catalogue():
+        first.setdefault(feature(case), case)
+    return list(first.values())
+
+
+def body_of(case: Case) -> Hashable:
+    """Return the parts of the boundary of a case, which are equal for equal bodies."""
+    return tuple((part.kind, *part.corners.ravel()) for part in case.solution.body.parts)
+
+
+def law_of(case: Case) -> Hashable:
+    """Return the moduli of a case, which are equal for equal laws."""
+    return repr(case.solution.law.A), repr(case.solution.law.G)
 
 
 def space_of(setting: Setting) -> Space:
