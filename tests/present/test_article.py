@@ -39,6 +39,7 @@ SETTINGS = {
 STATEMENT = r"(?:Problems?|Theorems?|Propositions?)[~ ][2-5]\.\d+(?: and(?:~| |\n)(?:Proposition~)?[2-5]\.\d+)?"
 EQUATION = r"\([2-5]\.\d{1,2}\)"
 LAYOUT = r"\.\d+\\linewidth|\\setlength\{[^}]*\}\{[^}]*\}|\\documentclass\[[^]]*\]"
+LABEL, PREFIXED = r"\\label\{([^}]*)\}", ("theory", "supplement")
 MACRO = re.compile(r"\\newcommand\{\\([A-Za-z]+)\}\{(.*)\}")
 
 
@@ -129,16 +130,18 @@ def whole(name: str) -> str:
 
 @pytest.mark.parametrize("names", [("theory",), ("study", "supplement")], ids=" and ".join)
 def test_every_statement_has_one_proof_and_every_reference_a_label_in_the_paper_or_its_supplement(names) -> None:
-    source = "".join(whole(name) for name in names)
-    labels = re.findall(r"\\label\{([^}]*)\}", source)
+    source, everything = ("".join(map(whole, of)) for of in (names, ("theory", "study", "supplement")))
+    labels = re.findall(LABEL, source)
     assert len(set(labels)) == len(labels)
-    assert set(re.findall(r"\\(?:eq)?ref\{([^}]*)\}", source)) <= set(labels)
+    # T- and S- stand for labels of theory.tex and supplement.tex in the other documents.
+    elsewhere = {f"{name[0].upper()}-{label}" for name in PREFIXED for label in re.findall(LABEL, whole(name))}
+    assert set(re.findall(r"\\(?:eq)?ref\{([^}]*)\}", source)) <= {*labels, *elsewhere}
     begins = [match.start() for match in re.finditer(r"\\begin\{(theorem|lemma|proposition|corollary)\}", source)]
     assert len(begins) > 9
     for start, following in pairwise([*begins, len(source)]):
         (label,) = re.findall(r"\\label\{((?:thm|lem|prop|cor):[\w-]+)\}", source[start:following])
         after = len(re.findall(r"\\begin\{proof\}(?!\[Proof of)", source[start:following]))
-        named = len(re.findall(rf"\\begin\{{proof\}}\[Proof of \w+~\\ref\{{{label}\}}\]", source))
+        named = len(re.findall(rf"\\begin\{{proof\}}\[Proof of \w+~\\ref\{{(?:[ST]-)?{label}\}}[^]]*\]", everything))
         assert after + named == 1, label
 
 
