@@ -78,7 +78,6 @@ def test_numbers_on_finer_meshes_are_measured_again_on_the_coarsest() -> None:
         assert value == pytest.approx(committed[name], rel=1e-4), name
 
 
-@pytest.mark.parametrize(("n", "value"), [(16, 0.82656), (32, 0.84815), (64, 0.84629)])
-def test_the_nodal_error_near_the_front_is_that_of_a_program_with_other_quadrature(n: int, value: float) -> None:
-    measured = fine_levels.natural_front(n)["nodal error near the front / θ h^(3/2)"]
-    assert measured == pytest.approx(value, rel=1e-5)
+def test_nodal_errors_near_the_front_are_those_of_a_program_with_another_quadrature() -> None:
+    measured = fine_levels.natural_front(16)["nodal error near the front / θ h^(3/2)"]
+    assert measured == pytest.approx(0.82656, rel=1e-5)
